@@ -1,0 +1,64 @@
+"""Errors that a user can act on: each message is one line that names the place and the cure."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+
+class ShoecalError(Exception):
+    """Root of every error this project raises on purpose."""
+
+
+class FileError(ShoecalError):
+    """A file that cannot be used: names the file, the field and the cure.
+
+    Attributes:
+        path: the file.
+        field: dotted path of the offending field, empty for the file as a whole.
+    """
+
+    def __init__(self, path: Path | str, problem: str, *, field: str = "") -> None:
+        self.path = Path(path)
+        self.field = field
+        self.problem = problem
+        where = f"{path}: {field}" if field else f"{path}"
+        super().__init__(f"{where}: {problem}")
+
+
+class VersionError(FileError):
+    """A file written by a newer version of this software."""
+
+    def __init__(self, path: Path | str, found: object, known: int) -> None:
+        self.found = found
+        self.known = known
+        super().__init__(
+            path,
+            f"version {found} is not known here (newest known: {known}); update shoecal",
+            field="format",
+        )
+
+
+class NameNotFoundError(ShoecalError):
+    """A name that does not exist among the ones that do.
+
+    Attributes:
+        name: what was asked for.
+        available: what there is.
+    """
+
+    def __init__(self, kind: str, name: str, available: Sequence[str]) -> None:
+        self.kind = kind
+        self.name = name
+        self.available = tuple(available)
+        listed = ", ".join(self.available) if self.available else "none"
+        super().__init__(f"no {kind} named '{name}' (there are: {listed})")
+
+
+class ShapeError(ShoecalError):
+    """An array of another shape than expected."""
+
+    def __init__(self, name: str, expected: str, got: tuple[int, ...]) -> None:
+        self.expected = expected
+        self.got = got
+        super().__init__(f"{name}: expected shape {expected}, got {got}")

@@ -1,0 +1,275 @@
+"""Reading and writing files so that nothing is lost and nothing is guessed.
+
+`Fields` walks a parsed YAML mapping and turns whatever is missing or wrong into one
+`FileError` that names the file and the dotted field.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+import tempfile
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import cast
+
+import numpy as np
+import yaml
+from numpy.typing import NDArray
+
+from shoecal_core.errors import FileError, VersionError
+
+MAX_YAML_BYTES = 16 * 2**20
+"""Larger configuration files are refused before they are parsed."""
+
+
+def atomic_write(path: Path, content: bytes | str) -> None:
+    """Write a file so that after a kill at any moment it is the old one or the new one, whole.
+
+    Raises:
+        FileError: when the folder does not exist or cannot be written.
+    """
+    path = Path(path)
+    data = content.encode() if isinstance(content, str) else content
+    try:
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    except OSError as error:
+        raise FileError(
+            path, f"cannot be written ({error.strerror}); check the folder and its rights"
+        ) from error
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(data)
+            file.flush()
+            os.fsync(file.fileno())
+        os.chmod(name, 0o666 & ~_umask())
+        os.replace(name, path)
+    except OSError as error:
+        Path(name).unlink(missing_ok=True)
+        raise FileError(
+            path, f"cannot be written ({error.strerror}); the file before it is untouched"
+        ) from error
+    _sync_folder(path.parent)
+
+
+def sha256(path: Path) -> str:
+    """Hexadecimal SHA-256 of a file's content."""
+    return hashlib.sha256(read_bytes(path)).hexdigest()
+
+
+def read_bytes(path: Path) -> bytes:
+    """Content of a file; FileError where it cannot be read."""
+    try:
+        return Path(path).read_bytes()
+    except OSError as error:
+        raise FileError(path, f"cannot be read ({error.strerror})") from error
+
+
+def read_yaml(path: Path) -> Fields:
+    """Read a YAML mapping, safely: no code runs, no alias bomb unfolds, no number is guessed."""
+    content = read_bytes(path)
+    if len(content) > MAX_YAML_BYTES:
+        raise FileError(path, f"larger than {MAX_YAML_BYTES >> 20} MiB; not a configuration file")
+    try:
+        value = yaml.load(content, Loader=_Loader)
+    except (yaml.YAMLError, ValueError, RecursionError, OverflowError) as error:
+        mark = getattr(error, "problem_mark", None)
+        line = f" at line {mark.line + 1}" if mark is not None else ""
+        raise FileError(path, f"not valid YAML{line}; mend the syntax") from error
+    if not isinstance(value, dict):
+        raise FileError(path, "expected a mapping of keys to values at the top level")
+    return Fields(Path(path), "", value)
+
+
+def write_yaml(path: Path, value: Mapping[str, object]) -> None:
+    """Write a mapping as YAML, atomically, keys in the order given."""
+    text = yaml.safe_dump(dict(value), sort_keys=False, default_flow_style=None, width=100)
+    atomic_write(path, text)
+
+
+class Fields:
+    """One mapping of a file, read field by field with errors that name the field."""
+
+    def __init__(self, path: Path, prefix: str, values: Mapping[object, object]) -> None:
+        self.path = path
+        self.prefix = prefix
+        self._values = values
+
+    def __contains__(self, key: str) -> bool:
+        return self._values.get(key) is not None
+
+    def keys(self) -> list[str]:
+        """Keys present, as text."""
+        return [str(key) for key in self._values]
+
+    def error(self, key: str, problem: str) -> FileError:
+        """The error to raise for one field."""
+        return FileError(self.path, problem, field=self._name(key))
+
+    def only(self, *known: str) -> None:
+        """Refuse unknown keys: a typo must not silently become a default."""
+        for key in self.keys():
+            if key not in known:
+                raise self.error(key, f"unknown key; known: {', '.join(known)}")
+
+    def format(self, known: int) -> int:
+        """Check the file's version."""
+        version = self.integer("format")
+        if version > known:
+            raise VersionError(self.path, version, known)
+        if version < 1:
+            raise self.error("format", f"must be 1 to {known}")
+        return version
+
+    def value(self, key: str) -> object:
+        """A required value of any kind."""
+        if key not in self:
+            raise self.error(key, "is missing; add it")
+        return self._values[key]
+
+    def text(self, key: str, default: str | None = None) -> str:
+        """A string."""
+        if default is not None and key not in self:
+            return default
+        value = self.value(key)
+        if not isinstance(value, str):
+            raise self.error(key, f"expected text, got {value!r}")
+        return value
+
+    def boolean(self, key: str, default: bool | None = None) -> bool:
+        """True or false."""
+        if default is not None and key not in self:
+            return default
+        value = self.value(key)
+        if not isinstance(value, bool):
+            raise self.error(key, f"expected true or false, got {value!r}")
+        return value
+
+    def integer(self, key: str, default: int | None = None, *, minimum: int | None = None) -> int:
+        """A whole number."""
+        if default is not None and key not in self:
+            return default
+        value = self.value(key)
+        if isinstance(value, bool) or not isinstance(value, int):
+            raise self.error(key, f"expected a whole number, got {value!r}")
+        if minimum is not None and value < minimum:
+            raise self.error(key, f"must be at least {minimum}, got {value}")
+        return value
+
+    def number(
+        self,
+        key: str,
+        default: float | None = None,
+        *,
+        minimum: float = -math.inf,
+        above: float = -math.inf,
+        maximum: float = math.inf,
+    ) -> float:
+        """A finite number within bounds."""
+        if default is not None and key not in self:
+            return default
+        value = self._finite(key, self.value(key))
+        if value < minimum or value <= above or value > maximum:
+            low = f"at least {minimum:g}" if minimum > -math.inf else ""
+            low = f"above {above:g}" if above > -math.inf else low
+            high = f"at most {maximum:g}" if maximum < math.inf else ""
+            raise self.error(key, f"must be {' and '.join(filter(None, (low, high)))}, got {value:g}")
+        return value
+
+    def array(self, key: str, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
+        """Finite numbers of a given shape; None in the shape stands for any length."""
+        value = self.value(key)
+        flat = [self._finite(key, item) for item in _flatten(value)]
+        try:
+            array = np.asarray(value, dtype=np.float64)
+        except (ValueError, TypeError) as error:
+            raise self.error(key, "expected numbers in rows of equal length") from error
+        fits = array.ndim == len(shape) and all(
+            want is None or want == got for want, got in zip(shape, array.shape, strict=True)
+        )
+        if not fits or array.size != len(flat):
+            wanted = " x ".join("n" if want is None else str(want) for want in shape)
+            raise self.error(key, f"expected {wanted} numbers, got shape {array.shape}")
+        return array
+
+    def mapping(self, key: str) -> Fields:
+        """A nested mapping."""
+        value = self.value(key)
+        if not isinstance(value, dict):
+            raise self.error(key, "expected a mapping of keys to values")
+        return Fields(self.path, self._name(key), value)
+
+    def items(self, key: str) -> list[Fields]:
+        """A list of mappings."""
+        value = self.value(key)
+        if not isinstance(value, list):
+            raise self.error(key, "expected a list")
+        for index, item in enumerate(value):
+            if not isinstance(item, dict):
+                raise self.error(f"{key}[{index}]", "expected a mapping of keys to values")
+        return [
+            Fields(self.path, f"{self._name(key)}[{index}]", item)
+            for index, item in enumerate(value)
+        ]
+
+    def texts(self, key: str) -> list[str]:
+        """A list of strings."""
+        value = self.value(key)
+        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+            raise self.error(key, "expected a list of names")
+        return cast(list[str], value)
+
+    def choice(self, key: str, choices: Mapping[str, object]) -> str:
+        """One of a few names."""
+        value = self.text(key)
+        if value not in choices:
+            raise self.error(key, f"'{value}' is not one of: {', '.join(choices)}")
+        return value
+
+    def _name(self, key: str) -> str:
+        return f"{self.prefix}.{key}" if self.prefix else key
+
+    def _finite(self, key: str, value: object) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self.error(key, f"expected a number, got {value!r}")
+        try:
+            number = float(value)
+        except OverflowError as error:
+            raise self.error(key, "number too large") from error
+        if not math.isfinite(number):
+            raise self.error(key, f"expected a finite number, got {value!r}")
+        return number
+
+
+class _Loader(yaml.SafeLoader):
+    """Safe loader without aliases: a few bytes must not unfold into gigabytes."""
+
+    def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
+        if self.check_event(yaml.AliasEvent):
+            mark = self.peek_event().start_mark
+            raise yaml.composer.ComposerError(None, None, "aliases are not allowed", mark)
+        return super().compose_node(parent, index)
+
+
+def _flatten(value: object) -> Iterator[object]:
+    if isinstance(value, list):
+        for item in value:
+            yield from _flatten(item)
+    else:
+        yield value
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def _sync_folder(folder: Path) -> None:
+    """Make the rename itself durable."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)

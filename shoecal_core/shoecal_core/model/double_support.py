@@ -1,0 +1,49 @@
+"""Where the right foot stands relative to the left."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import ShoecalError
+
+
+@dataclass(frozen=True)
+class DoubleSupport:
+    """Pose of the right sole in the left sole's frame, both on one level floor.
+
+    Attributes:
+        dx: forward [m].
+        dy: to the left [m]; negative where the right foot stands on the right.
+        dtheta: counter-clockwise [rad].
+    """
+
+    dx: float
+    dy: float
+    dtheta: float
+
+    def __post_init__(self) -> None:
+        if not all(math.isfinite(value) for value in (self.dx, self.dy, self.dtheta)):
+            raise ShoecalError(f"{self}: dx, dy and dtheta must be finite numbers")
+
+    @property
+    def rotation(self) -> NDArray[np.float64]:
+        """(2, 2) turns vectors of the right sole's frame into the left's."""
+        c, s = math.cos(self.dtheta), math.sin(self.dtheta)
+        return np.array([[c, -s], [s, c]])
+
+    @property
+    def translation(self) -> NDArray[np.float64]:
+        """(2,) origin of the right sole in the left sole's frame [m]."""
+        return np.array([self.dx, self.dy])
+
+    def right_to_left(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points (..., 2) of the right sole's frame in the left sole's frame [m]."""
+        return points @ self.rotation.T + self.translation
+
+    def left_to_right(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Points (..., 2) of the left sole's frame in the right sole's frame [m]."""
+        return (points - self.translation) @ self.rotation

@@ -1,0 +1,230 @@
+"""A robot as data: its kinematic and mass model, feet, legs, capsules and foot range."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from shoecal_core.errors import NameNotFoundError, ShapeError, ShoecalError
+
+GRAVITY = 9.80665
+"""Standard acceleration of gravity [m/s^2]."""
+
+
+class JointsMissingError(ShoecalError):
+    """Joint angles that do not belong to the robot file in use.
+
+    Attributes:
+        missing: joints of the robot that were not given.
+        given: joints that were given.
+    """
+
+    def __init__(self, robot: str, missing: Sequence[str], given: Sequence[str]) -> None:
+        self.missing = tuple(missing)
+        self.given = tuple(given)
+        listed = ", ".join(sorted(given)) or "none"
+        super().__init__(
+            f"robot '{robot}' needs joint(s) {', '.join(missing)}, but only these were given: "
+            f"{listed}; check the robot file's joint names or list them under 'optional_joints'"
+        )
+
+
+@dataclass(frozen=True)
+class Foot:
+    """One foot.
+
+    Attributes:
+        frame: index of its sole frame in the model.
+        joint: index of the model's joint that carries it.
+        placement: the sole frame in that joint's frame.
+        outline: (k, 2) convex outline of the sole, counter-clockwise, sole frame [m].
+        sensing_polygon: (k, 2) where the CoP may be, counter-clockwise, sole frame [m].
+    """
+
+    frame: int
+    joint: int
+    placement: pin.SE3
+    outline: NDArray[np.float64]
+    sensing_polygon: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SharedMotor:
+    """A joint driven by another joint's motor: angle = ratio * leader's angle."""
+
+    joint: int
+    leader: int
+    ratio: float
+
+
+@dataclass(frozen=True)
+class Capsule:
+    """A link's shape: all points within `radius` of a segment.
+
+    Attributes:
+        name: for messages.
+        joint: index of the model's joint that carries it.
+        start, end: (3,) of the segment in that joint's frame [m].
+        radius: [m].
+    """
+
+    name: str
+    joint: int
+    start: NDArray[np.float64]
+    end: NDArray[np.float64]
+    radius: float
+
+
+@dataclass(frozen=True)
+class SupportRange:
+    """Where the right foot may stand relative to the left, as a grid.
+
+    Attributes:
+        lower, upper, step: (3,) of dx [m], dy [m], dtheta [rad].
+        neutral: (3,) the double support of normal standing.
+    """
+
+    lower: NDArray[np.float64]
+    upper: NDArray[np.float64]
+    step: NDArray[np.float64]
+    neutral: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Robot:
+    """A humanoid on two feet, with the shoes it wears (if any) included.
+
+    Arrays of joints have one entry a joint of the URDF, in `joint_names`' order.
+
+    Attributes:
+        name: of the robot.
+        path, digest: the robot file and its SHA-256.
+        urdf, urdf_digest: the URDF file and its SHA-256.
+        model: Pinocchio model on a free-flying base, shoes included.
+        mass: robot with shoes [kg].
+        mass_std: its standard uncertainty [kg].
+        feet: left, right.
+        legs: (k,) indices of the joints that the planner moves; shared motors once.
+        shared: joints that follow another joint's motor.
+        posture: (m,) where joints stand that nobody moves, and where planning starts [rad].
+        optional: joints that may be absent from measurements; they are then at `posture`.
+        capsules, collision_pairs: shapes, and pairs of indices that must not touch.
+        support_range: allowed double supports.
+    """
+
+    name: str
+    path: Path
+    digest: str
+    urdf: Path
+    urdf_digest: str
+    model: pin.Model
+    mass: float
+    mass_std: float
+    feet: tuple[Foot, Foot]
+    legs: NDArray[np.int64]
+    shared: tuple[SharedMotor, ...]
+    posture: NDArray[np.float64]
+    optional: frozenset[str]
+    capsules: tuple[Capsule, ...]
+    collision_pairs: tuple[tuple[int, int], ...]
+    support_range: SupportRange
+
+    @property
+    def weight(self) -> float:
+        """Weight of robot and shoes [N]."""
+        return self.mass * GRAVITY
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Joints of the URDF, m of them."""
+        return tuple(list(self.model.names)[2:])
+
+    @cached_property
+    def leg_names(self) -> tuple[str, ...]:
+        """Joints that the planner moves."""
+        return tuple(self.joint_names[index] for index in self.legs)
+
+    @property
+    def lower(self) -> NDArray[np.float64]:
+        """(m,) lower joint limits [rad]."""
+        return np.asarray(self.model.lowerPositionLimit)[7:]
+
+    @property
+    def upper(self) -> NDArray[np.float64]:
+        """(m,) upper joint limits [rad]."""
+        return np.asarray(self.model.upperPositionLimit)[7:]
+
+    @property
+    def velocity_limit(self) -> NDArray[np.float64]:
+        """(m,) joint velocity limits [rad/s]."""
+        return np.asarray(self.model.velocityLimit)[6:]
+
+    @property
+    def effort_limit(self) -> NDArray[np.float64]:
+        """(m,) joint torque limits [N m]."""
+        return np.asarray(self.model.effortLimit)[6:]
+
+    def joint(self, name: str) -> int:
+        """Index of a joint in arrays of joints."""
+        try:
+            return self.joint_names.index(name)
+        except ValueError:
+            raise NameNotFoundError("joint", name, self.joint_names) from None
+
+    def from_legs(
+        self, leg_angles: NDArray[np.float64], others: NDArray[np.float64] | None = None
+    ) -> NDArray[np.float64]:
+        """All joint angles (..., m) from the planned ones (..., k).
+
+        Args:
+            leg_angles: of `legs` [rad].
+            others: (m,) angles of everything else; `posture` where not given.
+        """
+        if leg_angles.shape[-1] != len(self.legs):
+            raise ShapeError("leg angles", f"(..., {len(self.legs)})", leg_angles.shape)
+        base = self.posture if others is None else others
+        angles = np.broadcast_to(base, (*leg_angles.shape[:-1], len(base))).copy()
+        angles[..., self.legs] = leg_angles
+        for shared in self.shared:
+            angles[..., shared.joint] = shared.ratio * angles[..., shared.leader]
+        return angles
+
+    def from_measured(
+        self, names: Sequence[str], positions: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """All joint angles (..., m) from measured ones (..., len(names)), whatever their order.
+
+        Joints that share a motor may be given once or twice; optional joints may be absent
+        or NaN and are then taken at `posture`.
+
+        Raises:
+            JointsMissingError: when a joint is neither given nor derivable.
+        """
+        if positions.shape[-1] != len(names):
+            raise ShapeError("positions", f"(..., {len(names)})", positions.shape)
+        column = {name: index for index, name in enumerate(names)}
+        angles = np.broadcast_to(
+            self.posture, (*positions.shape[:-1], len(self.joint_names))
+        ).copy()
+        derivable = {shared.joint for shared in self.shared}
+        missing = []
+        for index, name in enumerate(self.joint_names):
+            if name in column:
+                value = positions[..., column[name]]
+                if name in self.optional:
+                    value = np.where(np.isfinite(value), value, self.posture[index])
+                angles[..., index] = value
+            elif name not in self.optional and index not in derivable:
+                missing.append(name)
+        if missing:
+            raise JointsMissingError(self.name, missing, names)
+        for shared in self.shared:
+            if self.joint_names[shared.joint] not in column:
+                angles[..., shared.joint] = shared.ratio * angles[..., shared.leader]
+        return angles

@@ -1,0 +1,259 @@
+"""Reading a robot file and its URDF."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import shapely
+from numpy.typing import NDArray
+
+from shoecal_core.errors import FileError
+from shoecal_core.files import Fields, read_bytes, read_yaml, sha256
+from shoecal_core.model.robot import Capsule, Foot, Robot, SharedMotor, SupportRange
+from shoecal_core.sensing.shoe import FEET, Shoe
+
+FORMAT = 1
+_ROOT_JOINTS = 2  # Pinocchio's universe and free-flyer stand before the robot's own joints.
+
+
+def load_robot(path: Path, shoe: Shoe | None = None) -> Robot:
+    """Read ROBOT.yaml and its URDF; put the shoes on where there are any.
+
+    With shoes the sole frames are on the shoes' floor side, and the shoes' masses are part
+    of the model.
+
+    Raises:
+        FileError: for anything missing, mistyped or impossible, naming file and field.
+    """
+    path = Path(path)
+    fields = read_yaml(path)
+    fields.format(FORMAT)
+    fields.only(
+        "format", "name", "urdf", "weight", "feet", "legs", "shared_motors", "optional_joints",
+        "posture_rad", "support_range", "capsules", "collision_pairs",
+    )  # fmt: skip
+    urdf = path.parent / fields.text("urdf")
+    model = _read_urdf(urdf)
+    weight = fields.mapping("weight")
+    weight.only("mass_kg", "std_kg")
+    mass = weight.number("mass_kg", above=0.0)
+    _scale_mass(model, mass, urdf)
+    feet = _feet(fields.mapping("feet"), model, 0.0 if shoe is None else shoe.height)
+    if shoe is not None:
+        _put_on(model, feet, shoe)
+        mass += shoe.mass
+    names = list(model.names)[_ROOT_JOINTS:]
+    shared = _shared(fields, names)
+    capsules = _capsules(fields, model)
+    return Robot(
+        name=fields.text("name"),
+        path=path,
+        digest=sha256(path),
+        urdf=urdf,
+        urdf_digest=sha256(urdf),
+        model=model,
+        mass=mass,
+        mass_std=weight.number("std_kg", minimum=0.0),
+        feet=feet,
+        legs=_legs(fields, names, shared),
+        shared=shared,
+        posture=_posture(fields, model, names, shared),
+        optional=frozenset(_known_joints(fields, "optional_joints", names)),
+        capsules=capsules,
+        collision_pairs=_pairs(fields, capsules),
+        support_range=_support_range(fields.mapping("support_range")),
+    )
+
+
+def _read_urdf(path: Path) -> pin.Model:
+    text = read_bytes(path).decode("utf-8", errors="replace")
+    if "<robot" not in text:
+        raise FileError(path, "not a URDF (no <robot> element)")
+    try:
+        model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
+    except (ValueError, RuntimeError, IndexError) as error:
+        reason = str(error).splitlines()[0] if str(error) else "rejected by the parser"
+        raise FileError(path, f"not a usable URDF: {reason}") from error
+    for index in range(_ROOT_JOINTS, model.njoints):
+        if model.joints[index].nq != 1:
+            raise FileError(
+                path,
+                "only revolute and prismatic joints with limits are understood",
+                field=f"joint {model.names[index]}",
+            )
+    lower, upper = model.lowerPositionLimit[7:], model.upperPositionLimit[7:]
+    for name, low, high in zip(list(model.names)[_ROOT_JOINTS:], lower, upper, strict=True):
+        if not (np.isfinite(low) and np.isfinite(high) and low < high):
+            raise FileError(
+                path,
+                f"limits {low:g} to {high:g} are missing or crossed; give lower < upper",
+                field=f"joint {name}",
+            )
+    return model
+
+
+def _scale_mass(model: pin.Model, mass: float, urdf: Path) -> None:
+    """Scale the URDF's masses to the weighed one: a CoM depends on their ratios only."""
+    total = sum(inertia.mass for inertia in model.inertias)
+    if not total > 0.0:
+        raise FileError(urdf, "no link has a mass; the CoM needs them", field="inertial")
+    for index, inertia in enumerate(model.inertias):
+        if inertia.mass > 0.0:
+            scale = mass / total
+            model.inertias[index] = pin.Inertia(
+                inertia.mass * scale, inertia.lever, inertia.inertia * scale
+            )
+
+
+def _feet(fields: Fields, model: pin.Model, shoe_height: float) -> tuple[Foot, Foot]:
+    fields.only(*FEET)
+    left, right = (_foot(fields.mapping(name), name, model, shoe_height) for name in FEET)
+    return left, right
+
+
+def _foot(fields: Fields, name: str, model: pin.Model, shoe_height: float) -> Foot:
+    fields.only("link", "sole_xyz_m", "sole_rpy_rad", "outline_m", "sensing_polygon_m")
+    joint, link = _link(fields, "link", model)
+    roll, pitch, yaw = fields.array("sole_rpy_rad", (3,))
+    sole = pin.SE3(pin.rpy.rpyToMatrix(roll, pitch, yaw), fields.array("sole_xyz_m", (3,)))
+    below = pin.SE3(np.eye(3), np.array([0.0, 0.0, -shoe_height]))
+    placement = link * sole * below
+    frame = model.addFrame(
+        pin.Frame(f"{name}_sole", joint, placement, pin.FrameType.OP_FRAME), False
+    )
+    outline = _convex(fields, "outline_m")
+    sensing = _convex(fields, "sensing_polygon_m")
+    if not shapely.Polygon(outline).buffer(1e-6).contains(shapely.Polygon(sensing)):
+        raise fields.error("sensing_polygon_m", "lies partly outside 'outline_m'; shrink it")
+    return Foot(frame, joint, placement, outline, sensing)
+
+
+def _convex(fields: Fields, key: str) -> NDArray[np.float64]:
+    """A convex polygon, returned counter-clockwise."""
+    points = fields.array(key, (None, 2))
+    if len(points) < 3:
+        raise fields.error(key, "needs at least three corners")
+    polygon = shapely.Polygon(points)
+    if not polygon.is_valid or polygon.area < 1e-6:
+        raise fields.error(key, "crosses itself or has no area; list the corners in order")
+    if polygon.convex_hull.area - polygon.area > 1e-9:
+        raise fields.error(key, "is not convex; list its convex hull")
+    return points if polygon.exterior.is_ccw else points[::-1]
+
+
+def _put_on(model: pin.Model, feet: tuple[Foot, Foot], shoe: Shoe) -> None:
+    for foot, plates in zip(feet, shoe.plates, strict=True):
+        for mass, com in (
+            (plates.mass_above, plates.com_above),
+            (plates.mass_below, plates.com_below),
+        ):
+            inertia = pin.Inertia(mass, com, np.zeros((3, 3)))
+            model.appendBodyToJoint(foot.joint, inertia, foot.placement)
+
+
+def _legs(
+    fields: Fields, names: list[str], shared: tuple[SharedMotor, ...]
+) -> NDArray[np.int64]:
+    legs = _known_joints(fields, "legs", names)
+    if len(legs) < 6:
+        raise fields.error("legs", f"{len(legs)} joints cannot keep two feet in place")
+    followers = {names[motor.joint] for motor in shared}
+    for name in legs:
+        if name in followers or legs.count(name) > 1:
+            raise fields.error("legs", f"'{name}' must stand once, and only as its motor's leader")
+    return np.array([names.index(name) for name in legs])
+
+
+def _shared(fields: Fields, names: list[str]) -> tuple[SharedMotor, ...]:
+    motors = []
+    for item in fields.items("shared_motors") if "shared_motors" in fields else []:
+        item.only("joint", "leader", "ratio")
+        motors.append(
+            SharedMotor(
+                joint=names.index(item.choice("joint", dict.fromkeys(names))),
+                leader=names.index(item.choice("leader", dict.fromkeys(names))),
+                ratio=item.number("ratio"),
+            )
+        )
+    return tuple(motors)
+
+
+def _known_joints(fields: Fields, key: str, names: list[str]) -> list[str]:
+    found = fields.texts(key) if key in fields else []
+    for name in found:
+        if name not in names:
+            raise fields.error(key, f"the URDF has no joint '{name}' (it has: {', '.join(names)})")
+    return found
+
+
+def _posture(
+    fields: Fields, model: pin.Model, names: list[str], shared: tuple[SharedMotor, ...]
+) -> NDArray[np.float64]:
+    block = fields.mapping("posture_rad")
+    posture = np.zeros(len(names))
+    for name in block.keys():
+        if name not in names:
+            raise block.error(name, f"the URDF has no such joint (it has: {', '.join(names)})")
+        posture[names.index(name)] = block.number(name)
+    for motor in shared:
+        posture[motor.joint] = motor.ratio * posture[motor.leader]
+    for name, value, low, high in zip(
+        names, posture, model.lowerPositionLimit[7:], model.upperPositionLimit[7:], strict=True
+    ):
+        if not low <= value <= high:
+            raise block.error(name, f"{value:g} lies outside the joint's {low:g} to {high:g} rad")
+    return posture
+
+
+def _link(fields: Fields, key: str, model: pin.Model) -> tuple[int, pin.SE3]:
+    """Joint that carries a link, and the link's frame in that joint's frame."""
+    name = fields.text(key)
+    links = [frame.name for frame in model.frames if frame.type == pin.FrameType.BODY]
+    if name not in links:
+        raise fields.error(key, f"the URDF has no link '{name}' (it has: {', '.join(links)})")
+    frame = model.frames[model.getFrameId(name, pin.FrameType.BODY)]
+    return int(frame.parentJoint), frame.placement
+
+
+def _capsules(fields: Fields, model: pin.Model) -> tuple[Capsule, ...]:
+    capsules = []
+    for item in fields.items("capsules") if "capsules" in fields else []:
+        item.only("name", "link", "from_m", "to_m", "radius_m")
+        joint, link = _link(item, "link", model)
+        capsules.append(
+            Capsule(
+                name=item.text("name"),
+                joint=joint,
+                start=link.act(item.array("from_m", (3,))),
+                end=link.act(item.array("to_m", (3,))),
+                radius=item.number("radius_m", above=0.0),
+            )
+        )
+    return tuple(capsules)
+
+
+def _pairs(fields: Fields, capsules: tuple[Capsule, ...]) -> tuple[tuple[int, int], ...]:
+    names = [capsule.name for capsule in capsules]
+    pairs = []
+    for item in fields.items("collision_pairs") if "collision_pairs" in fields else []:
+        item.only("a", "b")
+        a, b = (item.choice(key, dict.fromkeys(names)) for key in ("a", "b"))
+        pairs.append((names.index(a), names.index(b)))
+    return tuple(pairs)
+
+
+def _support_range(fields: Fields) -> SupportRange:
+    fields.only("dx_m", "dy_m", "dtheta_rad")
+    rows = []
+    for key in ("dx_m", "dy_m", "dtheta_rad"):
+        axis = fields.mapping(key)
+        axis.only("lower", "upper", "step", "neutral")
+        lower, upper = axis.number("lower"), axis.number("upper")
+        if lower > upper:
+            raise axis.error("lower", f"{lower:g} is above 'upper' ({upper:g})")
+        neutral = axis.number("neutral", minimum=lower, maximum=upper)
+        rows.append((lower, upper, axis.number("step", above=0.0), neutral))
+    lower_, upper_, step, neutral_ = np.array(rows).T
+    return SupportRange(lower_, upper_, step, neutral_)

@@ -1,0 +1,1 @@
+"""From raw channel readings to ground reaction force (GRF) and centre of pressure (CoP)."""

@@ -1,0 +1,264 @@
+"""What is known of a pair of force-sensing shoes: its channels, plates and weights.
+
+A channel is anything that adds to the vertical force F and the floor moments Mx, My of a
+foot: a one-axis load cell or one axis of a six-axis sensor. Its column of (F, Mx, My) is
+fixed and given in the foot's sole frame: origin on the floor below the foot, x forward,
+y left, z up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import NameNotFoundError
+from shoecal_core.files import Fields, read_yaml, sha256
+
+FORMAT = 1
+FEET = ("left", "right")
+MIN_CELL_SPREAD = 5e-3
+"""m; cells nearer to one line than this cannot tell a CoP."""
+
+AXES = ("fx", "fy", "fz", "mx", "my")
+"""Axes of a six-axis sensor that act on F, Mx, My (mz acts on none of them)."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One source of force.
+
+    Attributes:
+        name: `foot/cell`, for example `left/front_left`.
+        foot: index into FEET.
+        column: (3,) F [1], Mx [m], My [m] for one newton of output (for a torque channel:
+            [1/m], [1], [1] for one newton metre).
+        position: (2,) place in the sole frame [m]; a sensor's axes share their sensor's.
+        polarity: +1 or -1 where the sign of the reading under load is known, else 0.
+        lowest, highest: readings at the ends of the converter's range.
+    """
+
+    name: str
+    foot: int
+    column: NDArray[np.float64]
+    position: NDArray[np.float64]
+    polarity: int
+    lowest: float
+    highest: float
+
+
+@dataclass(frozen=True)
+class Plates:
+    """Masses of one shoe, in the sole frame.
+
+    Attributes:
+        mass_above: carried by the channels, moves with the robot's foot [kg].
+        com_above: (3,) its centre of mass [m].
+        mass_below: between the channels and the floor [kg].
+        com_below: (3,) its centre of mass [m].
+    """
+
+    mass_above: float
+    com_above: NDArray[np.float64]
+    mass_below: float
+    com_below: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Shoe:
+    """A pair of shoes (or feet) with their channels.
+
+    Attributes:
+        name: of this kind of shoe.
+        unit: of the readings, for example V.
+        height: from the shoe's floor side up to the robot's own sole [m].
+        channels: in the order used by every array of channels.
+        plates: left, right.
+        path, digest: the file it came from and its SHA-256.
+    """
+
+    name: str
+    unit: str
+    height: float
+    channels: tuple[Channel, ...]
+    plates: tuple[Plates, Plates]
+    path: Path
+    digest: str
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Channel names, n of them."""
+        return tuple(channel.name for channel in self.channels)
+
+    @cached_property
+    def foot(self) -> NDArray[np.int64]:
+        """(n,) index into FEET."""
+        return np.array([channel.foot for channel in self.channels])
+
+    @cached_property
+    def columns(self) -> NDArray[np.float64]:
+        """(n, 3) F, Mx, My per unit of output, each in its own foot's sole frame."""
+        return np.array([channel.column for channel in self.channels])
+
+    @cached_property
+    def positions(self) -> NDArray[np.float64]:
+        """(n, 2) places in each foot's sole frame [m]."""
+        return np.array([channel.position for channel in self.channels])
+
+    @cached_property
+    def polarity(self) -> NDArray[np.int64]:
+        """(n,) +1, -1, or 0 where unknown."""
+        return np.array([channel.polarity for channel in self.channels])
+
+    @property
+    def mass(self) -> float:
+        """Mass of both shoes [kg]."""
+        return sum(plates.mass_above + plates.mass_below for plates in self.plates)
+
+    def index(self, name: str) -> int:
+        """Place of a channel in the arrays."""
+        try:
+            return self.names.index(name)
+        except ValueError:
+            raise NameNotFoundError("channel", name, self.names) from None
+
+    def of_foot(self, foot: int) -> NDArray[np.int64]:
+        """Indices of one foot's channels."""
+        return np.flatnonzero(self.foot == foot)
+
+
+def load_shoe(path: Path) -> Shoe:
+    """Read a shoe file.
+
+    Raises:
+        FileError: for anything missing, mistyped or physically impossible (cells on one
+            line, fewer than three channels a foot).
+    """
+    fields = read_yaml(path)
+    fields.format(FORMAT)
+    fields.only("format", "name", "unit", "height_m", "converter", "feet")
+    converter = fields.mapping("converter")
+    converter.only("lowest", "highest")
+    span = (converter.number("lowest"), converter.number("highest"))
+    if span[0] >= span[1]:
+        raise converter.error("lowest", "must be below 'highest'")
+    feet = fields.mapping("feet")
+    feet.only(*FEET)
+    channels: list[Channel] = []
+    plates: list[Plates] = []
+    for index, foot in enumerate(FEET):
+        block = feet.mapping(foot)
+        block.only("plates", "cells", "six_axis")
+        plates.append(_plates(block.mapping("plates")))
+        found = _cells(block, index, span) if "cells" in block else []
+        if "six_axis" in block:
+            found += _six_axis(block.mapping("six_axis"), index, span)
+        _check_foot(block, found)
+        channels += found
+    return Shoe(
+        name=fields.text("name"),
+        unit=fields.text("unit"),
+        height=fields.number("height_m", minimum=0.0, maximum=1.0),
+        channels=tuple(channels),
+        plates=(plates[0], plates[1]),
+        path=Path(path),
+        digest=sha256(path),
+    )
+
+
+def cell_column(position: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Column (1, t_y, -t_x) of a vertical load cell at `position` (2,) [m]."""
+    return np.array([1.0, position[1], -position[0]])
+
+
+def axis_column(axis: str, origin: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Column of one axis of a six-axis sensor at `origin` (3,) [m] above the floor.
+
+    Moments about the sole frame's origin: M = r x f for forces, M itself for torques.
+    """
+    x, y, h = origin
+    columns = {
+        "fx": (0.0, 0.0, h),
+        "fy": (0.0, -h, 0.0),
+        "fz": (1.0, y, -x),
+        "mx": (0.0, 1.0, 0.0),
+        "my": (0.0, 0.0, 1.0),
+    }
+    return np.array(columns[axis])
+
+
+def _plates(fields: Fields) -> Plates:
+    fields.only("mass_above_kg", "com_above_m", "mass_below_kg", "com_below_m")
+    return Plates(
+        mass_above=fields.number("mass_above_kg", minimum=0.0),
+        com_above=fields.array("com_above_m", (3,)),
+        mass_below=fields.number("mass_below_kg", minimum=0.0),
+        com_below=fields.array("com_below_m", (3,)),
+    )
+
+
+def _cells(block: Fields, foot: int, span: tuple[float, float]) -> list[Channel]:
+    channels = []
+    for cell in block.items("cells"):
+        cell.only("name", "position_m", "polarity")
+        position = cell.array("position_m", (2,))
+        channels.append(
+            Channel(
+                name=f"{FEET[foot]}/{cell.text('name')}",
+                foot=foot,
+                column=cell_column(position),
+                position=position,
+                polarity=_polarity(cell),
+                lowest=span[0],
+                highest=span[1],
+            )
+        )
+    return channels
+
+
+def _six_axis(block: Fields, foot: int, span: tuple[float, float]) -> list[Channel]:
+    block.only("origin_m", "axes")
+    origin = block.array("origin_m", (3,))
+    channels = []
+    for axis in block.items("axes"):
+        axis.only("axis", "polarity")
+        name = axis.choice("axis", dict.fromkeys(AXES))
+        channels.append(
+            Channel(
+                name=f"{FEET[foot]}/{name}",
+                foot=foot,
+                column=axis_column(name, origin),
+                position=origin[:2],
+                polarity=_polarity(axis),
+                lowest=span[0],
+                highest=span[1],
+            )
+        )
+    return channels
+
+
+def _polarity(fields: Fields) -> int:
+    polarity = fields.integer("polarity", 0)
+    if polarity not in (-1, 0, 1):
+        raise fields.error("polarity", "must be 1, -1, or 0 where it is not known")
+    return polarity
+
+
+def _check_foot(block: Fields, channels: list[Channel]) -> None:
+    names = [channel.name for channel in channels]
+    for name in names:
+        if names.count(name) > 1:
+            raise block.error("cells", f"'{name}' appears twice; every channel needs its own name")
+    if len(channels) < 3:
+        raise block.error("cells", f"{len(channels)} channels; a CoP needs at least three")
+    columns = np.array([channel.column for channel in channels])
+    # In units of force: a lever of MIN_CELL_SPREAD counts as one.
+    singular = np.linalg.svd(columns - columns.mean(axis=0), compute_uv=False)
+    cells_only = bool(np.all(columns[:, 0] == 1.0))
+    if cells_only and singular[1] < MIN_CELL_SPREAD:
+        raise block.error("cells", "all cells lie on one line, so no CoP follows; check position_m")
+    if np.linalg.matrix_rank(columns, tol=1e-6) < 3:
+        raise block.error("cells", "the channels do not fix force and both moments; add channels")
