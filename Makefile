@@ -1,0 +1,54 @@
+# shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test test-floor lint bench lock clean
+
+# Nothing that is sourced in the calling shell reaches what runs from .venv.
+unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
+unexport ROS_DISTRO ROS_VERSION ROS_PYTHON_VERSION RMW_IMPLEMENTATION
+
+BIN := .venv/bin
+FLOOR_PYTHON ?= python3.12
+LOCK := uv pip compile --quiet --upgrade --generate-hashes --no-annotate --no-emit-index-url \
+	--custom-compile-command "make lock"
+
+help:  ## list what can be made
+	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 12
+
+setup:  ## build .venv and install/ (PYTHON=... names the interpreter)
+	@scripts/setup.sh
+
+demo: setup  ## the main job on the simulated robot (ARGS="--seed 2")
+	$(BIN)/shoecal demo $(ARGS)
+
+test: setup  ## all tests (ARGS="-k name")
+	$(BIN)/python -m pytest -n auto --dist loadfile $(ARGS)
+
+test-floor: .venv-floor/.complete  ## core tests with the oldest versions, those of Ubuntu 24.04
+	PYTHONPATH=shoecal_core .venv-floor/bin/python -m pytest -n auto --dist loadfile test/core $(ARGS)
+
+lint: setup  ## ruff and mypy
+	$(BIN)/ruff check
+	$(BIN)/ruff format --check
+	$(BIN)/mypy
+
+bench: setup  ## measure speed and accuracy (ARGS="--help")
+	$(BIN)/python -m benchmarks $(ARGS)
+
+lock:  ## resolve both lock files anew (needs uv)
+	$(LOCK) --universal --fork-strategy fewest --python-version 3.11 \
+		--output-file requirements.txt requirements.in shoecal_core/setup.py shoecal_ros/setup.py
+	$(LOCK) --override requirements-floor.in --python-version 3.12 \
+		--python-platform x86_64-manylinux_2_35 \
+		--output-file requirements-floor.txt requirements-floor.in shoecal_core/setup.py
+
+clean:  ## remove all that was built, but no results (out/)
+	rm -rf .venv .venv-floor build install log .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf shoecal_core/*.egg-info shoecal_ros/*.egg-info
+	find shoecal_core shoecal_ros test scripts -name __pycache__ -type d -prune -exec rm -rf {} +
+
+.venv-floor/.complete: requirements-floor.txt
+	$(FLOOR_PYTHON) -m venv --clear .venv-floor
+	.venv-floor/bin/python -m pip --disable-pip-version-check install --quiet \
+		--no-deps --require-hashes --requirement $<
+	touch $@

@@ -1,0 +1,126 @@
+#!/usr/bin/env bash
+# Builds .venv from requirements.txt and the ROS 2 workspace into install/.
+#
+# Each of the two steps leaves a stamp when it is whole, keyed on all that it was made from; a
+# step without a fresh stamp starts anew. So a second call does nothing, and an interrupted one
+# is never taken for done. PYTHON names the interpreter to use.
+set -Eeuo pipefail
+trap 'echo "setup: stopped; mend what is said above, then call make setup again" >&2' ERR
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+cd "$root"
+venv=$root/.venv
+packages_stamp=$venv/.complete
+workspace_stamp=$root/install/.complete
+
+# What is sourced in the calling shell must not leak into the build.
+unset AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
+unset ROS_DISTRO ROS_VERSION ROS_PYTHON_VERSION _ROS_WHEELS_BOOTSTRAP_COMPLETE
+unset MAKEFLAGS MFLAGS MAKELEVEL VIRTUAL_ENV
+
+fail() {
+    echo "setup: $*" >&2
+    exit 1
+}
+
+key_of() { # files...
+    { echo "$root"; sha256sum "$@"; } | sha256sum | cut -d' ' -f1
+}
+
+is_complete() { # stamp key
+    [ -f "$1" ] && [ "$(cat "$1")" = "$2" ]
+}
+
+# Prints why an interpreter cannot be used, or nothing.
+unfit() {
+    "$1" - <<'END' 2>/dev/null || echo "no working Python 3; sudo apt install python3 python3-venv python3-dev"
+import os, sys, sysconfig
+version = "%d.%d" % sys.version_info[:2]
+if not (3, 11) <= sys.version_info[:2] <= (3, 14):
+    print("Python 3.11 to 3.14 is needed, %s is %s; install one and call make setup PYTHON=python3.12"
+          % (sys.executable, version))
+else:
+    try:
+        import ensurepip, venv
+    except ImportError:
+        print("the venv module is missing; sudo apt install python%s-venv" % version)
+    else:
+        if not os.path.exists(os.path.join(sysconfig.get_path("include"), "Python.h")):
+            print("the headers of Python are missing; sudo apt install python%s-dev" % version)
+END
+}
+
+find_python() {
+    local candidate problem first_problem="" candidates=(python3 python3.12 python3.13 python3.11)
+    [ -z "${PYTHON:-}" ] || candidates=("$PYTHON")
+    for candidate in "${candidates[@]}"; do
+        problem=$(unfit "$candidate")
+        if [ -z "$problem" ]; then
+            echo "$candidate"
+            return
+        fi
+        first_problem=${first_problem:-$problem}
+    done
+    fail "$first_problem"
+}
+
+check_machine() {
+    [ "$(uname -s)-$(uname -m)" = Linux-x86_64 ] ||
+        fail "the ROS 2 wheels are for Linux on x86-64; elsewhere use an apt installation of ROS 2 Jazzy"
+    local tool
+    for tool in "${CXX:-c++}" "${CC:-cc}" make; do
+        command -v "${tool%% *}" >/dev/null || fail "$tool is missing; sudo apt install build-essential"
+    done
+}
+
+install_packages() {
+    local python
+    check_machine
+    python=$(find_python) || exit 1
+    echo "setup: installing packages into .venv (some minutes)"
+    rm -rf build install log
+    "$python" -m venv --clear "$venv"
+    local pip=("$venv/bin/python" -m pip --disable-pip-version-check install --quiet)
+    # What builds source packages comes first: they are built with it, not with whatever is newest.
+    sed -n '/^\(setuptools\|wheel\)==/,/[^\\]$/p' requirements.txt >"$venv/build-tools.txt"
+    "${pip[@]}" --require-hashes --requirement "$venv/build-tools.txt"
+    "${pip[@]}" --require-hashes --no-build-isolation --requirement requirements.txt
+    "$venv/bin/python" scripts/fix_ros_wheels.py
+}
+
+build_workspace() {
+    echo "setup: building the ROS 2 workspace into install/ (about a minute)"
+    rm -rf build install log
+    "$venv/bin/python" -m pip --disable-pip-version-check install --quiet --no-deps \
+        --no-build-isolation --editable shoecal_core --editable shoecal_ros
+    env PATH="$venv/bin:$PATH" AMENT_PREFIX_PATH="$venv" CMAKE_PREFIX_PATH="$venv" \
+        LD_LIBRARY_PATH="$venv/lib" COLCON_HOME="$root/build" MAKEFLAGS="-j$(nproc)" \
+        "$venv/bin/colcon" --log-level error build --merge-install \
+        --base-paths shoecal_msgs shoecal_core shoecal_ros \
+        --cmake-args -DBUILD_TESTING=OFF "-DPython3_EXECUTABLE=$venv/bin/python"
+    # The messages are found from .venv without sourcing anything.
+    local library site
+    for library in install/lib/libshoecal_msgs__*.so; do
+        ln -sf "../../$library" "$venv/lib/"
+    done
+    site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
+    (cd "$site" && echo ../../../../install/lib/python3.*/site-packages >shoecal_msgs.pth)
+    "$venv/bin/python" -c 'import rclpy, shoecal_core, shoecal_msgs.msg, shoecal_ros'
+}
+
+exec 9<"${BASH_SOURCE[0]}"
+flock 9 # two calls at once: the second waits
+
+packages_key=$(key_of requirements.txt scripts/setup.sh scripts/fix_ros_wheels.py)
+if ! is_complete "$packages_stamp" "$packages_key" || ! [ -x "$venv/bin/python" ]; then
+    install_packages
+    echo "$packages_key" >"$packages_stamp"
+fi
+
+mapfile -t definitions < <(find shoecal_msgs -type f | LC_ALL=C sort)
+workspace_key=$(key_of "$packages_stamp" "${definitions[@]}" \
+    shoecal_core/{package.xml,setup.cfg,setup.py} shoecal_ros/{package.xml,setup.cfg,setup.py})
+if ! is_complete "$workspace_stamp" "$workspace_key"; then
+    build_workspace
+    echo "$workspace_key" >"$workspace_stamp"
+fi

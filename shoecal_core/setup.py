@@ -1,0 +1,52 @@
+"""Package of the method: no ROS, no serial port, no wall clock."""
+
+import os
+from pathlib import Path
+
+from setuptools import find_packages, setup
+
+NAME = "shoecal_core"
+HERE = Path(__file__).resolve().parent
+
+
+def config_files() -> list[tuple[str, list[str]]]:
+    """Every file of the checkout's config/, by the folder under share/ that it goes to."""
+    config = HERE.parent / "config"
+    folders: dict[str, list[str]] = {}
+    for file in sorted(path for path in config.rglob("*") if path.is_file()):
+        target = Path("share", NAME, "config", file.parent.relative_to(config))
+        folders.setdefault(str(target), []).append(os.path.relpath(file, HERE))
+    return list(folders.items())
+
+
+setup(
+    name=NAME,
+    version="0.1.0",
+    description="Robots calibrate the force sensors in their own feet: the method, without ROS.",
+    author="The shoecal authors",
+    license="Apache-2.0",
+    packages=find_packages(include=[NAME, f"{NAME}.*"]),
+    package_data={NAME: ["py.typed"]},
+    data_files=[
+        ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
+        (f"share/{NAME}", ["package.xml"]),
+        *config_files(),
+    ],
+    python_requires=">=3.11",
+    install_requires=[
+        "casadi==3.8.2",
+        "jinja2>=3.1",
+        "matplotlib>=3.6",
+        "mcap>=1.1",
+        "mujoco>=3.2",
+        "numpy>=1.26",
+        "pin==4.1.0",
+        "pyyaml>=6.0",
+        "rich>=13.7",
+        "rosbags>=0.10",
+        "scipy>=1.11",
+        "shapely>=2.0",
+    ],
+    entry_points={"console_scripts": ["shoecal = shoecal_core.cli:main"]},
+    zip_safe=True,
+)

@@ -1,0 +1,1 @@
+"""shoecal_ros: the ROS 2 nodes around shoecal_core."""

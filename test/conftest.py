@@ -1,0 +1,42 @@
+"""What all tests share: repeatable draws, and ROS 2 traffic that no other process hears."""
+
+from __future__ import annotations
+
+import os
+import socket
+
+import pytest
+from hypothesis import settings
+
+_DOMAINS = range(1, 102)
+"""Domain ids whose ports lie below the ephemeral range of Linux."""
+_FIRST_PORT = 20_000
+
+settings.register_profile("shoecal", derandomize=True, deadline=None)
+settings.load_profile("shoecal")
+
+_reservation = pytest.StashKey[socket.socket]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Give this process a ROS domain of its own for as long as it lives."""
+    domain, config.stash[_reservation] = _reserve_domain()
+    os.environ["ROS_DOMAIN_ID"] = str(domain)
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    config.stash[_reservation].close()
+
+
+def _reserve_domain() -> tuple[int, socket.socket]:
+    """A domain id that no other test process holds: a bound socket is the token."""
+    for domain in _DOMAINS:
+        token = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        try:
+            token.bind(("127.0.0.1", _FIRST_PORT + domain))
+        except OSError:
+            token.close()
+        else:
+            return domain, token
+    raise pytest.UsageError("every ROS domain id is in use; end other test processes")
