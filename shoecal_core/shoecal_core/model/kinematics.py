@@ -24,11 +24,15 @@ class BodyStates:
         com: (T, 2, 3) CoM in the left and in the right sole's frame [m].
         rotation: (T, 3, 3) turns vectors of the right sole's frame into the left's.
         translation: (T, 3) origin of the right sole in the left sole's frame [m].
+        left_rotation: (T, 3, 3) turns vectors of the left sole's frame into the base's.
+        left_translation: (T, 3) origin of the left sole in the base [m].
     """
 
     com: FloatArray
     rotation: FloatArray
     translation: FloatArray
+    left_rotation: FloatArray
+    left_translation: FloatArray
 
     @property
     def cop(self) -> FloatArray:
@@ -38,6 +42,14 @@ class BodyStates:
         sole is taken as flat on a level floor.
         """
         return self.com[..., :2]
+
+    @property
+    def com_in_base(self) -> FloatArray:
+        """(T, 3) CoM in the base's frame [m]."""
+        com: FloatArray = (
+            np.einsum("tij,tj->ti", self.left_rotation, self.com[:, 0]) + self.left_translation
+        )
+        return com
 
     @property
     def yaw(self) -> FloatArray:
@@ -62,6 +74,8 @@ class Kinematics:
             right.inverse_act(symbolic.com),
             ca.reshape(left.rotation.T @ right.rotation, 9, 1),
             left.inverse_act(right.translation),
+            ca.reshape(left.rotation, 9, 1),
+            left.translation,
         ]
         self._function = ca.Function(
             "body", [symbolic.joint_angles], [ca.vertcat(*outputs)], {"cse": True}
@@ -77,11 +91,13 @@ class Kinematics:
         if joint_angles.ndim != 2 or joint_angles.shape[1] != expected:
             raise ShapeError("joint angles", f"(T, {expected})", joint_angles.shape)
         count = len(joint_angles)
-        values = np.array(self._function(joint_angles.T)) if count else np.zeros((18, 0))
+        values = np.array(self._function(joint_angles.T)) if count else np.zeros((30, 0))
         values = values.T
         return BodyStates(
             com=values[:, :6].reshape(-1, 2, 3),
             # CasADi stores matrices by columns.
             rotation=values[:, 6:15].reshape(-1, 3, 3).transpose(0, 2, 1),
             translation=values[:, 15:18],
+            left_rotation=values[:, 18:27].reshape(-1, 3, 3).transpose(0, 2, 1),
+            left_translation=values[:, 27:30],
         )

@@ -18,8 +18,11 @@ FORMAT = 1
 _ROOT_JOINTS = 2  # Pinocchio's universe and free-flyer stand before the robot's own joints.
 
 
-def load_robot(path: Path, shoe: Shoe | None = None) -> Robot:
+def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None) -> Robot:
     """Read ROBOT.yaml and its URDF; put the shoes on where there are any.
+
+    Args:
+        urdf: taken instead of the one that the robot file names (a session's own copy).
 
     With shoes the sole frames are on the shoes' floor side, and the shoes' masses are part
     of the model.
@@ -34,7 +37,7 @@ def load_robot(path: Path, shoe: Shoe | None = None) -> Robot:
         "format", "name", "urdf", "weight", "feet", "legs", "shared_motors", "optional_joints",
         "posture_rad", "support_range", "capsules", "collision_pairs",
     )  # fmt: skip
-    urdf = path.parent / fields.text("urdf")
+    urdf = path.parent / fields.text("urdf") if urdf is None else urdf
     model = _read_urdf(urdf)
     weight = fields.mapping("weight")
     weight.only("mass_kg", "std_kg")

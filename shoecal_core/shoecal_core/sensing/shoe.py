@@ -37,7 +37,9 @@ class Channel:
         column: (3,) F [1], Mx [m], My [m] for one newton of output (for a torque channel:
             [1/m], [1], [1] for one newton metre).
         position: (2,) place in the sole frame [m]; a sensor's axes share their sensor's.
+        torque: the output is a torque [N m], else a force [N].
         polarity: +1 or -1 where the sign of the reading under load is known, else 0.
+        nominal_gain: output per reading by the maker's data sheet, None where nobody knows.
         lowest, highest: readings at the ends of the converter's range.
     """
 
@@ -45,7 +47,9 @@ class Channel:
     foot: int
     column: NDArray[np.float64]
     position: NDArray[np.float64]
+    torque: bool
     polarity: int
+    nominal_gain: float | None
     lowest: float
     highest: float
 
@@ -107,6 +111,11 @@ class Shoe:
     def positions(self) -> NDArray[np.float64]:
         """(n, 2) places in each foot's sole frame [m]."""
         return np.array([channel.position for channel in self.channels])
+
+    @cached_property
+    def torque(self) -> NDArray[np.bool_]:
+        """(n,) True where the output is a torque [N m]."""
+        return np.array([channel.torque for channel in self.channels])
 
     @cached_property
     def polarity(self) -> NDArray[np.int64]:
@@ -203,7 +212,7 @@ def _plates(fields: Fields) -> Plates:
 def _cells(block: Fields, foot: int, span: tuple[float, float]) -> list[Channel]:
     channels = []
     for cell in block.items("cells"):
-        cell.only("name", "position_m", "polarity")
+        cell.only("name", "position_m", "polarity", "nominal_gain")
         position = cell.array("position_m", (2,))
         channels.append(
             Channel(
@@ -211,7 +220,9 @@ def _cells(block: Fields, foot: int, span: tuple[float, float]) -> list[Channel]
                 foot=foot,
                 column=cell_column(position),
                 position=position,
+                torque=False,
                 polarity=_polarity(cell),
+                nominal_gain=_nominal_gain(cell),
                 lowest=span[0],
                 highest=span[1],
             )
@@ -224,7 +235,7 @@ def _six_axis(block: Fields, foot: int, span: tuple[float, float]) -> list[Chann
     origin = block.array("origin_m", (3,))
     channels = []
     for axis in block.items("axes"):
-        axis.only("axis", "polarity")
+        axis.only("axis", "polarity", "nominal_gain")
         name = axis.choice("axis", dict.fromkeys(AXES))
         channels.append(
             Channel(
@@ -232,7 +243,9 @@ def _six_axis(block: Fields, foot: int, span: tuple[float, float]) -> list[Chann
                 foot=foot,
                 column=axis_column(name, origin),
                 position=origin[:2],
+                torque=name.startswith("m"),
                 polarity=_polarity(axis),
+                nominal_gain=_nominal_gain(axis),
                 lowest=span[0],
                 highest=span[1],
             )
@@ -245,6 +258,15 @@ def _polarity(fields: Fields) -> int:
     if polarity not in (-1, 0, 1):
         raise fields.error("polarity", "must be 1, -1, or 0 where it is not known")
     return polarity
+
+
+def _nominal_gain(fields: Fields) -> float | None:
+    if "nominal_gain" not in fields:
+        return None
+    gain = fields.number("nominal_gain")
+    if gain == 0.0:
+        raise fields.error("nominal_gain", "must not be zero; leave it out where it is not known")
+    return gain
 
 
 def _check_foot(block: Fields, channels: list[Channel]) -> None:

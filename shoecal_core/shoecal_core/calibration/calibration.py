@@ -1,0 +1,191 @@
+"""A calibration as a value, and as a file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import ShapeError, ShoecalError
+from shoecal_core.files import Fields, read_yaml, write_yaml
+from shoecal_core.sensing.correction import POLYNOMIAL, CopCorrection
+from shoecal_core.sensing.sensing import Sensing
+from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.sensing.wrench import ChannelParameters
+
+FloatArray = NDArray[np.float64]
+FORMAT = 1
+VERDICTS = ("PASS", "WARN", "FAIL")
+
+
+class WrongShoeError(ShoecalError):
+    """A calibration of another shoe."""
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """Everything needed to turn readings into GRF and CoP, whole or not at all.
+
+    Attributes:
+        id: unique name.
+        source: self, manual, identity, rezero or set.
+        made_ns: when [ns since the epoch].
+        robot, shoe: names.
+        robot_hash, shoe_hash: SHA-256 of their files.
+        channels: n names.
+        parameters: gains and offsets.
+        covariance: (2n, 2n) of [gain, offset], or None where unknown.
+        corrections: of the feet that have one.
+        weight: of robot and shoes [N].
+        time_offset: joints are late by this much against the readings [s].
+        temperature: at calibration [degC], NaN where unknown.
+        verdict: PASS, WARN or FAIL.
+        reasons: what the verdict rests on.
+    """
+
+    id: str
+    source: str
+    made_ns: int
+    robot: str
+    shoe: str
+    robot_hash: str
+    shoe_hash: str
+    channels: tuple[str, ...]
+    parameters: ChannelParameters
+    covariance: FloatArray | None
+    corrections: tuple[CopCorrection, ...]
+    weight: float
+    time_offset: float
+    temperature: float
+    verdict: str
+    reasons: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        count = len(self.channels)
+        if self.parameters.gain.shape != (count,):
+            raise ShapeError("gain", f"({count},)", self.parameters.gain.shape)
+        if (self.parameters.gain == 0.0).any():
+            raise ShoecalError("a gain of zero makes its cell blind; recalibrate")
+        if self.covariance is not None and self.covariance.shape != (2 * count, 2 * count):
+            raise ShapeError("covariance", f"({2 * count}, {2 * count})", self.covariance.shape)
+        if self.verdict not in VERDICTS:
+            raise ShoecalError(f"verdict '{self.verdict}' is not one of {', '.join(VERDICTS)}")
+        if not (np.isfinite(self.weight) and self.weight > 0.0):
+            raise ShoecalError(f"weight {self.weight:g} N must be a positive number")
+        if not np.isfinite(self.time_offset):
+            raise ShoecalError("the time offset must be a finite number")
+
+    def sensing(self, shoe: Shoe) -> Sensing:
+        """The measuring side under this calibration.
+
+        Raises:
+            WrongShoeError: when its channels are not the shoe's.
+        """
+        if self.channels != shoe.names:
+            raise WrongShoeError(
+                f"calibration '{self.id}' is of shoe '{self.shoe}' with channels "
+                f"{', '.join(self.channels)}, but shoe '{shoe.name}' has {', '.join(shoe.names)}"
+            )
+        return Sensing(shoe, self.parameters, self.corrections)
+
+
+def save_calibration(calibration: Calibration, path: Path) -> None:
+    """Write a calibration file, atomically."""
+    parameters = calibration.parameters
+    write_yaml(
+        path,
+        {
+            "format": FORMAT,
+            "id": calibration.id,
+            "source": calibration.source,
+            "made_ns": calibration.made_ns,
+            "robot": calibration.robot,
+            "shoe": calibration.shoe,
+            "robot_hash": calibration.robot_hash,
+            "shoe_hash": calibration.shoe_hash,
+            "weight_n": float(calibration.weight),
+            "time_offset_s": float(calibration.time_offset),
+            "temperature_degc": (
+                None if np.isnan(calibration.temperature) else float(calibration.temperature)
+            ),
+            "verdict": calibration.verdict,
+            "reasons": list(calibration.reasons),
+            "channels": [
+                {"name": name, "gain": float(gain), "offset_n": float(offset)}
+                for name, gain, offset in zip(
+                    calibration.channels, parameters.gain, parameters.offset, strict=True
+                )
+            ],
+            "corrections": [
+                {
+                    "foot": FEET[correction.foot],
+                    "x": correction.x.tolist(),
+                    "y": correction.y.tolist(),
+                    "cop_range_m": correction.cop_range.tolist(),
+                    "output_range_n": correction.output_range.tolist(),
+                }
+                for correction in calibration.corrections
+            ],
+            "covariance": (
+                None if calibration.covariance is None else calibration.covariance.tolist()
+            ),
+        },
+    )
+
+
+def load_calibration(path: Path) -> Calibration:
+    """Read a calibration file.
+
+    Raises:
+        FileError: for anything missing, mistyped or impossible.
+    """
+    fields = read_yaml(path)
+    fields.format(FORMAT)
+    channels = fields.items("channels")
+    if not channels:
+        raise fields.error("channels", "is empty; a calibration needs its channels")
+    count = len(channels)
+    try:
+        return Calibration(
+            id=fields.text("id"),
+            source=fields.text("source"),
+            made_ns=fields.integer("made_ns", minimum=0),
+            robot=fields.text("robot"),
+            shoe=fields.text("shoe"),
+            robot_hash=fields.text("robot_hash"),
+            shoe_hash=fields.text("shoe_hash"),
+            channels=tuple(channel.text("name") for channel in channels),
+            parameters=ChannelParameters(
+                np.array([channel.number("gain") for channel in channels]),
+                np.array([channel.number("offset_n") for channel in channels]),
+            ),
+            covariance=(
+                fields.array("covariance", (2 * count, 2 * count))
+                if "covariance" in fields
+                else None
+            ),
+            corrections=tuple(_correction(item) for item in fields.items("corrections")),
+            weight=fields.number("weight_n", above=0.0),
+            time_offset=fields.number("time_offset_s"),
+            temperature=fields.number("temperature_degc", float("nan")),
+            verdict=fields.choice("verdict", dict.fromkeys(VERDICTS)),
+            reasons=tuple(fields.texts("reasons")),
+        )
+    except ShapeError as error:
+        raise fields.error("channels", str(error)) from error
+
+
+def _correction(fields: Fields) -> CopCorrection:
+    x = fields.array("x", (None,))
+    width = len(x)
+    if width <= POLYNOMIAL:
+        raise fields.error("x", f"needs {POLYNOMIAL} numbers and one a channel")
+    return CopCorrection(
+        foot=FEET.index(fields.choice("foot", dict.fromkeys(FEET))),
+        x=x,
+        y=fields.array("y", (width,)),
+        cop_range=fields.array("cop_range_m", (2, 2)),
+        output_range=fields.array("output_range_n", (2, width - POLYNOMIAL)),
+    )

@@ -1,0 +1,142 @@
+"""May this calibration be used? PASS, WARN or FAIL, with the reasons and the cures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from shoecal_core.calibration.initial_guess import InitialGuess
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.stance import Stance
+from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.sensing.wrench import ChannelParameters
+
+GAIN_RATIO = 5.0
+"""Cells of one kind differ by less than this factor in gain."""
+WARN_STDS, FAIL_STDS = 4.0, 12.0
+"""Residual MAE, in the settings' standard deviations."""
+SATURATED_SHARE = 0.01
+SUPPORT_DRIFT_M = 0.004
+"""A foot that moves further within a run has slipped (or a joint is badly off)."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing found: how bad, and a line for a person."""
+
+    verdict: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """The worst finding decides; PASS without any."""
+
+    verdict: str
+    reasons: tuple[str, ...]
+
+
+def judge(findings: Sequence[Finding]) -> Verdict:
+    """The verdict of all findings together."""
+    for level in ("FAIL", "WARN"):
+        if any(finding.verdict == level for finding in findings):
+            return Verdict(level, tuple(f"{f.verdict}: {f.reason}" for f in findings))
+    return Verdict("PASS", ("every check passed",))
+
+
+def check_readings(shoe: Shoe, stances: Sequence[Stance]) -> list[Finding]:
+    """Cells that are dead or at the end of their range, before any fit."""
+    readings = np.concatenate([stance.readings for stance in stances])
+    findings = []
+    for index, channel in enumerate(shoe.channels):
+        values = readings[:, index]
+        span = channel.highest - channel.lowest
+        if np.ptp(values) < 1e-6 * span:
+            findings.append(
+                Finding("FAIL", f"{channel.name} never changes: check its wiring, then record again")
+            )
+        ends = (values <= channel.lowest + 1e-6 * span) | (values >= channel.highest - 1e-6 * span)
+        if ends.mean() > SATURATED_SHARE:
+            findings.append(
+                Finding(
+                    "FAIL",
+                    f"{channel.name} is at the end of its range in {ends.mean():.0%} of the "
+                    "samples: lower its amplification or check its wiring",
+                )
+            )
+    return findings
+
+
+def check_gains(
+    shoe: Shoe, guess: InitialGuess, parameters: ChannelParameters
+) -> list[Finding]:
+    """Gains of the wrong sign or of a size unlike the others'."""
+    findings = []
+    for torque in (False, True):
+        kind = np.flatnonzero(shoe.torque == torque)
+        if not len(kind):
+            continue
+        typical = float(np.median(np.abs(parameters.gain[kind])))
+        for index in kind:
+            gain, name = float(parameters.gain[index]), shoe.names[index]
+            if np.sign(gain) != guess.polarity[index]:
+                findings.append(
+                    Finding(
+                        "FAIL",
+                        f"{name} came out with the wrong sign ({gain:g}): check its wiring and "
+                        "its polarity in the shoe file",
+                    )
+                )
+            elif not typical / GAIN_RATIO < abs(gain) < typical * GAIN_RATIO:
+                findings.append(
+                    Finding(
+                        "FAIL",
+                        f"{name} has gain {gain:g}, the others about {typical:g}: check that it "
+                        "carries load",
+                    )
+                )
+    return findings
+
+
+def check_residuals(
+    label: str, grf_mae_n: float, cop_mae_m: float, settings: CalibrationSettings
+) -> list[Finding]:
+    """Measured against modelled GRF and CoP."""
+    findings = []
+    for name, value, std, unit, scale in (
+        ("GRF", grf_mae_n, settings.force_std_n, "N", 1.0),
+        ("CoP", cop_mae_m, settings.cop_std_m, "mm", 1e3),
+    ):
+        limit = next(
+            (
+                (verdict, stds * std)
+                for verdict, stds in (("FAIL", FAIL_STDS), ("WARN", WARN_STDS))
+                if not value <= stds * std
+            ),
+            None,
+        )
+        if limit is not None:
+            findings.append(
+                Finding(
+                    limit[0],
+                    f"{name} is {value * scale:.2f} {unit} off its model on {label} runs "
+                    f"(limit {limit[1] * scale:.2f} {unit}): check the robot's weight, the shoe "
+                    "file and that nothing touched the robot",
+                )
+            )
+    return findings
+
+
+def check_rank(rank: int, possible: int) -> list[Finding]:
+    """Directions that only the prior has fixed though other supports could fix them."""
+    if rank >= possible:
+        return []
+    return [
+        Finding(
+            "WARN",
+            f"the data fixed {rank} of {possible} directions: add a double support with "
+            "another yaw between the feet",
+        )
+    ]

@@ -1,0 +1,64 @@
+"""From a recorded run to the stances that a fit uses.
+
+A run in double support is one stance. Where the feet move (walking, stepping) `walking`
+finds the stances.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shoecal_core.calibration.aligned import Aligned, align
+from shoecal_core.calibration.stance import Stance, make_stance
+from shoecal_core.calibration.walking import in_world, walking_stances
+from shoecal_core.errors import FileError
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.recording.run import Run
+from shoecal_core.sensing.shoe import Shoe
+
+MAX_FOOT_DRIFT_M = 0.01
+"""In a double support the feet's distance, as the joints tell it, stays within this."""
+
+
+def stances_of(run: Run, shoe: Shoe, kinematics: Kinematics) -> list[Stance]:
+    """Every stance of a run: one where it names its double support, else those found."""
+    aligned = align(run, shoe, kinematics)
+    if run.info.support is not None:
+        return [double_support_stance(run, aligned, shoe, kinematics)]
+    if run.base_pose is None:
+        raise FileError(
+            run.path,
+            "names no double support and has no /base_pose to find the stances with; "
+            "record one of the two",
+        )
+    world = in_world(aligned, run.base_pose)
+    return walking_stances(run.info.run, aligned, world, shoe, kinematics.robot.mass)
+
+
+def double_support_stance(
+    run: Run, aligned: Aligned, shoe: Shoe, kinematics: Kinematics
+) -> Stance:
+    """The one stance of a quasi-static run in double support.
+
+    Raises:
+        FileError: when the feet moved against each other.
+    """
+    places = aligned.states.translation[:, :2]
+    drift = np.linalg.norm(places - np.median(places, axis=0), axis=1).max()
+    if drift > MAX_FOOT_DRIFT_M:
+        raise FileError(
+            run.path,
+            f"the feet moved {drift * 1e3:.1f} mm against each other within the run; "
+            "record it again, or leave this run out",
+        )
+    count = len(aligned.time)
+    return make_stance(
+        run.info.run,
+        shoe,
+        aligned.states.support(),
+        (True, True),
+        aligned.time,
+        aligned.readings,
+        np.full(count, kinematics.robot.weight),
+        aligned.states.cop[:, 0],
+    )

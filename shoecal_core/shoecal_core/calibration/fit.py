@@ -1,0 +1,99 @@
+"""Self-calibration as one computation: stances in, calibrated parameters out (paper, V)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from shoecal_core.calibration.correction_fit import fit_corrections
+from shoecal_core.calibration.initial_guess import InitialGuess, initial_guess
+from shoecal_core.calibration.least_squares import Fit, Prior, minimise
+from shoecal_core.calibration.residuals import Weights, normal_equations, pack, unpack
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.stance import Stance
+from shoecal_core.sensing.correction import CopCorrection
+from shoecal_core.sensing.sensing import Sensing
+from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.sensing.wrench import ChannelParameters
+
+
+@dataclass(frozen=True)
+class SelfCalibration:
+    """All stages of one self-calibration.
+
+    Attributes:
+        shoe: whose channels these are.
+        guess: the initial guess from the CoP alone, as in the paper.
+        guess_with_weight: the same with the weight's row, for comparison.
+        fit: the nonlinear least squares; its vector holds gains, offsets, time offset.
+        corrections: CoP corrections of the feet for which they help.
+    """
+
+    shoe: Shoe
+    guess: InitialGuess
+    guess_with_weight: InitialGuess
+    fit: Fit
+    corrections: tuple[CopCorrection, ...]
+
+    @property
+    def parameters(self) -> ChannelParameters:
+        """Gains and offsets."""
+        return unpack(self.fit.vector)[0]
+
+    @property
+    def time_offset(self) -> float:
+        """Joints are late by this much against the readings [s]."""
+        return unpack(self.fit.vector)[1]
+
+    @property
+    def sensing(self) -> Sensing:
+        """The measuring side with everything fitted."""
+        return Sensing(self.shoe, self.parameters, self.corrections)
+
+
+def self_calibrate(
+    shoe: Shoe, stances: Sequence[Stance], settings: CalibrationSettings
+) -> SelfCalibration:
+    """Initial guess, nonlinear least squares, CoP correction.
+
+    Raises:
+        ShoecalError: when the samples cannot be fitted at all.
+    """
+    guess = initial_guess(shoe, stances, weight_row=False)
+    fit = fit_parameters(shoe, stances, guess, settings)
+    parameters, time_offset = unpack(fit.vector)
+    return SelfCalibration(
+        shoe=shoe,
+        guess=guess,
+        guess_with_weight=initial_guess(shoe, stances, weight_row=True),
+        fit=fit,
+        corrections=fit_corrections(shoe, parameters, time_offset, stances, settings),
+    )
+
+
+def fit_parameters(
+    shoe: Shoe, stances: Sequence[Stance], guess: InitialGuess, settings: CalibrationSettings
+) -> Fit:
+    """Nonlinear least squares over all gains, offsets and the time offset (paper, eq. 14)."""
+    weights = Weights(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
+    return minimise(
+        lambda vector: normal_equations(vector, stances, shoe, weights),
+        _prior(shoe, guess, settings),
+        max_iterations=settings.max_iterations,
+    )
+
+
+def _prior(shoe: Shoe, guess: InitialGuess, settings: CalibrationSettings) -> Prior:
+    known = np.array([channel.nominal_gain is not None for channel in shoe.channels])
+    gain_std = np.abs(guess.parameters.gain) * np.where(
+        known, settings.nominal_gain_std, settings.gain_std
+    )
+    offset_std = np.full(len(known), settings.offset_std_n)
+    # A torque's offset is expected as large as the force's at a lever of 10 cm.
+    offset_std[shoe.torque] *= 0.1
+    return Prior(
+        pack(guess.parameters, 0.0),
+        np.concatenate((gain_std, offset_std, [settings.time_offset_std_s])),
+    )

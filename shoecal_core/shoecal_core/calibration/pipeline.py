@@ -1,0 +1,245 @@
+"""From a recorded session to a calibration that has been checked."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.calibration.checks import (
+    Finding,
+    Verdict,
+    check_gains,
+    check_rank,
+    check_readings,
+    check_residuals,
+    judge,
+)
+from shoecal_core.calibration.evaluate import Errors, errors, measured_series, modelled_series
+from shoecal_core.calibration.extract import stances_of
+from shoecal_core.calibration.fit import SelfCalibration, self_calibrate
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.stance import Stance
+from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.model.robot import Robot
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.planning.observability import best_rank
+from shoecal_core.recording.session import Session
+from shoecal_core.sensing.sensing import Sensing
+from shoecal_core.sensing.shoe import Shoe
+
+DISTINCT_SUPPORTS = 2
+"""Gains and offsets of two feet cannot be told apart in fewer double supports."""
+
+
+@dataclass(frozen=True)
+class SessionData:
+    """A session made ready for fitting.
+
+    Attributes:
+        robot, shoe: what it was recorded with.
+        stances: by number of the run.
+        end_ns: stamp of the last sample of all [ns since the epoch].
+        temperature: mean of what the device told [degC], NaN where it told none.
+    """
+
+    robot: Robot
+    shoe: Shoe
+    stances: dict[int, tuple[Stance, ...]]
+    end_ns: int
+    temperature: float
+
+    def of(self, runs: Sequence[int]) -> list[Stance]:
+        """Stances of some runs."""
+        return [stance for run in runs for stance in self.stances[run]]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A calibration with everything that speaks for or against it.
+
+    Attributes:
+        calibration: to apply, verdict included.
+        stages: how it was found.
+        data: what it was found from.
+        train, test: numbers of the runs.
+        modelled: errors against the model, by stage (`initial_guess`, `self_calibration`) and
+            set (`train`, `test`); a set without runs is left out.
+    """
+
+    calibration: Calibration
+    stages: SelfCalibration
+    data: SessionData
+    train: tuple[int, ...]
+    test: tuple[int, ...]
+    modelled: dict[str, dict[str, Errors]]
+
+
+def load_data(session: Session, runs: Sequence[int] | None = None) -> SessionData:
+    """Read runs of a session (all of them by default) and align them with the model."""
+    shoe = session.shoe
+    robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf)
+    kinematics = Kinematics(robot)
+    numbers = [entry.run for entry in session.runs] if runs is None else list(runs)
+    recorded = [session.read(number) for number in numbers]
+    temperatures = [run.readings.temperature for run in recorded]
+    told = [values[np.isfinite(values)] for values in temperatures]
+    return SessionData(
+        robot=robot,
+        shoe=shoe,
+        stances={run.info.run: tuple(stances_of(run, shoe, kinematics)) for run in recorded},
+        end_ns=max(
+            (run.start_ns + round(1e9 * float(run.readings.time[-1])) for run in recorded),
+            default=0,
+        ),
+        temperature=float(np.mean(np.concatenate(told))) if any(map(len, told)) else float("nan"),
+    )
+
+
+def split_runs(
+    session: Session, train: Sequence[int], test: Sequence[int]
+) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Which runs to fit and which to keep for the test.
+
+    Runs given count; else the session's own marks; else every run trains.
+
+    Raises:
+        ShoecalError: a run that is not there, or one in both sets.
+    """
+    entries = session.runs
+    if not train and not test:
+        train = [entry.run for entry in entries if entry.set == "train"]
+        test = [entry.run for entry in entries if entry.set == "test"]
+    known = [entry.run for entry in entries]
+    if not train:
+        train = [run for run in known if run not in test]
+    for run in (*train, *test):
+        if run not in known:
+            listed = ", ".join(map(str, known)) or "none"
+            raise FileError(session.folder, f"has no run {run} (it has: {listed})")
+    both = sorted(set(train) & set(test))
+    if both:
+        raise ShoecalError(f"run(s) {both} are in both --train and --test; a test run is not fitted")
+    return tuple(train), tuple(test)
+
+
+def calibrate_session(
+    session: Session,
+    train: Sequence[int] = (),
+    test: Sequence[int] = (),
+    settings: CalibrationSettings | None = None,
+    *,
+    source: str = "self",
+    made_ns: int = 0,
+) -> Outcome:
+    """Self-calibration from a recording (paper, section V).
+
+    Args:
+        session: recorded.
+        train, test: runs; see `split_runs`.
+        settings: weights of the fit.
+        source: kept in the calibration.
+        made_ns: time stamp of the calibration [ns since the epoch]; 0: that of the last run.
+
+    Raises:
+        ShoecalError: when no calibration can be had from the session at all. A calibration
+            that was found but must not be used comes back with the verdict FAIL.
+    """
+    settings = CalibrationSettings() if settings is None else settings
+    train, test = split_runs(session, train, test)
+    data = load_data(session, (*train, *test))
+    training, testing = data.of(train), data.of(test)
+    _require_supports(session, training)
+    readings = check_readings(data.shoe, training)
+    if any(finding.verdict == "FAIL" for finding in readings):
+        raise FileError(session.folder, "; ".join(finding.reason for finding in readings))
+    stages = self_calibrate(data.shoe, training, settings)
+    guessed = Sensing(data.shoe, stages.guess.parameters)
+    sets = {name: part for name, part in (("train", training), ("test", testing)) if part}
+    modelled = {
+        stage: {name: _against_model(sensing, part) for name, part in sets.items()}
+        for stage, sensing in (("initial_guess", guessed), ("self_calibration", stages.sensing))
+    }
+    verdict = _verdict(data, stages, modelled["self_calibration"], settings, readings, training)
+    return Outcome(
+        calibration=_calibration(data, stages, verdict, source, made_ns),
+        stages=stages,
+        data=data,
+        train=train,
+        test=test,
+        modelled=modelled,
+    )
+
+
+def _require_supports(session: Session, stances: Sequence[Stance]) -> None:
+    """Refuse what cannot fix the parameters whatever the noise."""
+    double = [stance for stance in stances if all(stance.loaded)]
+    if len(double) < len(stances):
+        return
+    distinct = {
+        tuple(np.round((s.support.dx, s.support.dy, s.support.dtheta), 2)) for s in double
+    }
+    if len(distinct) < DISTINCT_SUPPORTS:
+        raise FileError(
+            session.folder,
+            f"{len(distinct)} double support among the training runs; record at least "
+            f"{DISTINCT_SUPPORTS} that differ in yaw (3 or more are better)",
+        )
+
+
+def _against_model(sensing: Sensing, stances: Sequence[Stance]) -> Errors:
+    return errors(
+        [(measured_series(sensing, stance), modelled_series(stance)) for stance in stances]
+    )
+
+
+def _verdict(
+    data: SessionData,
+    stages: SelfCalibration,
+    modelled: dict[str, Errors],
+    settings: CalibrationSettings,
+    findings: list[Finding],
+    training: Sequence[Stance],
+) -> Verdict:
+    findings = findings + check_gains(data.shoe, stages.guess, stages.parameters)
+    for name, error in modelled.items():
+        findings += check_residuals(name, error.grf.mean, error.cop.mean, settings)
+    if all(all(stance.loaded) for stance in training):
+        # The time offset is one more direction that moving data fix.
+        moving = settings.time_offset_std_s > 0.0
+        findings += check_rank(stages.fit.rank, best_rank(data.shoe) + int(moving))
+    return judge(findings)
+
+
+def _calibration(
+    data: SessionData,
+    stages: SelfCalibration,
+    verdict: Verdict,
+    source: str,
+    made_ns: int,
+) -> Calibration:
+    count = len(data.shoe.names)
+    stamp = made_ns or data.end_ns
+    digest = hashlib.sha256(stages.fit.vector.tobytes() + str(stamp).encode()).hexdigest()
+    return Calibration(
+        id=f"{source}-{digest[:12]}",
+        source=source,
+        made_ns=stamp,
+        robot=data.robot.name,
+        shoe=data.shoe.name,
+        robot_hash=data.robot.digest,
+        shoe_hash=data.shoe.digest,
+        channels=data.shoe.names,
+        parameters=stages.parameters,
+        covariance=stages.fit.covariance[: 2 * count, : 2 * count],
+        corrections=stages.corrections,
+        weight=data.robot.weight,
+        time_offset=stages.time_offset,
+        temperature=data.temperature,
+        verdict=verdict.verdict,
+        reasons=verdict.reasons,
+    )

@@ -1,0 +1,194 @@
+"""Stances of a robot that walks or steps, and what its dynamics make of GRF and CoP.
+
+With the pose of the base known, the CoM moves in the world with an acceleration a, and the
+floor's force is m (g + a_z) through the zero-moment point
+    c = com_xy - com_z a_xy / (g + a_z)
+(the angular momentum about the CoM is left out). At rest this is the quasi-static model.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion, label
+from scipy.signal import savgol_filter
+from scipy.spatial.transform import Rotation, Slerp
+
+from shoecal_core.calibration.aligned import Aligned
+from shoecal_core.calibration.stance import Stance, make_stance
+from shoecal_core.errors import ShoecalError
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.robot import GRAVITY
+from shoecal_core.recording.run import PoseSamples
+from shoecal_core.sensing.shoe import FEET, Shoe
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+SMOOTHING_S = 0.3
+"""Window of the local cubic that accelerations are taken from."""
+HANGING_SHARE, LOADED_SHARE = 0.06, 0.12
+"""A foot hangs below the first, stands above the second share of its range of readings."""
+MAX_FOOT_SPEED = 0.05
+"""m/s; a foot that moves faster does not stand."""
+MAX_FOOT_TILT = 0.05
+"""rad; a foot that leans further stands on an edge."""
+MIN_STANCE_S = 0.2
+EDGE_S = 0.04
+"""Cut from both ends of a stance: there the other foot is just landing or leaving."""
+
+
+@dataclass(frozen=True)
+class World:
+    """The body in the world at T instants, z up.
+
+    Attributes:
+        com: (T, 3) [m].
+        acceleration: (T, 3) of the CoM [m/s^2].
+        sole_rotation: (T, 2, 3, 3) of the left and right sole frame.
+        sole: (T, 2, 3) their origins [m].
+        sole_velocity: (T, 2, 3) [m/s].
+    """
+
+    com: FloatArray
+    acceleration: FloatArray
+    sole_rotation: FloatArray
+    sole: FloatArray
+    sole_velocity: FloatArray
+
+    @property
+    def yaw(self) -> FloatArray:
+        """(T, 2) heading of each sole [rad]."""
+        return np.arctan2(self.sole_rotation[..., 1, 0], self.sole_rotation[..., 0, 0])
+
+    @property
+    def flat(self) -> BoolArray:
+        """(T, 2) the sole neither leans nor moves."""
+        tilt = np.arccos(np.clip(self.sole_rotation[..., 2, 2], -1.0, 1.0))
+        speed = np.linalg.norm(self.sole_velocity, axis=-1)
+        still: BoolArray = (tilt < MAX_FOOT_TILT) & (speed < MAX_FOOT_SPEED)
+        return still
+
+
+def in_world(aligned: Aligned, base: PoseSamples) -> World:
+    """The body in the world, from joint angles and the recorded pose of the base."""
+    time = np.clip(aligned.time, base.time[0], base.time[-1])
+    rotation = Slerp(base.time, Rotation.from_quat(base.quaternion))(time).as_matrix()
+    position = np.stack([np.interp(time, base.time, axis) for axis in base.position.T], axis=1)
+    states = aligned.states
+    right_rotation = states.left_rotation @ states.rotation
+    right = (
+        np.einsum("tij,tj->ti", states.left_rotation, states.translation)
+        + states.left_translation
+    )
+    soles = np.stack((states.left_translation, right), axis=1)
+    sole = np.einsum("tij,tfj->tfi", rotation, soles) + position[:, None]
+    turns = np.stack((states.left_rotation, right_rotation), axis=1)
+    com = np.einsum("tij,tj->ti", rotation, states.com_in_base) + position
+    return World(
+        com=com,
+        acceleration=_derivative(com, aligned.time, 2),
+        sole_rotation=np.einsum("tij,tfjk->tfik", rotation, turns),
+        sole=sole,
+        sole_velocity=_derivative(sole, aligned.time, 1),
+    )
+
+
+def walking_stances(
+    run: int, aligned: Aligned, world: World, shoe: Shoe, mass: float
+) -> list[Stance]:
+    """Single and double supports in which the feet that stand are flat and still."""
+    share = load_shares(shoe, aligned.readings)
+    hangs, stands = share < HANGING_SHARE, (share > LOADED_SHARE) & world.flat
+    stances = []
+    for loaded in ((True, True), (True, False), (False, True)):
+        here = np.ones(len(aligned.time), dtype=bool)
+        for foot in (0, 1):
+            here &= stands[:, foot] if loaded[foot] else hangs[:, foot]
+        for part in _stretches(here, aligned.time):
+            stances.append(_stance(run, aligned, world, shoe, mass, loaded, part))
+    if not stances:
+        raise ShoecalError(
+            f"run {run}: no stance was found in which a flat, still foot carries load; "
+            "check the shoe's channels and the base pose"
+        )
+    return sorted(stances, key=lambda stance: float(stance.time[0]))
+
+
+def load_shares(shoe: Shoe, readings: FloatArray) -> FloatArray:
+    """(T, 2) how loaded each foot is, from 0 (hangs) to 1, by its raw readings alone.
+
+    Raises:
+        ShoecalError: a vertical channel's polarity is not known.
+    """
+    shares = []
+    for foot in (0, 1):
+        vertical = [i for i in shoe.of_foot(foot) if shoe.columns[i, 0] != 0.0]
+        if any(shoe.polarity[i] == 0 for i in vertical):
+            raise ShoecalError(
+                f"shoe '{shoe.name}': give the polarity of the {FEET[foot]} foot's vertical "
+                "channels; the stances of a walk are found by which foot carries load"
+            )
+        gains = [shoe.channels[i].nominal_gain or 1.0 for i in vertical]
+        force = readings[:, vertical] @ (shoe.polarity[vertical] * np.abs(gains))
+        low, high = np.percentile(force, [2.0, 98.0])
+        shares.append((force - low) / max(high - low, 1e-12))
+    return np.stack(shares, axis=1)
+
+
+def _stance(
+    run: int,
+    aligned: Aligned,
+    world: World,
+    shoe: Shoe,
+    mass: float,
+    loaded: tuple[bool, bool],
+    part: slice,
+) -> Stance:
+    lift = GRAVITY + world.acceleration[part, 2]
+    frame = loaded.index(True)
+    origin = np.median(world.sole[part, frame], axis=0)
+    yaws = np.median(world.yaw[part], axis=0)
+    height = world.com[part, 2] - origin[2]
+    zmp = world.com[part, :2] - (height / lift)[:, None] * world.acceleration[part, :2]
+    turn = DoubleSupport(float(origin[0]), float(origin[1]), float(yaws[frame]))
+    other = turn.left_to_right(np.median(world.sole[part, 1, :2], axis=0))
+    support = DoubleSupport(float(other[0]), float(other[1]), float(yaws[1] - yaws[frame]))
+    return make_stance(
+        run,
+        shoe,
+        support,
+        loaded,
+        aligned.time[part],
+        aligned.readings[part],
+        mass * lift,
+        turn.left_to_right(zmp),
+    )
+
+
+def _stretches(here: BoolArray, time: FloatArray) -> list[slice]:
+    """Unbroken stretches, their edges cut, that are long enough."""
+    period = float(np.median(np.diff(time)))
+    edge = max(1, round(EDGE_S / period))
+    inner = binary_erosion(here, iterations=edge)
+    labels, count = label(inner)
+    parts = []
+    for index in range(1, count + 1):
+        samples = np.flatnonzero(labels == index)
+        if len(samples) * period >= MIN_STANCE_S:
+            parts.append(slice(int(samples[0]), int(samples[-1]) + 1))
+    return parts
+
+
+def _derivative(values: FloatArray, time: FloatArray, order: int) -> FloatArray:
+    """Smoothed derivative along time of values (T, ...), by local cubics."""
+    period = float(np.median(np.diff(time)))
+    window = max(5, 2 * round(SMOOTHING_S / period / 2.0) + 1)
+    if len(values) < window:
+        raise ShoecalError(
+            f"{len(values)} samples are too few for accelerations; {window} are needed"
+        )
+    smooth: FloatArray = savgol_filter(values, window, 3, deriv=order, delta=period, axis=0)
+    return smooth

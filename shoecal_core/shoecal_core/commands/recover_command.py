@@ -1,0 +1,1 @@
+"""`shoecal recover FILE`: rescue what can be read of a damaged run file."""

@@ -1,0 +1,77 @@
+"""The CoP correction of one foot (paper, eqs. 4 and 5).
+
+The corrected CoP is p = p0 + (X a', Y b') with, for a raw CoP p0 = (x, y) and outputs f,
+X = (x^2, x, y, 1, f) and Y = (y^2, y, x, 1, f): linear in its parameters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import ShapeError, ShoecalError
+from shoecal_core.sensing.shoe import FEET
+
+FloatArray = NDArray[np.float64]
+POLYNOMIAL = 4
+"""Terms of the second-order polynomial in one direction."""
+
+
+@dataclass(frozen=True)
+class CopCorrection:
+    """Correction of one foot, and where it was trained.
+
+    Attributes:
+        foot: index into FEET.
+        x: (4 + k,) a1..a4 and m1..mk of eq. 5.
+        y: (4 + k,) b1..b4 and n1..nk.
+        cop_range: (2, 2) lowest and highest raw CoP trained on, sole frame [m].
+        output_range: (2, k) lowest and highest channel outputs trained on [N or N m].
+    """
+
+    foot: int
+    x: FloatArray
+    y: FloatArray
+    cop_range: FloatArray
+    output_range: FloatArray
+
+    def __post_init__(self) -> None:
+        if self.foot not in (0, 1):
+            raise ShoecalError(f"a correction's foot must be one of {', '.join(FEET)}")
+        channels = len(self.x) - POLYNOMIAL
+        if self.x.shape != self.y.shape or channels < 0:
+            raise ShapeError("correction y", f"as x {self.x.shape}", self.y.shape)
+        if self.cop_range.shape != (2, 2) or self.output_range.shape != (2, channels):
+            raise ShapeError("output_range", f"(2, {channels})", self.output_range.shape)
+        for part in (self.x, self.y, self.cop_range, self.output_range):
+            if not np.isfinite(part).all():
+                raise ShoecalError("the CoP correction holds a number that is not finite")
+
+    def correct(self, raw: FloatArray, outputs: FloatArray) -> FloatArray:
+        """Corrected CoP (..., 2) of a raw CoP (..., 2) and this foot's outputs (..., k)."""
+        in_x, in_y = features(raw, outputs)
+        return raw + np.stack((in_x @ self.x, in_y @ self.y), axis=-1)
+
+    def extrapolates(self, raw: FloatArray, outputs: FloatArray) -> NDArray[np.bool_]:
+        """(...,) True outside the places and loads it was trained on."""
+        outside: NDArray[np.bool_] = (
+            (raw < self.cop_range[0]).any(axis=-1)
+            | (raw > self.cop_range[1]).any(axis=-1)
+            | (outputs < self.output_range[0]).any(axis=-1)
+            | (outputs > self.output_range[1]).any(axis=-1)
+        )
+        return outside
+
+
+def features(raw: FloatArray, outputs: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Terms (..., 4 + k) of the x and of the y correction."""
+    x, y = raw[..., 0], raw[..., 1]
+    one = np.ones_like(x)
+
+    def terms(along: FloatArray, across: FloatArray) -> FloatArray:
+        polynomial = np.stack((along**2, along, across, one), axis=-1)
+        return np.concatenate((polynomial, outputs), axis=-1)
+
+    return terms(x, y), terms(y, x)

@@ -1,0 +1,89 @@
+"""Calibrated sensing: readings in, GRF and CoP out. One code for batches and for live use."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.sensing.correction import CopCorrection
+from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.sensing.wrench import (
+    ChannelParameters,
+    at_cop,
+    combined,
+    cop,
+    foot_wrenches,
+)
+
+FloatArray = NDArray[np.float64]
+MINIMUM_FORCE = 2.0
+"""N; a foot that carries less has no CoP."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Both feet at T instants (any leading shape).
+
+    Attributes:
+        grf: (..., 2) vertical force of each foot [N].
+        cop: (..., 2, 2) CoP of each foot in its sole frame, NaN where it is unloaded [m].
+        extrapolating: (..., 2) outside what the correction was trained on.
+    """
+
+    grf: FloatArray
+    cop: FloatArray
+    extrapolating: NDArray[np.bool_]
+
+    @property
+    def total_grf(self) -> FloatArray:
+        """(...,) vertical force of both feet [N]."""
+        total: FloatArray = self.grf.sum(axis=-1)
+        return total
+
+    def combined_cop(self, support: DoubleSupport) -> FloatArray:
+        """(..., 2) CoP of both feet in the left sole's frame [m].
+
+        An unloaded foot adds nothing; NaN where no foot is loaded.
+        """
+        loaded = np.isfinite(self.cop[..., 0])
+        wrenches = at_cop(
+            np.where(loaded, self.grf, 0.0), np.where(loaded[..., None], self.cop, 0.0)
+        )
+        return cop(combined(wrenches, support), minimum_force=0.0)
+
+
+class Sensing:
+    """The measuring side of one pair of shoes under one set of parameters."""
+
+    def __init__(
+        self,
+        shoe: Shoe,
+        parameters: ChannelParameters,
+        corrections: Sequence[CopCorrection] = (),
+        minimum_force: float = MINIMUM_FORCE,
+    ) -> None:
+        self.shoe = shoe
+        self.parameters = parameters
+        self.corrections = tuple(corrections)
+        self.minimum_force = minimum_force
+
+    def measure(self, readings: FloatArray) -> Measured:
+        """GRF and CoP of each foot.
+
+        Args:
+            readings: (..., n) raw, in the shoe's channel order; NaN makes its foot NaN.
+        """
+        outputs = self.parameters.outputs(readings)
+        wrenches = foot_wrenches(self.shoe, outputs)
+        place = cop(wrenches, self.minimum_force)
+        extrapolating = np.zeros(place.shape[:-1], dtype=bool)
+        for correction in self.corrections:
+            foot = correction.foot
+            own = outputs[..., self.shoe.of_foot(foot)]
+            extrapolating[..., foot] = correction.extrapolates(place[..., foot, :], own)
+            place[..., foot, :] = correction.correct(place[..., foot, :], own)
+        return Measured(wrenches[..., 0], place, extrapolating)
