@@ -81,30 +81,30 @@ install_packages() {
     rm -rf build install log
     "$python" -m venv --clear "$venv"
     local pip=("$venv/bin/python" -m pip --disable-pip-version-check install --quiet)
-    # What builds source packages comes first: they are built with it, not with whatever is newest.
-    sed -n '/^\(setuptools\|wheel\)==/,/[^\\]$/p' requirements.txt >"$venv/build-tools.txt"
-    "${pip[@]}" --require-hashes --requirement "$venv/build-tools.txt"
-    "${pip[@]}" --require-hashes --no-build-isolation --requirement requirements.txt
+    # setuptools comes first: source packages are built with the locked one, not with the newest.
+    sed -n '/^setuptools==/,/[^\]$/p' requirements.txt >"$venv/setuptools.txt"
+    "${pip[@]}" --require-hashes --requirement "$venv/setuptools.txt"
+    "${pip[@]}" --require-hashes --no-build-isolation --use-pep517 --requirement requirements.txt
     "$venv/bin/python" scripts/fix_ros_wheels.py
 }
 
 build_workspace() {
     echo "setup: building the ROS 2 workspace into install/ (about a minute)"
     rm -rf build install log
+    # A path entry, not an import hook: else the folder shoecal_core/ of the checkout comes first.
     "$venv/bin/python" -m pip --disable-pip-version-check install --quiet --no-deps \
-        --no-build-isolation --editable shoecal_core --editable shoecal_ros
+        --no-build-isolation --use-pep517 --config-settings editable_mode=compat \
+        --editable shoecal_core --editable shoecal_ros
     env PATH="$venv/bin:$PATH" AMENT_PREFIX_PATH="$venv" CMAKE_PREFIX_PATH="$venv" \
         LD_LIBRARY_PATH="$venv/lib" COLCON_HOME="$root/build" MAKEFLAGS="-j$(nproc)" \
         "$venv/bin/colcon" --log-level error build --merge-install \
         --base-paths shoecal_msgs shoecal_core shoecal_ros \
         --cmake-args -DBUILD_TESTING=OFF "-DPython3_EXECUTABLE=$venv/bin/python"
     # The messages are found from .venv without sourcing anything.
-    local library site
-    for library in install/lib/libshoecal_msgs__*.so; do
-        ln -sf "../../$library" "$venv/lib/"
-    done
-    site=$("$venv/bin/python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
-    (cd "$site" && echo ../../../../install/lib/python3.*/site-packages >shoecal_msgs.pth)
+    local site
+    site=$(echo "$venv"/lib/python3.*/site-packages)
+    ln -sfnr install/lib/libshoecal_msgs__*.so "$venv/lib/"
+    ln -sfnr install/lib/python3.*/site-packages/shoecal_msgs "$site/"
     "$venv/bin/python" -c 'import rclpy, shoecal_core, shoecal_msgs.msg, shoecal_ros'
 }
 
