@@ -1,0 +1,1 @@
+"""Double supports, postures and quasi-static whole-body motions (paper, section IV)."""

@@ -1,0 +1,80 @@
+"""Distance of capsules: all points within a radius of a segment (paper, section IV, fig. 3c).
+
+The distance of two capsules is that of their segments less both radii; negative where they
+overlap. It stands here twice: in numpy to check with, and as an expression to optimise with.
+"""
+
+from __future__ import annotations
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+_TINY = 1e-14
+"""m^2; squared lengths below this are those of points."""
+_PARALLEL = 1e-10
+"""Squared sine of the angle below which two segments count as parallel."""
+
+
+def segment_distance(
+    start_a: FloatArray, end_a: FloatArray, start_b: FloatArray, end_b: FloatArray
+) -> FloatArray:
+    """Distance between segments, exact also for parallel ones and for points.
+
+    All ends are (..., 3) [m]; the distances are (...) [m].
+    """
+    nearest = np.minimum.reduce(
+        [
+            _point_segment(start_a, start_b, end_b),
+            _point_segment(end_a, start_b, end_b),
+            _point_segment(start_b, start_a, end_a),
+            _point_segment(end_b, start_a, end_a),
+        ]
+    )
+    return np.minimum(nearest, _inner_distance(start_a, end_a, start_b, end_b))
+
+
+def segment_distance_squared(start_a: ca.SX, end_a: ca.SX, start_b: ca.SX, end_b: ca.SX) -> ca.SX:
+    """Squared distance between two segments, (3, 1) points, as an expression [m^2].
+
+    Finds the nearest point on a, then on b, then on a again, each clamped to its segment:
+    for segments that is the minimum. Parallel ones start from a's beginning.
+    """
+    way_a, way_b, between = end_a - start_a, end_b - start_b, start_a - start_b
+    a, b, e = ca.dot(way_a, way_a), ca.dot(way_a, way_b), ca.dot(way_b, way_b)
+    c, f = ca.dot(way_a, between), ca.dot(way_b, between)
+    s = _clamp((b * f - c * e) / ca.fmax(a * e - b * b, _PARALLEL * a * e + _TINY * _TINY))
+    t = _clamp((b * s + f) / ca.fmax(e, _TINY))
+    s = _clamp((b * t - c) / ca.fmax(a, _TINY))
+    gap = between + s * way_a - t * way_b
+    return ca.dot(gap, gap)
+
+
+def _clamp(value: ca.SX) -> ca.SX:
+    return ca.fmin(ca.fmax(value, 0.0), 1.0)
+
+
+def _point_segment(point: FloatArray, start: FloatArray, end: FloatArray) -> FloatArray:
+    way = end - start
+    length = np.maximum(np.sum(way * way, axis=-1), _TINY)
+    part = np.clip(np.sum((point - start) * way, axis=-1) / length, 0.0, 1.0)
+    distance: FloatArray = np.linalg.norm(point - start - part[..., None] * way, axis=-1)
+    return distance
+
+
+def _inner_distance(
+    start_a: FloatArray, end_a: FloatArray, start_b: FloatArray, end_b: FloatArray
+) -> FloatArray:
+    """Distance of the two lines where they are nearest inside both segments, else infinite."""
+    way_a, way_b, between = end_a - start_a, end_b - start_b, start_a - start_b
+    a, b, e = (np.sum(x * y, axis=-1) for x, y in ((way_a, way_a), (way_a, way_b), (way_b, way_b)))
+    c, f = (np.sum(way * between, axis=-1) for way in (way_a, way_b))
+    denominator = a * e - b * b
+    crossing = denominator > _PARALLEL * a * e
+    safe = np.where(crossing, denominator, 1.0)
+    s, t = (b * f - c * e) / safe, (a * f - b * c) / safe
+    inside = crossing & (s >= 0.0) & (s <= 1.0) & (t >= 0.0) & (t <= 1.0)
+    gap = np.linalg.norm(between + s[..., None] * way_a - t[..., None] * way_b, axis=-1)
+    return np.where(inside, gap, np.inf)

@@ -1,0 +1,212 @@
+"""The legs as the planner sees them: what moves, how far, and what follows from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.model.robot import Robot
+from shoecal_core.model.symbolic import SymbolicKinematics
+from shoecal_core.planning.capsules import segment_distance_squared
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.settings import SettingError
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FootPose:
+    """Pose of the right sole in the left sole's frame, in space.
+
+    Attributes:
+        rotation: (3, 3) turns vectors of the right sole's frame into the left's.
+        translation: (3,) origin of the right sole [m].
+    """
+
+    rotation: FloatArray
+    translation: FloatArray
+
+    @classmethod
+    def of(cls, support: DoubleSupport) -> FootPose:
+        """Both soles flat on one floor."""
+        rotation = np.eye(3)
+        rotation[:2, :2] = support.rotation
+        return cls(rotation, np.array([support.dx, support.dy, 0.0]))
+
+    @property
+    def support(self) -> DoubleSupport:
+        """Its part on the floor."""
+        yaw = np.arctan2(self.rotation[1, 0], self.rotation[0, 0])
+        return DoubleSupport(float(self.translation[0]), float(self.translation[1]), float(yaw))
+
+    @property
+    def parameters(self) -> FloatArray:
+        """(12,) rotation by columns, then translation: the order LegExpressions wants."""
+        return np.concatenate([self.rotation.T.ravel(), self.translation])
+
+
+@dataclass(frozen=True)
+class Knee:
+    """The joint of a leg that changes its length most.
+
+    Attributes:
+        column: its place in arrays of leg joints.
+        straight: angle at which the leg is longest [rad].
+    """
+
+    column: int
+    straight: float
+
+
+class LegExpressions:
+    """What the constraints and costs of planning are made of, in one posture.
+
+    Attributes:
+        angles: (k, 1) symbol of the leg angles [rad].
+        others: (m, 1) symbol of all joint angles, of which those beside the legs count.
+        cop: (2, 1) ground projection of the CoM in the left sole's frame [m].
+        foot_pose: (12, 1) symbol of a pose between the feet, as FootPose.parameters.
+        foot_error: (6, 1) how far the right sole is from that pose: way [m], turn [rad].
+        distances: (p, 1) of the robot's collision pairs [m].
+        lean: (2, 1) direction of the torso's upward axis along the floor; zero when upright.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self.angles = ca.SX.sym("legs", len(robot.legs))
+        self.others = ca.SX.sym("others", len(robot.joint_names))
+        self.foot_pose = ca.SX.sym("foot_pose", 12)
+        body = SymbolicKinematics(robot, _all_angles(robot, self.angles, self.others))
+        left, right = body.soles
+        self.cop = left.inverse_act(body.com)[:2]
+        rotation = left.rotation.T @ right.rotation
+        wanted = ca.reshape(self.foot_pose[:9], 3, 3)
+        turn = wanted.T @ rotation
+        turned = (turn - turn.T) / 2.0
+        self.foot_error = ca.vertcat(
+            left.inverse_act(right.translation) - self.foot_pose[9:],
+            turned[2, 1], turned[0, 2], turned[1, 0],
+        )  # fmt: skip
+        self.lean = left.rotation.T[:2, 2]
+        self.distances = _distances(robot, body)
+
+
+class Legs:
+    """The moved joints of one robot and the functions of them that planning needs.
+
+    Holding one means that they have been compiled.
+
+    Attributes:
+        robot: whose legs.
+        kinematics: of the whole robot, for batches.
+        knees: left, right.
+    """
+
+    def __init__(self, robot: Robot) -> None:
+        self.robot = robot
+        self.kinematics = Kinematics(robot)
+        self.knees = (_knee(robot, 0), _knee(robot, 1))
+
+    @cached_property
+    def limits(self) -> tuple[FloatArray, FloatArray]:
+        """(k,), (k,) range of each motor, its other joints' limits included [rad]."""
+        robot = self.robot
+        lower, upper = robot.lower.copy(), robot.upper.copy()
+        for shared in robot.shared:
+            ends = np.sort([bound[shared.joint] / shared.ratio for bound in (lower, upper)])
+            lower[shared.leader] = max(lower[shared.leader], ends[0])
+            upper[shared.leader] = min(upper[shared.leader], ends[1])
+        return lower[robot.legs], upper[robot.legs]
+
+    @property
+    def nominal(self) -> FloatArray:
+        """(k,) leg angles of the robot's own posture [rad]."""
+        return self.robot.posture[self.robot.legs]
+
+    def bounds(
+        self, settings: PlannerSettings, extra: float = 0.0
+    ) -> tuple[FloatArray, FloatArray]:
+        """(k,), (k,) range of each motor less its margins, knees bent [rad].
+
+        Args:
+            settings: joint_margin and knee_margin.
+            extra: margin beyond those [rad].
+        """
+        margin = settings.joint_margin + extra
+        lower, upper = (limit.copy() for limit in self.limits)
+        lower, upper = lower + margin, upper - margin
+        for knee in self.knees:
+            bend = settings.knee_margin + extra
+            if self.nominal[knee.column] > knee.straight:
+                lower[knee.column] = max(lower[knee.column], knee.straight + bend)
+            else:
+                upper[knee.column] = min(upper[knee.column], knee.straight - bend)
+        for name, low, high in zip(self.robot.leg_names, lower, upper, strict=True):
+            if low >= high:
+                raise SettingError(
+                    "joint_margin",
+                    f"{margin:g} rad leaves joint '{name}' no room to move; lower it",
+                )
+        return lower, upper
+
+    def foot_pose(self, joint_angles: FloatArray) -> FootPose:
+        """Pose between the feet at all joint angles (m,) [rad]."""
+        state = self.kinematics.states(joint_angles[None])
+        return FootPose(state.rotation[0], state.translation[0])
+
+    def cop(self, joint_angles: FloatArray) -> FloatArray:
+        """(T, 2) modelled CoP in the left sole's frame at all joint angles (T, m) [m]."""
+        return self.kinematics.states(joint_angles).cop[:, 0]
+
+
+def _all_angles(robot: Robot, legs: ca.SX, others: ca.SX) -> ca.SX:
+    """As Robot.from_legs, in symbols."""
+    angles = [others[index] for index in range(len(robot.joint_names))]
+    for column, index in enumerate(robot.legs):
+        angles[index] = legs[column]
+    for shared in robot.shared:
+        angles[shared.joint] = shared.ratio * angles[shared.leader]
+    return ca.vertcat(*angles)
+
+
+def _distances(robot: Robot, body: SymbolicKinematics) -> ca.SX:
+    ends = [
+        [body.joints[capsule.joint].act(point) for point in (capsule.start, capsule.end)]
+        for capsule in robot.capsules
+    ]
+    rows = []
+    for a, b in robot.collision_pairs:
+        squared = segment_distance_squared(*ends[a], *ends[b])
+        radii = robot.capsules[a].radius + robot.capsules[b].radius
+        rows.append(ca.sqrt(ca.fmax(squared, 1e-12)) - radii)
+    return ca.vertcat(*rows) if rows else ca.SX.zeros(0, 1)
+
+
+def _knee(robot: Robot, foot: int) -> Knee:
+    """Found by how each joint changes the distance from the leg's first joint to its last.
+
+    Hips and ankles turn about axes that (nearly) meet there, so they hardly change it.
+    """
+    moved = {int(index) for index in robot.legs}
+    leader = {shared.joint: shared.leader for shared in robot.shared}
+    chain = [index - 2 for index in robot.model.supports[robot.feet[foot].joint] if index > 1]
+    chain = [index for index in chain if leader.get(index, index) in moved]
+    angles = ca.SX.sym("q", len(robot.joint_names))
+    body = SymbolicKinematics(robot, angles)
+    way = body.joints[chain[-1] + 2].translation - body.joints[chain[0] + 2].translation
+    length = ca.norm_2(way)
+    rate = ca.Function("rate", [angles], [ca.gradient(length, angles)])
+    fan = np.linspace(0.1, 0.9, 9)[:, None]
+    samples = robot.lower + fan * (robot.upper - robot.lower)
+    change = np.abs(np.array(rate(samples.T))).mean(axis=1)
+    joint = max(chain, key=lambda index: float(change[index]))
+    grid = np.tile(robot.posture, (2001, 1))
+    grid[:, joint] = np.linspace(robot.lower[joint], robot.upper[joint], 2001)
+    lengths = np.array(ca.Function("length", [angles], [length])(grid.T)).ravel()
+    column = list(robot.legs).index(leader.get(joint, joint))
+    return Knee(column, float(grid[np.argmax(lengths), joint]))

@@ -1,0 +1,139 @@
+"""Every weight, horizon, radius and threshold of planning."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from shoecal_core.settings import Settings, setting
+
+SOLVERS = ("sqp", "ipopt")
+
+
+@dataclass(frozen=True)
+class PlannerSettings(Settings):
+    """Settings of double supports, postures and motions; see `config/nodes/planner.yaml`."""
+
+    # Double supports
+    supports: int = setting(5, "", "double supports of one calibration", minimum=1, maximum=100)
+    distance_weight: float = setting(
+        1.0, "1/m", "w_d, weight of the way between the feet in their distance d", minimum=0.0
+    )
+    orientation_weight: float = setting(
+        0.1, "1/rad", "w_o, weight of the yaw between the feet in their distance d", minimum=0.0
+    )
+    distance_min: float = setting(
+        0.11, "", "least distance d between the feet of a double support", minimum=0.0
+    )
+    foot_clearance: float = setting(
+        0.006, "m", "least gap between the outlines of the two feet", minimum=0.0
+    )
+    support_candidates: int = setting(
+        8, "", "draws from which the double support farthest from those kept is taken", minimum=1
+    )
+    support_redraws: int = setting(
+        20, "", "sets drawn before the range is said to hold no observable one", minimum=1
+    )
+    training_supports: int = setting(
+        3, "", "fewer double supports are not asked to fix every observable direction", minimum=1
+    )
+    test_supports: int = setting(
+        2, "", "double supports without which the others still fix those directions", minimum=0
+    )
+
+    # Observability
+    places: int = setting(
+        40, "", "CoP places a double support, for predicting what its data will fix", minimum=3
+    )
+    grf_noise: float = setting(
+        0.3, "N", "standard deviation of GRF at one place, errors of modelling included",
+        minimum=1e-6,
+    )  # fmt: skip
+    cop_noise: float = setting(
+        0.0025, "m", "standard deviation of CoP at one place, errors of modelling included",
+        minimum=1e-9,
+    )  # fmt: skip
+    fixed_below: float = setting(
+        0.5, "", "a direction counts as fixed when its relative uncertainty is below this",
+        minimum=1e-6,
+    )  # fmt: skip
+
+    # Posture
+    joint_margin: float = setting(
+        0.03, "rad", "distance kept from the joints' limits while moving", minimum=0.0
+    )
+    knee_margin: float = setting(
+        0.25, "rad", "least bend of a knee: near straight the feet can hardly be kept", minimum=0.0
+    )
+    stance_margin: float = setting(
+        0.05, "rad", "distance kept from the limits when standing, beyond that while moving",
+        minimum=0.0,
+    )  # fmt: skip
+    upright_weight: float = setting(
+        5.0, "", "weight of an upright torso against joint angles near the nominal ones",
+        minimum=0.0,
+    )  # fmt: skip
+
+    # Optimisation over one horizon
+    horizon: int = setting(10, "states", "N, states of one optimisation", minimum=2, maximum=100)
+    step_time: float = setting(
+        0.25, "s", "time from one state to the next at full speed", minimum=0.01
+    )
+    cop_weight_x: float = setting(
+        1.0e4, "1/m^2", "Q_c, weight of the CoP's distance to the landmark, forward", minimum=0.0
+    )
+    cop_weight_y: float = setting(
+        1.0e4, "1/m^2", "Q_c, weight of the CoP's distance to the landmark, sideways", minimum=0.0
+    )
+    transition_weight: float = setting(
+        5.0e3, "1/rad^2", "Q_u, weight of the change from one transition to the next", minimum=1e-6
+    )
+    joint_speed: float = setting(0.15, "rad/s", "largest speed of a leg joint", minimum=1e-3)
+    stability_margin: float = setting(
+        0.005, "m", "distance kept between CoP and the edge of the sensing polygon", minimum=0.0
+    )
+    capsule_clearance: float = setting(
+        0.003, "m", "d_min, least distance between two capsules", minimum=0.0
+    )
+    solver: str = setting(
+        "ipopt", "", "sqp (fast, falls back to ipopt) or ipopt (reference)", choices=SOLVERS
+    )
+    tolerance: float = setting(
+        1.0e-5, "m, rad", "largest violation of a constraint that a solution may have",
+        minimum=1e-9, maximum=1e-3,
+    )  # fmt: skip
+    iterations: int = setting(200, "", "most iterations of one optimisation", minimum=1)
+
+    # Rolling horizon (Algorithm 1)
+    applied_states: int = setting(
+        2, "states", "planned states that are taken over from each optimisation", minimum=1
+    )
+    landmark_radius: float = setting(
+        0.004, "m", "r, a landmark is reached when the CoP is nearer than this", minimum=1e-4
+    )
+    progress_min: float = setting(
+        0.0002, "m", "coming nearer by less than this in a step is no progress", minimum=0.0
+    )
+    progress_patience: int = setting(
+        3, "steps", "steps without progress after which the next landmark is taken", minimum=1
+    )
+    steps_max: int = setting(600, "steps", "most steps of one motion", minimum=1)
+    recovery: float = setting(
+        0.25, "", "part of a step's way used to come back inside a constraint",
+        minimum=0.01, maximum=1.0,
+    )  # fmt: skip
+
+    # Timing of a motion
+    hold_time: float = setting(1.5, "s", "standing still before and after a motion", minimum=0.0)
+    sample_rate: float = setting(50.0, "Hz", "points of a joint trajectory a second", minimum=1.0)
+    com_speed: float = setting(0.014, "m/s", "largest speed of the CoM", minimum=1e-4)
+    dynamic_cop_error: float = setting(
+        0.0004, "m", "largest shift of the CoP that the CoM's acceleration causes", minimum=1e-6
+    )
+    foot_drift: float = setting(
+        0.0001, "m, rad", "largest change of the pose between the feet that a check lets pass",
+        minimum=1e-6,
+    )  # fmt: skip
+    torque_share: float = setting(
+        1.0, "", "part of a motor's torque limit that holding a posture may need",
+        minimum=0.01, maximum=1.0,
+    )  # fmt: skip

@@ -1,0 +1,37 @@
+"""The robots that planning is tested with."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+from shoecal_core.model.robot import Robot
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.planning.legs import Legs
+from shoecal_core.sensing.shoe import Shoe, load_shoe
+
+ROOT = Path(__file__).parents[3]
+
+_FILES = {
+    "nao": ("config/robots/nao.yaml", "config/shoes/nao_shoe.yaml"),
+    "odd_biped": ("test/data/robots/odd_biped.yaml", "test/data/shoes/odd_shoe.yaml"),
+}
+NAMES = tuple(_FILES)
+
+
+@dataclass(frozen=True)
+class Body:
+    """A robot in its shoes, with its legs compiled."""
+
+    robot: Robot
+    shoe: Shoe
+    legs: Legs
+
+
+@cache
+def load_body(name: str) -> Body:
+    robot_file, shoe_file = _FILES[name]
+    shoe = load_shoe(ROOT / shoe_file)
+    robot = load_robot(ROOT / robot_file, shoe)
+    return Body(robot, shoe, Legs(robot))

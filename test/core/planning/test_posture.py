@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+from core.planning.bodies import Body
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.landmarks import Contour
+from shoecal_core.planning.posture import StanceSolver, UnreachableError, middle, stance
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.settings import SettingError
+
+SETTINGS = PlannerSettings()
+
+
+def random_supports(body: Body, count: int) -> list[DoubleSupport]:
+    span = body.robot.support_range
+    draws = np.random.default_rng(2).uniform(span.lower, span.upper, (count, 3))
+    return [DoubleSupport(*(float(value) for value in draw)) for draw in draws]
+
+
+def test_feet_com_and_limits_by_pinocchio(body: Body) -> None:
+    robot = body.robot
+    solver = StanceSolver(body.legs, SETTINGS)
+    data = robot.model.createData()
+    lower, upper = body.legs.bounds(SETTINGS, SETTINGS.stance_margin)
+    for support in random_supports(body, 12):
+        legs = solver.solve(support)
+        assert np.all((legs >= lower) & (legs <= upper))
+        base = np.concatenate([[0, 0, 0, 0, 0, 0, 1.0], robot.from_legs(legs)])
+        com = pin.centerOfMass(robot.model, data, base)
+        pin.updateFramePlacements(robot.model, data)
+        left, right = (data.oMf[foot.frame] for foot in robot.feet)
+        between = left.actInv(right)
+        expected = pin.SE3(
+            pin.rpy.rpyToMatrix(0, 0, support.dtheta), np.array([support.dx, support.dy, 0.0])
+        )
+        np.testing.assert_allclose(between.homogeneous, expected.homogeneous, atol=1e-6)
+        np.testing.assert_allclose(left.actInv(com)[:2], middle(robot, support), atol=1e-6)
+        up = left.rotation.T[:, 2]
+        assert up[2] > np.cos(0.25), "the torso stands upright"
+
+
+def test_a_place_for_the_cop(body: Body) -> None:
+    neutral = DoubleSupport(0.0, -0.13, 0.1)
+    target = Contour.of(body.robot, neutral).midpoints[1]
+    legs = StanceSolver(body.legs, SETTINGS).solve(neutral, target)
+    cop = body.legs.cop(body.robot.from_legs(legs)[None])[0]
+    np.testing.assert_allclose(cop, target, atol=1e-6)
+
+
+def test_one_call_gives_the_same(nao: Body) -> None:
+    support = DoubleSupport(0.03, -0.12, 0.2)
+    once = stance(nao.robot, support)
+    np.testing.assert_array_equal(once, StanceSolver(nao.legs, SETTINGS).solve(support))
+
+
+def test_out_of_reach(body: Body) -> None:
+    far = DoubleSupport(0.7, -0.12, 0.0)
+    with pytest.raises(UnreachableError, match=r"dx 0\.7 m") as caught:
+        StanceSolver(body.legs, SETTINGS).solve(far)
+    assert caught.value.support == far
+
+
+def test_margins_without_room_are_refused(body: Body) -> None:
+    tight = dataclasses.replace(SETTINGS, joint_margin=1.2)
+    with pytest.raises(SettingError, match=r"joint_margin: .* no room"):
+        body.legs.bounds(tight)
+
+
+def test_knees_are_found_and_kept_bent(body: Body) -> None:
+    names = [body.robot.leg_names[knee.column] for knee in body.legs.knees]
+    assert all("knee" in name.lower() for name in names)
+    assert names[0] != names[1]
+    lower, _ = body.legs.bounds(SETTINGS)
+    for knee in body.legs.knees:
+        assert lower[knee.column] == pytest.approx(knee.straight + SETTINGS.knee_margin)
