@@ -28,6 +28,7 @@ from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.observability import best_rank
+from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
@@ -43,6 +44,7 @@ class SessionData:
     Attributes:
         robot, shoe: what it was recorded with.
         stances: by number of the run.
+        start_ns: stamp that each run's times count from [ns since the epoch].
         end_ns: stamp of the last sample of all [ns since the epoch].
         temperature: mean of what the device told [degC], NaN where it told none.
     """
@@ -50,6 +52,7 @@ class SessionData:
     robot: Robot
     shoe: Shoe
     stances: dict[int, tuple[Stance, ...]]
+    start_ns: dict[int, int]
     end_ns: int
     temperature: float
 
@@ -92,6 +95,7 @@ def load_data(session: Session, runs: Sequence[int] | None = None) -> SessionDat
         robot=robot,
         shoe=shoe,
         stances={run.info.run: tuple(stances_of(run, shoe, kinematics)) for run in recorded},
+        start_ns={run.info.run: run.start_ns for run in recorded},
         end_ns=max(
             (run.start_ns + round(1e9 * float(run.readings.time[-1])) for run in recorded),
             default=0,
@@ -211,7 +215,8 @@ def _verdict(
     if all(all(stance.loaded) for stance in training):
         # The time offset is one more direction that moving data fix.
         moving = settings.time_offset_std_s > 0.0
-        findings += check_rank(stages.fit.rank, best_rank(data.shoe) + int(moving))
+        possible = best_rank(data.robot, data.shoe, len(data.stances), PlannerSettings())
+        findings += check_rank(stages.fit.rank, possible + int(moving))
     return judge(findings)
 
 

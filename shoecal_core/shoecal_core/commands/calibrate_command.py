@@ -1,0 +1,105 @@
+"""`shoecal calibrate SESSION`: find gains and offsets from a recorded session."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from pathlib import Path
+
+from rich.console import Console
+
+from shoecal_core.calibration.calibration import save_calibration
+from shoecal_core.calibration.pipeline import Outcome, calibrate_session
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.commands.arguments import add_sets
+from shoecal_core.commands.tables import errors_table, stages_rows
+from shoecal_core.errors import ShoecalError
+from shoecal_core.recording.session import Session
+from shoecal_core.report.session_report import write_session_report
+from shoecal_core.settings import load_settings
+
+
+class CalibrationFailedError(ShoecalError):
+    """A calibration was found that must not be used."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare its arguments."""
+    parser.add_argument("session", type=Path, help="folder of the recorded session")
+    parser.add_argument("--out", type=Path, required=True, help="calibration file to write")
+    parser.add_argument("--report", type=Path, help="also write an HTML report")
+    parser.add_argument(
+        "--settings", type=Path, help="parameter file of the calibrator node, for its weights"
+    )
+    add_sets(parser)
+
+
+def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
+    """Calibrate; a calibration with the verdict FAIL is not written."""
+    settings = (
+        load_settings(CalibrationSettings, args.settings, "calibrator")
+        if args.settings
+        else CalibrationSettings()
+    )
+    session = Session.open(args.session)
+    outcome = calibrate_session(session, args.train, args.test, settings)
+    console.print(errors_table("Measured against modelled", stages_rows(outcome.modelled)))
+    _print_channels(outcome, console)
+    if args.report is not None:
+        write_session_report(args.report, session, outcome)
+    calibration = outcome.calibration
+    if calibration.verdict == "FAIL":
+        raise CalibrationFailedError(
+            f"no calibration written: {'; '.join(calibration.reasons)}"
+        )
+    save_calibration(calibration, args.out)
+    console.print(f"{calibration.verdict}: {'; '.join(calibration.reasons)}")
+    console.print(f"{args.out}")
+    return to_json(outcome)
+
+
+def to_json(outcome: Outcome) -> dict[str, object]:
+    """Figures of a calibration for machines."""
+    calibration, fit = outcome.calibration, outcome.stages.fit
+    return {
+        "format": 1,
+        "verdict": calibration.verdict,
+        "reasons": list(calibration.reasons),
+        "train": list(outcome.train),
+        "test": list(outcome.test),
+        "against_model": {
+            stage: {name: found.to_json() for name, found in sets.items()}
+            for stage, sets in outcome.modelled.items()
+        },
+        "channels": {
+            name: {"gain": float(gain), "offset_n": float(offset)}
+            for name, gain, offset in zip(
+                calibration.channels,
+                calibration.parameters.gain,
+                calibration.parameters.offset,
+                strict=True,
+            )
+        },
+        "time_offset_s": calibration.time_offset,
+        "initial_guess": {
+            "cop_rows": {"gain": outcome.stages.guess.gain, "offset_n": outcome.stages.guess.offset},
+            "cop_and_weight_rows": {
+                "gain": outcome.stages.guess_with_weight.gain,
+                "offset_n": outcome.stages.guess_with_weight.offset,
+            },
+        },
+        "rank": fit.rank,
+        "singular_values": fit.singular_values.tolist(),
+        "cost": fit.cost,
+        "gradient_norm": fit.gradient_norm,
+    }
+
+
+def _print_channels(outcome: Outcome, console: Console) -> None:
+    calibration = outcome.calibration
+    unit = outcome.data.shoe.unit
+    for name, gain, offset in zip(
+        calibration.channels, calibration.parameters.gain, calibration.parameters.offset, strict=True
+    ):
+        console.print(f"  {name:<24} {gain:10.4f} N/{unit} {offset:10.3f} N")
+    console.print(f"  joints late by {1e3 * calibration.time_offset:.1f} ms")

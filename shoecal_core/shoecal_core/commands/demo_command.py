@@ -1,0 +1,62 @@
+"""`shoecal demo`: the main job on the simulated robot, over real ROS 2 nodes.
+
+The nodes are processes of another package; this command starts that package's demo in an
+environment that has ROS 2.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import cast
+
+from rich.console import Console
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.files import read_bytes
+from shoecal_core.workspace import config_dir, ros_environment
+
+
+class DemoFailedError(ShoecalError):
+    """The demo's own process ended with an error, which it has told."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare its arguments."""
+    parser.add_argument("--seed", type=int, default=1, help="draws supports, robot and cells")
+    parser.add_argument("--out", type=Path, default=Path("out/demo"), help="folder of the results")
+    parser.add_argument("--reality", type=Path, help="changes to the default simulated reality")
+    parser.add_argument("--robot", type=Path, help="robot file (default: the NAO)")
+    parser.add_argument("--shoe", type=Path, help="shoe file (default: the NAO's shoe)")
+    parser.add_argument("--supports", type=int, default=5, help="double supports to visit")
+    parser.add_argument("--train", type=int, default=3, help="of them used for the fit")
+
+
+def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
+    """Run the demo in a ROS environment and hand on what it found."""
+    config = config_dir()
+    command = [
+        sys.executable, "-m", "shoecal_ros.demo",
+        "--seed", str(args.seed),
+        "--out", str(args.out),
+        "--robot", str(args.robot or config / "robots" / "nao.yaml"),
+        "--shoe", str(args.shoe or config / "shoes" / "nao_shoe.yaml"),
+        "--supports", str(args.supports),
+        "--train", str(args.train),
+    ]  # fmt: skip
+    if args.reality is not None:
+        command += ["--reality", str(args.reality)]
+    process = subprocess.Popen(command, env=ros_environment())
+    try:
+        code = process.wait()
+    except KeyboardInterrupt:
+        # The demo gets the same interrupt from the terminal and stops its nodes itself.
+        process.wait()
+        raise
+    if code != 0:
+        raise DemoFailedError(f"the demo ended with exit code {code}; its message stands above")
+    return cast(Mapping[str, object], json.loads(read_bytes(args.out / "result.json")))
