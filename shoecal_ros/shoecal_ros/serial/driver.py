@@ -1,0 +1,170 @@
+"""Frames -> stamped voltages of cells: all that a node has to publish."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from shoecal_ros.serial.channel_map import CellReadings, ChannelMap
+from shoecal_ros.serial.clock import DeviceClock
+from shoecal_ros.serial.config import DriverConfig
+from shoecal_ros.serial.frame import Fault, FaultKind, Frame
+from shoecal_ros.serial.replay import ReplaySource
+from shoecal_ros.serial.serial_source import SerialSource
+from shoecal_ros.serial.source import Source, SourceStatus
+
+
+@dataclass(frozen=True)
+class Reading:
+    """What becomes one message of voltages.
+
+    Attributes:
+        stamp_ns: host time of sampling [ns].
+        on_receipt: whether the device told no time, so that the stamp is the receipt's.
+        sequence: device counter.
+        cells: names, voltages and statuses.
+        temperature: [degC], NaN where there is no sensor.
+    """
+
+    stamp_ns: int
+    on_receipt: bool
+    sequence: int
+    cells: CellReadings
+    temperature: float
+
+
+@dataclass(frozen=True)
+class DriverStatus:
+    """How the driver fares.
+
+    Attributes:
+        source: port or log.
+        clock_resets: how often device and host clock had to be matched anew.
+        clock_drift: seconds the host's clock gains on the device's in a second.
+        same_clock: whether device and host count one (simulated) time.
+        before_clock: frames left out because the host's clock showed zero, not running yet.
+        unknown: channels without a cell -> how often they came.
+        unseen: cells that no frame has carried.
+    """
+
+    source: SourceStatus
+    clock_resets: int
+    clock_drift: float
+    same_clock: bool
+    before_clock: int
+    unknown: dict[int, int]
+    unseen: tuple[str, ...]
+
+    @property
+    def problem(self) -> str:
+        """What is wrong at the moment and its cure, empty when all is well."""
+        if self.source.problem:
+            return self.source.problem
+        if self.unknown:
+            names = ", ".join(map(str, self.unknown))
+            return f"{self.source.name}: no cell for channel {names}; add it to 'channels'"
+        if self.unseen and self.source.counts.frames:
+            return (
+                f"{self.source.name}: the device sends nothing for {', '.join(self.unseen)}; "
+                "correct 'channels'"
+            )
+        return ""
+
+
+class ShoeDriver:
+    """Reads a source and stamps what it gives. One thread reads; status may come from others."""
+
+    def __init__(self, source: Source, channels: ChannelMap, latency_ns: int = 0) -> None:
+        """A driver of a source, open or not; takes `latency_ns` off every stamp."""
+        self._source, self._channels, self._latency_ns = source, channels, latency_ns
+        self._clock = DeviceClock()
+        self._before_clock = 0
+
+    def open(self) -> None:
+        """Open the source now, to have its errors raised."""
+        self._source.open()
+
+    def read(self, timeout_s: float) -> list[Reading]:
+        """Readings that have come, in order; waits at most `timeout_s` for some."""
+        readings: list[Reading] = []
+        batch: list[Frame] = []
+        batch_ns = 0
+        for received in self._source.read(timeout_s):
+            event, receive_ns = received.event, received.receive_ns
+            restarted = isinstance(event, Fault) and event.kind is FaultKind.RESTART
+            if restarted or receive_ns != batch_ns:
+                readings += self._readings(batch, batch_ns)
+                batch, batch_ns = [], receive_ns
+            if restarted:
+                self._clock.restart()
+            if isinstance(event, Frame):
+                batch.append(event)
+        return readings + self._readings(batch, batch_ns)
+
+    def status(self) -> DriverStatus:
+        """How the driver fares."""
+        return DriverStatus(
+            source=self._source.status(),
+            clock_resets=self._clock.resets,
+            clock_drift=self._clock.drift,
+            same_clock=self._clock.same_clock,
+            before_clock=self._before_clock,
+            unknown=self._channels.unknown,
+            unseen=self._channels.unseen,
+        )
+
+    def close(self) -> None:
+        """Close the source."""
+        self._source.close()
+
+    def _readings(self, frames: list[Frame], receive_ns: int) -> list[Reading]:
+        """Readings of frames received together."""
+        if receive_ns <= 0:
+            self._before_clock += len(frames)
+            return []
+        times = [frame.device_time_us for frame in frames if frame.device_time_us is not None]
+        if len(times) == len(frames):
+            stamps = self._clock.stamps(times, receive_ns)
+        else:
+            # No two readings may share a stamp, though lines of one read share their receipt.
+            stamps = [receive_ns + place for place in range(len(frames))]
+        return [
+            Reading(
+                stamp_ns=stamp - self._latency_ns,
+                on_receipt=frame.device_time_us is None,
+                sequence=frame.sequence,
+                cells=self._channels.readings(frame),
+                temperature=math.nan if frame.temperature is None else frame.temperature,
+            )
+            for frame, stamp in zip(frames, stamps, strict=True)
+        ]
+
+
+def open_driver(config: DriverConfig, now: Callable[[], int]) -> ShoeDriver:
+    """The driver of a configured device, or of a log of its bytes where `port` is a plain file.
+
+    The port is opened by `open`, or by itself at the first read.
+
+    Args:
+        config: of the device.
+        now: the host's clock [ns].
+
+    Raises:
+        FileError: when the log of raw bytes cannot be written.
+        ReplayError: when the log to replay cannot be read.
+    """
+    source: Source
+    if Path(config.port).is_file():
+        source = ReplaySource(Path(config.port), config.decoder(), now)
+    else:
+        source = SerialSource(
+            config.port,
+            config.baud,
+            config.decoder(),
+            now,
+            alarm_s=config.alarm_s,
+            raw_log=config.raw_log,
+        )
+    return ShoeDriver(source, config.channel_map(), config.latency_ns)

@@ -1,0 +1,39 @@
+"""Every byte a device sent, kept in a file to look into or to replay."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from shoecal_core.errors import FileError
+
+
+class RawLog:
+    """Appends bytes to a file; a full disk ends the log, not the driver.
+
+    Attributes:
+        problem: why nothing is logged any more, empty when all is well.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.problem = ""
+        self._path = path
+        try:
+            # Unbuffered: what was received is in the file, whatever happens next.
+            self._file = path.open("ab", buffering=0)
+        except OSError as error:
+            raise FileError(
+                path, f"cannot be written ({error.strerror}); correct 'raw_log'"
+            ) from error
+
+    def write(self, data: bytes) -> None:
+        """Append bytes."""
+        if self.problem:
+            return
+        try:
+            self._file.write(data)
+        except OSError as error:
+            self.problem = f"{self._path}: log of raw bytes ended ({error.strerror})"
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
