@@ -27,7 +27,7 @@ def fix(share: Path, headers: Mapping[re.Pattern[str], str]) -> int:
         before = file.read_text(encoding="utf-8")
         after = before
         for pattern, folder in headers.items():
-            after = pattern.sub(lambda _, folder=folder: folder, after)
+            after = folder.join(pattern.split(after))
         if after != before:
             file.write_text(after, encoding="utf-8")
             changed += 1

@@ -69,7 +69,8 @@ check_machine() {
         fail "the ROS 2 wheels are for Linux on x86-64; elsewhere use an apt installation of ROS 2 Jazzy"
     local tool
     for tool in "${CXX:-c++}" "${CC:-cc}" make; do
-        command -v "${tool%% *}" >/dev/null || fail "$tool is missing; sudo apt install build-essential"
+        tool=${tool%% *} # without options
+        command -v "$tool" >/dev/null || fail "$tool is missing; sudo apt install build-essential"
     done
 }
 

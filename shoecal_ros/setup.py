@@ -1,6 +1,6 @@
 """Package of the ROS 2 nodes."""
 
-from glob import glob
+from pathlib import Path
 
 from setuptools import find_packages, setup
 
@@ -18,7 +18,10 @@ setup(
     data_files=[
         ("share/ament_index/resource_index/packages", [f"resource/{NAME}"]),
         (f"share/{NAME}", ["package.xml"]),
-        (f"share/{NAME}/launch", sorted(glob("launch/*.launch.py"))),
+        (
+            f"share/{NAME}/launch",
+            [str(file) for file in sorted(Path("launch").glob("*.launch.py"))],
+        ),
     ],
     python_requires=">=3.11",
     install_requires=["pyserial>=3.5"],  # and shoecal_core, from the same workspace

@@ -1,0 +1,89 @@
+"""Dependencies run one way, and the core needs neither ROS nor a serial port."""
+
+from __future__ import annotations
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+import pytest
+
+import shoecal_core
+
+ROOT = Path(shoecal_core.__file__).parent
+
+FOUNDATION = {"errors", "files", "settings", "workspace"}
+METHOD = {"sensing", "model"}
+MAY_IMPORT = {
+    "errors": set[str](),
+    "files": FOUNDATION,
+    "settings": FOUNDATION,
+    "workspace": FOUNDATION,
+    "sensing": FOUNDATION | METHOD,
+    "model": FOUNDATION | METHOD,
+    "planning": FOUNDATION | METHOD,
+    "recording": FOUNDATION | METHOD,
+    "calibration": FOUNDATION | METHOD | {"planning", "recording"},
+    "diagnosis": FOUNDATION | METHOD | {"planning", "recording", "calibration"},
+    "simulation": FOUNDATION | METHOD,
+    "report": FOUNDATION | METHOD | {"planning", "recording", "calibration", "diagnosis"},
+}
+"""What each part may import besides itself; parts not listed are the ends (commands)."""
+
+
+def module_name(file: Path) -> str:
+    parts = file.relative_to(ROOT.parent).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
+MODULES = {module_name(file): file for file in sorted(ROOT.rglob("*.py"))}
+
+
+def imports(module: str) -> Iterator[str]:
+    """Names of all that a module imports, wherever in it."""
+    for node in ast.walk(ast.parse(MODULES[module].read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{module}: relative imports hide where a name comes from"
+            assert node.module is not None
+            yield node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def part(module: str) -> str:
+    """The part of the core a module belongs to; empty for the root and for foreign modules."""
+    names = module.split(".")
+    return names[1] if names[0] == "shoecal_core" and len(names) > 1 else ""
+
+
+@pytest.mark.parametrize("module", [name for name in MODULES if part(name) in MAY_IMPORT])
+def test_dependencies_run_one_way(module: str) -> None:
+    allowed = MAY_IMPORT[part(module)] | {part(module), ""}
+    wrong = sorted({name for name in imports(module) if part(name) not in allowed})
+    assert not wrong, f"{module} must not import {wrong}"
+
+
+def test_only_the_ends_are_unlisted() -> None:
+    assert {part(name) for name in MODULES} - {*MAY_IMPORT, ""} <= {"cli", "commands"}
+
+
+def test_modules_import_each_other_in_no_circle() -> None:
+    graph = {
+        module: {name for name in imports(module) if name in MODULES and name != module}
+        for module in MODULES
+    }
+    list(TopologicalSorter(graph).static_order())
+
+
+def test_the_core_imports_no_ros_and_no_serial_port() -> None:
+    program = (
+        "import importlib, sys\n"
+        f"for name in {sorted(MODULES)}: importlib.import_module(name)\n"
+        "foreign = {'rclpy', 'serial', 'shoecal_msgs', 'shoecal_ros'} & set(sys.modules)\n"
+        "assert not foreign, foreign\n"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True)
