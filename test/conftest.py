@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import socket
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -11,6 +12,7 @@ from hypothesis import settings
 _DOMAINS = range(1, 102)
 """Domain ids whose ports lie below the ephemeral range of Linux."""
 _FIRST_PORT = 20_000
+_QUICK_DISCOVERY = Path(__file__).with_name("ros") / "quick_discovery.xml"
 
 settings.register_profile("shoecal", derandomize=True, deadline=None)
 settings.load_profile("shoecal")
@@ -23,6 +25,7 @@ def pytest_configure(config: pytest.Config) -> None:
     domain, config.stash[_reservation] = _reserve_domain()
     os.environ["ROS_DOMAIN_ID"] = str(domain)
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+    os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(_QUICK_DISCOVERY)
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
