@@ -8,7 +8,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 
+from shoecal_ros.serial.errors import ChannelError
 from shoecal_ros.serial.frame import ChannelStatus, Frame
+
+MAX_BITS = 32
 
 
 class Encoding(Enum):
@@ -33,6 +36,12 @@ class Converter:
     volts_per_count: float
     bits: int = 24
     encoding: Encoding = Encoding.SIGNED
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.volts_per_count < math.inf:
+            raise ChannelError(f"volts_per_count {self.volts_per_count} must be above 0")
+        if not 1 <= self.bits <= MAX_BITS:
+            raise ChannelError(f"converter of {self.bits} bits; use 1 to {MAX_BITS}")
 
     @property
     def lowest(self) -> int:
@@ -87,7 +96,11 @@ class ChannelMap:
     """Names and scales the channels of frames; counts the ones nobody named."""
 
     def __init__(self, channels: Iterable[Channel]) -> None:
-        self._channels = {channel.index: channel for channel in channels}
+        """Raises ChannelError where two channels share an index or a cell."""
+        listed = list(channels)
+        self._channels = {channel.index: channel for channel in listed}
+        if not len(listed) == len(self._channels) == len({channel.cell for channel in listed}):
+            raise ChannelError("two channels share an index or a cell; give each its own")
         self._unseen = dict.fromkeys(channel.cell for channel in self._channels.values())
         self._unknown: Counter[int] = Counter()
 

@@ -169,7 +169,7 @@ class DeviceClock:
                 self._fit()
             points.append(point)
         if len(points) == 1 or self._line_excess(point) < 0:
-            self._foot = point
+            self._foot = points[-1]
 
     def _line_excess(self, point: _Point) -> float:
         return point.late - self._line(point.device)

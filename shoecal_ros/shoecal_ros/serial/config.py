@@ -7,7 +7,7 @@ from enum import Enum
 from pathlib import Path
 
 from shoecal_core.files import Fields, read_yaml
-from shoecal_ros.serial.channel_map import Channel, ChannelMap, Converter, Encoding
+from shoecal_ros.serial.channel_map import MAX_BITS, Channel, ChannelMap, Converter, Encoding
 from shoecal_ros.serial.frame import MAX_CHANNELS, Decoder
 from shoecal_ros.serial.protocol import BinaryDecoder
 from shoecal_ros.serial.text_protocol import TextDecoder, TextTime
@@ -97,8 +97,8 @@ def load_driver_config(path: Path) -> DriverConfig:
 def _converter(fields: Fields) -> Converter:
     fields.only("volts_per_count", "bits", "encoding")
     bits = fields.integer("bits", minimum=1)
-    if bits > 32:
-        raise fields.error("bits", f"must be at most 32, got {bits}")
+    if bits > MAX_BITS:
+        raise fields.error("bits", f"must be at most {MAX_BITS}, got {bits}")
     encodings = {encoding.value: encoding for encoding in Encoding}
     return Converter(
         volts_per_count=fields.number("volts_per_count", above=0.0),

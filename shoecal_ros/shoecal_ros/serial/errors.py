@@ -11,6 +11,10 @@ class FrameError(ShoecalError):
     """A frame that cannot exist: a field out of its range."""
 
 
+class ChannelError(ShoecalError):
+    """Channels or converters that cannot be."""
+
+
 class DeviceError(ShoecalError):
     """The simulated device cannot be plugged in."""
 

@@ -5,6 +5,7 @@ import math
 import pytest
 
 from shoecal_ros.serial.channel_map import Channel, ChannelMap, Converter, Encoding
+from shoecal_ros.serial.errors import ChannelError
 from shoecal_ros.serial.frame import Frame
 
 MICROVOLTS = Converter(1e-6)
@@ -61,6 +62,18 @@ def test_status() -> None:
     assert status(MICROVOLTS, 5, sent=77) == 3
     assert status(Converter(1.0, encoding=Encoding.OFFSET_BINARY), 0) == 1
     assert status(MICROVOLTS, 2**23 - 1, sent=2) == 2
+
+
+@pytest.mark.parametrize(("volts", "bits"), [(0.0, 24), (-1.0, 24), (math.nan, 24), (1.0, 33)])
+def test_converter_that_cannot_be(volts: float, bits: int) -> None:
+    with pytest.raises(ChannelError):
+        Converter(volts, bits)
+
+
+@pytest.mark.parametrize(("index", "cell"), [(0, "b"), (1, "a")])
+def test_two_sources_of_one_cell(index: int, cell: str) -> None:
+    with pytest.raises(ChannelError, match="give each its own"):
+        ChannelMap([Channel(0, "a", MICROVOLTS), Channel(index, cell, MICROVOLTS)])
 
 
 def test_no_data_is_no_number() -> None:

@@ -171,6 +171,14 @@ def test_device_restart() -> None:
     assert max(map(abs, errors)) <= 1
 
 
+def test_device_restart_among_frames_received_together() -> None:
+    clock = DeviceClock()
+    clock.stamps([50_000_000], EPOCH)
+    stamps = clock.stamps([50_010_000, 100_000, 110_000], EPOCH + 200 * MS)
+    assert stamps == [EPOCH + 10 * MS, EPOCH + 190 * MS, EPOCH + 200 * MS]
+    assert clock.resets == 1
+
+
 @pytest.mark.parametrize("seconds", [-3600.0, -0.2, 0.7, 3600.0])
 def test_host_clock_that_is_set(seconds: float) -> None:
     clock = DeviceClock()

@@ -83,6 +83,10 @@ def test_other_numbers_of_columns_are_left_out() -> None:
     assert "3 values, expected 2" in str(events[1])
 
 
+def test_more_columns_than_a_frame_can_have() -> None:
+    assert kinds(started().feed(b"1," * 33 + b"\n")) == [FaultKind.BAD_CONTENT]
+
+
 def test_what_the_converter_did_not_give() -> None:
     (frame,) = frames(started().feed(b"1,nan,fl=NaN,-inf,ovf,1e999\n"))
     assert frame.status == (0, 2, 2, 2, 2, 2)
