@@ -1,0 +1,1 @@
+"""A simulated robot on simulated force-sensing shoes: physics, sensors, and the truth."""

@@ -1,0 +1,204 @@
+"""One robot in one pair of shoes: the numbers that a reality's rules draw for a seed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from shoecal_core.model.robot import GRAVITY, Robot
+from shoecal_core.sensing.shoe import FEET, Channel, Shoe
+from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.simulation.reality import BASE, Reality, Table
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class DrawnBody:
+    """The robot itself, as it truly is.
+
+    Attributes:
+        mass: without shoes [kg].
+        links: names of the URDF's links, L of them.
+        mass_factor: (L,) true mass over the model's, before all are scaled to `mass`.
+        com_error: (L, 3) true CoM minus the model's, in the link's frame [m].
+        joints: joint names, m of them.
+        encoder_error: (m,) encoder reading minus motor angle [rad].
+        play: (m,) whole width of the dead band between motor and link [rad].
+        compliance: (m,) give between motor and link [rad/(N m)].
+    """
+
+    mass: float
+    links: tuple[str, ...]
+    mass_factor: FloatArray
+    com_error: FloatArray
+    joints: tuple[str, ...]
+    encoder_error: FloatArray
+    play: FloatArray
+    compliance: FloatArray
+
+
+@dataclass(frozen=True)
+class DrawnShoes:
+    """The shoes and the floor below them, as they truly are.
+
+    Attributes:
+        channels: names, n of them.
+        position: (n, 2) where each channel acts, in its foot's sole frame [m].
+        parameters: true output = gain * reading + offset, polarity included.
+        noise: (n,) standard deviation of a reading's noise [N or N m].
+        latency: (n,) age of a reading [s].
+        mass_factor: (2,) true mass of each shoe's plates over the shoe file's.
+        clamp_share: (2,) part of a foot's moment that the clamps carry past the cells.
+        tilt: (2,) slope of the floor: its turn about x and about y [rad].
+    """
+
+    channels: tuple[str, ...]
+    position: FloatArray
+    parameters: ChannelParameters
+    noise: FloatArray
+    latency: FloatArray
+    mass_factor: FloatArray
+    clamp_share: FloatArray
+    tilt: FloatArray
+
+
+@dataclass(frozen=True)
+class DrawnReality:
+    """A reality's rules with all that chance decides.
+
+    Attributes:
+        rules: what was drawn from.
+        seed: it was drawn with.
+        body, shoes: the numbers.
+    """
+
+    rules: Reality
+    seed: int
+    body: DrawnBody
+    shoes: DrawnShoes
+
+    def record(self) -> dict[str, object]:
+        """All numbers by name, for a YAML file beside the truth of a session."""
+        body, shoes = self.body, self.shoes
+        return {
+            "reality": self.rules.name,
+            "seed": self.seed,
+            "mass_kg": body.mass,
+            "mass_factor": _by_name(body.links, body.mass_factor),
+            "com_error_m": _by_name(body.links, body.com_error),
+            "encoder_error_rad": _by_name(body.joints, body.encoder_error),
+            "play_rad": _by_name(body.joints, body.play),
+            "compliance_rad_per_nm": _by_name(body.joints, body.compliance),
+            "position_m": _by_name(shoes.channels, shoes.position),
+            "gain": _by_name(shoes.channels, shoes.parameters.gain),
+            "offset": _by_name(shoes.channels, shoes.parameters.offset),
+            "noise": _by_name(shoes.channels, shoes.noise),
+            "latency_s": _by_name(shoes.channels, shoes.latency),
+            "shoe_mass_factor": _by_name(FEET, shoes.mass_factor),
+            "clamp_share": _by_name(FEET, shoes.clamp_share),
+            "floor_tilt_rad": shoes.tilt.tolist(),
+        }
+
+
+def draw(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnReality:
+    """Draw one robot in one pair of shoes; the shoes of a seed are the same whoever wears them.
+
+    Args:
+        rules: of the reality.
+        robot: with the shoes on (`load_robot(path, shoe)`).
+        shoe: what it wears.
+        seed: of all that chance decides here; readings' noise has its own generator.
+
+    Raises:
+        FileError: when the reality names a link, joint, foot or channel that there is not.
+    """
+    return DrawnReality(
+        rules, seed, draw_body(rules, robot, shoe, seed), draw_shoes(rules, shoe, seed)
+    )
+
+
+def draw_body(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnBody:
+    """Draw what is particular of the robot, which wears the shoes."""
+    rng = np.random.default_rng([seed, 1])
+    links = link_names(robot)
+    joints = robot.joint_names
+    mass = rng.normal(1.0, rules.body.mass_error_std_fraction, len(links))
+    com = rng.normal(0.0, rules.body.com_error_std_m, (len(links), 3))
+    encoder = rng.normal(0.0, rules.joints.encoder_error_std_rad, len(joints))
+    mass_error = _column(
+        _of_links(rules.body.mass_error_fraction, links), links, mass - 1.0, "link"
+    )
+    encoder = _column(rules.joints.encoder_error_rad, joints, encoder, "joint")
+    for motor in robot.shared:
+        encoder[motor.joint] = motor.ratio * encoder[motor.leader]
+    zeros = np.zeros(len(joints))
+    body = DrawnBody(
+        mass=robot.mass - shoe.mass + rules.body.weight_error_n / GRAVITY,
+        links=links,
+        mass_factor=1.0 + mass_error,
+        com_error=_of_links(rules.body.com_error_m, links).resolve(links, com, "link"),
+        joints=joints,
+        encoder_error=encoder,
+        play=_column(rules.joints.play_rad, joints, zeros, "joint"),
+        compliance=_column(rules.joints.compliance_rad_per_nm, joints, zeros, "joint"),
+    )
+    for effect in rules.effects:
+        body = effect.on_body(body)
+    return body
+
+
+def draw_shoes(rules: Reality, shoe: Shoe, seed: int) -> DrawnShoes:
+    """Draw what is particular of a pair of shoes."""
+    rng = np.random.default_rng([seed, 2])
+    cells = rules.cells
+    count = len(shoe.channels)
+    position = shoe.positions + rng.normal(0.0, cells.position_error_std_m, (count, 2))
+    spread = rng.uniform(-1.0, 1.0, count) * cells.gain_spread_fraction
+    shift = rng.normal(0.0, cells.offset_std_fraction, count)
+    sign = np.where(shoe.polarity == 0, rng.choice((-1, 1), count), shoe.polarity)
+    full_scale = np.where(shoe.torque, cells.full_scale_nm, cells.full_scale_n)
+    gain = sign * full_scale / _half_span(shoe.channels) * (1.0 + spread)
+    listed = cells.position_error_m.resolve(shoe.names, position - shoe.positions, "channel")
+    ones = np.ones(len(FEET))
+    shoes = DrawnShoes(
+        channels=shoe.names,
+        position=shoe.positions + listed,
+        parameters=ChannelParameters(gain, full_scale * shift),
+        noise=np.where(shoe.torque, cells.noise_std_nm, cells.noise_std_n),
+        latency=np.zeros(count),
+        mass_factor=1.0 + _column(rules.shoes.mass_error_fraction, FEET, 0.0 * ones, "foot"),
+        clamp_share=_column(rules.shoes.clamp_share, FEET, 0.0 * ones, "foot"),
+        tilt=np.zeros(2),
+    )
+    for effect in rules.effects:
+        shoes = effect.on_shoes(shoes)
+    return shoes
+
+
+def link_names(robot: Robot) -> tuple[str, ...]:
+    """Links of the robot's URDF, the root first."""
+    return tuple(frame.name for frame in robot.model.frames if frame.type == pin.FrameType.BODY)
+
+
+def _of_links(table: Table, links: tuple[str, ...]) -> Table:
+    """A table of links, its `base` written as the root link's name."""
+    rows = {links[0] if name == BASE else name: row for name, row in table.rows.items()}
+    return Table(rows, table.path, table.key)
+
+
+def _column(table: Table, names: Sequence[str], default: FloatArray, kind: str) -> FloatArray:
+    """(len(names),) of a table that holds one number a name."""
+    return table.resolve(names, default[:, None], kind)[:, 0]
+
+
+def _half_span(channels: Sequence[Channel]) -> FloatArray:
+    return np.array([(channel.highest - channel.lowest) / 2.0 for channel in channels])
+
+
+def _by_name(names: Sequence[str], values: FloatArray) -> dict[str, object]:
+    return dict(zip(names, values.tolist(), strict=True))
