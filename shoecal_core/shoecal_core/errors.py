@@ -7,7 +7,17 @@ from pathlib import Path
 
 
 class ShoecalError(Exception):
-    """Root of every error this project raises on purpose."""
+    """Root of every error this project raises on purpose.
+
+    Its message is one line, whatever was put into it, and it survives the way from one process
+    to another with all of its attributes.
+    """
+
+    def __init__(self, message: str) -> None:
+        super().__init__(" ".join(message.splitlines()))
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _revive, (type(self), self.args), self.__dict__
 
 
 class FileError(ShoecalError):
@@ -62,3 +72,8 @@ class ShapeError(ShoecalError):
         self.expected = expected
         self.got = got
         super().__init__(f"{name}: expected shape {expected}, got {got}")
+
+
+def _revive(kind: type[ShoecalError], args: tuple[object, ...]) -> ShoecalError:
+    """An error as it was raised: its constructor takes other arguments than its message."""
+    return kind.__new__(kind, *args)

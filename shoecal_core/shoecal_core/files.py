@@ -9,10 +9,11 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-import tempfile
-from collections.abc import Iterator, Mapping
+import re
+import secrets
+from collections.abc import Hashable, Iterator, Mapping
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import yaml
@@ -32,24 +33,25 @@ def atomic_write(path: Path, content: bytes | str) -> None:
     """
     path = Path(path)
     data = content.encode() if isinstance(content, str) else content
+    fresh = path.parent / f".{path.name}.{secrets.token_hex(8)}"
     try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        file = fresh.open("xb")
     except OSError as error:
         raise FileError(
             path, f"cannot be written ({error.strerror}); check the folder and its rights"
         ) from error
     try:
-        with os.fdopen(handle, "wb") as file:
+        with file:
             file.write(data)
             file.flush()
             os.fsync(file.fileno())
-        os.chmod(name, 0o666 & ~_umask())
-        os.replace(name, path)
+        fresh.replace(path)
     except OSError as error:
-        Path(name).unlink(missing_ok=True)
         raise FileError(
             path, f"cannot be written ({error.strerror}); the file before it is untouched"
         ) from error
+    finally:
+        fresh.unlink(missing_ok=True)
     _sync_folder(path.parent)
 
 
@@ -72,11 +74,12 @@ def read_yaml(path: Path) -> Fields:
     if len(content) > MAX_YAML_BYTES:
         raise FileError(path, f"larger than {MAX_YAML_BYTES >> 20} MiB; not a configuration file")
     try:
-        value = yaml.load(content, Loader=_Loader)
+        value = yaml.load(content, Loader=_Loader)  # noqa: S506 - a child of SafeLoader
     except (yaml.YAMLError, ValueError, RecursionError, OverflowError) as error:
-        mark = getattr(error, "problem_mark", None)
+        mark, problem = (getattr(error, name, None) for name in ("problem_mark", "problem"))
         line = f" at line {mark.line + 1}" if mark is not None else ""
-        raise FileError(path, f"not valid YAML{line}; mend the syntax") from error
+        reason = f" ({problem})" if problem else ""
+        raise FileError(path, f"not valid YAML{line}{reason}; mend the syntax") from error
     if not isinstance(value, dict):
         raise FileError(path, "expected a mapping of keys to values at the top level")
     return Fields(Path(path), "", value)
@@ -84,7 +87,9 @@ def read_yaml(path: Path) -> Fields:
 
 def write_yaml(path: Path, value: Mapping[str, object]) -> None:
     """Write a mapping as YAML, atomically, keys in the order given."""
-    text = yaml.safe_dump(dict(value), sort_keys=False, default_flow_style=None, width=100)
+    text = yaml.dump(
+        dict(value), Dumper=_Dumper, sort_keys=False, default_flow_style=None, width=100
+    )
     atomic_write(path, text)
 
 
@@ -134,7 +139,7 @@ class Fields:
             return default
         value = self.value(key)
         if not isinstance(value, str):
-            raise self.error(key, f"expected text, got {value!r}")
+            raise self.error(key, f"expected text, got {_shown(value)}")
         return value
 
     def boolean(self, key: str, default: bool | None = None) -> bool:
@@ -143,7 +148,7 @@ class Fields:
             return default
         value = self.value(key)
         if not isinstance(value, bool):
-            raise self.error(key, f"expected true or false, got {value!r}")
+            raise self.error(key, f"expected true or false, got {_shown(value)}")
         return value
 
     def integer(self, key: str, default: int | None = None, *, minimum: int | None = None) -> int:
@@ -152,7 +157,7 @@ class Fields:
             return default
         value = self.value(key)
         if isinstance(value, bool) or not isinstance(value, int):
-            raise self.error(key, f"expected a whole number, got {value!r}")
+            raise self.error(key, f"expected a whole number, got {_shown(value)}")
         if minimum is not None and value < minimum:
             raise self.error(key, f"must be at least {minimum}, got {value}")
         return value
@@ -174,7 +179,8 @@ class Fields:
             low = f"at least {minimum:g}" if minimum > -math.inf else ""
             low = f"above {above:g}" if above > -math.inf else low
             high = f"at most {maximum:g}" if maximum < math.inf else ""
-            raise self.error(key, f"must be {' and '.join(filter(None, (low, high)))}, got {value:g}")
+            bounds = " and ".join(filter(None, (low, high)))
+            raise self.error(key, f"must be {bounds}, got {value:g}")
         return value
 
     def array(self, key: str, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
@@ -232,24 +238,70 @@ class Fields:
 
     def _finite(self, key: str, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.error(key, f"expected a number, got {value!r}")
+            raise self.error(key, f"expected a number (like 1.5e-3), got {_shown(value)}")
         try:
             number = float(value)
         except OverflowError as error:
             raise self.error(key, "number too large") from error
         if not math.isfinite(number):
-            raise self.error(key, f"expected a finite number, got {value!r}")
+            raise self.error(key, f"expected a finite number, got {value:g}")
         return number
 
 
+class _Dumper(yaml.SafeDumper):
+    """Writes a value wherever it stands: an alias would not be read again."""
+
+    def ignore_aliases(self, data: object) -> bool:  # noqa: ARG002
+        return True
+
+
 class _Loader(yaml.SafeLoader):
-    """Safe loader without aliases: a few bytes must not unfold into gigabytes."""
+    """Safe loader of plain data: everything that would surprise its author is refused.
+
+    No aliases (a few bytes must not unfold into gigabytes), no tags, no key twice, and no
+    number that YAML 1.1 reads otherwise than a person does (010 is 8 there, and 1:30 is 90).
+    """
 
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
-        if self.check_event(yaml.AliasEvent):
-            mark = self.peek_event().start_mark
-            raise yaml.composer.ComposerError(None, None, "aliases are not allowed", mark)
+        event = self.peek_event()  # type: ignore[no-untyped-call]
+        for kind, found in (
+            ("aliases", isinstance(event, yaml.AliasEvent)),
+            ("tags", getattr(event, "tag", None) is not None),
+        ):
+            if found:
+                raise yaml.composer.ComposerError(
+                    None, None, f"{kind} are not allowed", event.start_mark
+                )
         return super().compose_node(parent, index)
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Hashable, Any]:
+        seen: set[str] = set()
+        for key, _ in node.value:
+            if isinstance(key, yaml.ScalarNode):
+                if key.value in seen:
+                    raise yaml.constructor.ConstructorError(
+                        None, None, f"key {_shown(key.value)} stands twice", key.start_mark
+                    )
+                seen.add(key.value)
+        return super().construct_mapping(node, deep)
+
+    def construct_number(self, node: yaml.ScalarNode) -> int | float:
+        """A number as a person reads it."""
+        if not _NUMBER.fullmatch(node.value):
+            raise yaml.constructor.ConstructorError(
+                None, None, f"{_shown(node.value)} is no plain decimal number", node.start_mark
+            )
+        whole = node.tag == _INTEGER
+        construct = self.construct_yaml_int if whole else self.construct_yaml_float
+        return construct(node)
+
+
+_INTEGER, _FLOAT = "tag:yaml.org,2002:int", "tag:yaml.org,2002:float"
+_NUMBER = re.compile(
+    r"[-+]?(0|[1-9][0-9]*)?(\.[0-9]*)?(e[-+][0-9]+)?|[-+]?\.(inf|nan)", re.IGNORECASE
+)
+for _tag in (_INTEGER, _FLOAT):
+    _Loader.add_constructor(_tag, _Loader.construct_number)
 
 
 def _flatten(value: object) -> Iterator[object]:
@@ -260,10 +312,10 @@ def _flatten(value: object) -> Iterator[object]:
         yield value
 
 
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
+def _shown(value: object) -> str:
+    """A value for a message, cut where it is long."""
+    text = repr(value)
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def _sync_folder(folder: Path) -> None:
