@@ -116,8 +116,8 @@ def split_runs(
     """
     entries = session.runs
     if not train and not test:
-        train = [entry.run for entry in entries if entry.set == "train"]
-        test = [entry.run for entry in entries if entry.set == "test"]
+        train = [entry.run for entry in entries if entry.hint == "train"]
+        test = [entry.run for entry in entries if entry.hint == "test"]
     known = [entry.run for entry in entries]
     if not train:
         train = [run for run in known if run not in test]

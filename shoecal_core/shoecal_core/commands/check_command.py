@@ -34,8 +34,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         for path in session.unfinished
     ]
     table = Table(title=f"{session.robot} on {session.shoe_name}", title_justify="left")
-    for name in ("run", "set", "motion", "dx dy [mm] dtheta [deg]", "length [s]", "joints [Hz]",
-                 "readings [Hz]", "notes"):  # fmt: skip
+    for name in ("run", "set", "motion", "dx dy (mm) dtheta (deg)", "length (s)", "joints (Hz)",
+                 "readings (Hz)", "notes"):  # fmt: skip
         table.add_column(name)
     rows = []
     for entry in session.runs:
@@ -63,7 +63,7 @@ def _figures(entry: RunEntry, run: Run) -> dict[str, object]:
     support = entry.info.support
     return {
         "run": entry.run,
-        "set": entry.set,
+        "set": entry.hint,
         "motion": entry.info.motion,
         "support": None if support is None else [support.dx, support.dy, support.dtheta],
         "duration_s": float(run.readings.time[-1] - run.readings.time[0]),
@@ -77,7 +77,7 @@ def _cells(entry: RunEntry, run: Run) -> list[str]:
     support = entry.info.support
     return [
         str(entry.run),
-        entry.set or "-",
+        entry.hint or "-",
         entry.info.motion,
         "-"
         if support is None

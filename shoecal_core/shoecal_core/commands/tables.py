@@ -14,7 +14,7 @@ def errors_table(title: str, rows: Sequence[tuple[str, Errors]]) -> Table:
     """GRF and CoP errors, combined and of each foot: MAE and its standard deviation."""
     table = Table(title=title, title_justify="left")
     table.add_column("")
-    for name in ("GRF [N]", "CoP [mm]", "left CoP [mm]", "right CoP [mm]"):
+    for name in ("GRF (N)", "CoP (mm)", "left CoP (mm)", "right CoP (mm)"):
         table.add_column(name, justify="right")
     for name, found in rows:
         table.add_row(
