@@ -25,7 +25,7 @@ test: setup  ## all tests (ARGS="-k name")
 	$(BIN)/python -m pytest -n auto --dist loadfile $(ARGS)
 
 test-floor: .venv-floor/.complete  ## core tests with the oldest versions, those of Ubuntu 24.04
-	PYTHONPATH=shoecal_core .venv-floor/bin/python -m pytest -n auto --dist loadfile test/core $(ARGS)
+	.venv-floor/bin/python -m pytest -n auto --dist loadfile test/core $(ARGS)
 
 lint: setup  ## ruff and mypy
 	$(BIN)/ruff check
@@ -51,4 +51,5 @@ clean:  ## remove all that was built, but no results (out/)
 	$(FLOOR_PYTHON) -m venv --clear .venv-floor
 	.venv-floor/bin/python -m pip --disable-pip-version-check install --quiet \
 		--no-deps --require-hashes --requirement $<
+	realpath shoecal_core >$$(echo .venv-floor/lib/python3.*/site-packages)/shoecal_core.pth
 	touch $@
