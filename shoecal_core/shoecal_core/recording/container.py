@@ -1,0 +1,171 @@
+"""Reading a run file whole, checksums and types included, before anything is made of it."""
+
+from __future__ import annotations
+
+import struct
+from collections import defaultdict
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import zstandard
+from mcap.exceptions import McapError
+from mcap.records import Channel, DataEnd, Footer, Header, McapRecord, Message, Metadata, Schema
+from mcap.stream_reader import StreamReader
+
+from shoecal_core.recording.errors import DamagedError, RecordingError
+from shoecal_core.recording.info import RECORD, RunInfo
+from shoecal_core.recording.schemas import type_hash
+
+DAMAGE = (
+    McapError,
+    zstandard.ZstdError,
+    struct.error,
+    ValueError,  # CRCValidationError and UnicodeDecodeError among them
+    KeyError,
+    IndexError,
+    OverflowError,
+    MemoryError,
+    RuntimeError,
+)
+"""What the container's library raises on cut or altered bytes."""
+
+
+@dataclass(frozen=True)
+class Contents:
+    """All messages of one file, as they were written.
+
+    Attributes:
+        path: the file.
+        info: its metadata record.
+        messages: CDR bytes by topic, in the order of the file.
+        log_time_ns: when each was received, likewise.
+    """
+
+    path: Path
+    info: RunInfo
+    messages: Mapping[str, list[bytes]]
+    log_time_ns: Mapping[str, list[int]]
+
+
+def read_container(path: Path, topics: Mapping[str, str]) -> Contents:
+    """Read every message of the given topics; other topics are left out.
+
+    Raises:
+        DamagedError: cut, unfinished, altered, or without checksums.
+        RecordingError: not a run of shoecal, or a topic of another type.
+        VersionError: written by a newer shoecal.
+    """
+    collected = _Collected(Path(path), topics)
+    with _records(path) as records:
+        for record in records:
+            collected.add(record)
+    return collected.contents()
+
+
+def read_info(path: Path) -> RunInfo:
+    """Read what a file says of itself, not its messages.
+
+    Raises:
+        RecordingError: as `read_container`, for the file's beginning.
+    """
+    with _records(path) as records:
+        for record in records:
+            if isinstance(record, Metadata) and record.name == RECORD:
+                return RunInfo.from_metadata(path, record.metadata)
+            if isinstance(record, Message | Footer):
+                break
+    raise _foreign(path)
+
+
+class _Collected:
+    """Records of one file put together."""
+
+    def __init__(self, path: Path, topics: Mapping[str, str]) -> None:
+        self._path = path
+        self._topics = topics
+        self._info: RunInfo | None = None
+        self._ended = False
+        self._names: dict[int, str] = {}
+        self._schemas: dict[int, Schema] = {}
+        self._messages: dict[str, list[bytes]] = defaultdict(list)
+        self._log_time: dict[str, list[int]] = defaultdict(list)
+
+    def add(self, record: McapRecord) -> None:
+        if self._ended:  # only the index follows, which no checksum read here covers
+            return
+        if isinstance(record, Message):
+            topic = self._names[record.channel_id]
+            if topic in self._topics:
+                self._messages[topic].append(record.data)
+                self._log_time[topic].append(record.log_time)
+        elif isinstance(record, Schema):
+            self._schemas[record.id] = record
+        elif isinstance(record, Channel):
+            check_channel(self._path, record, self._schemas.get(record.schema_id), self._topics)
+            self._names[record.id] = record.topic
+        elif isinstance(record, Metadata) and record.name == RECORD:
+            self._info = RunInfo.from_metadata(self._path, record.metadata)
+        elif isinstance(record, DataEnd):
+            if record.data_section_crc == 0:
+                raise DamagedError(self._path, "it carries no checksum of its data")
+            self._ended = True
+
+    def contents(self) -> Contents:
+        if not self._ended:
+            raise DamagedError(self._path, "its data has no end")
+        if self._info is None:
+            raise _foreign(self._path)
+        return Contents(self._path, self._info, dict(self._messages), dict(self._log_time))
+
+
+def check_channel(
+    path: Path, channel: Channel, schema: Schema | None, topics: Mapping[str, str]
+) -> None:
+    """Refuse a known topic of another type, another version of it or another encoding."""
+    kind = topics.get(channel.topic)
+    if kind is None:
+        return
+    found = "no type" if schema is None else schema.name
+    if found != kind or channel.message_encoding != "cdr":
+        raise RecordingError(
+            path,
+            f"is {found} in {channel.message_encoding or 'no encoding'}, expected {kind} in cdr; "
+            "record this topic with that type",
+            field=channel.topic,
+        )
+    if channel.metadata.get("topic_type_hash") != type_hash(kind):
+        raise RecordingError(
+            path,
+            f"was recorded with another definition of {kind}; convert it to the present one",
+            field=channel.topic,
+        )
+
+
+def _foreign(path: Path) -> RecordingError:
+    return RecordingError(
+        path, f"has no metadata record '{RECORD}', so it is no run of shoecal; import it instead"
+    )
+
+
+@contextmanager
+def _records(path: Path) -> Iterator[Iterator[McapRecord]]:
+    """Records of a file, its damages and refusals as typed errors."""
+    path = Path(path)
+    try:
+        with path.open("rb") as file:
+            # No record is larger than its file: a length gone wrong must not fill the memory.
+            reader = StreamReader(file, validate_crcs=True, record_size_limit=path.stat().st_size)
+            yield _checked(path, reader.records)
+    except DAMAGE as error:
+        raise DamagedError(path, str(error) or type(error).__name__) from error
+    except OSError as error:
+        raise RecordingError(path, f"cannot be read ({error.strerror})") from error
+
+
+def _checked(path: Path, records: Iterator[McapRecord]) -> Iterator[McapRecord]:
+    for place, record in enumerate(records):
+        if place == 0 and not (isinstance(record, Header) and record.profile == "ros2"):
+            raise RecordingError(path, "is no recording of ROS 2 (MCAP profile 'ros2')")
+        yield record

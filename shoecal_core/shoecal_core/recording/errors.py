@@ -1,0 +1,38 @@
+"""What can be wrong with a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from shoecal_core.errors import FileError
+
+
+class RecordingError(FileError):
+    """A recording that cannot be written, or not be read without doubt."""
+
+
+class DamagedError(RecordingError):
+    """A recording that is cut, unfinished or altered; whole parts of it can be rescued."""
+
+    def __init__(self, path: Path | str, reason: str) -> None:
+        super().__init__(
+            path, f"cut, unfinished or damaged ({reason}); `shoecal recover` saves its whole parts"
+        )
+
+
+class HashMismatchError(RecordingError):
+    """A run that was recorded with another robot or shoe than the session's.
+
+    Attributes:
+        recorded: SHA-256 in the run.
+        present: SHA-256 of the session's file.
+    """
+
+    def __init__(self, path: Path | str, file: str, recorded: str, present: str) -> None:
+        self.recorded = recorded
+        self.present = present
+        super().__init__(
+            path,
+            f"recorded with another {file} (SHA-256 {recorded[:12]}…, the session's is "
+            f"{present[:12]}…); put the one it was recorded with back, or force",
+        )

@@ -1,0 +1,178 @@
+"""From a run file to a Run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from rosbags.serde import SerdeError
+from rosbags.typesys.stores.ros2_jazzy import (
+    trajectory_msgs__msg__JointTrajectory as JointTrajectory,
+)
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.recording import schemas
+from shoecal_core.recording.columns import Block
+from shoecal_core.recording.container import read_container
+from shoecal_core.recording.join import Piece
+from shoecal_core.recording.readings import make_readings, read_readings
+from shoecal_core.recording.run import (
+    CommandedTrajectory,
+    Floats,
+    ImuSamples,
+    JointSamples,
+    PoseSamples,
+    Run,
+    TemperatureSamples,
+)
+from shoecal_core.recording.source import Source
+from shoecal_core.sensing.shoe import Shoe
+
+_UNIT_TOLERANCE = 1e-3
+_QUATERNION = tuple(f"orientation.{axis}" for axis in "xyzw")
+
+
+def read_run(path: Path, shoe: Shoe) -> Run:
+    """Read one run, whole and checked.
+
+    Args:
+        path: a finished run file.
+        shoe: whose channels the readings are of.
+
+    Raises:
+        DamagedError: for a file that is cut, unfinished or altered.
+        RecordingError: for one that is no run, or whose messages contradict each other or
+            the shoe.
+        VersionError: for one written by a newer shoecal.
+    """
+    source = Source(read_container(Path(path), schemas.RUN_TOPICS), schemas.RUN_TOPICS)
+    joint_stamps, names, joints = _joints(source)
+    reading_stamps, readings = read_readings(source, shoe)
+    start = int(min(joint_stamps[0], reading_stamps[0]))
+    effort = joints["effort"]
+    return Run(
+        path=source.contents.path,
+        info=source.contents.info,
+        start_ns=start,
+        joints=JointSamples(
+            time=seconds(joint_stamps, start),
+            names=names,
+            position=joints["position"],
+            effort=None if np.isnan(effort).all() else effort,
+        ),
+        readings=make_readings(source, shoe, seconds(reading_stamps, start), readings),
+        commanded=_commanded(source, start),
+        base_pose=_base_pose(source, start),
+        imu=_imu(source, start),
+        shoe_temperature=_shoe_temperature(source, start),
+        joint_temperature={
+            block.frame_id: _temperature(block, start)
+            for block in source.blocks(schemas.JOINT_TEMPERATURES)
+        },
+        notes=tuple(source.notes),
+    )
+
+
+def seconds(stamp_ns: NDArray[np.int64], start_ns: int) -> Floats:
+    """Stamps (T,) as times since the start [s]."""
+    return (stamp_ns - start_ns) / 1e9
+
+
+def _joints(source: Source) -> tuple[NDArray[np.int64], tuple[str, ...], dict[str, Floats]]:
+    topic = schemas.JOINT_STATES
+    blocks = source.blocks(topic)
+    names = tuple(dict.fromkeys(name for block in blocks for name in block.texts["name"]))
+    if not names:
+        raise source.error("", f"holds no joint angles ({topic}); record them")
+    pieces = []
+    for block in blocks:
+        columns = source.columns(topic, block.texts["name"], names)
+        values = {"position": block.numbers["position"]}
+        if block.numbers["effort"].shape[1]:
+            values["effort"] = block.numbers["effort"]
+        for quantity, numbers in values.items():
+            if numbers.shape[1] != len(columns):
+                raise source.error(
+                    topic,
+                    f"gives {numbers.shape[1]} values of '{quantity}' for {len(columns)} joints; "
+                    "mend its sender",
+                )
+            numbers[~np.isfinite(numbers)] = np.nan
+        pieces.append(Piece(block.stamp_ns, columns, values))
+    stamps, joined = source.join(topic, pieces, names, ("position", "effort"))
+    never = np.isnan(joined["position"]).all(axis=0)
+    source.notes += [f"joint '{name}' was never told" for name in np.array(names)[never]]
+    return stamps, names, joined
+
+
+def _commanded(source: Source, start: int) -> tuple[CommandedTrajectory, ...]:
+    topic = schemas.JOINT_TRAJECTORY
+    messages = source.contents.messages.get(topic, [])
+    commanded = []
+    for data, log_time in zip(messages, source.contents.log_time_ns.get(topic, []), strict=True):
+        try:
+            message = schemas.typestore().deserialize_cdr(data, schemas.RUN_TOPICS[topic])
+        except SerdeError as error:
+            raise source.error(topic, f"{error}; mend its sender") from error
+        assert isinstance(message, JointTrajectory)
+        try:
+            commanded.append(_trajectory(message, log_time, start))
+        except (ShoecalError, ValueError) as error:
+            source.notes.append(f"{topic}: one trajectory left out ({error})")
+    return tuple(commanded)
+
+
+def _trajectory(message: JointTrajectory, log_time: int, start: int) -> CommandedTrajectory:
+    stamp = message.header.stamp.sec * 1_000_000_000 + message.header.stamp.nanosec
+    offsets = [point.time_from_start for point in message.points]
+    return CommandedTrajectory(
+        # By the message's convention a stamp of zero means: start when it arrives.
+        start=((stamp or log_time) - start) / 1e9,
+        names=tuple(message.joint_names),
+        time=np.array([offset.sec + offset.nanosec / 1e9 for offset in offsets]),
+        position=np.array([point.positions for point in message.points]),
+    )
+
+
+def _base_pose(source: Source, start: int) -> PoseSamples | None:
+    block = source.single(schemas.BASE_POSE)
+    if block is None:
+        return None
+    position = block.group(*(f"pose.position.{axis}" for axis in "xyz"))
+    quaternion = block.group(*(f"pose.{name}" for name in _QUATERNION))
+    unit = np.abs(np.linalg.norm(quaternion, axis=1) - 1.0) < _UNIT_TOLERANCE
+    good = unit & np.isfinite(position).all(axis=1)
+    if not good.all():
+        source.notes.append(f"{schemas.BASE_POSE}: {int(np.sum(~good))} are no poses, left out")
+    if not good.any():
+        return None
+    return PoseSamples(
+        time=seconds(block.stamp_ns[good], start),
+        position=position[good],
+        quaternion=quaternion[good] / np.linalg.norm(quaternion[good], axis=1, keepdims=True),
+    )
+
+
+def _imu(source: Source, start: int) -> ImuSamples | None:
+    block = source.single(schemas.IMU)
+    if block is None:
+        return None
+    # By the message's definition -1 as first element says that there is no orientation.
+    told = block.numbers["orientation_covariance"][:, :1] != -1.0
+    return ImuSamples(
+        time=seconds(block.stamp_ns, start),
+        frame=block.frame_id,
+        quaternion=np.where(told, block.group(*_QUATERNION), np.nan),
+        angular_velocity=block.group(*(f"angular_velocity.{axis}" for axis in "xyz")),
+        linear_acceleration=block.group(*(f"linear_acceleration.{axis}" for axis in "xyz")),
+    )
+
+
+def _shoe_temperature(source: Source, start: int) -> TemperatureSamples | None:
+    block = source.single(schemas.SHOE_TEMPERATURE)
+    return None if block is None else _temperature(block, start)
+
+
+def _temperature(block: Block, start: int) -> TemperatureSamples:
+    return TemperatureSamples(seconds(block.stamp_ns, start), block.numbers["temperature"][:, 0])

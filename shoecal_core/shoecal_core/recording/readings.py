@@ -1,0 +1,129 @@
+"""Raw sensor readings of a run, whatever topic and device they came from."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.recording import schemas
+from shoecal_core.recording.columns import Block
+from shoecal_core.recording.join import Piece
+from shoecal_core.recording.run import Floats, Readings
+from shoecal_core.recording.source import Source
+from shoecal_core.sensing.shoe import AXES, FEET, Shoe
+
+_QUANTITIES = ("value", "status", "sequence", "temperature")
+_BACKWARDS_SHARE = 0.1
+"""A device restarts now and then; a counter that runs back more often belongs to two devices."""
+
+
+def read_readings(source: Source, shoe: Shoe) -> tuple[NDArray[np.int64], dict[str, Floats]]:
+    """Readings of every channel, joined by stamp.
+
+    Returns:
+        Stamps (T,) [ns], and by quantity (T, n), NaN where none was given.
+
+    Raises:
+        RecordingError: no readings, a cell the shoe does not have, two sources of one cell.
+    """
+    gathered = _Gathered(source, shoe)
+    for block in source.blocks(schemas.VOLTAGES):
+        gathered.add_voltages(block)
+    for foot, topic in zip(FEET, schemas.FORCE_TORQUE, strict=True):
+        axes = [axis for axis in AXES if f"{foot}/{axis}" in shoe.names]
+        for block in source.blocks(topic) if axes else ():
+            gathered.add_wrenches(topic, foot, axes, block)
+    if not gathered.pieces:
+        wanted = ", ".join((schemas.VOLTAGES, *schemas.FORCE_TORQUE))
+        raise source.error("", f"holds no readings of '{shoe.name}' ({wanted}); record them")
+    return source.join(schemas.VOLTAGES, gathered.pieces, shoe.names, _QUANTITIES)
+
+
+def make_readings(source: Source, shoe: Shoe, time: Floats, joined: dict[str, Floats]) -> Readings:
+    """Readings from joined quantities; what is missing is noted."""
+    value = np.where(np.isfinite(joined["value"]), joined["value"], np.nan)
+    missing = np.isnan(value)
+    status = np.where(
+        missing & (joined["status"] != schemas.FAULT), schemas.NO_DATA, joined["status"]
+    )
+    never = missing.all(axis=0)
+    source.notes += [f"channel '{name}' was never given" for name in np.array(shoe.names)[never]]
+    partial = int(missing[:, ~never].any(axis=1).sum())
+    if partial:
+        source.notes.append(f"{partial} of {len(time)} readings lack some channels")
+    return Readings(
+        time=time,
+        names=shoe.names,
+        value=value,
+        status=status.astype(np.uint8),
+        sequence=np.nan_to_num(joined["sequence"], nan=-1.0).astype(np.int64),
+        temperature=joined["temperature"],
+    )
+
+
+class _Gathered:
+    """Pieces of readings; every channel has one source."""
+
+    def __init__(self, source: Source, shoe: Shoe) -> None:
+        self.pieces: list[Piece] = []
+        self._source = source
+        self._shoe = shoe
+        self._origins: dict[str, str] = {}
+
+    def add_voltages(self, block: Block) -> None:
+        topic, cells, numbers = schemas.VOLTAGES, block.texts["cell"], block.numbers
+        for name in ("voltage", "status"):
+            if numbers[name].shape[1] != len(cells):
+                raise self._source.error(
+                    topic,
+                    f"gives {numbers[name].shape[1]} values of '{name}' for {len(cells)} cells; "
+                    "mend the driver",
+                )
+        self._check_counter(cells, numbers["sequence"][:, 0])
+        shape = (len(block.index), len(cells))
+        values = {
+            "value": numbers["voltage"],
+            "status": numbers["status"],
+            "sequence": np.broadcast_to(numbers["sequence"], shape),
+            "temperature": np.broadcast_to(numbers["temperature"], shape),
+        }
+        self._add(topic, cells, block, values)
+
+    def add_wrenches(self, topic: str, foot: str, axes: list[str], block: Block) -> None:
+        value = block.group(*(_WRENCH_FIELD[axis] for axis in axes))
+        status = np.full(value.shape, float(schemas.GOOD))
+        names = tuple(f"{foot}/{axis}" for axis in axes)
+        self._add(topic, names, block, {"value": value, "status": status})
+
+    def _add(
+        self, topic: str, names: tuple[str, ...], block: Block, values: dict[str, Floats]
+    ) -> None:
+        origin = f"{topic} with frame '{block.frame_id}'"
+        for name in names:
+            first = self._origins.setdefault(name, origin)
+            if first != origin:
+                raise self._source.error(
+                    topic, f"'{name}' comes from {first} and from {origin}; give it one source"
+                )
+        columns = self._source.columns(topic, names, self._shoe.names)
+        self.pieces.append(Piece(block.stamp_ns, columns, values))
+
+    def _check_counter(self, cells: tuple[str, ...], sequence: Floats) -> None:
+        steps = np.diff(sequence)
+        # The counter has 32 bits: a step back by about all of them is its overflow.
+        back = int(np.sum((steps < 0.0) & (steps > -(2.0**31))))
+        if back > max(1.0, _BACKWARDS_SHARE * len(steps)):
+            raise self._source.error(
+                schemas.VOLTAGES,
+                f"the device counter runs back {back} times in {len(steps)}: two devices send "
+                f"{', '.join(cells)}; give each cell one source",
+            )
+        if back:
+            self._source.notes.append(
+                f"{schemas.VOLTAGES}: the device counter ran back {back} times"
+            )
+
+
+_WRENCH_FIELD = {
+    axis: f"wrench.{'force' if axis.startswith('f') else 'torque'}.{axis[1]}" for axis in AXES
+}

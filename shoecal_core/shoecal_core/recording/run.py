@@ -1,0 +1,184 @@
+"""What a recorded run hands over: samples in time, validated, raw."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import ShapeError, ShoecalError
+from shoecal_core.recording.info import RunInfo
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class JointSamples:
+    """Joint angles as the robot told them.
+
+    Attributes:
+        time: (T,) since the run's start, increasing [s].
+        names: m joints.
+        position: (T, m) [rad]; NaN where a joint was not told.
+        effort: (T, m) [N m], NaN likewise; None where the robot tells none.
+    """
+
+    time: Floats
+    names: tuple[str, ...]
+    position: Floats
+    effort: Floats | None
+
+    def __post_init__(self) -> None:
+        _check_time("joints", self.time)
+        shape = (len(self.time), len(self.names))
+        _check_shape("joints.position", self.position, shape)
+        if self.effort is not None:
+            _check_shape("joints.effort", self.effort, shape)
+
+
+@dataclass(frozen=True)
+class Readings:
+    """Raw sensor readings; one row a sampling time.
+
+    Attributes:
+        time: (T,) since the run's start, increasing [s].
+        names: n channels, in the shoe's order.
+        value: (T, n) in the shoe's unit (for a six-axis sensor N and N m); NaN: none given.
+        status: (T, n) constants of ShoeVoltages; NO_DATA where `value` is NaN.
+        sequence: (T, n) device counter of the message the value came in; -1: none given.
+        temperature: (T, n) of the device it came from [degC]; NaN: none given.
+    """
+
+    time: Floats
+    names: tuple[str, ...]
+    value: Floats
+    status: NDArray[np.uint8]
+    sequence: NDArray[np.int64]
+    temperature: Floats
+
+    def __post_init__(self) -> None:
+        _check_time("readings", self.time)
+        shape = (len(self.time), len(self.names))
+        for name in ("value", "status", "sequence", "temperature"):
+            _check_shape(f"readings.{name}", getattr(self, name), shape)
+
+
+@dataclass(frozen=True)
+class CommandedTrajectory:
+    """One JointTrajectory as it was commanded.
+
+    Attributes:
+        start: when it starts, since the run's start [s].
+        names: m joints.
+        time: (K,) of its points since `start` [s].
+        position: (K, m) [rad].
+    """
+
+    start: float
+    names: tuple[str, ...]
+    time: Floats
+    position: Floats
+
+    def __post_init__(self) -> None:
+        _check_time("trajectory", self.time)
+        _check_shape("trajectory.position", self.position, (len(self.time), len(self.names)))
+
+
+@dataclass(frozen=True)
+class PoseSamples:
+    """Pose of the floating base in the world.
+
+    Attributes:
+        time: (T,) since the run's start, increasing [s].
+        position: (T, 3) [m].
+        quaternion: (T, 4) x y z w, of unit length.
+    """
+
+    time: Floats
+    position: Floats
+    quaternion: Floats
+
+    def __post_init__(self) -> None:
+        _check_time("base_pose", self.time)
+        _check_shape("base_pose.position", self.position, (len(self.time), 3))
+        _check_shape("base_pose.quaternion", self.quaternion, (len(self.time), 4))
+
+
+@dataclass(frozen=True)
+class ImuSamples:
+    """Inertial measurements, in the sensor's frame.
+
+    Attributes:
+        time: (T,) since the run's start, increasing [s].
+        frame: name of the sensor's frame.
+        quaternion: (T, 4) x y z w; NaN where the sensor tells none.
+        angular_velocity: (T, 3) [rad/s].
+        linear_acceleration: (T, 3) [m/s^2].
+    """
+
+    time: Floats
+    frame: str
+    quaternion: Floats
+    angular_velocity: Floats
+    linear_acceleration: Floats
+
+    def __post_init__(self) -> None:
+        _check_time("imu", self.time)
+        _check_shape("imu.quaternion", self.quaternion, (len(self.time), 4))
+        _check_shape("imu.angular_velocity", self.angular_velocity, (len(self.time), 3))
+        _check_shape("imu.linear_acceleration", self.linear_acceleration, (len(self.time), 3))
+
+
+@dataclass(frozen=True)
+class TemperatureSamples:
+    """One thermometer: time (T,) since the run's start [s], value (T,) [degC]."""
+
+    time: Floats
+    value: Floats
+
+    def __post_init__(self) -> None:
+        _check_time("temperature", self.time)
+        _check_shape("temperature.value", self.value, (len(self.time),))
+
+
+@dataclass(frozen=True)
+class Run:
+    """One recorded run.
+
+    Attributes:
+        path: the file.
+        info: what it says of itself.
+        start_ns: stamp of its first joint angles or readings; every time counts from there.
+        joints, readings: always there.
+        commanded: trajectories in the order they were received.
+        base_pose, imu, shoe_temperature: None where not recorded.
+        joint_temperature: by joint; empty where not recorded.
+        notes: what was dropped or is missing, for a person to read.
+    """
+
+    path: Path
+    info: RunInfo
+    start_ns: int
+    joints: JointSamples
+    readings: Readings
+    commanded: tuple[CommandedTrajectory, ...] = ()
+    base_pose: PoseSamples | None = None
+    imu: ImuSamples | None = None
+    shoe_temperature: TemperatureSamples | None = None
+    joint_temperature: Mapping[str, TemperatureSamples] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def _check_time(name: str, time: Floats) -> None:
+    if time.ndim != 1 or time.size == 0:
+        raise ShapeError(f"{name}.time", "(T,) with T > 0", time.shape)
+    if not (np.all(np.isfinite(time)) and np.all(np.diff(time) > 0.0)):
+        raise ShoecalError(f"{name}.time: must be finite and increase")
+
+
+def _check_shape(name: str, array: NDArray[np.generic], shape: tuple[int, ...]) -> None:
+    if array.shape != shape:
+        raise ShapeError(name, str(shape), array.shape)

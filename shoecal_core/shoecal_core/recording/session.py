@@ -1,0 +1,277 @@
+"""A session: the runs one robot recorded on one pair of shoes, and the files they rest on."""
+
+from __future__ import annotations
+
+import secrets
+import shutil
+from collections.abc import Collection
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+from shoecal_core.errors import FileError, NameNotFoundError, ShoecalError
+from shoecal_core.files import atomic_write, read_bytes, read_yaml, sha256, write_yaml
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.recording.container import read_info
+from shoecal_core.recording.errors import HashMismatchError, RecordingError
+from shoecal_core.recording.info import RunInfo
+from shoecal_core.recording.listing import HINTS, RUN_FILE, ListedRun, read_listed, run_file
+from shoecal_core.recording.reader import read_run
+from shoecal_core.recording.run import Run
+from shoecal_core.recording.truth import TruthWriter
+from shoecal_core.recording.writer import RunWriter
+from shoecal_core.sensing.shoe import Shoe, load_shoe
+
+FORMAT = 1
+FILE = "session.yaml"
+ROBOT, URDF, SHOE = "robot.yaml", "robot.urdf", "shoe.yaml"
+TRUTH = "truth"
+
+
+@dataclass(frozen=True)
+class RunEntry:
+    """One finished run of a session.
+
+    Attributes:
+        run: its number.
+        path: its file.
+        info: what the file says of itself.
+        hint: what it is meant for: `train`, `test`, or empty.
+    """
+
+    run: int
+    path: Path
+    info: RunInfo
+    hint: str
+
+
+class Session:
+    """A folder of runs. What is on the disk counts: a run is there when its file is.
+
+    Attributes:
+        folder: the session's.
+        robot, shoe_name: names.
+        seed: the runs were drawn with; None where nothing was drawn.
+    """
+
+    def __init__(
+        self, folder: Path, robot: str, shoe_name: str, seed: int | None, listed: list[ListedRun]
+    ) -> None:
+        self.folder = folder
+        self.robot = robot
+        self.shoe_name = shoe_name
+        self.seed = seed
+        self._listed = listed
+
+    @classmethod
+    def create(
+        cls,
+        folder: Path,
+        robot_yaml: Path,
+        robot_urdf: Path,
+        shoe_yaml: Path,
+        *,
+        seed: int | None = None,
+    ) -> Session:
+        """Make a session with copies of the files it rests on; all of it or nothing.
+
+        Raises:
+            FileError: when the folder holds something already or cannot be made, or a file
+                cannot be used.
+        """
+        folder = Path(folder)
+        if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
+            raise RecordingError(folder, "exists already; sessions are never overwritten")
+        robot = read_yaml(robot_yaml).text("name")
+        session = cls(folder, robot, load_shoe(shoe_yaml).name, seed, [])
+        copies = {ROBOT: robot_yaml, URDF: robot_urdf, SHOE: shoe_yaml}
+        contents = {name: read_bytes(source) for name, source in copies.items()}
+        made = folder.with_name(f".{folder.name}.{secrets.token_hex(8)}")
+        try:
+            made.mkdir(parents=True)
+            for name, content in contents.items():
+                atomic_write(made / name, content)
+            session._save(made)
+            made.rename(folder)
+        except OSError as error:
+            raise RecordingError(folder, f"cannot be made ({error.strerror})") from error
+        finally:
+            shutil.rmtree(made, ignore_errors=True)
+        return session
+
+    @classmethod
+    def open(cls, folder: Path) -> Session:
+        """Open a session, interrupted ones too.
+
+        Raises:
+            FileError: no session there, one of its files missing, or written by a newer shoecal.
+        """
+        folder = Path(folder)
+        path = folder / FILE
+        if not path.is_file():
+            raise RecordingError(folder, f"is no session (it has no {FILE}); create one")
+        for name in (ROBOT, URDF, SHOE):
+            if not (folder / name).is_file():
+                raise FileError(folder / name, "is missing from the session; put it back")
+        fields = read_yaml(path)
+        fields.format(FORMAT)
+        fields.only("format", "robot", "shoe", "seed", "runs")
+        return cls(
+            folder=folder,
+            robot=fields.text("robot"),
+            shoe_name=fields.text("shoe"),
+            seed=fields.integer("seed") if "seed" in fields else None,
+            listed=[read_listed(item) for item in fields.items("runs")],
+        )
+
+    @property
+    def robot_yaml(self) -> Path:
+        """The robot file the runs were recorded with."""
+        return self.folder / ROBOT
+
+    @property
+    def robot_urdf(self) -> Path:
+        """The robot's URDF."""
+        return self.folder / URDF
+
+    @cached_property
+    def shoe(self) -> Shoe:
+        """The shoes the runs were recorded on."""
+        return load_shoe(self.folder / SHOE)
+
+    @property
+    def runs(self) -> tuple[RunEntry, ...]:
+        """Finished runs on the disk, by number.
+
+        Raises:
+            RecordingError: for a file that is no run, is damaged or bears another's number.
+        """
+        hints = {item.run: item.hint for item in self._listed}
+        entries = []
+        for run, path in self._files(finished=True):
+            info = read_info(path)
+            if info.run != run:
+                raise RecordingError(path, f"holds run {info.run}; give it its own name back")
+            entries.append(RunEntry(run, path, info, hints.get(run, "")))
+        return tuple(entries)
+
+    @property
+    def unfinished(self) -> tuple[Path, ...]:
+        """Files of interrupted runs that `recover` has not yet made runs of."""
+        finished = {run for run, _ in self._files(finished=True)}
+        return tuple(path for run, path in self._files(finished=False) if run not in finished)
+
+    def new_run(self, motion: str, support: DoubleSupport | None, *, hint: str = "") -> RunWriter:
+        """Start the next run.
+
+        Args:
+            motion: its name.
+            support: pose of the right sole in the left; None where there is none.
+            hint: what it is meant for: `train`, `test`, or empty.
+        """
+        taken = [run for run, _ in self._files()] + [item.run for item in self._listed]
+        listed = ListedRun(max(taken, default=0) + 1, motion, support, _known_hint(hint))
+        info = RunInfo(
+            run=listed.run,
+            motion=motion,
+            support=support,
+            robot=self.robot,
+            shoe=self.shoe_name,
+            robot_hash=sha256(self.folder / ROBOT),
+            shoe_hash=sha256(self.folder / SHOE),
+            urdf_hash=sha256(self.folder / URDF),
+        )
+        self._listed.append(listed)
+        self._save(self.folder)
+        return RunWriter(self.folder / listed.file, info)
+
+    def mark(self, train: Collection[int], test: Collection[int]) -> None:
+        """Write down which runs are meant to train and which to test.
+
+        Raises:
+            ShoecalError: for a run that is in both.
+            NameNotFoundError: for a run that is not there.
+        """
+        if both := sorted({*train} & {*test}):
+            raise ShoecalError(f"run {both[0]} cannot both train and test")
+        entries = {entry.run: entry for entry in self.runs}
+        for run in (*train, *test):
+            if run not in entries:
+                raise NameNotFoundError("run", str(run), [str(known) for known in entries])
+        self._listed = [
+            ListedRun(
+                run=run,
+                motion=entry.info.motion,
+                support=entry.info.support,
+                hint="train" if run in train else "test" if run in test else "",
+            )
+            for run, entry in entries.items()
+        ]
+        self._save(self.folder)
+
+    def read(self, run: int, *, force: bool = False) -> Run:
+        """Read one run, checked against the session's files unless forced.
+
+        Raises:
+            NameNotFoundError: no such run.
+            HashMismatchError: recorded with another robot or shoe.
+            RecordingError: as `read_run`.
+        """
+        entries = self.runs
+        for entry in entries:
+            if entry.run == run:
+                if not force:
+                    self._check(entry)
+                return read_run(entry.path, self.shoe)
+        raise NameNotFoundError("run", str(run), [str(entry.run) for entry in entries])
+
+    def check_hashes(self) -> None:
+        """Check every run against the session's robot and shoe files.
+
+        Raises:
+            HashMismatchError: for the first that was recorded with others.
+        """
+        for entry in self.runs:
+            self._check(entry)
+
+    def truth_path(self, run: int) -> Path:
+        """Where the simulated truth of a run is kept, for `read_truth`."""
+        return self.folder / TRUTH / run_file(run)
+
+    def new_truth(self, info: RunInfo) -> TruthWriter:
+        """Start the truth file of the run with this info."""
+        path = self.truth_path(info.run)
+        try:
+            path.parent.mkdir(exist_ok=True)
+        except OSError as error:
+            raise RecordingError(path, f"cannot be made ({error.strerror})") from error
+        return TruthWriter(path, info)
+
+    def _check(self, entry: RunEntry) -> None:
+        info = entry.info
+        recorded = {ROBOT: info.robot_hash, URDF: info.urdf_hash, SHOE: info.shoe_hash}
+        for file, digest in recorded.items():
+            present = sha256(self.folder / file)
+            if present != digest:
+                raise HashMismatchError(entry.path, file, digest, present)
+
+    def _files(self, *, finished: bool | None = None) -> list[tuple[int, Path]]:
+        """Run files by number; finished ones, unfinished ones, or both."""
+        found = []
+        for path in self.folder.iterdir():
+            match = RUN_FILE.fullmatch(path.name)
+            if match and finished in (None, match[2] is None):
+                found.append((int(match[1]), path))
+        return sorted(found)
+
+    def _save(self, folder: Path) -> None:
+        content = {"format": FORMAT, "robot": self.robot, "shoe": self.shoe_name}
+        seed = {} if self.seed is None else {"seed": self.seed}
+        runs = [item.to_yaml() for item in self._listed]
+        write_yaml(folder / FILE, {**content, **seed, "runs": runs})
+
+
+def _known_hint(name: str) -> str:
+    if name not in HINTS:
+        raise NameNotFoundError("set", name, HINTS)
+    return name

@@ -1,0 +1,88 @@
+"""One run file's messages as columns in time, with what had to be dropped noted."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.recording.columns import Block, decode_columns
+from shoecal_core.recording.container import Contents
+from shoecal_core.recording.errors import RecordingError
+from shoecal_core.recording.join import Piece, TwoSourcesError, in_order, join
+
+
+class Source:
+    """Messages of one file, decoded topic by topic.
+
+    Attributes:
+        contents: of the file.
+        notes: what was dropped, for a person to read.
+    """
+
+    def __init__(self, contents: Contents, topics: Mapping[str, str]) -> None:
+        self.contents = contents
+        self.notes: list[str] = []
+        self._topics = topics
+
+    def blocks(self, topic: str) -> list[Block]:
+        """Messages of a topic by layout, stamps increasing within each; empty: none recorded.
+
+        Messages whose stamp repeats or goes back are dropped and noted.
+        """
+        messages = self.contents.messages.get(topic, [])
+        try:
+            blocks = decode_columns(self._topics[topic], messages)
+        except ShoecalError as error:
+            raise self.error(topic, f"{error}; mend its sender") from error
+        kept = [block.take(in_order(block.stamp_ns)) for block in blocks]
+        dropped = len(messages) - sum(len(block.index) for block in kept)
+        if dropped and not any(block.stamp_ns.any() for block in kept):
+            raise self.error(topic, "its messages carry no stamp; mend its sender")
+        if dropped:
+            self.notes.append(
+                f"{topic}: {dropped} of {len(messages)} messages dropped, "
+                "their stamps repeat or go back"
+            )
+        return kept
+
+    def single(self, topic: str) -> Block | None:
+        """Messages of a topic that may have one sender only; None: none recorded."""
+        blocks = self.blocks(topic)
+        if len(blocks) > 1:
+            frames = ", ".join(f"'{block.frame_id}'" for block in blocks)
+            raise self.error(topic, f"is sent for several frames ({frames}); record one of them")
+        return blocks[0] if blocks else None
+
+    def join(
+        self, topic: str, pieces: Sequence[Piece], names: Sequence[str], quantities: Sequence[str]
+    ) -> tuple[NDArray[np.int64], dict[str, NDArray[np.float64]]]:
+        """As `join.join`, with its error naming file, topic and column."""
+        try:
+            return join(pieces, len(names), quantities)
+        except TwoSourcesError as error:
+            raise self.error(
+                topic,
+                f"'{names[error.column]}' is given twice at {error.stamp_ns} ns; "
+                "give it one source",
+            ) from error
+
+    def columns(self, topic: str, found: Sequence[str], names: Sequence[str]) -> NDArray[np.int64]:
+        """Places of a message's names among all names.
+
+        Raises:
+            RecordingError: for an unknown name or one that a message gives twice.
+        """
+        place = {name: index for index, name in enumerate(names)}
+        for name in found:
+            if name not in place:
+                raise self.error(topic, f"gives '{name}', known are: {', '.join(names)}")
+        if len(set(found)) != len(found):
+            raise self.error(topic, f"gives a name twice: {', '.join(found)}; mend its sender")
+        return np.array([place[name] for name in found], dtype=np.int64)
+
+    def error(self, topic: str, problem: str) -> RecordingError:
+        """The error to raise for one topic."""
+        return RecordingError(self.contents.path, problem, field=topic)

@@ -1,0 +1,152 @@
+"""The simulated truth of a run, kept apart from what a real robot would have recorded."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from shoecal_core.errors import ShapeError, ShoecalError
+from shoecal_core.recording import messages, schemas
+from shoecal_core.recording.container import read_container
+from shoecal_core.recording.info import RunInfo
+from shoecal_core.recording.join import Piece
+from shoecal_core.recording.reader import seconds
+from shoecal_core.recording.run import Floats
+from shoecal_core.recording.source import Source
+from shoecal_core.recording.writer import RunWriter
+
+# Both feet, left, right: topics and the frame each is in.
+_COPS = (schemas.TRUTH_COP, *schemas.TRUTH_FOOT_COP)
+_GRFS = (schemas.TRUTH_GRF, *schemas.TRUTH_FOOT_GRF)
+_FRAMES = ("l_sole", "l_sole", "r_sole")
+_COLUMNS = tuple(f"{topic} {axis}" for topic in _COPS for axis in "xy") + schemas.TRUTH_FOOT_GRF
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What the floor really did, at each sampling time.
+
+    Attributes:
+        start_ns: stamp that `time` counts from.
+        time: (T,) [s].
+        cop: (T, 2) of both feet, on the floor plane in l_sole [m]; NaN when unloaded.
+        foot_cop: (T, 2, 2) of left and right, each in its own sole frame [m]; NaN likewise.
+        foot_grf: (T, 2) vertical force on left and right, positive up [N].
+    """
+
+    start_ns: int
+    time: Floats
+    cop: Floats
+    foot_cop: Floats
+    foot_grf: Floats
+
+    def __post_init__(self) -> None:
+        count = len(self.time)
+        shapes = {"cop": (count, 2), "foot_cop": (count, 2, 2), "foot_grf": (count, 2)}
+        for name, shape in shapes.items():
+            found = getattr(self, name).shape
+            if found != shape:
+                raise ShapeError(f"truth.{name}", str(shape), found)
+
+    @property
+    def grf(self) -> Floats:
+        """(T,) vertical force on both feet [N]."""
+        return np.asarray(self.foot_grf.sum(axis=1))
+
+
+class TruthWriter:
+    """Writes `truth/run_NNN.mcap`; closes, fails and stays unfinished as a RunWriter does."""
+
+    def __init__(self, path: Path, info: RunInfo) -> None:
+        self._writer = RunWriter(path, info, topics=schemas.TRUTH_TOPICS)
+
+    def write(
+        self, stamp_ns: int, cop: ArrayLike, foot_cop: ArrayLike, foot_grf: ArrayLike
+    ) -> None:
+        """Append one sampling time.
+
+        Args:
+            stamp_ns: when.
+            cop: (2,) of both feet in l_sole [m]; NaN: nothing is loaded.
+            foot_cop: (2, 2) of left and right, each in its own sole frame [m]; NaN likewise.
+            foot_grf: (2,) of left and right [N].
+        """
+        left, right = _floats("foot_grf", foot_grf, (2,))
+        places = [*_floats("cop", cop, (2,)), *_floats("foot_cop", foot_cop, (2, 2))]
+        for index, force in enumerate((left + right, left, right)):
+            x, y = places[2 * index : 2 * index + 2]
+            loaded = math.isfinite(x + y)
+            frame = _FRAMES[index]
+            if loaded:
+                point = messages.point(stamp_ns, frame, (x, y, 0.0))
+                self._writer.write(_COPS[index], point, stamp_ns)
+            torque = (y * force, -x * force, 0.0) if loaded else (0.0, 0.0, 0.0)
+            wrench = messages.wrench(stamp_ns, frame, (0.0, 0.0, force), torque)
+            self._writer.write(_GRFS[index], wrench, stamp_ns)
+
+    def close(self) -> Path:
+        """Finish the file and give it its name."""
+        return self._writer.close()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._writer.__exit__(kind, error, trace)
+
+
+def read_truth(path: Path, start_ns: int | None = None) -> Truth:
+    """Read a truth file: for evaluation and benchmarks only, never for a calibration.
+
+    Args:
+        path: `truth/run_NNN.mcap`.
+        start_ns: stamp that times count from, as a Run's `start_ns`; its own first when None.
+
+    Raises:
+        RecordingError: as `read_run`.
+    """
+    source = Source(read_container(Path(path), schemas.TRUTH_TOPICS), schemas.TRUTH_TOPICS)
+    pieces = []
+    for index, topic in enumerate(_COPS):
+        block = source.single(topic)
+        if block is not None:
+            columns = np.array([2 * index, 2 * index + 1])
+            pieces.append(Piece(block.stamp_ns, columns, {"": block.group("point.x", "point.y")}))
+    for topic in schemas.TRUTH_FOOT_GRF:
+        block = source.single(topic)
+        if block is None:
+            raise source.error(topic, "is missing; simulate the run again")
+        columns = np.array([_COLUMNS.index(topic)])
+        pieces.append(Piece(block.stamp_ns, columns, {"": block.group("wrench.force.z")}))
+    stamps, joined = source.join(schemas.TRUTH_COP, pieces, _COLUMNS, ("",))
+    values = joined[""]
+    if np.isnan(values[:, 6:]).any():
+        raise source.error("", "lacks the force on a foot at some times; simulate the run again")
+    start = int(stamps[0]) if start_ns is None else start_ns
+    return Truth(
+        start_ns=start,
+        time=seconds(stamps, start),
+        cop=values[:, :2],
+        foot_cop=values[:, 2:6].reshape(-1, 2, 2),
+        foot_grf=values[:, 6:],
+    )
+
+
+def _floats(name: str, values: ArrayLike, shape: tuple[int, ...]) -> list[float]:
+    array = np.asarray(values, dtype=np.float64)
+    if array.shape != shape:
+        raise ShapeError(f"truth.{name}", str(shape), array.shape)
+    if np.isinf(array).any():
+        raise ShoecalError(f"truth.{name}: infinite; an unloaded foot is told by NaN")
+    return [float(value) for value in array.flat]

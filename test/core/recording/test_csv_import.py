@@ -1,0 +1,224 @@
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from scipy.spatial.transform import Rotation
+
+from core.recording import samples
+from shoecal_core.errors import FileError
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.recording.csv_import import import_csv
+from shoecal_core.recording.session import Session
+
+CHECKOUT = Path(__file__).parents[3]
+Yaml = dict[str, object]
+
+MAPPING = """\
+format: 1
+robot: robot.yaml
+urdf: robot.urdf
+shoe: shoe.yaml
+separator: ";"
+clock: joints
+tables:
+  joints:
+    time: {column: t, unit: ms}
+    joints: all
+    base_pose: {frame: world, translation: [tx, ty, tz], zyx: [rz, ry, rx]}
+  feet:
+    wrench:
+      foot: left
+      frame: ankle
+      force: [fx, fy, {column: fz, scale: -1}]
+      torque: [mx, my, mz]
+trials:
+  - motion: stepping
+    set: train
+    support: [0.01, -0.2, 0.1]
+    files: {joints: a/pos.csv, feet: a/ft.csv}
+  - {motion: walking, files: {joints: b/pos.csv, feet: b/ft.csv}}
+"""
+POS = """\
+t;LKneePitch;tx;ty;tz;rz;ry;rx;LHipRoll;other
+0;0.1;1;2;3;0.1;0.2;0.3;-0.1;9
+20;0.2;1;2;3;0.1;0.2;0.3;-0.2;9
+40.5;0.3;1;2;3;0.1;0.2;0.3;-0.3;9
+"""
+FT = """\
+fx;fy;fz;mx;my;mz
+1;2;-3;4;5;6
+1;2;-4;4;5;6
+
+1;2;-5;4;5;6
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Recordings of two trials, mapping and what it names beside them."""
+    folder = tmp_path / "recordings"
+    for trial in "ab":
+        (folder / trial).mkdir(parents=True)
+        (folder / trial / "pos.csv").write_text(POS)
+        (folder / trial / "ft.csv").write_text(FT)
+    (folder / "mapping.yaml").write_text(MAPPING)
+    (folder / "robot.yaml").write_text(samples.ROBOT_YAML)
+    (folder / "robot.urdf").write_text(samples.URDF)
+    (folder / "shoe.yaml").write_text(samples.ANKLE_YAML)
+    return folder
+
+
+def import_all(folder: Path) -> Session:
+    return import_csv(folder / "mapping.yaml", folder, folder.parent / "session")
+
+
+def test_import(folder: Path) -> None:
+    session = Session.open(import_all(folder).folder)
+    first, second = session.runs
+    assert (first.info.motion, first.hint) == ("stepping", "train")
+    assert first.info.support == DoubleSupport(0.01, -0.2, 0.1)
+    assert (second.info.motion, second.hint, second.info.support) == ("walking", "", None)
+    run = session.read(1)
+    assert run.start_ns == 0
+    assert run.joints.names == ("LKneePitch", "LHipRoll")
+    np.testing.assert_allclose(run.joints.time, [0.0, 0.02, 0.0405])
+    np.testing.assert_allclose(run.joints.position, [[0.1, -0.1], [0.2, -0.2], [0.3, -0.3]])
+    np.testing.assert_array_equal(run.readings.time, run.joints.time)
+    np.testing.assert_array_equal(run.readings.value[:, :5], [[1, 2, f, 4, 5] for f in (3, 4, 5)])
+    assert run.base_pose is not None
+    np.testing.assert_array_equal(run.base_pose.position[0], [1, 2, 3])
+    turn = Rotation.from_rotvec([0, 0, 0.1]) * Rotation.from_rotvec([0, 0.2, 0])
+    turn *= Rotation.from_rotvec([0.3, 0, 0])
+    np.testing.assert_allclose(
+        Rotation.from_quat(run.base_pose.quaternion[0]).as_matrix(), turn.as_matrix(), atol=1e-12
+    )
+
+
+def test_cells_own_times_named_joints_and_commas(folder: Path) -> None:
+    mapping = yaml.safe_load(MAPPING)
+    del mapping["clock"]
+    mapping |= {
+        "decimal": ",",
+        "tables": {
+            "joints": {
+                "time": {"column": "t", "unit": "ms"},
+                "joints": {"LHipRoll": {"column": "q", "scale": 0.5}},
+            },
+            "feet": {
+                "time": {"column": "t", "unit": "s"},
+                "cells": {"right/rear_left": "b", "left/front": {"column": "a", "scale": -2}},
+            },
+        },
+    }
+    (folder / "mapping.yaml").write_text(yaml.safe_dump(mapping))
+    (folder / "shoe.yaml").write_text(samples.SHOE_YAML)
+    for trial in "ab":
+        (folder / trial / "pos.csv").write_text("t;q\n5;1,5\n15;2,5\n")
+        (folder / trial / "ft.csv").write_text("\ufefft; a;b\n0,005;1;1e-3\n0,006;2;2\n0,007;3;3\n")
+    run = import_all(folder).read(2)
+    np.testing.assert_allclose(run.joints.position, [[0.75], [1.25]])
+    np.testing.assert_allclose(run.readings.time, [0.0, 0.001, 0.002])
+    left, right = (
+        run.readings.names.index("left/front"),
+        run.readings.names.index("right/rear_left"),
+    )
+    np.testing.assert_allclose(run.readings.value[:, left], [-2, -4, -6])
+    np.testing.assert_allclose(run.readings.value[:, right], [1e-3, 2, 3])
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new", "problem"),
+    [
+        ("b/pos.csv", ";tx;", ";txx;", "b/pos.csv: column 'tx': is missing (there are: t, "),
+        ("b/pos.csv", ";other", ";tx", "b/pos.csv: column 'tx': stands twice"),
+        ("b/pos.csv", "0.3;-0.2;9", "0.3;-0.2", "b/pos.csv: line 3: 9 values for 10 columns"),
+        ("b/pos.csv", "20;0.2", "20;x0.2", "column 'LKneePitch', line 3: 'x0.2' is not a number"),
+        ("b/pos.csv", "20;0.2", "20;", "column 'LKneePitch', line 3: '' is not a number"),
+        ("b/pos.csv", "20;0.2", "20;nan", "column 'LKneePitch', line 3: 'nan' is not a number"),
+        ("b/pos.csv", "40.5;", "20;", "column 't', line 4: time repeats or goes back"),
+        ("b/pos.csv", "\n0;", "\n-1;", "column 't', line 2: time is negative"),
+        ("b/pos.csv", "40.5;", "1e15;", "column 't', line 4: time is negative or after 2038"),
+        ("b/pos.csv", POS, "", "b/pos.csv: has no rows"),
+        ("b/ft.csv", "1;2;-5;4;5;6\n", "", "b/ft.csv: has 2 rows, pos.csv has 3"),
+        ("b/ft.csv", "1;2;-5;4;5;6\n", "1;2;é;4;5;6\n", "column 'fz', line 5: 'é' is not"),
+        ("robot.urdf", "</robot>", "", "robot.urdf: is no URDF"),
+        ("robot.urdf", "revolute", "fixed", "no column bears the name of one of the robot's"),
+        ("mapping.yaml", "b/ft.csv", "b/no.csv", "b/no.csv: cannot be read"),
+        ("mapping.yaml", "robot.urdf", "no.urdf", "urdf: 'no.urdf' is neither beside"),
+        ("mapping.yaml", "format: 1", "format: 9", "version 9"),
+        ("mapping.yaml", "clock: joints", "clock: feet", "tables.joints.time: is not used"),
+        ("mapping.yaml", "clock: joints", "clock: arms", "clock: 'arms' is not one of"),
+        ("mapping.yaml", 'separator: ";"', "separator: tab", "separator: expected one character"),
+        ("mapping.yaml", 'separator: ";"', 'separator: "."', "decimal: must differ"),
+        ("mapping.yaml", "unit: ms", "unit: min", "time.unit: 'min' is not one of"),
+        ("mapping.yaml", "scale: -1", "scale: 0", "wrench.force.scale: must not be zero"),
+        ("mapping.yaml", "[mx, my, mz]", "[mx, my]", "wrench.torque: expected three columns"),
+        ("mapping.yaml", "[mx, my, mz]", "[mx, my, 3]", "wrench.torque: expected a column's name"),
+        ("mapping.yaml", "joints: all", "joints: {Neck: LHipRoll}", "joints: 'Neck' is not one of"),
+        ("mapping.yaml", "joints: all", "{}", "not valid YAML"),
+        ("mapping.yaml", "    joints: all\n", "", "tables: no table gives 'joints'"),
+        ("mapping.yaml", "foot: left", "foot: middle", "wrench.foot: 'middle' is not one of"),
+        ("mapping.yaml", ", feet: b/ft.csv", "", "files.feet: is missing"),
+        ("shoe.yaml", "unit: N", "unit: 3", "shoe.yaml: unit: expected text"),
+    ],
+)
+def test_bad_input_is_one_error_that_names_its_place(
+    folder: Path, file: str, old: str, new: str, problem: str
+) -> None:
+    path = folder / file
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+    with pytest.raises(FileError) as caught:
+        import_all(folder)
+    assert problem in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert not (folder.parent / "session").exists()
+
+
+def test_feet_without_that_sensor(folder: Path) -> None:
+    (folder / "shoe.yaml").write_text(samples.SHOE_YAML)
+    with pytest.raises(FileError, match="'test_shoe' has no six-axis sensor on the left foot"):
+        import_all(folder)
+
+
+def test_files_are_looked_for_beside_the_mapping_first(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "maps").mkdir()
+    (folder / "mapping.yaml").rename(tmp_path / "maps" / "mapping.yaml")
+    (tmp_path / "maps" / "robot.yaml").write_text("format: 1\nname: other\n")
+    session = import_csv(tmp_path / "maps" / "mapping.yaml", folder, tmp_path / "session")
+    assert session.robot == "other"
+
+
+@pytest.fixture
+def real() -> Path:
+    """Public recordings of a REEM-C, which are not part of the project."""
+    folder = Path(os.environ.get("SHOECAL_REAL_DATA", ""), "reemc")
+    if not folder.is_absolute() or not folder.is_dir():
+        pytest.skip("SHOECAL_REAL_DATA names no folder with the recordings of the REEM-C")
+    return folder
+
+
+def test_real_recordings(real: Path, tmp_path: Path) -> None:
+    for name, text in (("robots", "format: 1\nname: reemc\n"), ("shoes", samples.ANKLE_YAML)):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "reemc.yaml").write_text(text)
+    (tmp_path / "imports").mkdir()
+    mapping = tmp_path / "imports" / "reemc.yaml"
+    mapping.write_bytes((CHECKOUT / "config" / "imports" / "reemc.yaml").read_bytes())
+    session = import_csv(mapping, real, tmp_path / "session")
+    runs = [session.read(entry.run) for entry in session.runs]
+    assert [len(run.readings.time) for run in runs] == [2919, 881, 1110]
+    for run, trial in zip(runs, ("stepping", "walk_a", "walk_b"), strict=True):
+        assert run.notes == ()
+        assert len(run.joints.names) == 102
+        np.testing.assert_array_equal(run.joints.time, run.readings.time)
+        force = np.loadtxt(real / trial / "ftl.csv", delimiter=";", skiprows=1, usecols=3)
+        fz = run.readings.value[:, run.readings.names.index("left/fz")]
+        np.testing.assert_array_equal(fz, force)
+        assert run.base_pose is not None
+        assert 0.5 < run.base_pose.position[:, 2].mean() < 1.0
