@@ -6,13 +6,14 @@ X = (x^2, x, y, 1, f) and Y = (y^2, y, x, 1, f): linear in its parameters.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError, ShoecalError
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.sensing.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]
 POLYNOMIAL = 4
@@ -40,14 +41,23 @@ class CopCorrection:
     def __post_init__(self) -> None:
         if self.foot not in (0, 1):
             raise ShoecalError(f"a correction's foot must be one of {', '.join(FEET)}")
-        channels = len(self.x) - POLYNOMIAL
-        if self.x.shape != self.y.shape or channels < 0:
-            raise ShapeError("correction y", f"as x {self.x.shape}", self.y.shape)
-        if self.cop_range.shape != (2, 2) or self.output_range.shape != (2, channels):
-            raise ShapeError("output_range", f"(2, {channels})", self.output_range.shape)
+        if self.x.ndim != 1 or len(self.x) < POLYNOMIAL:
+            raise ShapeError("correction x", f"({POLYNOMIAL} + k,)", self.x.shape)
+        for name, part, shape in (
+            ("y", self.y, self.x.shape),
+            ("cop_range", self.cop_range, (2, 2)),
+            ("output_range", self.output_range, (2, self.channels)),
+        ):
+            if part.shape != shape:
+                raise ShapeError(f"correction {name}", str(shape), part.shape)
         for part in (self.x, self.y, self.cop_range, self.output_range):
             if not np.isfinite(part).all():
                 raise ShoecalError("the CoP correction holds a number that is not finite")
+
+    @property
+    def channels(self) -> int:
+        """Number k of the foot's channels."""
+        return len(self.x) - POLYNOMIAL
 
     def correct(self, raw: FloatArray, outputs: FloatArray) -> FloatArray:
         """Corrected CoP (..., 2) of a raw CoP (..., 2) and this foot's outputs (..., k)."""
@@ -63,6 +73,27 @@ class CopCorrection:
             | (outputs > self.output_range[1]).any(axis=-1)
         )
         return outside
+
+
+def check_corrections(shoe: Shoe, corrections: Sequence[CopCorrection]) -> None:
+    """Refuse corrections that are not of this shoe.
+
+    Raises:
+        ShapeError: for another number of channels.
+        ShoecalError: for two corrections of one foot.
+    """
+    for index, correction in enumerate(corrections):
+        count = len(shoe.of_foot(correction.foot))
+        if correction.channels != count:
+            raise ShapeError(
+                f"correction of the {FEET[correction.foot]} foot",
+                f"{POLYNOMIAL} + {count}",
+                correction.x.shape,
+            )
+        if any(correction.foot == other.foot for other in corrections[:index]):
+            raise ShoecalError(
+                f"the {FEET[correction.foot]} foot has two CoP corrections; keep one"
+            )
 
 
 def features(raw: FloatArray, outputs: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.sensing.correction import CopCorrection
+from shoecal_core.sensing.correction import CopCorrection, check_corrections
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import (
     ChannelParameters,
@@ -47,17 +48,24 @@ class Measured:
     def combined_cop(self, support: DoubleSupport) -> FloatArray:
         """(..., 2) CoP of both feet in the left sole's frame [m].
 
-        An unloaded foot adds nothing; NaN where no foot is loaded.
+        An unloaded foot adds nothing; NaN where no foot is loaded, and where a foot's force is
+        not known.
         """
         loaded = np.isfinite(self.cop[..., 0])
+        known = np.isfinite(self.grf)
         wrenches = at_cop(
-            np.where(loaded, self.grf, 0.0), np.where(loaded[..., None], self.cop, 0.0)
+            np.where(loaded | ~known, self.grf, 0.0), np.where(loaded[..., None], self.cop, 0.0)
         )
         return cop(combined(wrenches, support), minimum_force=0.0)
 
 
 class Sensing:
-    """The measuring side of one pair of shoes under one set of parameters."""
+    """The measuring side of one pair of shoes under one set of parameters.
+
+    Raises:
+        ShapeError: parameters or corrections are not of this shoe's channels.
+        ShoecalError: a foot has two corrections.
+    """
 
     def __init__(
         self,
@@ -66,6 +74,10 @@ class Sensing:
         corrections: Sequence[CopCorrection] = (),
         minimum_force: float = MINIMUM_FORCE,
     ) -> None:
+        count = len(shoe.channels)
+        if parameters.gain.shape != (count,):
+            raise ShapeError("gain", f"({count},)", parameters.gain.shape)
+        check_corrections(shoe, corrections)
         self.shoe = shoe
         self.parameters = parameters
         self.corrections = tuple(corrections)

@@ -23,6 +23,9 @@ FEET = ("left", "right")
 MIN_CELL_SPREAD = 5e-3
 """m; cells nearer to one line than this cannot tell a CoP."""
 
+MAX_DISTANCE = 1.0
+"""m; anything further away is a place given in millimetres."""
+
 AXES = ("fx", "fy", "fz", "mx", "my")
 """Axes of a six-axis sensor that act on F, Mx, My (mz acts on none of them)."""
 
@@ -170,7 +173,7 @@ def load_shoe(path: Path) -> Shoe:
     return Shoe(
         name=fields.text("name"),
         unit=fields.text("unit"),
-        height=fields.number("height_m", minimum=0.0, maximum=1.0),
+        height=fields.number("height_m", minimum=0.0, maximum=MAX_DISTANCE),
         channels=tuple(channels),
         plates=(plates[0], plates[1]),
         path=Path(path),
@@ -203,9 +206,9 @@ def _plates(fields: Fields) -> Plates:
     fields.only("mass_above_kg", "com_above_m", "mass_below_kg", "com_below_m")
     return Plates(
         mass_above=fields.number("mass_above_kg", minimum=0.0),
-        com_above=fields.array("com_above_m", (3,)),
+        com_above=_place(fields, "com_above_m", 3),
         mass_below=fields.number("mass_below_kg", minimum=0.0),
-        com_below=fields.array("com_below_m", (3,)),
+        com_below=_place(fields, "com_below_m", 3),
     )
 
 
@@ -213,7 +216,7 @@ def _cells(block: Fields, foot: int, span: tuple[float, float]) -> list[Channel]
     channels = []
     for cell in block.items("cells"):
         cell.only("name", "position_m", "polarity", "nominal_gain")
-        position = cell.array("position_m", (2,))
+        position = _place(cell, "position_m", 2)
         channels.append(
             Channel(
                 name=f"{FEET[foot]}/{cell.text('name')}",
@@ -232,7 +235,7 @@ def _cells(block: Fields, foot: int, span: tuple[float, float]) -> list[Channel]
 
 def _six_axis(block: Fields, foot: int, span: tuple[float, float]) -> list[Channel]:
     block.only("origin_m", "axes")
-    origin = block.array("origin_m", (3,))
+    origin = _place(block, "origin_m", 3)
     channels = []
     for axis in block.items("axes"):
         axis.only("axis", "polarity", "nominal_gain")
@@ -251,6 +254,13 @@ def _six_axis(block: Fields, foot: int, span: tuple[float, float]) -> list[Chann
             )
         )
     return channels
+
+
+def _place(fields: Fields, key: str, size: int) -> NDArray[np.float64]:
+    place = fields.array(key, (size,))
+    if np.abs(place).max() > MAX_DISTANCE:
+        raise fields.error(key, f"is more than {MAX_DISTANCE:g} m from the sole; lengths are in m")
+    return place
 
 
 def _polarity(fields: Fields) -> int:
@@ -277,7 +287,7 @@ def _check_foot(block: Fields, channels: list[Channel]) -> None:
     if len(channels) < 3:
         raise block.error("cells", f"{len(channels)} channels; a CoP needs at least three")
     columns = np.array([channel.column for channel in channels])
-    # In units of force: a lever of MIN_CELL_SPREAD counts as one.
+    # The smaller singular value tells how far the cells lie off their common line.
     singular = np.linalg.svd(columns - columns.mean(axis=0), compute_uv=False)
     cells_only = bool(np.all(columns[:, 0] == 1.0))
     if cells_only and singular[1] < MIN_CELL_SPREAD:

@@ -65,9 +65,7 @@ def foot_wrenches(shoe: Shoe, outputs: FloatArray) -> FloatArray:
     Args:
         outputs: (..., n) of the channels [N or N m].
     """
-    each = [
-        outputs[..., shoe.of_foot(foot)] @ shoe.columns[shoe.of_foot(foot)] for foot in (0, 1)
-    ]
+    each = [outputs[..., shoe.of_foot(foot)] @ shoe.columns[shoe.of_foot(foot)] for foot in (0, 1)]
     return np.stack(each, axis=-2) + weight_below(shoe)
 
 
