@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.sensing.shoe import FEET, Channel, Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
-from shoecal_core.simulation.reality import BASE, Reality, Table
+from shoecal_core.simulation.reality import ALL, BASE, Reality, Table
 
 FloatArray = NDArray[np.float64]
 
@@ -136,7 +136,6 @@ def draw_body(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnBody:
     encoder = _column(rules.joints.encoder_error_rad, joints, encoder, "joint")
     for motor in robot.shared:
         encoder[motor.joint] = motor.ratio * encoder[motor.leader]
-    zeros = np.zeros(len(joints))
     body = DrawnBody(
         mass=robot.mass - shoe.mass + rules.body.weight_error_n / GRAVITY,
         links=links,
@@ -144,8 +143,8 @@ def draw_body(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnBody:
         com_error=_of_links(rules.body.com_error_m, links).resolve(links, com, "link"),
         joints=joints,
         encoder_error=encoder,
-        play=_column(rules.joints.play_rad, joints, zeros, "joint"),
-        compliance=_column(rules.joints.compliance_rad_per_nm, joints, zeros, "joint"),
+        play=_of_legs(rules.joints.play_rad, robot),
+        compliance=_of_legs(rules.joints.compliance_rad_per_nm, robot),
     )
     for effect in rules.effects:
         body = effect.on_body(body)
@@ -194,6 +193,15 @@ def _of_links(table: Table, links: tuple[str, ...]) -> Table:
 def _column(table: Table, names: Sequence[str], default: FloatArray, kind: str) -> FloatArray:
     """(len(names),) of a table that holds one number a name."""
     return table.resolve(names, default[:, None], kind)[:, 0]
+
+
+def _of_legs(table: Table, robot: Robot) -> FloatArray:
+    """(m,) of a table whose `all` means the joints of the legs."""
+    legs = {*robot.legs, *(shared.joint for shared in robot.shared)}
+    rows = dict(table.rows)
+    common = rows.pop(ALL, (0.0,))
+    default = np.array([common[0] if i in legs else 0.0 for i in range(len(robot.joint_names))])
+    return _column(Table(rows, table.path, table.key), robot.joint_names, default, "joint")
 
 
 def _half_span(channels: Sequence[Channel]) -> FloatArray:

@@ -1,0 +1,65 @@
+"""From what the channels feel to what their converter reads."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.simulation.drawn import DrawnShoes
+from shoecal_core.simulation.reality import Reality
+
+FloatArray = NDArray[np.float64]
+
+GOOD, SATURATED = 0, 1
+
+
+@dataclass(frozen=True)
+class Readings:
+    """What the converter gave, at one instant or many (...).
+
+    Attributes:
+        counts: (..., n) whole steps.
+        voltages: (..., n) the same in the shoe's unit.
+        status: (..., n) GOOD or SATURATED.
+    """
+
+    counts: NDArray[np.int64]
+    voltages: FloatArray
+    status: NDArray[np.uint8]
+
+
+class Converter:
+    """Affine law of each channel backwards, noise, steps and ends of the range.
+
+    Attributes:
+        volts_per_count: (n,) step of each channel, in the shoe's unit.
+    """
+
+    def __init__(
+        self, shoe: Shoe, rules: Reality, drawn: DrawnShoes, noise: np.random.Generator
+    ) -> None:
+        lowest, highest = (
+            np.array([getattr(channel, end) for channel in shoe.channels])
+            for end in ("lowest", "highest")
+        )
+        self.volts_per_count = (highest - lowest) / 2**rules.cells.converter_bits
+        self._lowest = np.ceil(lowest / self.volts_per_count)
+        self._highest = np.floor(highest / self.volts_per_count)
+        self._parameters = drawn.parameters
+        self._std = drawn.noise
+        self._noise = noise
+
+    def __call__(self, outputs: FloatArray) -> Readings:
+        """Read outputs (..., n) [N or N m]."""
+        felt = outputs + self._std * self._noise.standard_normal(outputs.shape)
+        voltages = (felt - self._parameters.offset) / self._parameters.gain
+        counts = np.rint(voltages / self.volts_per_count)
+        clipped = np.clip(counts, self._lowest, self._highest)
+        return Readings(
+            counts=clipped.astype(np.int64),
+            voltages=clipped * self.volts_per_count,
+            status=np.where(clipped == counts, GOOD, SATURATED).astype(np.uint8),
+        )

@@ -1,0 +1,191 @@
+"""The robot as physics: the URDF's links on a free base, servos, gears with play, shoes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from shoecal_core.errors import FileError
+from shoecal_core.model.robot import Robot
+from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.simulation.drawn import DrawnReality
+from shoecal_core.simulation.shoe_physics import ShoeBuilder, add_floor
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+_STIFFEST_GEAR = 1e-5
+"""rad/(N m); the compliance of a gear that has play alone."""
+_GEAR_DAMPING = 0.2
+"""s/rad; damping of a gear over its motor's torque limit."""
+_LEAST_MASS, _LEAST_INERTIA = 1e-6, 1e-9
+"""kg, kg m^2; of links that the URDF gives no mass."""
+
+
+@dataclass(frozen=True)
+class RobotPhysics:
+    """A compiled world with one robot.
+
+    Attributes:
+        model: MuJoCo's.
+        positions: (m,) where each joint's motor angle stands in `qpos`.
+        motor: (m,) actuator that drives each joint.
+        ratio: (m,) motor angle over the angle of the actuator's own joint.
+        torque_limit: (a,) of the actuators [N m].
+    """
+
+    model: mujoco.MjModel
+    positions: IntArray
+    motor: IntArray
+    ratio: FloatArray
+    torque_limit: FloatArray
+
+
+def build(robot: Robot, shoe: Shoe, drawn: DrawnReality) -> RobotPhysics:
+    """Build a robot that wears shoes, as drawn.
+
+    Args:
+        robot: with the shoes on (`load_robot(path, shoe)`).
+        shoe: what it wears.
+        drawn: as both truly are.
+
+    Raises:
+        FileError: when MuJoCo refuses the URDF.
+        ShoecalError: for a shoe that cannot be simulated.
+    """
+    try:
+        model = build_spec(robot, shoe, drawn).compile()
+    except ValueError as error:
+        raise FileError(robot.urdf, f"not fit for simulation: {error}; mend the link") from error
+    leader = np.arange(len(robot.joint_names))
+    ratio = np.ones(len(leader))
+    for shared in robot.shared:
+        leader[shared.joint], ratio[shared.joint] = shared.leader, shared.ratio
+    names = robot.joint_names
+    motor = np.array([model.actuator(names[joint]).id for joint in leader])
+    return RobotPhysics(
+        model=model,
+        positions=np.array([model.joint(name).qposadr[0] for name in names]),
+        motor=motor,
+        ratio=ratio,
+        torque_limit=model.actuator_forcerange[:, 1].copy(),
+    )
+
+
+def build_spec(robot: Robot, shoe: Shoe, drawn: DrawnReality) -> mujoco.MjSpec:
+    """The same before compilation, for whoever wants to add to it."""
+    spec = _read_urdf(robot)
+    _set_masses(spec, drawn)
+    spec.worldbody.first_body().add_freejoint(name="base")
+    _add_motors(spec, robot, drawn)
+    add_floor(spec, drawn.rules, drawn.shoes)
+    builder = ShoeBuilder(shoe, drawn.rules, drawn.shoes)
+    for index, foot in enumerate(robot.feet):
+        ankle = spec.joint(robot.model.names[foot.joint]).parent
+        x, y, z, w = pin.Quaternion(foot.placement.rotation).coeffs()
+        builder.add(
+            spec, ankle, index, foot.placement.translation, np.array([w, x, y, z]), foot.outline
+        )
+    return spec
+
+
+def _read_urdf(robot: Robot) -> mujoco.MjSpec:
+    """The URDF's links and joints; shapes are left out, only soles touch anything."""
+    try:
+        spec = mujoco.MjSpec.from_file(str(robot.urdf))
+    except ValueError as error:
+        raise FileError(robot.urdf, f"not fit for simulation: {error}") from error
+    for element in (*spec.geoms, *spec.meshes, *spec.equalities):
+        spec.delete(element)
+    # Links on fixed joints stay bodies of their own, so that each has its mass error.
+    spec.compiler.fusestatic = False
+    spec.compiler.balanceinertia = True
+    spec.compiler.boundmass = _LEAST_MASS
+    spec.compiler.boundinertia = _LEAST_INERTIA
+    return spec
+
+
+def _set_masses(spec: mujoco.MjSpec, drawn: DrawnReality) -> None:
+    body = drawn.body
+    factors = dict(zip(body.links, body.mass_factor, strict=True))
+    shifts = dict(zip(body.links, body.com_error, strict=True))
+    links = [link for link in spec.bodies if link.name in factors and link.mass > 0.0]
+    scale = body.mass / sum(link.mass * factors[link.name] for link in links)
+    for link in links:
+        factor = scale * factors[link.name]
+        link.mass *= factor
+        link.inertia = link.inertia * factor
+        link.fullinertia = link.fullinertia * factor
+        link.ipos = link.ipos + shifts[link.name]
+
+
+def _add_motors(spec: mujoco.MjSpec, robot: Robot, drawn: DrawnReality) -> None:
+    """Motors with gears; the URDF's joints become the motors' side."""
+    servo, body = drawn.rules.servo, drawn.body
+    names = robot.joint_names
+    leaders = {shared.joint: shared for shared in robot.shared}
+    for index, name in enumerate(names):
+        limit = robot.effort_limit[index] * servo.torque_limit_factor
+        joint = spec.joint(name)
+        joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
+        joint.armature = servo.rotor_inertia_kgm2_per_nm * limit
+        joint.frictionloss = servo.friction_fraction * limit
+        if body.play[index] > 0.0 or body.compliance[index] > 0.0:
+            _add_gear(spec, joint, limit, body.play[index], body.compliance[index])
+        if index in leaders:
+            shared = leaders[index]
+            spec.add_equality(
+                type=mujoco.mjtEq.mjEQ_JOINT,
+                name1=name,
+                name2=names[shared.leader],
+                data=[0.0, shared.ratio, *[0.0] * 10],
+                solref=[2.0 * drawn.rules.step_s, 1.0],
+            )
+        else:
+            stiffness = limit / servo.full_torque_error_rad
+            _add_servo(spec, name, limit, stiffness, stiffness * servo.damping_time_s)
+
+
+def _add_gear(
+    spec: mujoco.MjSpec, motor: mujoco.MjsJoint, limit: float, play: float, compliance: float
+) -> None:
+    """A second joint about the same axis: free within the play, a spring beyond it."""
+    name = f"{motor.name}_gear"
+    motor.parent.add_joint(
+        name=name,
+        type=motor.type,
+        pos=motor.pos,
+        axis=motor.axis,
+        damping=[_GEAR_DAMPING * limit, 0.0, 0.0],
+    )
+    tendon = spec.add_tendon(
+        name=name,
+        stiffness=[1.0 / max(compliance, _STIFFEST_GEAR), 0.0, 0.0],
+        springlength=[-play / 2.0, play / 2.0],
+    )
+    tendon.wrap_joint(name, 1.0)
+
+
+def _add_servo(
+    spec: mujoco.MjSpec, name: str, limit: float, stiffness: float, damping: float
+) -> None:
+    """A position servo whose set point moves evenly between two commands.
+
+    Its activation is the set point, its control the set point's speed.
+    """
+    servo = spec.add_actuator(
+        name=name,
+        target=name,
+        trntype=mujoco.mjtTrn.mjTRN_JOINT,
+        dyntype=mujoco.mjtDyn.mjDYN_INTEGRATOR,
+        gaintype=mujoco.mjtGain.mjGAIN_FIXED,
+        biastype=mujoco.mjtBias.mjBIAS_AFFINE,
+        forcelimited=mujoco.mjtLimited.mjLIMITED_TRUE,
+        forcerange=[-limit, limit],
+    )
+    servo.gainprm[0] = stiffness
+    servo.biasprm[1:3] = -stiffness, -damping

@@ -1,0 +1,86 @@
+"""A whole motion of the simulated robot as arrays, without ROS."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.simulation.converter import Readings
+from shoecal_core.simulation.floor import FloorTruth
+from shoecal_core.simulation.robot import JointReadings, SimulatedRobot
+from shoecal_core.simulation.trajectory import JointTrajectory
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Samples:
+    """T samples of everything, all taken at the same instants.
+
+    Attributes:
+        time: (T,) simulated time [s].
+        joints: arrays (T, m).
+        readings: arrays (T, n).
+        truth: arrays (T, ...).
+        base_position: (T, 3) of the root link over the floor [m].
+        base_orientation: (T, 4) x, y, z, w.
+    """
+
+    time: FloatArray
+    joints: JointReadings
+    readings: Readings
+    truth: FloorTruth
+    base_position: FloatArray
+    base_orientation: FloatArray
+
+
+def run(
+    sim: SimulatedRobot, trajectory: JointTrajectory, rate: float, *, hold: float = 0.5
+) -> Samples:
+    """Let the robot follow a trajectory, standing still before and after it.
+
+    Args:
+        sim: a robot at rest (`place`).
+        trajectory: to follow.
+        rate: samples a second.
+        hold: how long it stands before and after [s].
+
+    Raises:
+        RobotFellError: when it falls.
+        ShoecalError: for a trajectory it cannot follow, or a rate of nothing.
+    """
+    if not rate > 0.0:
+        raise ShoecalError(f"a rate of {rate:g} Hz gives no samples; it must be above 0")
+    start = sim.time
+    begin, count = round(hold * rate), round((2.0 * hold + trajectory.duration) * rate) + 1
+    rows = []
+    for index in range(count):
+        sim.step_to(start + index / rate)
+        if index == begin:
+            sim.command(trajectory)
+        sim.check_upright()
+        rows.append((sim.time, sim.joints(), sim.readings(), sim.truth(), *sim.base_pose()))
+    time, joints, readings, truth, position, orientation = zip(*rows, strict=True)
+    return Samples(
+        time=np.array(time),
+        joints=JointReadings(
+            np.array([row.angles for row in joints]),
+            np.array([row.efforts for row in joints]),
+            np.array([row.temperatures for row in joints]),
+        ),
+        readings=Readings(
+            np.array([row.counts for row in readings]),
+            np.array([row.voltages for row in readings]),
+            np.array([row.status for row in readings]),
+        ),
+        truth=FloorTruth(
+            np.array([row.cop for row in truth]),
+            np.array([row.foot_cop for row in truth]),
+            np.array([row.foot_force for row in truth]),
+        ),
+        base_position=np.array(position),
+        base_orientation=np.array(orientation),
+    )

@@ -1,0 +1,243 @@
+"""One shoe as physics: a top plate on the foot, a bottom plate below, cells between.
+
+The bottom plate can move up and down and tilt against the top plate; sideways and in yaw it is
+rigid. Each cell is a spring at its place, a fixed tendon over those three motions, so that any
+number of cells shares the load as statics and their stiffness demand. Clamps that carry moment
+are springs of the tilts alone. A foot with a six-axis sensor has a rigid bottom plate.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import mujoco
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.model.robot import GRAVITY
+from shoecal_core.sensing.shoe import AXES, FEET, Shoe
+from shoecal_core.simulation.drawn import DrawnShoes
+from shoecal_core.simulation.reality import Reality
+
+FloatArray = NDArray[np.float64]
+
+_TIP_RADIUS = 0.004
+"""m; the bottom plate touches the floor with a small ball at each corner of its outline."""
+_THICKNESS = 0.005
+"""m; of a plate, for its inertia."""
+_FLOOR_BIT, _SOLE_BIT = 2, 1
+"""Contact types: soles touch the floor and nothing else."""
+
+
+def add_floor(spec: mujoco.MjSpec, rules: Reality, shoes: DrawnShoes) -> None:
+    """Lay the floor, and set how the physics is computed.
+
+    The floor is the plane z = 0 whatever its slope: gravity is turned instead.
+    """
+    option = spec.option
+    option.timestep = rules.step_s
+    # Implicit in stiffness too: cells and servos are stiff against such steps.
+    option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
+    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+    option.impratio = 10.0
+    option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
+    option.gravity = floor_rotation(shoes).T @ [0.0, 0.0, -GRAVITY]
+    spec.worldbody.add_geom(
+        name="floor",
+        type=mujoco.mjtGeom.mjGEOM_PLANE,
+        size=[2.0, 2.0, 0.1],
+        contype=_FLOOR_BIT,
+        conaffinity=_SOLE_BIT,
+        **_contact(rules),
+    )
+
+
+def floor_rotation(shoes: DrawnShoes) -> FloatArray:
+    """(3, 3) turns vectors of the floor's frame into a level one."""
+    about_x, about_y = shoes.tilt
+    c, s = np.cos(about_x), np.sin(about_x)
+    turn_x = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+    c, s = np.cos(about_y), np.sin(about_y)
+    turn_y = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    rotation: FloatArray = turn_y @ turn_x
+    return rotation
+
+
+@dataclass(frozen=True)
+class ShoeBuilder:
+    """Adds shoes to a world.
+
+    Attributes:
+        shoe: as its file says.
+        rules, drawn: as it truly is.
+    """
+
+    shoe: Shoe
+    rules: Reality
+    drawn: DrawnShoes
+
+    def add(
+        self, spec: mujoco.MjSpec, ankle: mujoco.MjsBody, foot: int, sole: FloatArray,
+        quaternion: FloatArray, outline: FloatArray,
+    ) -> None:  # fmt: skip
+        """Put one shoe on.
+
+        Args:
+            spec: the world.
+            ankle: body that wears it.
+            foot: 0 left, 1 right.
+            sole: (3,) origin of the sole frame in the ankle's frame [m].
+            quaternion: (4,) w, x, y, z of the sole frame in the ankle's.
+            outline: (k, 2) corners of the bottom plate in the sole frame [m].
+        """
+        plates, side = self.shoe.plates[foot], FEET[foot]
+        factor = self.drawn.mass_factor[foot]
+        top = ankle.add_body(name=f"{side}_top_plate", pos=sole, quat=quaternion)
+        _set_plate(top, plates.mass_above * factor, plates.com_above, outline)
+        bottom = top.add_body(name=sole_name(foot))
+        _set_plate(bottom, plates.mass_below * factor, plates.com_below, outline)
+        for corner in outline:
+            bottom.add_geom(
+                type=mujoco.mjtGeom.mjGEOM_SPHERE,
+                size=[_TIP_RADIUS, 0.0, 0.0],
+                pos=[*corner, _TIP_RADIUS],
+                mass=0.0,
+                contype=_SOLE_BIT,
+                conaffinity=_FLOOR_BIT,
+                **_contact(self.rules),
+            )
+        if has_cells(self.shoe, foot):
+            self._add_cells(spec, bottom, foot)
+        else:
+            self._add_sensor(spec, bottom, foot)
+
+    def _add_cells(self, spec: mujoco.MjSpec, bottom: mujoco.MjsBody, foot: int) -> None:
+        cells, side = self.rules.cells, FEET[foot]
+        stiffness = cells.stiffness_n_per_m
+        channels = self.shoe.of_foot(foot)
+        places = self.drawn.position[channels]
+        share = self.drawn.clamp_share[foot]
+        spread = ((places - places.mean(axis=0)) ** 2).sum(axis=0)
+        about_y, about_x = stiffness * spread * share / (1.0 - share)
+        anchor = [0.0, 0.0, cells.height_m]
+        hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
+        motions = {
+            f"{side}_lift": (slide, [0, 0, 1], 0.0),
+            f"{side}_tilt_x": (hinge, [1, 0, 0], about_x),
+            f"{side}_tilt_y": (hinge, [0, 1, 0], about_y),
+        }
+        for name, (kind, axis, clamp) in motions.items():
+            bottom.add_joint(name=name, type=kind, axis=axis, pos=anchor, stiffness=[clamp, 0, 0])
+        for channel, (x, y) in zip(channels, places, strict=True):
+            # Its length: how far the bottom plate has come up at the cell's place.
+            tendon = spec.add_tendon(
+                name=self.shoe.names[channel],
+                stiffness=[stiffness, 0.0, 0.0],
+                damping=[stiffness * cells.damping_time_s, 0.0, 0.0],
+                springlength=[0.0, 0.0],
+            )
+            for motion, lever in zip(motions, (1.0, y, -x), strict=True):
+                tendon.wrap_joint(motion, lever)
+
+    def _add_sensor(self, spec: mujoco.MjSpec, bottom: mujoco.MjsBody, foot: int) -> None:
+        channels = self.shoe.of_foot(foot)
+        place = self.drawn.position[channels].mean(axis=0)
+        height = _sensor_height(self.shoe, foot, self.rules.cells.height_m)
+        site = f"{FEET[foot]}_sensor"
+        bottom.add_site(name=site, pos=[*place, height])
+        for kind, name in (
+            (mujoco.mjtSensor.mjSENS_FORCE, "force"),
+            (mujoco.mjtSensor.mjSENS_TORQUE, "torque"),
+        ):
+            spec.add_sensor(
+                name=f"{FEET[foot]}_{name}", type=kind, objtype=mujoco.mjtObj.mjOBJ_SITE,
+                objname=site,
+            )  # fmt: skip
+
+
+class ChannelOutputs:
+    """Reads what the channels of both feet feel."""
+
+    def __init__(self, model: mujoco.MjModel, shoe: Shoe, feet: tuple[int, ...] = (0, 1)) -> None:
+        self._outputs = np.zeros(len(shoe.channels))
+        cells = [i for foot in feet if has_cells(shoe, foot) for i in shoe.of_foot(foot)]
+        self._cells = np.array(cells, dtype=np.int64)
+        self._tendons = np.array([model.tendon(shoe.names[i]).id for i in cells], dtype=np.int64)
+        self._stiffness = model.tendon_stiffness[self._tendons]
+        self._damping = model.tendon_damping[self._tendons]
+        axes = [i for foot in feet if not has_cells(shoe, foot) for i in shoe.of_foot(foot)]
+        self._axes = np.array(axes, dtype=np.int64)
+        self._sensors = np.array(
+            [_address(model, FEET[shoe.foot[i]], _axis(shoe, i)) for i in axes], dtype=np.int64
+        )
+
+    def __call__(self, data: mujoco.MjData) -> FloatArray:
+        """(n,) outputs [N or N m], positive under load; zero for feet not looked at."""
+        outputs = self._outputs.copy()
+        outputs[self._cells] = (
+            self._stiffness * data.ten_length[self._tendons]
+            + self._damping * data.ten_velocity[self._tendons]
+        )
+        outputs[self._axes] = data.sensordata[self._sensors]
+        return outputs
+
+
+def sole_name(foot: int) -> str:
+    """Body of a shoe's bottom plate; its frame is the sole frame."""
+    return f"{FEET[foot]}_sole"
+
+
+def has_cells(shoe: Shoe, foot: int) -> bool:
+    """Whether a foot has one-axis cells, else one six-axis sensor.
+
+    Raises:
+        ShoecalError: for a foot that has both.
+    """
+    channels = shoe.of_foot(foot)
+    if np.all(shoe.columns[channels, 0] == 1.0):
+        return True
+    if not all(_axis(shoe, index) in AXES for index in channels):
+        raise ShoecalError(
+            f"{shoe.path}: feet.{FEET[foot]}: has cells and a six-axis sensor; the simulated shoe "
+            "has one or the other"
+        )
+    return False
+
+
+def _axis(shoe: Shoe, index: int) -> str:
+    """Axis of a six-axis sensor that a channel reads."""
+    return shoe.names[index].split("/")[1]
+
+
+def _address(model: mujoco.MjModel, side: str, axis: str) -> int:
+    """Where in the sensor data an axis such as `fx` or `my` stands."""
+    kind = {"f": "force", "m": "torque"}[axis[0]]
+    return int(model.sensor(f"{side}_{kind}").adr[0]) + "xyz".index(axis[1])
+
+
+def _sensor_height(shoe: Shoe, foot: int, otherwise: float) -> float:
+    """Height of a six-axis sensor, as the columns of its sideways forces tell [m]."""
+    for index in shoe.of_foot(foot):
+        if _axis(shoe, index) == "fx":
+            return float(shoe.columns[index, 2])
+        if _axis(shoe, index) == "fy":
+            return float(-shoe.columns[index, 1])
+    return otherwise
+
+
+def _set_plate(body: mujoco.MjsBody, mass: float, com: FloatArray, outline: FloatArray) -> None:
+    """A plate's mass, spread over its outline."""
+    x, y = np.ptp(outline, axis=0)
+    z = _THICKNESS
+    body.mass = mass
+    body.ipos = com
+    body.inertia = mass / 12.0 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
+    body.explicitinertial = True
+
+
+def _contact(rules: Reality) -> dict[str, list[float]]:
+    return {
+        "friction": [rules.floor.friction, 0.0, 0.0],
+        "solref": [rules.floor.contact_time_s, 1.0],
+    }
