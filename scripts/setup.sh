@@ -1,34 +1,24 @@
 #!/usr/bin/env bash
 # Builds .venv from requirements.txt and the ROS 2 workspace into install/.
 #
-# Each of the two steps leaves a stamp when it is whole, keyed on all that it was made from; a
-# step without a fresh stamp starts anew. So a second call does nothing, and an interrupted one
-# is never taken for done. PYTHON names the interpreter to use.
+# Each step leaves a stamp when it is whole, keyed on all that it was made from; a step without
+# a fresh stamp starts anew. So a second call does nothing, and an interrupted one is never taken
+# for done. PYTHON names the interpreter to use.
 set -Eeuo pipefail
 trap 'echo "setup: stopped; mend what is said above, then call make setup again" >&2' ERR
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$root"
 venv=$root/.venv
-packages_stamp=$venv/.complete
-workspace_stamp=$root/install/.complete
 
 # What is sourced in the calling shell must not leak into the build.
 unset AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
 unset ROS_DISTRO ROS_VERSION ROS_PYTHON_VERSION _ROS_WHEELS_BOOTSTRAP_COMPLETE
-unset MAKEFLAGS MFLAGS MAKELEVEL VIRTUAL_ENV
+unset COLCON_DEFAULTS_FILE MAKEFLAGS MFLAGS MAKELEVEL VIRTUAL_ENV
 
 fail() {
     echo "setup: $*" >&2
     exit 1
-}
-
-key_of() { # files...
-    { echo "$root"; sha256sum "$@"; } | sha256sum | cut -d' ' -f1
-}
-
-is_complete() { # stamp key
-    [ -f "$1" ] && [ "$(cat "$1")" = "$2" ]
 }
 
 # Prints why an interpreter cannot be used, or nothing.
@@ -89,39 +79,63 @@ install_packages() {
     "$venv/bin/python" scripts/fix_ros_wheels.py
 }
 
-build_workspace() {
-    echo "setup: building the ROS 2 workspace into install/ (about a minute)"
+colcon_build() { # folders...
+    env PATH="$venv/bin:$PATH" AMENT_PREFIX_PATH="$venv" CMAKE_PREFIX_PATH="$venv" \
+        LD_LIBRARY_PATH="$venv/lib" COLCON_HOME="$root/build" MAKEFLAGS="-j$(nproc)" \
+        "$venv/bin/colcon" --log-level error build --merge-install --base-paths "$@" \
+        --cmake-args -DBUILD_TESTING=OFF "-DPython3_EXECUTABLE=$venv/bin/python"
+}
+
+build_messages() {
+    echo "setup: building the ROS 2 messages into install/ (about a minute)"
     rm -rf build install log
+    colcon_build shoecal_msgs
+    # They are found from .venv without sourcing anything.
+    ln -sfnr install/lib/libshoecal_msgs__*.so "$venv/lib/"
+    ln -sfnr install/lib/python3.*/site-packages/shoecal_msgs "$venv"/lib/python3.*/site-packages/
+}
+
+build_python_packages() {
+    echo "setup: building the Python packages into install/"
     # A path entry, not an import hook: else the folder shoecal_core/ of the checkout comes first.
     "$venv/bin/python" -m pip --disable-pip-version-check install --quiet --no-deps \
         --no-build-isolation --use-pep517 --config-settings editable_mode=compat \
         --editable shoecal_core --editable shoecal_ros
-    env PATH="$venv/bin:$PATH" AMENT_PREFIX_PATH="$venv" CMAKE_PREFIX_PATH="$venv" \
-        LD_LIBRARY_PATH="$venv/lib" COLCON_HOME="$root/build" MAKEFLAGS="-j$(nproc)" \
-        "$venv/bin/colcon" --log-level error build --merge-install \
-        --base-paths shoecal_msgs shoecal_core shoecal_ros \
-        --cmake-args -DBUILD_TESTING=OFF "-DPython3_EXECUTABLE=$venv/bin/python"
-    # The messages are found from .venv without sourcing anything.
-    local site
-    site=$(echo "$venv"/lib/python3.*/site-packages)
-    ln -sfnr install/lib/libshoecal_msgs__*.so "$venv/lib/"
-    ln -sfnr install/lib/python3.*/site-packages/shoecal_msgs "$site/"
+    colcon_build shoecal_core shoecal_ros
     "$venv/bin/python" -c 'import rclpy, shoecal_core, shoecal_msgs.msg, shoecal_ros'
 }
 
-exec 9<"${BASH_SOURCE[0]}"
-flock 9 # two calls at once: the second waits
+# Runs a step unless its stamp says that it is whole and made from just these files.
+step() { # name stamp files...
+    local name=$1 stamp=$2 key
+    shift 2
+    key=$({ echo "$root"; sha256sum "$@"; } | sha256sum)
+    if ! [ -f "$stamp" ] || [ "$(cat "$stamp")" != "$key" ]; then
+        rm -f "$stamp"
+        "$name"
+        echo "$key" >"$stamp"
+    fi
+}
 
-packages_key=$(key_of requirements.txt scripts/setup.sh scripts/fix_ros_wheels.py)
-if ! is_complete "$packages_stamp" "$packages_key" || ! [ -x "$venv/bin/python" ]; then
-    install_packages
-    echo "$packages_key" >"$packages_stamp"
-fi
+files_of() { # folder...
+    find "$@" -type f -not -name '*.pyc' | LC_ALL=C sort
+}
 
-mapfile -t definitions < <(find shoecal_msgs -type f | LC_ALL=C sort)
-workspace_key=$(key_of "$packages_stamp" "${definitions[@]}" \
-    shoecal_core/{package.xml,setup.cfg,setup.py} shoecal_ros/{package.xml,setup.cfg,setup.py})
-if ! is_complete "$workspace_stamp" "$workspace_key"; then
-    build_workspace
-    echo "$workspace_key" >"$workspace_stamp"
-fi
+main() {
+    local messages shared
+    exec 9<"${BASH_SOURCE[0]}"
+    flock 9 # two calls at once: the second waits
+
+    [ -x "$venv/bin/python" ] || rm -f "$venv/.complete"
+    step install_packages "$venv/.complete" requirements.txt scripts/setup.sh scripts/fix_ros_wheels.py
+
+    mapfile -t messages < <(files_of shoecal_msgs)
+    step build_messages "$root/install/.messages" "$venv/.complete" "${messages[@]}"
+
+    mapfile -t shared < <(files_of config shoecal_ros/launch)
+    step build_python_packages "$root/install/.complete" "$root/install/.messages" "${shared[@]}" \
+        shoecal_core/{package.xml,setup.cfg,setup.py} shoecal_ros/{package.xml,setup.cfg,setup.py}
+}
+
+main # read to here before anything runs: the script may be replaced meanwhile
+exit
