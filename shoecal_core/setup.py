@@ -1,6 +1,5 @@
 """Package of the method: no ROS, no serial port, no wall clock."""
 
-import os
 from pathlib import Path
 
 from setuptools import find_packages, setup
@@ -10,12 +9,11 @@ HERE = Path(__file__).resolve().parent
 
 
 def config_files() -> list[tuple[str, list[str]]]:
-    """Every file of the checkout's config/, by the folder under share/ that it goes to."""
-    config = HERE.parent / "config"
+    """Every file of the checkout's config/ (linked from here), by its folder under share/."""
     folders: dict[str, list[str]] = {}
-    for file in sorted(path for path in config.rglob("*") if path.is_file()):
-        target = Path("share", NAME, "config", file.parent.relative_to(config))
-        folders.setdefault(str(target), []).append(os.path.relpath(file, HERE))
+    for file in sorted(path for path in (HERE / "config").rglob("*") if path.is_file()):
+        relative = file.relative_to(HERE)
+        folders.setdefault(f"share/{NAME}/{relative.parent}", []).append(str(relative))
     return list(folders.items())
 
 
