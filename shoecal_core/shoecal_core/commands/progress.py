@@ -1,0 +1,36 @@
+"""Progress of long work, on standard error."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+from rich.console import Console
+from rich.progress import Progress
+
+
+@contextmanager
+def shown_progress() -> Iterator[Callable[[str, float], None]]:
+    """A bar that is told what is being done and the share done (0 to 1).
+
+    Where standard error is no terminal, each new step is one line.
+    """
+    console = Console(stderr=True, highlight=False)
+    if not console.is_terminal:
+        yield _lines(console)
+        return
+    with Progress(console=console, transient=True) as bar:
+        task = bar.add_task("", total=1.0)
+        yield lambda text, share: bar.update(task, description=text, completed=share)
+
+
+def _lines(console: Console) -> Callable[[str, float], None]:
+    last = ""
+
+    def tell(text: str, share: float) -> None:
+        nonlocal last
+        if text != last:
+            console.print(f"[{share:4.0%}] {text}", markup=False)
+            last = text
+
+    return tell

@@ -1,0 +1,54 @@
+"""`shoecal simulate ROBOT.yaml SHOE.yaml`: a session of the simulated robot, without ROS."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from pathlib import Path
+
+from rich.console import Console
+
+from shoecal_core.commands.arguments import add_planning, planner_settings
+from shoecal_core.commands.progress import shown_progress
+from shoecal_core.commands.simulated_session import SimulationPlan, simulate_session
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.planning.planner import MENU
+from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.workspace import config_dir
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare its arguments."""
+    parser.add_argument("robot", type=Path, help="robot file")
+    parser.add_argument("shoe", type=Path, help="shoe file")
+    parser.add_argument("--reality", type=Path, help="changes to the default simulated reality")
+    parser.add_argument("--motion", choices=sorted(MENU), default="landmarks")
+    parser.add_argument("--rate", type=float, default=100.0, help="samples a second (Hz)")
+    parser.add_argument("--out", type=Path, required=True, help="session to make")
+    add_planning(parser)
+
+
+def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
+    """Simulate and record."""
+    settings = planner_settings(args)
+    shoe = load_shoe(args.shoe)
+    plan = SimulationPlan(
+        robot=load_robot(args.robot, shoe),
+        shoe=shoe,
+        reality=load_reality(config_dir() / "realities" / "default.yaml", args.reality),
+        settings=settings,
+        supports=settings.supports,
+        motion=args.motion,
+        rate=args.rate,
+        seed=args.seed,
+    )
+    with shown_progress() as progress:
+        session = simulate_session(plan, args.out, progress)
+    runs = [
+        {"run": entry.run, "support": [support.dx, support.dy, support.dtheta]}
+        for entry in session.runs
+        if (support := entry.info.support) is not None
+    ]
+    console.print(f"{args.out}: {len(runs)} simulated runs")
+    return {"session": str(args.out), "seed": args.seed, "runs": runs}
