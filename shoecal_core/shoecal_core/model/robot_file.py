@@ -9,13 +9,12 @@ import pinocchio as pin
 import shapely
 from numpy.typing import NDArray
 
-from shoecal_core.errors import FileError
-from shoecal_core.files import Fields, read_bytes, read_yaml, sha256
+from shoecal_core.files import Fields, read_yaml, sha256
 from shoecal_core.model.robot import Capsule, Foot, Robot, SharedMotor, SupportRange
+from shoecal_core.model.urdf import ROOT_JOINTS, read_urdf
 from shoecal_core.sensing.shoe import FEET, Shoe
 
 FORMAT = 1
-_ROOT_JOINTS = 2  # Pinocchio's universe and free-flyer stand before the robot's own joints.
 
 
 def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None) -> Robot:
@@ -38,16 +37,16 @@ def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None
         "posture_rad", "support_range", "capsules", "collision_pairs",
     )  # fmt: skip
     urdf = path.parent / fields.text("urdf") if urdf is None else urdf
-    model = _read_urdf(urdf)
+    model = read_urdf(urdf)
     weight = fields.mapping("weight")
     weight.only("mass_kg", "std_kg")
     mass = weight.number("mass_kg", above=0.0)
-    _scale_mass(model, mass, urdf)
+    _scale_mass(model, mass)
     feet = _feet(fields.mapping("feet"), model, 0.0 if shoe is None else shoe.height)
     if shoe is not None:
         _put_on(model, feet, shoe)
         mass += shoe.mass
-    names = list(model.names)[_ROOT_JOINTS:]
+    names = list(model.names)[ROOT_JOINTS:]
     shared = _shared(fields, names)
     capsules = _capsules(fields, model)
     return Robot(
@@ -70,41 +69,11 @@ def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None
     )
 
 
-def _read_urdf(path: Path) -> pin.Model:
-    text = read_bytes(path).decode("utf-8", errors="replace")
-    if "<robot" not in text:
-        raise FileError(path, "not a URDF (no <robot> element)")
-    try:
-        model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
-    except (ValueError, RuntimeError, IndexError) as error:
-        reason = str(error).splitlines()[0] if str(error) else "rejected by the parser"
-        raise FileError(path, f"not a usable URDF: {reason}") from error
-    for index in range(_ROOT_JOINTS, model.njoints):
-        if model.joints[index].nq != 1:
-            raise FileError(
-                path,
-                "only revolute and prismatic joints with limits are understood",
-                field=f"joint {model.names[index]}",
-            )
-    lower, upper = model.lowerPositionLimit[7:], model.upperPositionLimit[7:]
-    for name, low, high in zip(list(model.names)[_ROOT_JOINTS:], lower, upper, strict=True):
-        if not (np.isfinite(low) and np.isfinite(high) and low < high):
-            raise FileError(
-                path,
-                f"limits {low:g} to {high:g} are missing or crossed; give lower < upper",
-                field=f"joint {name}",
-            )
-    return model
-
-
-def _scale_mass(model: pin.Model, mass: float, urdf: Path) -> None:
+def _scale_mass(model: pin.Model, mass: float) -> None:
     """Scale the URDF's masses to the weighed one: a CoM depends on their ratios only."""
-    total = sum(inertia.mass for inertia in model.inertias)
-    if not total > 0.0:
-        raise FileError(urdf, "no link has a mass; the CoM needs them", field="inertial")
+    scale = mass / sum(inertia.mass for inertia in model.inertias)
     for index, inertia in enumerate(model.inertias):
         if inertia.mass > 0.0:
-            scale = mass / total
             model.inertias[index] = pin.Inertia(
                 inertia.mass * scale, inertia.lever, inertia.inertia * scale
             )
@@ -113,6 +82,8 @@ def _scale_mass(model: pin.Model, mass: float, urdf: Path) -> None:
 def _feet(fields: Fields, model: pin.Model, shoe_height: float) -> tuple[Foot, Foot]:
     fields.only(*FEET)
     left, right = (_foot(fields.mapping(name), name, model, shoe_height) for name in FEET)
+    if left.joint == right.joint:
+        raise fields.mapping("right").error("link", "is the left foot's; name the right foot's")
     return left, right
 
 
@@ -156,9 +127,7 @@ def _put_on(model: pin.Model, feet: tuple[Foot, Foot], shoe: Shoe) -> None:
             model.appendBodyToJoint(foot.joint, inertia, foot.placement)
 
 
-def _legs(
-    fields: Fields, names: list[str], shared: tuple[SharedMotor, ...]
-) -> NDArray[np.int64]:
+def _legs(fields: Fields, names: list[str], shared: tuple[SharedMotor, ...]) -> NDArray[np.int64]:
     legs = _known_joints(fields, "legs", names)
     if len(legs) < 6:
         raise fields.error("legs", f"{len(legs)} joints cannot keep two feet in place")
@@ -180,6 +149,13 @@ def _shared(fields: Fields, names: list[str]) -> tuple[SharedMotor, ...]:
                 ratio=item.number("ratio"),
             )
         )
+    followers = [motor.joint for motor in motors]
+    for motor in motors:
+        if motor.leader in followers or followers.count(motor.joint) > 1:
+            raise fields.error(
+                "shared_motors",
+                f"'{names[motor.joint]}' must follow one joint, which follows none itself",
+            )
     return tuple(motors)
 
 
@@ -234,6 +210,8 @@ def _capsules(fields: Fields, model: pin.Model) -> tuple[Capsule, ...]:
                 radius=item.number("radius_m", above=0.0),
             )
         )
+        if capsules[-1].name in [capsule.name for capsule in capsules[:-1]]:
+            raise item.error("name", f"'{capsules[-1].name}' appears twice; give each its own")
     return tuple(capsules)
 
 
@@ -243,6 +221,8 @@ def _pairs(fields: Fields, capsules: tuple[Capsule, ...]) -> tuple[tuple[int, in
     for item in fields.items("collision_pairs") if "collision_pairs" in fields else []:
         item.only("a", "b")
         a, b = (item.choice(key, dict.fromkeys(names)) for key in ("a", "b"))
+        if a == b:
+            raise item.error("b", f"'{b}' cannot keep a distance to itself; name another capsule")
         pairs.append((names.index(a), names.index(b)))
     return tuple(pairs)
 

@@ -65,9 +65,7 @@ class SymbolicKinematics:
         self.soles = (left, right)
 
     def _joint(self, model: pin.Model, index: int, angle: ca.SX) -> SymbolicPose:
-        placement = self._attached(
-            self.joints[model.parents[index]], model.jointPlacements[index]
-        )
+        placement = self._attached(self.joints[model.parents[index]], model.jointPlacements[index])
         linear, angular = joint_axis(model, index)
         if np.any(angular):
             cross = pin.skew(angular)
@@ -83,9 +81,7 @@ class SymbolicKinematics:
         )
 
 
-def joint_axis(
-    model: pin.Model, index: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def joint_axis(model: pin.Model, index: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Axis of a one-degree-of-freedom joint: (linear (3,), angular (3,)), one of them zero."""
     joint = model.joints[index]
     data = joint.createData()
