@@ -298,8 +298,11 @@ class _Loader(yaml.SafeLoader):
 
 _INTEGER, _FLOAT = "tag:yaml.org,2002:int", "tag:yaml.org,2002:float"
 _NUMBER = re.compile(
-    r"[-+]?(0|[1-9][0-9]*)?(\.[0-9]*)?(e[-+][0-9]+)?|[-+]?\.(inf|nan)", re.IGNORECASE
+    r"[-+]?(0|[1-9][0-9]*)?(\.[0-9]*)?(e[-+]?[0-9]+)?|[-+]?\.(inf|nan)", re.IGNORECASE
 )
+# YAML 1.1 takes 1e-5 for a text: it wants a point.
+_POINTLESS = re.compile(r"[-+]?[0-9]+e[-+]?[0-9]+", re.IGNORECASE)
+_Loader.add_implicit_resolver(_FLOAT, _POINTLESS, list("-+0123456789"))
 for _tag in (_INTEGER, _FLOAT):
     _Loader.add_constructor(_tag, _Loader.construct_number)
 
