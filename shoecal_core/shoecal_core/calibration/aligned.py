@@ -64,10 +64,9 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics) -> Aligned:
 
 def _told_joints(run: Run, robot: Robot) -> list[str]:
     """The robot's joints that were recorded; some drivers tell NaN for optional ones."""
+    told: NDArray[np.bool_] = np.isfinite(run.joints.position).any(axis=0)
     return [
         name
-        for name, told in zip(
-            run.joints.names, np.isfinite(run.joints.position).any(axis=0), strict=True
-        )
-        if name in robot.joint_names and (told or name not in robot.optional)
+        for name, is_told in zip(run.joints.names, told.tolist(), strict=True)
+        if name in robot.joint_names and (is_told or name not in robot.optional)
     ]

@@ -18,8 +18,6 @@ GAIN_RATIO = 5.0
 WARN_STDS, FAIL_STDS = 4.0, 12.0
 """Residual MAE, in the settings' standard deviations."""
 SATURATED_SHARE = 0.01
-SUPPORT_DRIFT_M = 0.004
-"""A foot that moves further within a run has slipped (or a joint is badly off)."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +53,9 @@ def check_readings(shoe: Shoe, stances: Sequence[Stance]) -> list[Finding]:
         span = channel.highest - channel.lowest
         if np.ptp(values) < 1e-6 * span:
             findings.append(
-                Finding("FAIL", f"{channel.name} never changes: check its wiring, then record again")
+                Finding(
+                    "FAIL", f"{channel.name} never changes: check its wiring, then record again"
+                )
             )
         ends = (values <= channel.lowest + 1e-6 * span) | (values >= channel.highest - 1e-6 * span)
         if ends.mean() > SATURATED_SHARE:
@@ -69,9 +69,7 @@ def check_readings(shoe: Shoe, stances: Sequence[Stance]) -> list[Finding]:
     return findings
 
 
-def check_gains(
-    shoe: Shoe, guess: InitialGuess, parameters: ChannelParameters
-) -> list[Finding]:
+def check_gains(shoe: Shoe, guess: InitialGuess, parameters: ChannelParameters) -> list[Finding]:
     """Gains of the wrong sign or of a size unlike the others'."""
     findings = []
     for torque in (False, True):

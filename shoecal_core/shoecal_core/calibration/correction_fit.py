@@ -1,4 +1,4 @@
-"""Fitting the CoP correction of each foot inside the combined CoP (paper, section V).
+"""Fitting the CoP correction of each foot inside the combined CoP (paper, eqs. 19 and 20).
 
 The corrected combined CoP is the mean of both feet's corrected CoPs, weighed by their forces.
 Each foot's correction is linear in its parameters, so this is one damped linear least squares.
@@ -44,9 +44,7 @@ class _Piece:
         force = wrenches[keep, :, 0]
         share = force / force.sum(axis=1, keepdims=True)
         rotations = (np.eye(2), stance.support.rotation)
-        places = np.stack(
-            (self.raw[:, 0], stance.support.right_to_left(self.raw[:, 1])), axis=1
-        )
+        places = np.stack((self.raw[:, 0], stance.support.right_to_left(self.raw[:, 1])), axis=1)
         measured = (share[:, :, None] * places).sum(axis=1)
         reference = stance.cop[keep] + time_offset * stance.cop_rate[keep]
         self.error = reference - measured

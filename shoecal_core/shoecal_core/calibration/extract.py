@@ -35,9 +35,7 @@ def stances_of(run: Run, shoe: Shoe, kinematics: Kinematics) -> list[Stance]:
     return walking_stances(run.info.run, aligned, world, shoe, kinematics.robot.mass)
 
 
-def double_support_stance(
-    run: Run, aligned: Aligned, shoe: Shoe, kinematics: Kinematics
-) -> Stance:
+def double_support_stance(run: Run, aligned: Aligned, shoe: Shoe, kinematics: Kinematics) -> Stance:
     """The one stance of a quasi-static run in double support.
 
     Raises:

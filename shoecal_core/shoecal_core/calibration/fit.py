@@ -1,4 +1,4 @@
-"""Self-calibration as one computation: stances in, calibrated parameters out (paper, V)."""
+"""Self-calibration as one computation: stances in, calibrated parameters out (paper, VI)."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def self_calibrate(
 def fit_parameters(
     shoe: Shoe, stances: Sequence[Stance], guess: InitialGuess, settings: CalibrationSettings
 ) -> Fit:
-    """Nonlinear least squares over all gains, offsets and the time offset (paper, eq. 14)."""
+    """Nonlinear least squares over all gains, offsets and the time offset (paper, eq. 18)."""
     weights = Weights(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
     return minimise(
         lambda vector: normal_equations(vector, stances, shoe, weights),

@@ -1,6 +1,6 @@
-"""The first guess of gains and offsets: one law for all channels of a kind (paper, eq. 13).
+"""The first guess of gains and offsets: one law for all channels of a kind.
 
-The CoP rows are c G = sum (c0 S_i + d0) t_i, about the left sole's origin; the weight row is
+Paper, eqs. 16 and 17. The CoP rows are c G = sum (c0 S_i + d0) t_i, about the left sole's origin; the weight row is
 G = sum (c0 S_i + d0). Channels wired with opposite signs enter with their polarity.
 """
 
@@ -37,9 +37,7 @@ class InitialGuess:
     offset: float
 
 
-def initial_guess(
-    shoe: Shoe, stances: Sequence[Stance], *, weight_row: bool
-) -> InitialGuess:
+def initial_guess(shoe: Shoe, stances: Sequence[Stance], *, weight_row: bool) -> InitialGuess:
     """Least squares over all samples of all stances.
 
     Args:
@@ -107,8 +105,6 @@ def _polarity(stances: Sequence[Stance]) -> NDArray[np.int64]:
     size[size == 0.0] = 1.0
     scaled = matrix / size
     ridge = 1e-4
-    solution = np.linalg.solve(
-        scaled.T @ scaled + ridge * np.eye(len(size)), scaled.T @ target
-    )
+    solution = np.linalg.solve(scaled.T @ scaled + ridge * np.eye(len(size)), scaled.T @ target)
     gains = (solution / size)[: len(size) // 2]
     return np.where(gains < 0.0, -1, 1)

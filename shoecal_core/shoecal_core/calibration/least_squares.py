@@ -40,6 +40,7 @@ class Fit:
         gradient_norm: largest derivative of the cost, in units of each parameter's std:
             zero at a minimum.
         covariance: (p, p) of the parameters, if the stated standard deviations hold.
+        information: (p, p) Fisher information of the data alone.
         singular_values: (p',) of the data's whitened Jacobian over the free parameters, falling:
             above 1 the data say more than the prior.
         directions: (p', p) the parameter directions that belong to them.
@@ -51,6 +52,7 @@ class Fit:
     initial_cost: float
     gradient_norm: float
     covariance: FloatArray
+    information: FloatArray
     singular_values: FloatArray
     directions: FloatArray
     iterations: int
@@ -78,22 +80,28 @@ def minimise(
     free = prior.std > 0.0
     scale = prior.std[free]
 
-    def whole(z: FloatArray) -> tuple[float, FloatArray, FloatArray, FloatArray]:
+    def whole(z: FloatArray) -> tuple[float, FloatArray, FloatArray, FloatArray, FloatArray]:
         vector = prior.mean.copy()
         vector[free] += scale * z
         normal = evaluate(vector)
         data = normal.hessian[np.ix_(free, free)] * np.outer(scale, scale)
         gradient = normal.gradient[free] * scale + z
-        return normal.cost + float(z @ z), gradient, data, vector
+        return normal.cost + float(z @ z), gradient, data, vector, normal.hessian
 
     z = np.zeros(int(free.sum()))
-    cost, gradient, data, vector = whole(z)
+    cost, gradient, data, vector, information = whole(z)
     initial_cost = cost
-    for iteration in range(1, max_iterations + 1):
+    iterations = 0
+    while True:
         step = -np.linalg.solve(data + np.eye(len(z)), gradient)
         promised = -float(gradient @ step)
         if promised <= tolerance * (1.0 + cost):
             break
+        if iterations == max_iterations:
+            raise ShoecalError(
+                f"the least squares did not settle within {max_iterations} iterations; "
+                "raise 'max_iterations' or check the recording"
+            )
         length = 1.0
         while True:
             attempt = whole(z + length * step)
@@ -106,12 +114,8 @@ def minimise(
                     "the model at all; check the shoe file's cell positions and polarities"
                 )
         z = z + length * step
-        cost, gradient, data, vector = attempt
-    else:
-        raise ShoecalError(
-            f"the least squares did not settle within {max_iterations} iterations; "
-            "raise 'max_iterations' or check the recording"
-        )
+        cost, gradient, data, vector, information = attempt
+        iterations += 1
     values, vectors = np.linalg.eigh(data)
     order = np.argsort(values)[::-1]
     directions = np.zeros((len(z), len(free)))
@@ -124,7 +128,8 @@ def minimise(
         initial_cost=initial_cost,
         gradient_norm=float(np.abs(gradient).max(initial=0.0)),
         covariance=covariance,
+        information=information,
         singular_values=np.sqrt(np.clip(values[order], 0.0, None)),
         directions=directions,
-        iterations=iteration - 1,
+        iterations=iterations,
     )

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.checks import (
@@ -27,12 +28,13 @@ from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
-from shoecal_core.planning.observability import best_rank
+from shoecal_core.planning.observability import best_rank, uncertainties
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
 
+FloatArray = NDArray[np.float64]
 DISTINCT_SUPPORTS = 2
 """Gains and offsets of two feet cannot be told apart in fewer double supports."""
 
@@ -127,7 +129,9 @@ def split_runs(
             raise FileError(session.folder, f"has no run {run} (it has: {listed})")
     both = sorted(set(train) & set(test))
     if both:
-        raise ShoecalError(f"run(s) {both} are in both --train and --test; a test run is not fitted")
+        raise ShoecalError(
+            f"run(s) {both} are in both --train and --test; a test run is not fitted"
+        )
     return tuple(train), tuple(test)
 
 
@@ -140,7 +144,7 @@ def calibrate_session(
     source: str = "self",
     made_ns: int = 0,
 ) -> Outcome:
-    """Self-calibration from a recording (paper, section V).
+    """Self-calibration from a recording (paper, section VI).
 
     Args:
         session: recorded.
@@ -184,9 +188,7 @@ def _require_supports(session: Session, stances: Sequence[Stance]) -> None:
     double = [stance for stance in stances if all(stance.loaded)]
     if len(double) < len(stances):
         return
-    distinct = {
-        tuple(np.round((s.support.dx, s.support.dy, s.support.dtheta), 2)) for s in double
-    }
+    distinct = {tuple(np.round((s.support.dx, s.support.dy, s.support.dtheta), 2)) for s in double}
     if len(distinct) < DISTINCT_SUPPORTS:
         raise FileError(
             session.folder,
@@ -213,11 +215,20 @@ def _verdict(
     for name, error in modelled.items():
         findings += check_residuals(name, error.grf.mean, error.cop.mean, settings)
     if all(all(stance.loaded) for stance in training):
-        # The time offset is one more direction that moving data fix.
-        moving = settings.time_offset_std_s > 0.0
-        possible = best_rank(data.robot, data.shoe, len(data.stances), PlannerSettings())
-        findings += check_rank(stages.fit.rank, possible + int(moving))
+        supports = len({stance.run for stance in training})
+        possible = best_rank(data.robot, data.shoe, supports, PlannerSettings())
+        spread = uncertainties(_relative_information(data, stages))
+        findings += check_rank(int(np.sum(spread < settings.fixed_below)), possible)
     return judge(findings)
+
+
+def _relative_information(data: SessionData, stages: SelfCalibration) -> FloatArray:
+    """The data's information in the forecast's units: gains to one, offsets to the even share."""
+    count = len(data.shoe.names)
+    share = np.full(count, data.robot.weight / count)
+    scale = np.concatenate((stages.parameters.gain, share))
+    relative: FloatArray = stages.fit.information[: 2 * count, : 2 * count] * np.outer(scale, scale)
+    return relative
 
 
 def _calibration(

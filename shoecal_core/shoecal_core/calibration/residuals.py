@@ -1,4 +1,4 @@
-"""Residuals of measured GRF and CoP against the model, and their derivatives (paper, eq. 14).
+"""Residuals of measured GRF and CoP against the model, and their derivatives (paper, eq. 18).
 
 The parameter vector, in this order everywhere: n gains, n offsets, the time offset.
 A sample's residuals are
@@ -110,18 +110,18 @@ def residuals(
 
 
 def hanging_residuals(
-    vector: FloatArray, stance: Stance, shoe: Shoe, weights: Weights
+    vector: FloatArray, stance: Stance, shoe: Shoe, weights: Weights, weight: float
 ) -> tuple[FloatArray, FloatArray]:
     """Residuals (3T,) and Jacobian of a foot in the air: its wrench is zero.
 
-    A moment counts by the CoP error that it would cause under the robot's weight.
+    A moment counts by the CoP error that it would cause under a force of `weight` [N].
     """
     foot = stance.hanging
     assert foot is not None
     parameters, _ = unpack(vector)
     columns = np.where((shoe.foot == foot)[:, None], shoe.columns, 0.0)
     wrench = parameters.outputs(stance.readings) @ columns + weight_below(shoe)[foot]
-    moment = weights.cop * float(np.mean(stance.force))
+    moment = weights.cop * weight
     scales = np.array([weights.force, moment, moment])
     jacobian = np.concatenate(
         [
@@ -146,10 +146,11 @@ def normal_equations(
     total = zero_normal(len(vector))
     for stance in stances:
         share = weights.of_sample(stance)
+        weight = float(np.mean(stance.force)) if len(stance.force) else 0.0
         for piece in _chunks(stance):
             total += _normal(*residuals(vector, piece, weights), share)
             if piece.hanging is not None:
-                total += _normal(*hanging_residuals(vector, piece, shoe, weights), share)
+                total += _normal(*hanging_residuals(vector, piece, shoe, weights, weight), share)
     return total
 
 

@@ -20,9 +20,7 @@ class CalibrationSettings(Settings):
     cop_std_m: float = setting(
         0.0025, "m", "how far the modelled CoP is off the true CoP", minimum=1e-9
     )
-    correlation_s: float = setting(
-        2.0, "s", "for how long those errors stay alike", minimum=1e-3
-    )
+    correlation_s: float = setting(2.0, "s", "for how long those errors stay alike", minimum=1e-3)
     gain_std: float = setting(
         0.4, "1", "how far gains are off their initial guess, as a share of it", minimum=1e-6
     )
@@ -38,7 +36,12 @@ class CalibrationSettings(Settings):
     correction_std_m: float = setting(
         0.001, "m", "size of one typical term of the CoP correction", minimum=0.0
     )
-    minimum_force_n: float = setting(
-        2.0, "N", "a foot that carries less has no CoP", minimum=0.0
+    minimum_force_n: float = setting(2.0, "N", "a foot that carries less has no CoP", minimum=0.0)
+    fixed_below: float = setting(
+        1.0,
+        "1",
+        "a direction counts as fixed by the data when its uncertainty is below this share of the "
+        "gains, and of each channel's even share of the weight",
+        minimum=1e-6,
     )
     max_iterations: int = setting(50, "1", "of the least squares", minimum=1)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.errors import ShapeError
+from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import at_cop, columns_in_left, combined, weight_below
@@ -64,6 +64,8 @@ class Stance:
         ):
             if array.shape != shape:
                 raise ShapeError(name, str(shape), array.shape)
+            if not np.isfinite(array).all():
+                raise ShoecalError(f"run {self.run}: {name} holds a number that is not finite")
 
     @property
     def duration(self) -> float:
@@ -114,6 +116,4 @@ def make_stance(
         columns = np.where((shoe.foot == foot)[:, None], shoe.columns, 0.0)
         base = weight_below(shoe)[foot]
     rate = np.gradient(cop, time, axis=0) if len(time) > 1 else np.zeros_like(cop)
-    return Stance(
-        run, loaded, support, time, readings, force, cop, rate, columns, np.asarray(base)
-    )
+    return Stance(run, loaded, support, time, readings, force, cop, rate, columns, np.asarray(base))

@@ -80,8 +80,7 @@ def in_world(aligned: Aligned, base: PoseSamples) -> World:
     states = aligned.states
     right_rotation = states.left_rotation @ states.rotation
     right = (
-        np.einsum("tij,tj->ti", states.left_rotation, states.translation)
-        + states.left_translation
+        np.einsum("tij,tj->ti", states.left_rotation, states.translation) + states.left_translation
     )
     soles = np.stack((states.left_translation, right), axis=1)
     sole = np.einsum("tij,tfj->tfi", rotation, soles) + position[:, None]
@@ -107,8 +106,10 @@ def walking_stances(
         here = np.ones(len(aligned.time), dtype=bool)
         for foot in (0, 1):
             here &= stands[:, foot] if loaded[foot] else hangs[:, foot]
-        for part in _stretches(here, aligned.time):
-            stances.append(_stance(run, aligned, world, shoe, mass, loaded, part))
+        stances += [
+            _stance(run, aligned, world, shoe, mass, loaded, part)
+            for part in _stretches(here, aligned.time)
+        ]
     if not stances:
         raise ShoecalError(
             f"run {run}: no stance was found in which a flat, still foot carries load; "
