@@ -78,3 +78,8 @@ class Contour:
         midpoints = self.midpoints
         side = int(np.argmin(np.linalg.norm(midpoints - cop, axis=1)))
         return np.vstack([midpoints[side], np.roll(self.corners, -(side + 1), axis=0)])
+
+    def reversed_targets(self, cop: FloatArray) -> FloatArray:
+        """As `targets`, clockwise: beginning with the start of that side."""
+        forward = self.targets(cop)
+        return np.vstack([forward[:1], forward[:0:-1]])

@@ -15,6 +15,7 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.model.symbolic import SymbolicKinematics
 from shoecal_core.planning.capsules import segment_distance_squared
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.torques import holding_torques
 from shoecal_core.settings import SettingError
 
 FloatArray = NDArray[np.float64]
@@ -74,6 +75,7 @@ class LegExpressions:
         foot_pose: (12, 1) symbol of a pose between the feet, as FootPose.parameters.
         foot_error: (6, 1) how far the right sole is from that pose: way [m], turn [rad].
         distances: (p, 1) of the robot's collision pairs [m].
+        torques: (k, 1) of the leg motors, to hold the posture [N m].
         lean: (2, 1) direction of the torso's upward axis along the floor; zero when upright.
     """
 
@@ -94,6 +96,7 @@ class LegExpressions:
         )  # fmt: skip
         self.lean = left.rotation.T[:2, 2]
         self.distances = _distances(robot, body)
+        self.torques = holding_torques(robot, body, self.foot_pose, self.cop)
 
 
 class Legs:

@@ -19,11 +19,12 @@ _OPTIONS: dict[str, bool | int | float | str] = {
     "print_time": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
-    "ipopt.max_iter": 100,
+    "ipopt.max_iter": 45,
     "ipopt.tol": 1e-9,
+    "ipopt.mu_init": 1e-2,
 }
 _RESIDUAL = 1e-7
-"""m, rad; a posture that misses its feet or its CoP by more than this is none."""
+"""m, rad, N m; a posture that violates its constraints by more than this is none."""
 
 
 class UnreachableError(ShoecalError):
@@ -31,16 +32,19 @@ class UnreachableError(ShoecalError):
 
     Attributes:
         support: the one asked for.
-        miss: what is left of its constraints at the nearest posture [m, rad].
+        miss: what is left between feet or CoP and where they should be [m, rad].
+        overload: torque of a motor beyond its share [N m].
     """
 
-    def __init__(self, robot: str, support: DoubleSupport, miss: float) -> None:
+    def __init__(self, robot: str, support: DoubleSupport, miss: float, overload: float) -> None:
         self.support = support
         self.miss = miss
+        self.overload = overload
         super().__init__(
             f"robot '{robot}' cannot stand with the right foot at dx {support.dx:g} m, "
-            f"dy {support.dy:g} m, dtheta {support.dtheta:g} rad (misses by {miss:.2g}); choose "
-            "feet nearer to the neutral stance or lower joint_margin, stance_margin or knee_margin"
+            f"dy {support.dy:g} m, dtheta {support.dtheta:g} rad (misses by {miss:.2g} m or rad, "
+            f"torque too large by {max(0.0, overload):.2g} N m); choose feet nearer to the neutral "
+            "stance, or change joint_margin, stance_margin, knee_margin or torque_share"
         )
 
 
@@ -50,17 +54,19 @@ class StanceSolver:
     def __init__(self, legs: Legs, settings: PlannerSettings) -> None:
         self._legs = legs
         self._lower, self._upper = legs.bounds(settings, settings.stance_margin)
-        terms = LegExpressions(legs.robot)
+        robot = legs.robot
+        self._torque = robot.effort_limit[robot.legs] * settings.torque_share
+        terms = LegExpressions(robot)
         target = ca.SX.sym("target", 2)
         cost = ca.sumsqr(terms.angles - legs.nominal)
         cost += settings.upright_weight * ca.sumsqr(terms.lean)
         parameters = ca.vertcat(terms.foot_pose, target, terms.others)
-        constraints = ca.vertcat(terms.foot_error, terms.cop - target)
+        constraints = ca.vertcat(terms.torques, terms.foot_error, terms.cop - target)
         problem = {"x": terms.angles, "p": parameters, "f": cost, "g": constraints}
         self._solver = ca.nlpsol("stance", "ipopt", problem, _OPTIONS)
 
     def solve(self, support: DoubleSupport, cop_target: FloatArray | None = None) -> FloatArray:
-        """Leg angles (k,) [rad] with both feet flat, the torso upright, the knees bent.
+        """Leg angles (k,) [rad]: both feet flat, torso upright, knees bent, motors not strained.
 
         The posture is the one nearest to the robot's own; the other joints stand as there.
 
@@ -80,14 +86,16 @@ class StanceSolver:
             p=np.concatenate([FootPose.of(support).parameters, target, robot.posture]),
             lbx=self._lower,
             ubx=self._upper,
-            lbg=0.0,
-            ubg=0.0,
+            lbg=np.concatenate([-self._torque, np.zeros(8)]),
+            ubg=np.concatenate([self._torque, np.zeros(8)]),
         )
         # IPOPT relaxes bounds by rounding; inside is inside.
         angles: FloatArray = np.clip(np.array(result["x"]).ravel(), self._lower, self._upper)
-        miss = float(np.abs(np.array(result["g"])).max())
-        if not miss < _RESIDUAL:
-            raise UnreachableError(robot.name, support, miss)
+        values = np.array(result["g"]).ravel()
+        miss = float(np.abs(values[-8:]).max())
+        overload = float((np.abs(values[:-8]) - self._torque).max())
+        if not max(miss, overload) < _RESIDUAL:
+            raise UnreachableError(robot.name, support, miss, overload)
         return angles
 
 

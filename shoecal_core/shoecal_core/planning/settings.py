@@ -27,11 +27,18 @@ class PlannerSettings(Settings):
     foot_clearance: float = setting(
         0.006, "m", "least gap between the outlines of the two feet", minimum=0.0
     )
-    support_candidates: int = setting(
-        8, "", "draws from which the double support farthest from those kept is taken", minimum=1
+    support_pool: int = setting(
+        16, "", "double supports that pass all checks, from which the sets are drawn", minimum=1
     )
+    support_candidates: int = setting(
+        6, "", "draws from which the double support farthest from those kept is taken", minimum=1
+    )
+    landmarks_in_reach: int = setting(
+        3, "", "landmarks (of four) above which the robot must be able to stand", minimum=0,
+        maximum=4,
+    )  # fmt: skip
     support_redraws: int = setting(
-        20, "", "sets drawn before the range is said to hold no observable one", minimum=1
+        100, "", "sets drawn from a pool before more double supports are looked for", minimum=1
     )
     training_supports: int = setting(
         3, "", "fewer double supports are not asked to fix every observable direction", minimum=1
@@ -65,8 +72,12 @@ class PlannerSettings(Settings):
         0.25, "rad", "least bend of a knee: near straight the feet can hardly be kept", minimum=0.0
     )
     stance_margin: float = setting(
-        0.05, "rad", "distance kept from the limits when standing, beyond that while moving",
+        0.02, "rad", "distance kept from the limits when standing, beyond that while moving",
         minimum=0.0,
+    )  # fmt: skip
+    torque_share: float = setting(
+        0.8, "", "part of a motor's torque limit that holding a posture may need",
+        minimum=0.01, maximum=1.0,
     )  # fmt: skip
     upright_weight: float = setting(
         5.0, "", "weight of an upright torso against joint angles near the nominal ones",
@@ -125,15 +136,27 @@ class PlannerSettings(Settings):
     # Timing of a motion
     hold_time: float = setting(1.5, "s", "standing still before and after a motion", minimum=0.0)
     sample_rate: float = setting(50.0, "Hz", "points of a joint trajectory a second", minimum=1.0)
+    joint_acceleration: float = setting(
+        0.5, "rad/s^2", "largest acceleration of a leg joint", minimum=1e-3
+    )
     com_speed: float = setting(0.014, "m/s", "largest speed of the CoM", minimum=1e-4)
     dynamic_cop_error: float = setting(
         0.0004, "m", "largest shift of the CoP that the CoM's acceleration causes", minimum=1e-6
     )
+    margin_kept: float = setting(
+        0.8, "", "part of each margin that is left between planned states, where they are joined",
+        minimum=0.0, maximum=1.0,
+    )  # fmt: skip
     foot_drift: float = setting(
         0.0001, "m, rad", "largest change of the pose between the feet that a check lets pass",
         minimum=1e-6,
     )  # fmt: skip
-    torque_share: float = setting(
-        1.0, "", "part of a motor's torque limit that holding a posture may need",
-        minimum=0.01, maximum=1.0,
+
+    # A start that is measured
+    sole_height: float = setting(
+        0.015, "m", "largest difference of height between the soles of a standing robot",
+        minimum=0.0,
     )  # fmt: skip
+    sole_tilt: float = setting(
+        0.1, "rad", "largest tilt between the soles of a standing robot", minimum=0.0
+    )

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
+from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.legs import Legs
 from shoecal_core.planning.observability import best_rank, information, rank
 from shoecal_core.planning.posture import StanceSolver, UnreachableError
@@ -19,6 +20,9 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.sensing.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
+
+_POOLS = 3
+"""How often the pool of double supports is enlarged before the range is given up."""
 
 
 class SupportRangeError(ShoecalError):
@@ -72,7 +76,8 @@ def support_grid(robot: Robot) -> FloatArray:
         low + step * np.arange(np.floor((high - low) / step + 1e-9) + 1)
         for low, high, step in zip(span.lower, span.upper, span.step, strict=True)
     ]
-    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    # Rounded, so that 0.1 + 0.1 + 0.1 is written as 0.3.
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3).round(9)
 
 
 def draw_supports(
@@ -81,10 +86,10 @@ def draw_supports(
     """Draw `count` double supports, the same ones for the same seed.
 
     Each is a point of the robot's discretised range where the feet do not collide, are far
-    enough apart (paper's distance d) and the robot can stand. Each is the one of a few draws
-    that is farthest from those kept before. Whichever `test_supports` of them are left out,
-    the others fix every direction of gains and offsets that as many can fix; sets that do not
-    are drawn again. (Fewer than `training_supports` are taken as they come.)
+    enough apart (paper's distance d) and the robot can stand, above most landmarks too. Each is
+    the one of a few draws that is farthest from those kept before. Whichever `test_supports` of
+    them are left out, the others fix every direction of gains and offsets that as many can fix;
+    sets that do not are drawn again. (Fewer than `training_supports` are taken as they come.)
 
     Raises:
         SupportRangeError: when the range holds fewer than `count`.
@@ -93,74 +98,81 @@ def draw_supports(
     if count < 1:
         raise SupportRangeError(f"{count} double supports asked for; ask for at least one")
     generator = np.random.default_rng(seed)
-    sampler = _Sampler(robot, settings, generator)
+    usable = _usable(robot, settings, generator)
+    pool = list(itertools.islice(usable, max(count, settings.support_pool)))
+    if len(pool) < count:
+        raise SupportRangeError(
+            f"robot '{robot.name}': {len(pool)} of {count} double supports found where the feet "
+            "neither collide nor are out of reach; widen support_range, or lower distance_min, "
+            "foot_clearance, stance_margin or landmarks_in_reach"
+        )
     if count < settings.training_supports:
-        return sampler.spread(count)
+        return _spread(pool, count, settings, generator)
     trained = max(settings.training_supports, count - settings.test_supports)
     possible = best_rank(robot, shoe, trained, settings)
     found = 0
-    for _ in range(settings.support_redraws):
-        supports = sampler.spread(count)
-        parts = [information(robot, shoe, support, settings) for support in supports]
-        weakest = min(
-            rank(np.sum(chosen, axis=0), settings)
-            for chosen in itertools.combinations(parts, trained)
-        )
-        if weakest >= possible:
-            return supports
-        found = max(found, weakest)
+    for _ in range(_POOLS):
+        parts = {support: information(robot, shoe, support, settings) for support in pool}
+        for _ in range(settings.support_redraws):
+            supports = _spread(pool, count, settings, generator)
+            weakest = min(
+                rank(np.sum([parts[support] for support in chosen], axis=0), settings)
+                for chosen in itertools.combinations(supports, trained)
+            )
+            if weakest >= possible:
+                return supports
+            found = max(found, weakest)
+        pool += itertools.islice(usable, settings.support_pool)
     raise UnobservableError(robot.name, found, possible, 2 * len(shoe.channels))
 
 
-class _Sampler:
-    """Draws from the points of the range that pass all checks, found as they are needed."""
+def _usable(
+    robot: Robot, settings: PlannerSettings, generator: np.random.Generator
+) -> Iterator[DoubleSupport]:
+    """The double supports that pass all checks which concern one alone, in random order."""
+    grid = generator.permutation(support_grid(robot))
+    grid = grid[feet_distance(grid[:, :2], grid[:, 2], settings) > settings.distance_min]
+    stance = StanceSolver(Legs(robot), settings)
+    for point in grid:
+        support = DoubleSupport(*(float(value) for value in point))
+        clear = feet_gap(robot, support) >= settings.foot_clearance
+        if clear and _reachable(robot, support, stance, settings):
+            yield support
 
-    def __init__(
-        self, robot: Robot, settings: PlannerSettings, generator: np.random.Generator
-    ) -> None:
-        self._robot = robot
-        self._settings = settings
-        self._generator = generator
-        grid = support_grid(robot)
-        self._grid = grid[feet_distance(grid[:, :2], grid[:, 2], settings) > settings.distance_min]
-        self._stance = StanceSolver(Legs(robot), settings)
-        self._usable: dict[int, bool] = {}
 
-    def spread(self, count: int) -> list[DoubleSupport]:
-        """`count` different points, each chosen far from those before."""
-        kept: list[int] = []
-        for _ in range(count):
-            fresh = (index for index in self._shuffled() if index not in kept)
-            drawn = list(itertools.islice(fresh, self._settings.support_candidates))
-            if not drawn:
-                raise SupportRangeError(
-                    f"robot '{self._robot.name}': {len(kept)} of {count} double supports found "
-                    "where the feet neither collide nor are out of reach; widen support_range, "
-                    "or lower distance_min, foot_clearance or stance_margin"
-                )
-            kept.append(max(drawn, key=lambda index: self._isolation(index, kept)))
-        return [DoubleSupport(*(float(value) for value in self._grid[index])) for index in kept]
+def _reachable(
+    robot: Robot, support: DoubleSupport, stance: StanceSolver, settings: PlannerSettings
+) -> bool:
+    if not _stands(stance, support, None):
+        return False
+    landmarks = Contour.of(robot, support).corners
+    # As soon as too many are out of reach, the others need no look.
+    spare = len(landmarks) - settings.landmarks_in_reach
+    failed = (landmark for landmark in landmarks if not _stands(stance, support, landmark))
+    return len(list(itertools.islice(failed, spare + 1))) <= spare
 
-    def _shuffled(self) -> Iterator[int]:
-        order = self._generator.permutation(len(self._grid))
-        return (int(index) for index in order if self._is_usable(int(index)))
 
-    def _isolation(self, index: int, kept: list[int]) -> float:
-        if not kept:
-            return 0.0
-        difference = self._grid[kept] - self._grid[index]
-        return float(feet_distance(difference[:, :2], difference[:, 2], self._settings).min())
+def _stands(stance: StanceSolver, support: DoubleSupport, cop: FloatArray | None) -> bool:
+    try:
+        stance.solve(support, cop)
+    except UnreachableError:
+        return False
+    return True
 
-    def _is_usable(self, index: int) -> bool:
-        if index not in self._usable:
-            support = DoubleSupport(*(float(value) for value in self._grid[index]))
-            clear = feet_gap(self._robot, support) >= self._settings.foot_clearance
-            self._usable[index] = clear and self._reachable(support)
-        return self._usable[index]
 
-    def _reachable(self, support: DoubleSupport) -> bool:
-        try:
-            self._stance.solve(support)
-        except UnreachableError:
-            return False
-        return True
+def _spread(
+    pool: list[DoubleSupport],
+    count: int,
+    settings: PlannerSettings,
+    generator: np.random.Generator,
+) -> list[DoubleSupport]:
+    """`count` of the pool, each the one of a few draws that is farthest from those before."""
+    places = np.array([(support.dx, support.dy, support.dtheta) for support in pool])
+    kept: list[int] = []
+    for _ in range(count):
+        left = np.setdiff1d(np.arange(len(pool)), kept)
+        drawn = generator.permutation(left)[: settings.support_candidates]
+        apart = places[drawn, None] - places[kept]
+        distances = feet_distance(apart[..., :2], apart[..., 2], settings)
+        kept.append(int(drawn[np.argmax(distances.min(axis=1, initial=np.inf))]))
+    return [pool[index] for index in kept]

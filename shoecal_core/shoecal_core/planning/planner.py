@@ -1,0 +1,178 @@
+"""The one entry point: a support or measured joint angles in, a checked motion out."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from shoecal_core.errors import NameNotFoundError, ShapeError
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.robot import Robot
+from shoecal_core.planning.check import check_motion
+from shoecal_core.planning.collocation import Collocation, Scene, Solver
+from shoecal_core.planning.ipopt import IpoptSolver
+from shoecal_core.planning.landmarks import Contour, sensing_hull
+from shoecal_core.planning.legs import FootPose, Legs
+from shoecal_core.planning.motion import Motion, timed
+from shoecal_core.planning.posture import StanceSolver
+from shoecal_core.planning.rolling import PlanningError, Progress, RollingHorizon
+from shoecal_core.planning.settings import PlannerSettings
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class MotionKind:
+    """An entry of the menu.
+
+    Attributes:
+        doc: what it is, for people.
+        targets: where the CoP goes, (L, 2) in the left sole's frame [m], from the contour and
+            the initial CoP (2,).
+        pace: factor on all speeds.
+    """
+
+    doc: str
+    targets: Callable[[Contour, FloatArray], FloatArray]
+    pace: float = 1.0
+
+
+MENU: Mapping[str, MotionKind] = {
+    "landmarks": MotionKind("landmark to landmark, counter-clockwise", Contour.targets),
+    "reversed": MotionKind("landmark to landmark, clockwise", Contour.reversed_targets),
+    "faster": MotionKind("landmark to landmark at twice the speed", Contour.targets, pace=2.0),
+}
+
+
+class StartError(PlanningError):
+    """A robot that does not stand as a motion must begin."""
+
+
+class Planner:
+    """Plans motions of one robot; holding one means that its problem has been compiled.
+
+    Attributes:
+        legs: what moves.
+        settings: of planning.
+        horizon: of the rolling optimisation, for planning while the robot moves.
+    """
+
+    def __init__(self, robot: Robot, settings: PlannerSettings) -> None:
+        self.legs = Legs(robot)
+        self.settings = settings
+        collocation = Collocation(self.legs, settings)
+        self.horizon = RollingHorizon(collocation, _solvers(collocation))
+        self._stance = StanceSolver(self.legs, settings)
+
+    def stance(self, support: DoubleSupport) -> FloatArray:
+        """(m,) all joint angles of standing in a double support [rad]; see StanceSolver."""
+        return self.legs.robot.from_legs(self._stance.solve(support))
+
+    def plan(
+        self,
+        support: DoubleSupport,
+        motion: str = "landmarks",
+        *,
+        progress: Callable[[Progress], None] = lambda _: None,
+        canceled: Callable[[], bool] = lambda: False,
+    ) -> Motion:
+        """A checked motion that begins at the stance of a double support.
+
+        Raises:
+            UnreachableError: when the robot cannot stand there.
+            PlanningError, PlanningCanceledError, CheckFailedError: when there is no motion.
+            NameNotFoundError: for a motion that is not on the menu.
+        """
+        return self.plan_from(self.stance(support), motion, progress=progress, canceled=canceled)
+
+    def plan_from(
+        self,
+        joint_angles: FloatArray,
+        motion: str = "landmarks",
+        *,
+        progress: Callable[[Progress], None] = lambda _: None,
+        canceled: Callable[[], bool] = lambda: False,
+    ) -> Motion:
+        """A checked motion from measured joint angles (m,) [rad].
+
+        The feet stay where these angles say they are. A start a little outside the margins is
+        led back inside gently.
+
+        Raises:
+            StartError: when the robot does not stand on both feet, or leans too far.
+            Else as `plan`.
+        """
+        if motion not in MENU:
+            raise NameNotFoundError("motion", motion, tuple(MENU))
+        kind = MENU[motion]
+        robot, settings = self.legs.robot, self.settings
+        if joint_angles.shape != robot.posture.shape:
+            raise ShapeError("joint angles", f"({len(robot.posture)},)", joint_angles.shape)
+        foot_pose = self._standing_on(joint_angles)
+        scene = Scene.of(
+            sensing_hull(robot, foot_pose.support),
+            settings.stability_margin,
+            foot_pose,
+            joint_angles,
+        )
+        cop = self.legs.cop(joint_angles[None])[0]
+        targets = kind.targets(Contour.of(robot, foot_pose.support), cop)
+        path = self.horizon.roll(
+            joint_angles[robot.legs], targets, scene, progress=progress, canceled=canceled
+        )
+        paced = _paced(settings, kind.pace)
+        planned = timed(self.legs, path, motion, foot_pose, joint_angles, paced)
+        check_motion(self.legs, planned, paced).require()
+        return planned
+
+    def _standing_on(self, joint_angles: FloatArray) -> FootPose:
+        robot, settings = self.legs.robot, self.settings
+        if not np.all(np.isfinite(joint_angles)):
+            raise StartError("joint angles that are not finite numbers; wait for all joints")
+        pose = self.legs.foot_pose(joint_angles)
+        height = abs(float(pose.translation[2]))
+        tilt = float(np.arccos(np.clip(pose.rotation[2, 2], -1.0, 1.0)))
+        if height > settings.sole_height or tilt > settings.sole_tilt:
+            raise StartError(
+                f"the soles are {1e3 * height:.1f} mm and {tilt:.3f} rad off one floor; let the "
+                "robot stand on both feet, or check the joint offsets"
+            )
+        cop = self.legs.cop(joint_angles[None])[0]
+        beyond = sensing_hull(robot, pose.support).distance(shapely.Point(cop))
+        if beyond > 0.0:
+            raise StartError(
+                f"the CoM is {1e3 * beyond:.1f} mm outside the sensing polygon of the double "
+                "support; let the robot stand upright first"
+            )
+        return pose
+
+
+def plan_motion(
+    robot: Robot,
+    settings: PlannerSettings,
+    support: DoubleSupport,
+    motion: str = "landmarks",
+) -> Motion:
+    """As Planner.plan, for a single call."""
+    return Planner(robot, settings).plan(support, motion)
+
+
+def _solvers(collocation: Collocation) -> list[Solver]:
+    return [IpoptSolver(collocation)]
+
+
+def _paced(settings: PlannerSettings, pace: float) -> PlannerSettings:
+    """Settings under which a motion takes 1 / pace of the time."""
+    return dataclasses.replace(
+        settings,
+        joint_speed=settings.joint_speed * pace,
+        com_speed=settings.com_speed * pace,
+        joint_acceleration=settings.joint_acceleration * pace**2,
+        dynamic_cop_error=settings.dynamic_cop_error * pace**2,
+        step_time=settings.step_time / pace,
+    )
