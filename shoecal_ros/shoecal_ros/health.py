@@ -1,0 +1,57 @@
+"""How a node fares: one line a subject, told when it changes and repeated at a slow rate."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import IntEnum
+
+
+class Level(IntEnum):
+    """As in diagnostic_msgs/msg/DiagnosticStatus."""
+
+    OK = 0
+    WARN = 1
+    ERROR = 2
+    STALE = 3
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Of one subject.
+
+    Attributes:
+        level: how bad.
+        message: one line; where it is bad, with the cure.
+        values: figures for a person.
+    """
+
+    level: Level
+    message: str
+    values: Mapping[str, str] = field(default_factory=dict)
+
+
+class Health:
+    """The conditions of a node, by subject."""
+
+    def __init__(self) -> None:
+        self._conditions: dict[str, Condition] = {}
+        self._fresh: dict[str, Condition] = {}
+
+    @property
+    def conditions(self) -> Mapping[str, Condition]:
+        """By subject, in the order they were first told."""
+        return self._conditions
+
+    def tell(self, subject: str, level: Level, message: str, **values: object) -> None:
+        """Note how a subject fares; figures alone are no news."""
+        condition = Condition(level, message, {key: str(value) for key, value in values.items()})
+        before = self._conditions.get(subject)
+        self._conditions[subject] = condition
+        if before is None or (before.level, before.message) != (level, message):
+            self._fresh[subject] = condition
+
+    def news(self) -> dict[str, Condition]:
+        """Conditions that have changed since the last call."""
+        fresh, self._fresh = self._fresh, {}
+        return fresh

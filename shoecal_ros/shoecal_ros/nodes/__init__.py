@@ -1,0 +1,1 @@
+"""The nodes: parameters, conversion, a call of the core, publish."""

@@ -1,0 +1,130 @@
+"""Node `planner`: plans whole-body motions, sends them when armed, and watches them done."""
+
+from __future__ import annotations
+
+import sys
+import time
+from typing import Any
+
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.action.server import ServerGoalHandle
+from sensor_msgs.msg import JointState
+from shoecal_msgs.action import Plan
+from std_msgs.msg import Bool
+from std_srvs.srv import SetBool
+from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.simulation.trajectory import JointTrajectory
+from shoecal_ros import planning_work, qos
+from shoecal_ros.actions import finish
+from shoecal_ros.arming import Arming
+from shoecal_ros.conversions import trajectory_to_ros
+from shoecal_ros.health import Level
+from shoecal_ros.joints import JointInput
+from shoecal_ros.plan_job import MovingSettings, PlanJob
+from shoecal_ros.refusal import RefusedError
+from shoecal_ros.robot_files import RobotFiles
+from shoecal_ros.runtime import ShoecalNode, run
+from shoecal_ros.worker import Worker
+
+
+class Planner(ShoecalNode):
+    """One motion at a time; cancelling and disarming always win."""
+
+    def __init__(self) -> None:
+        super().__init__("planner")
+        self.files = self.settings(RobotFiles)
+        self.planning = self.settings(PlannerSettings)
+        self.moving = self.settings(MovingSettings)
+        self.robot = self.files.load_robot()
+        self.joints = JointInput(self.robot, self.moving.stale_s)
+        self.arming = Arming(self.moving.arm_timeout_s, time.monotonic)
+        self.worker = Worker(self.wake)
+        self._compiled = self.worker.do(planning_work.prepare, self.files, self.planning)
+        self._busy = False
+        self._command = self.create_publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+        self._armed = self.create_publisher(Bool, "shoe/armed", qos.LATCHED)
+        self._armed.publish(Bool(data=False))
+        self.subscribe(JointState, "joint_states", self._hear, qos.NEWEST)
+        self.create_service(SetBool, "shoe/arm", self._arm)
+        self._server = ActionServer(
+            self, Plan, "shoe/plan", self._execute,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )  # fmt: skip
+
+    def _hear(self, messages: list[Any]) -> None:
+        self.joints.take(messages)
+
+    def command(self, trajectory: JointTrajectory) -> None:
+        """Send a trajectory to the robot, to be followed from now on."""
+        self._command.publish(trajectory_to_ros(trajectory))
+
+    def watch(self) -> None:
+        """Disarm what nobody uses, and tell how joints and planning fare."""
+        if self._busy:
+            self.arming.use()
+        if self.arming.expire():
+            self._armed.publish(Bool(data=False))
+        problem = self.joints.problem
+        self.health.tell(
+            "joints", Level.ERROR if problem else Level.OK, problem or "joint angles come"
+        )
+        self.health.tell("arming", Level.OK, "armed" if self.arming.armed else "not armed")
+        self._tell_planning()
+        super().watch()
+
+    def close(self) -> None:
+        """End the worker."""
+        self.worker.close()
+
+    def _tell_planning(self) -> None:
+        level, message = Level.OK, "at work" if self._busy else "ready"
+        if not self._compiled.done:
+            message = "compiling the planning problem"
+        else:
+            try:
+                self._compiled.result()
+            except ShoecalError as error:
+                level, message = Level.ERROR, str(error)
+        self.health.tell("planning", level, message)
+
+    def _arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
+        self.arming.set(request.data)
+        self._armed.publish(Bool(data=self.arming.armed))
+        response.success = True
+        response.message = (
+            f"armed; disarms by itself after {self.moving.arm_timeout_s:g} s without use"
+            if self.arming.armed
+            else "disarmed; nothing moves"
+        )
+        return response
+
+    async def _execute(self, goal: ServerGoalHandle) -> Plan.Result:
+        result = Plan.Result()
+        try:
+            if self._busy:
+                raise RefusedError(
+                    Plan.Result.BUSY, "another motion is under way; wait or cancel it"
+                )
+            self._busy = True
+            try:
+                await PlanJob(self, goal, result).run()
+            finally:
+                self._busy = False
+        except RefusedError as refusal:
+            result.error_code, result.message = refusal.code, str(refusal)
+        else:
+            result.success, result.message = True, "done"
+        finish(goal, result, canceled=Plan.Result.CANCELED)
+        return result
+
+
+def main() -> None:
+    """Run the node."""
+    sys.exit(run(Planner))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,161 @@
+"""Node `shoe_driver`: a serial device's frames as stamped voltages."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections import deque
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rclpy.subscription import Subscription
+from shoecal_msgs.msg import ShoeVoltages
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.settings import Settings, setting
+from shoecal_core.workspace import config_dir
+from shoecal_ros import qos
+from shoecal_ros.conversions import VoltageFrame, time_from_ros, voltages_to_ros
+from shoecal_ros.health import Level
+from shoecal_ros.runtime import ShoecalNode, publish_all, run
+from shoecal_ros.serial.config import load_driver_config
+from shoecal_ros.serial.driver import DriverStatus, Reading, open_driver
+
+READ_S = 0.1
+"""Longest wait for bytes: bounds how long closing takes."""
+PATIENCE_S = 1.0
+OWN_STAMPS = 1000
+
+
+@dataclass(frozen=True)
+class ShoeDriverSettings(Settings):
+    """What the driver's node is told; the device itself is described in `config_file`."""
+
+    config_file: str = setting(
+        "", "", "device file; empty: the configuration's nodes/shoe_driver.yaml"
+    )
+    port: str = setting("", "", "serial port; empty: the one in the device file")
+    source: str = setting("", "", "frame_id of what is published; empty: the node's full name")
+
+
+class ShoeDriver(ShoecalNode):
+    """Reads in a thread of its own and publishes from there: a slow reader holds the line up."""
+
+    def __init__(self) -> None:
+        super().__init__("shoe_driver")
+        settings = self.settings(ShoeDriverSettings)
+        file = settings.config_file or config_dir() / "nodes" / "shoe_driver.yaml"
+        config = load_driver_config(Path(file))
+        if settings.port:
+            config = replace(config, port=settings.port)
+        self._source = settings.source or self.get_fully_qualified_name().lstrip("/")
+        self._cells = {channel.cell for channel in config.channels}
+        self._publisher = self.create_publisher(ShoeVoltages, "shoe/voltages", qos.RAW)
+        self._own: deque[int] = deque(maxlen=OWN_STAMPS)
+        self._others: Subscription | None = None
+        self._rival = ""
+        self._trouble = ""
+        self._driver = open_driver(config, lambda: self.now_ns)
+        self._closing = threading.Event()
+        self._thread = threading.Thread(target=self._read, daemon=True)
+        self._thread.start()
+
+    def watch(self) -> None:
+        """Tell how the device fares, and look for others that send the same cells."""
+        status = self._driver.status()
+        problem = self._rival or self._trouble or status.problem
+        if problem:
+            self.health.tell("device", Level.ERROR, problem, **_figures(status))
+        elif not status.source.counts.frames:
+            self.health.tell("device", Level.STALE, f"{status.source.name}: no frame yet")
+        else:
+            self.health.tell(
+                "device",
+                Level.OK,
+                f"reading {status.source.name}",
+                **_figures(status),
+            )
+        self._listen_to_others()
+        super().watch()
+
+    def close(self) -> None:
+        """Stop reading."""
+        self._closing.set()
+        self._driver.close()
+        self._thread.join()
+
+    def _read(self) -> None:
+        while not self._closing.is_set():
+            try:
+                for reading in self._driver.read(READ_S):
+                    self._publish(reading)
+            except ShoecalError as error:
+                # For instance a log whose lines carry no time: nothing more will come.
+                self._trouble = str(error)
+                return
+
+    def _publish(self, reading: Reading) -> None:
+        cells = reading.cells
+        frame = VoltageFrame(
+            stamp_ns=reading.stamp_ns,
+            source=self._source,
+            sequence=reading.sequence,
+            cells=cells.cell,
+            voltage=np.array(cells.voltage),
+            status=np.array(cells.status, dtype=np.uint8),
+            temperature=reading.temperature,
+        )
+        self._own.append(reading.stamp_ns)
+        while not publish_all(self._publisher, voltages_to_ros(frame), PATIENCE_S):
+            # A subscriber that keeps all has stopped taking: wait with it, the line holds up.
+            if self._closing.is_set() or not self.context.ok():
+                return
+
+    def _listen_to_others(self) -> None:
+        """Listen to the own topic only while somebody else publishes there."""
+        alone = self.count_publishers(self._publisher.topic_name) < 2
+        if alone and self._others is not None:
+            self.destroy_subscription(self._others)
+            self._others, self._rival = None, ""
+        elif not alone and self._others is None:
+            self._others = self.subscribe(ShoeVoltages, "shoe/voltages", self._hear, qos.LIVE)
+
+    def _hear(self, messages: list[Any]) -> None:
+        own = set(self._own)
+        for message in messages:
+            common = sorted(self._cells.intersection(message.cell))
+            if common and time_from_ros(message.header.stamp) not in own:
+                self._rival = (
+                    f"cell(s) {', '.join(common)} also come from '{message.header.frame_id}'; "
+                    "stop one driver, or let each send its own cells"
+                )
+
+
+def _figures(status: DriverStatus) -> dict[str, object]:
+    source = status.source
+    figures: dict[str, object] = {
+        "port": source.name,
+        "connected": source.connected,
+        "rate_hz": f"{source.rate:.1f}",
+        "frames": source.counts.frames,
+        "bytes": source.counts.bytes,
+        "skipped_bytes": source.counts.skipped_bytes,
+        "reconnects": source.reconnects,
+        "clock_drift": f"{status.clock_drift:.2e}",
+        "clock_resets": status.clock_resets,
+    }
+    if source.info is not None:
+        figures["firmware"] = source.info.firmware
+    figures |= {fault.value: count for fault, count in source.counts.faults.items()}
+    return figures
+
+
+def main() -> None:
+    """Run the node."""
+    sys.exit(run(ShoeDriver))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,249 @@
+"""Node `simulator`: the simulated robot and its shoes' device, in place of the real ones."""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.action.server import ServerGoalHandle
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from shoecal_msgs.action import ReachSupport
+from std_msgs.msg import Bool
+from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.files import write_yaml
+from shoecal_core.planning.legs import Legs
+from shoecal_core.planning.posture import StanceSolver, UnreachableError
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.recording.info import RunInfo
+from shoecal_core.recording.truth import TruthWriter
+from shoecal_core.settings import Settings, setting
+from shoecal_core.simulation.drawn import draw
+from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.simulation.robot import RobotFellError, SimulatedRobot
+from shoecal_core.workspace import config_dir
+from shoecal_ros import qos
+from shoecal_ros.actions import finish
+from shoecal_ros.conversions import (
+    JointSample,
+    joints_to_ros,
+    support_from_ros,
+    time_to_ros,
+    trajectory_from_ros,
+)
+from shoecal_ros.health import Level
+from shoecal_ros.refusal import RefusedError
+from shoecal_ros.robot_files import RobotFiles
+from shoecal_ros.runtime import ShoecalNode, publish_all, run, until
+from shoecal_ros.serial.device import SimulatedDevice
+from shoecal_ros.serial.frame import Info
+from shoecal_ros.simulated_body import Pacer, Samples, SimulatedBody
+
+TICK_S = 0.02
+PATIENCE_S = 5.0
+FEEDBACK_S = 0.2
+BATCH_S = 0.2
+"""Most simulated time in one go: bounds how late commands are heard."""
+
+
+@dataclass(frozen=True)
+class SimulatorSettings(Settings):
+    """What is simulated, and how fast."""
+
+    reality_file: str = setting("", "", "changes to the default reality; empty: none")
+    seed: int = setting(1, "", "draws robot, cells and noise", minimum=0)
+    speed: float = setting(1.0, "", "simulated over wall-clock time", minimum=0.01, maximum=100.0)
+    rate: float = setting(
+        100.0, "Hz", "samples of joints and cells a simulated second", minimum=1.0, maximum=1000.0
+    )
+    port: str = setting("/tmp/shoecal_shoes", "", "link to the simulated device's serial port")  # noqa: S108
+    truth_file: str = setting("", "", "file that takes the truth of CoP and GRF; empty: none")
+    reach_timeout: float = setting(
+        10.0, "s", "simulated time in which a placed robot must come to rest", minimum=1.0
+    )
+    needs_arming: bool = setting(True, "", "supports are reached only while armed")
+
+
+class Simulator(ShoecalNode):
+    """Owns simulated time; everything it sends carries the time of sampling."""
+
+    def __init__(self) -> None:
+        super().__init__("simulator")
+        files = self.settings(RobotFiles)
+        self._settings = settings = self.settings(SimulatorSettings)
+        self._robot, shoe = files.load_robot(), files.load_shoe()
+        override = Path(settings.reality_file) if settings.reality_file else None
+        reality = load_reality(config_dir() / "realities" / "default.yaml", override)
+        drawn = draw(reality, self._robot, shoe, settings.seed)
+        noise = np.random.default_rng([settings.seed, 1])
+        simulated = SimulatedRobot(self._robot, shoe, drawn, noise)
+        self._body = SimulatedBody(simulated, settings.rate)
+        self._stance = StanceSolver(Legs(self._robot), PlannerSettings())
+        self._truth: TruthWriter | None = None
+        if settings.truth_file:
+            path = Path(settings.truth_file)
+            info = RunInfo(
+                1, "simulation", None, self._robot.name, shoe.name,
+                self._robot.digest, shoe.digest, self._robot.urdf_digest,
+            )  # fmt: skip
+            self._truth = TruthWriter(path, info)
+            write_yaml(path.with_suffix(".yaml"), drawn.record())
+        channels = len(shoe.channels)
+        self._device = SimulatedDevice(
+            Path(settings.port),
+            Info("shoecal simulator", 1, channels, settings.rate),
+            patience_s=PATIENCE_S,
+        )
+        self._sequence = 0
+        self._is_armed = not settings.needs_arming
+        self._reaching = False
+        self._refused = ""
+        self._clock_publisher = self.create_publisher(Clock, "/clock", qos.CLOCK)
+        self._joints = self.create_publisher(JointState, "joint_states", qos.RAW)
+        self.subscribe(JointTrajectoryMsg, "joint_trajectory", self._follow, qos.COMMAND)
+        self.subscribe(Bool, "shoe/armed", self._hear_armed, qos.LATCHED)
+        self._server = ActionServer(
+            self, ReachSupport, "robot/reach_support", self._execute,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )  # fmt: skip
+        most = max(1, round(BATCH_S * settings.rate))
+        self._pacer = Pacer(settings.speed, settings.rate, most, time.monotonic())
+        self.wall_timer(TICK_S, self._tick)
+
+    def watch(self) -> None:
+        """Tell how the simulation fares."""
+        robot = self._body.robot
+        if not robot.upright:
+            self.health.tell(
+                "robot", Level.ERROR, "the simulated robot has fallen; let it reach a support"
+            )
+        elif self._refused:
+            self.health.tell("robot", Level.WARN, self._refused)
+        else:
+            self.health.tell(
+                "robot", Level.OK, "stands", time_s=f"{self._body.now_ns / 1e9:.1f}",
+                frames_sent=self._device.sent, frames_dropped=self._device.dropped,
+            )  # fmt: skip
+        super().watch()
+
+    def close(self) -> None:
+        """Unplug the device and finish the truth."""
+        self._device.close()
+        if self._truth is not None:
+            self._truth.close()
+
+    # Time
+
+    def _tick(self) -> None:
+        count = self._pacer.due(time.monotonic())
+        if not count:
+            return
+        # Nothing is stamped later than the clock shows.
+        self._clock_publisher.publish(Clock(clock=time_to_ros(self._body.after(count))))
+        samples = self._body.advance(count)
+        self._send_joints(samples)
+        self._send_frames(samples)
+        if self._truth is not None:
+            truth = samples.truth
+            for index, stamp_ns in enumerate(samples.stamp_ns.tolist()):
+                self._truth.write(
+                    stamp_ns, truth.cop[index], truth.foot_cop[index], truth.foot_grf[index]
+                )
+
+    def _send_joints(self, samples: Samples) -> None:
+        names = self._robot.joint_names
+        for stamp_ns, angles, efforts in zip(
+            samples.stamp_ns.tolist(), samples.joints.angles, samples.joints.efforts, strict=True
+        ):
+            message = joints_to_ros(JointSample(stamp_ns, names, angles, efforts))
+            publish_all(self._joints, message, PATIENCE_S)
+
+    def _send_frames(self, samples: Samples) -> None:
+        for stamp_ns, counts, status in zip(
+            samples.stamp_ns.tolist(),
+            samples.readings.counts.tolist(),
+            samples.readings.status.tolist(),
+            strict=True,
+        ):
+            self._device.send(self._sequence, stamp_ns // 1000, counts, status)
+            self._sequence = (self._sequence + 1) % 2**32
+
+    # Commands
+
+    def _hear_armed(self, messages: list[Any]) -> None:
+        self._is_armed = messages[-1].data or not self._settings.needs_arming
+
+    def _follow(self, messages: list[Any]) -> None:
+        for message in messages:
+            try:
+                if self._reaching:
+                    raise ShoecalError("the robot is being placed; send the trajectory afterwards")
+                self._body.robot.command(trajectory_from_ros(message))
+                self._refused = ""
+            except ShoecalError as error:
+                self._refused = f"trajectory refused: {error}"
+
+    async def _execute(self, goal: ServerGoalHandle) -> ReachSupport.Result:
+        result = ReachSupport.Result()
+        try:
+            if self._reaching:
+                raise RefusedError(
+                    ReachSupport.Result.FAILED, "another support is being reached; wait for it"
+                )
+            self._reaching = True
+            try:
+                await self._reach(goal)
+            finally:
+                self._reaching = False
+        except RefusedError as refusal:
+            result.error_code, result.message = refusal.code, str(refusal)
+        else:
+            result.success, result.message = True, "standing still"
+        finish(goal, result, canceled=ReachSupport.Result.CANCELED)
+        return result
+
+    async def _reach(self, goal: ServerGoalHandle) -> None:
+        """Place the robot in the support and let it settle."""
+        codes = ReachSupport.Result
+        if not self._is_armed:
+            raise RefusedError(codes.NOT_ARMED, "not armed: call the service shoe/arm first")
+        try:
+            legs = self._stance.solve(support_from_ros(goal.request.support))
+            self._body.place(self._robot.from_legs(legs))
+        except UnreachableError as error:
+            raise RefusedError(codes.UNREACHABLE, str(error)) from error
+        except ShoecalError as error:
+            raise RefusedError(codes.FAILED, str(error)) from error
+        while self._body.rested < 1.0:
+            if goal.is_cancel_requested:
+                raise RefusedError(
+                    codes.CANCELED, "cancelled; the robot stands where it was placed"
+                )
+            try:
+                self._body.robot.check_upright()
+            except RobotFellError as error:
+                raise RefusedError(codes.FELL, str(error)) from error
+            if self._body.since_placed > self._settings.reach_timeout:
+                raise RefusedError(
+                    codes.FAILED,
+                    f"the robot does not come to rest within {self._settings.reach_timeout:g} s; "
+                    "choose another double support",
+                )
+            goal.publish_feedback(ReachSupport.Feedback(progress=self._body.rested))
+            await until(lambda: self._body.rested >= 1.0 or goal.is_cancel_requested, FEEDBACK_S)
+
+
+def main() -> None:
+    """Run the node."""
+    sys.exit(run(Simulator))
+
+
+if __name__ == "__main__":
+    main()

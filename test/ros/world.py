@@ -1,0 +1,204 @@
+"""Real node processes, and a client that talks to them over DDS."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.action import ActionClient
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.parameter import Parameter
+
+from shoecal_core.workspace import ros_environment
+from shoecal_ros import qos
+
+TIMEOUT_S = 60.0
+END_S = 20.0
+
+
+class Heard:
+    """Messages of one topic, as they come."""
+
+    def __init__(self) -> None:
+        self.messages: list[Any] = []
+
+    def __len__(self) -> int:
+        return len(self.messages)
+
+    @property
+    def last(self) -> Any:
+        return self.messages[-1]
+
+
+class World:
+    """Processes and a client node; everything is ended at the end."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.processes: dict[str, subprocess.Popen[bytes]] = {}
+        self._context = rclpy.Context()
+        rclpy.init(context=self._context)
+        self.node = Node(
+            "tester",
+            context=self._context,
+            parameter_overrides=[Parameter("use_sim_time", value=False)],
+        )
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._heard: dict[str, Heard] = {}
+
+    # Processes
+
+    def start(
+        self, node: str, parameters: Mapping[str, object] | None = None, *arguments: str
+    ) -> subprocess.Popen[bytes]:
+        """Start one node with parameters and further ROS arguments."""
+        pairs = [f"{key}:={_yaml(value)}" for key, value in (parameters or {}).items()]
+        command = [sys.executable, "-m", f"shoecal_ros.nodes.{node}", "--ros-args"]
+        command += [part for pair in pairs for part in ("-p", pair)]
+        with self._log(node).open("wb") as log:
+            process = subprocess.Popen(
+                [*command, *arguments], env=ros_environment(), stderr=log, stdout=log
+            )
+        self.processes[node] = process
+        return process
+
+    def output(self, node: str) -> str:
+        return self._log(node).read_text()
+
+    def stop(self, node: str) -> int:
+        """End a node as Ctrl-C does; its exit code."""
+        process = self.processes.pop(node)
+        process.send_signal(signal.SIGINT)
+        return process.wait(END_S)
+
+    def ended(self, node: str) -> int:
+        """Wait until a node ends by itself; its exit code."""
+        return self.processes.pop(node).wait(TIMEOUT_S)
+
+    # The client
+
+    def hear(self, kind: type[Any], topic: str, profile: Any = qos.RAW) -> Heard:
+        heard = self._heard.get(topic)
+        if heard is None:
+            heard = self._heard[topic] = Heard()
+            self.node.create_subscription(kind, topic, heard.messages.append, profile)
+        return heard
+
+    def until(self, condition: Callable[[], object], timeout_s: float = TIMEOUT_S) -> None:
+        """Wait for a condition; fail with the nodes' output where it does not come."""
+        deadline = time.monotonic() + timeout_s
+        while not condition():
+            for name, process in self.processes.items():
+                assert process.poll() is None, f"{name} ended:\n{self.output(name)}"
+            assert time.monotonic() < deadline, "waited in vain:\n" + "\n".join(
+                f"--- {name}\n{self.output(name)}" for name in self.processes
+            )
+            self._executor.spin_once(timeout_sec=0.05)
+
+    def publisher(self, kind: type[Any], topic: str, profile: Any = qos.RAW) -> Any:
+        """A publisher that somebody listens to."""
+        publisher = self.node.create_publisher(kind, topic, profile)
+        self.until(lambda: publisher.get_subscription_count() > 0)
+        return publisher
+
+    def call(self, kind: type[Any], name: str, request: Any) -> Any:
+        """Call a service."""
+        client = self.node.create_client(kind, name)
+        self.until(client.service_is_ready)
+        future = client.call_async(request)
+        self.until(future.done)
+        self.node.destroy_client(client)
+        return future.result()
+
+    def goal(self, kind: type[Any], name: str, goal: Any) -> Goal:
+        """Send a goal."""
+        client = ActionClient(self.node, kind, name)
+        self.until(client.server_is_ready)
+        return Goal(self, client, goal)
+
+    def diagnosis(self, node: str, subject: str) -> Any:
+        """The last diagnostic of a node's subject, None before there was one."""
+        heard = self.hear(DiagnosticArray, "diagnostics", qos.DIAGNOSTICS)
+        for message in reversed(heard.messages):
+            for status in message.status:
+                if status.name == f"{node}: {subject}":
+                    return status
+        return None
+
+    def until_told(self, node: str, subject: str, text: str) -> Any:
+        """Wait until a node's diagnostic of a subject contains a text."""
+        self.until(
+            lambda: (found := self.diagnosis(node, subject)) and text in found.message
+        )
+        return self.diagnosis(node, subject)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        codes = {}
+        try:
+            for process in self.processes.values():
+                process.send_signal(signal.SIGINT)
+            for name, process in self.processes.items():
+                codes[name] = process.wait(END_S)
+        finally:
+            for process in self.processes.values():
+                process.kill()
+            self._executor.shutdown()
+            self.node.destroy_node()
+            rclpy.shutdown(context=self._context)
+        if kind is None:
+            assert codes == dict.fromkeys(codes, 0), {
+                name: self.output(name) for name, code in codes.items() if code
+            }
+
+    def _log(self, node: str) -> Path:
+        return self.folder / f"{node}.log"
+
+
+class Goal:
+    """A goal that was sent."""
+
+    def __init__(self, world: World, client: ActionClient, goal: Any) -> None:
+        self.feedback: list[Any] = []
+        self._world = world
+        sent = client.send_goal_async(
+            goal, lambda message: self.feedback.append(message.feedback)
+        )
+        world.until(sent.done)
+        self._handle = sent.result()
+        assert self._handle.accepted
+        self._result = self._handle.get_result_async()
+
+    @property
+    def done(self) -> bool:
+        return bool(self._result.done())
+
+    def cancel(self) -> None:
+        self._world.until(self._handle.cancel_goal_async().done)
+
+    def result(self, timeout_s: float = TIMEOUT_S) -> Any:
+        self._world.until(self._result.done, timeout_s)
+        return self._result.result().result
+
+
+def _yaml(value: object) -> str:
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    return f'"{value}"' if isinstance(value, str | Path) else str(value)
