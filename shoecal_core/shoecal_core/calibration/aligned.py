@@ -64,7 +64,7 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics) -> Aligned:
 
 def _told_joints(run: Run, robot: Robot) -> list[str]:
     """The robot's joints that were recorded; some drivers tell NaN for optional ones."""
-    told: NDArray[np.bool_] = np.isfinite(run.joints.position).any(axis=0)
+    told = np.asarray(np.isfinite(run.joints.position).any(axis=0))
     return [
         name
         for name, is_told in zip(run.joints.names, told.tolist(), strict=True)

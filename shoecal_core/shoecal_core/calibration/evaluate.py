@@ -31,8 +31,8 @@ class Errors:
     foot_cop: tuple[Mae, Mae]
 
     def to_json(self) -> dict[str, float]:
-        """Figures by the names of the result file [N, mm]."""
-        return {
+        """Figures by the names of the result file [N, mm]; those that nothing tells are left out."""
+        figures = {
             "grf_mae_n": self.grf.mean,
             "grf_std_n": self.grf.std,
             "cop_mae_mm": 1e3 * self.cop.mean,
@@ -42,6 +42,7 @@ class Errors:
             "left_cop_mae_mm": 1e3 * self.foot_cop[0].mean,
             "right_cop_mae_mm": 1e3 * self.foot_cop[1].mean,
         }
+        return {name: value for name, value in figures.items() if np.isfinite(value)}
 
 
 @dataclass(frozen=True)

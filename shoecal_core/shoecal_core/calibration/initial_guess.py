@@ -1,7 +1,8 @@
 """The first guess of gains and offsets: one law for all channels of a kind.
 
-Paper, eqs. 16 and 17. The CoP rows are c G = sum (c0 S_i + d0) t_i, about the left sole's origin; the weight row is
-G = sum (c0 S_i + d0). Channels wired with opposite signs enter with their polarity.
+Paper, eqs. 16 and 17: the CoP rows are c G = sum (c0 S_i + d0) t_i, about the left sole's
+origin; the weight row is G = sum (c0 S_i + d0). Channels wired with opposite signs enter with
+their polarity.
 """
 
 from __future__ import annotations
