@@ -13,9 +13,12 @@ from shoecal_core.model.robot import GRAVITY
 from shoecal_core.sensing.shoe import FEET, Shoe
 from shoecal_core.simulation.converter import Converter, Readings
 from shoecal_core.simulation.drawn import DrawnShoes
-from shoecal_core.simulation.floor import FloorProbe, FloorTruth
 from shoecal_core.simulation.reality import Reality
-from shoecal_core.simulation.shoe_physics import ChannelOutputs, ShoeBuilder, add_floor
+from shoecal_core.simulation.shoe_physics import (
+    ChannelOutputs,
+    ShoeBuilder,
+    add_floor,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -64,7 +67,7 @@ class LoadingRig:
         if position.shape != (2,):
             raise ShapeError("position", "(2,)", position.shape)
         stands = position + self._noise.normal(0.0, self._placement_std, 2)
-        outputs, _ = self._benches[foot].load(mass, stands)
+        outputs = self._benches[foot].load(mass, stands)
         return self._converter(np.tile(outputs, (count, 1)))
 
     def cell_readings(self, mass: float, channel: str, *, count: int = 1) -> Readings:
@@ -76,10 +79,6 @@ class LoadingRig:
         outputs = np.zeros((count, len(self.shoe.channels)))
         outputs[:, self.shoe.index(channel)] = mass * GRAVITY
         return self._converter(outputs)
-
-    def truth(self, mass: float, foot: int, position: FloatArray) -> FloorTruth:
-        """The floor's forces with a weight standing exactly there."""
-        return self._benches[foot].load(mass, position)[1]
 
 
 class _Bench:
@@ -101,10 +100,9 @@ class _Bench:
         self._data = mujoco.MjData(self._model)
         self._plate = self._model.body("plate").id
         self._outputs = ChannelOutputs(self._model, shoe, (foot,))
-        self._floor = FloorProbe(self._model, (foot,))
 
-    def load(self, mass: float, position: FloatArray) -> tuple[FloatArray, FloorTruth]:
-        """Outputs (n,) and truth at rest with a weight at `position`."""
+    def load(self, mass: float, position: FloatArray) -> FloatArray:
+        """Outputs (n,) at rest with a weight at `position` (2,)."""
         model, data = self._model, self._data
         mujoco.mj_resetData(model, data)
         force = mass * model.opt.gravity
@@ -121,4 +119,4 @@ class _Bench:
                     f"({position[0]:g}, {position[1]:g}) m; put the weight between the cells"
                 )
         mujoco.mj_forward(model, data)
-        return self._outputs(data), self._floor(data)
+        return self._outputs(data)

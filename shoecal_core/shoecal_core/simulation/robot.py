@@ -16,8 +16,9 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.simulation import robot_physics
 from shoecal_core.simulation.converter import Converter, Readings
 from shoecal_core.simulation.drawn import DrawnReality
-from shoecal_core.simulation.floor import FloorProbe, FloorTruth
-from shoecal_core.simulation.shoe_physics import ChannelOutputs, sole_name
+from shoecal_core.simulation.floor import FloorTruth, floor_truth
+from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader
+from shoecal_core.simulation.snapshot import Snapshot
 from shoecal_core.simulation.trajectory import JointTrajectory
 
 FloatArray = NDArray[np.float64]
@@ -29,7 +30,7 @@ _DROP = 5e-4
 """m; from how high the soles are put down."""
 _UNEVEN_HEIGHT, _UNEVEN_TILT = 0.01, 0.05
 """m, rad; soles farther from one level plane than this do not stand flat."""
-_FALLEN_TILT, _FALLEN_HEIGHT = 0.5, 0.7
+_FALLEN_TILT, _FALLEN_HEIGHT = 1.0, 0.7
 """rad, and part of the standing height: a torso beyond either has fallen."""
 _REST_SPEED, _REST_TIME = 2e-3, 0.5
 """m/s, rad/s: slower than this, for that long [s], is at rest."""
@@ -100,11 +101,10 @@ class SimulatedRobot:
         self._model = self.physics.model
         self.data = mujoco.MjData(self._model)
         self._outputs = ChannelOutputs(self._model, shoe)
-        self._floor = FloorProbe(self._model)
+        self._soles = SoleReader(self._model)
         self._converter = Converter(shoe, drawn.rules, drawn.shoes, noise)
         self._latency = drawn.shoes.latency
         self._base = self._model.body(drawn.body.links[0]).id
-        self._soles = [self._model.body(sole_name(foot)).id for foot in (0, 1)]
         self._steps_per_command = max(1, round(SERVO_PERIOD / drawn.rules.step_s))
         self._leaders = np.array(
             [robot.joint(self._model.actuator(i).name) for i in range(self._model.nu)]
@@ -114,7 +114,7 @@ class SimulatedRobot:
     @property
     def time(self) -> float:
         """Simulated time [s]."""
-        return self._steps * float(self._model.opt.timestep)
+        return self._steps * self.drawn.rules.step_s
 
     @property
     def weight(self) -> float:
@@ -135,16 +135,15 @@ class SimulatedRobot:
         count = len(self.robot.joint_names)
         if joint_angles.shape != (count,):
             raise ShapeError("joint angles", f"({count},)", joint_angles.shape)
-        self._command = JointTrajectory(
-            self.robot.joint_names, np.zeros(1), joint_angles[None]
-        ).full(self.robot, joint_angles)
-        self._command_start = 0.0
-        told = self._command.at(0.0)
+        still = JointTrajectory(self.robot.joint_names, np.zeros(1), joint_angles[None])
+        still = still.full(self.robot, joint_angles)
+        told = still.positions[0]
         self._check_soles(told)
         self._pose(told - self.drawn.body.encoder_error)
         self._lower_to_floor()
-        self.data.act[:] = self._set_points(0.0)
         self._steps = 0
+        self._follow(still)
+        self.data.act[:] = self._set_points[0]
         self._heat = np.zeros(self._model.nu)
         self._standing_height = float(self.data.xpos[self._base, 2])
         self._felt: deque[tuple[float, FloatArray]] = deque()
@@ -184,23 +183,22 @@ class SimulatedRobot:
             NameNotFoundError: for a joint that the robot does not have.
             ShoecalError: for positions beyond a joint's limits, or two for one motor.
         """
-        now = self._command.at(self.time - self._command_start)
-        self._command = trajectory.full(self.robot, now)
-        self._command_start = self.time
+        now = self._command.at(np.array(self.time - self._command_start))
+        self._follow(trajectory.full(self.robot, now))
 
     def step_to(self, time: float) -> None:
         """Run the physics up to the last step that is not after a time [s].
 
         The motion does not depend on when it is looked at.
         """
-        step = float(self._model.opt.timestep)
+        step = self.drawn.rules.step_s
         last = math.floor(time / step + 1e-6)
         while self._steps < last:
-            done = self._steps % self._steps_per_command
+            period, done = divmod(self._steps, self._steps_per_command)
             if done == 0:
-                end = self.time + self._steps_per_command * step
-                span = self._steps_per_command * step
-                self.data.ctrl[:] = (self._set_points(end) - self.data.act) / span
+                row = min(period + 1 - self._first_period, len(self._set_points) - 1)
+                way = self._set_points[row] - self.data.act
+                self.data.ctrl[:] = way / (self._steps_per_command * step)
             count = min(last - self._steps, self._steps_per_command - done)
             mujoco.mj_step(self._model, self.data, nstep=count)
             self._steps += count
@@ -209,47 +207,48 @@ class SimulatedRobot:
 
     # Readings
 
-    def joints(self) -> JointReadings:
-        """What the robot tells of its joints now."""
+    def snapshot(self) -> Snapshot:
+        """Everything that can be read, now."""
+        data = self.data
+        position, rotation = self._soles.pose(data)
+        w, x, y, z = data.xquat[self._base].tolist()
+        return Snapshot(
+            time=np.array(self.time),
+            motor_angle=data.actuator_length.copy(),
+            motor_torque=data.actuator_force.copy(),
+            motor_heat=self._heat,
+            felt=self._late(self._outputs(data)),
+            contact=self._soles.contact(data),
+            sole_position=position,
+            sole_rotation=rotation,
+            base_position=data.xpos[self._base].copy(),
+            base_orientation=np.array([x, y, z, w]),
+        )
+
+    def joints(self, at: Snapshot | None = None) -> JointReadings:
+        """What the robot tells of its joints, now or at other instants."""
+        snap = self.snapshot() if at is None else at
         physics, servo = self.physics, self.drawn.rules.servo
-        angles = physics.ratio * self.data.actuator_length[physics.motor]
+        angles = physics.ratio * snap.motor_angle[..., physics.motor]
         angles = angles + self.drawn.body.encoder_error
         resolution = self.drawn.rules.joints.encoder_resolution_rad
         if resolution > 0.0:
             angles = np.rint(angles / resolution) * resolution
         return JointReadings(
             angles=angles,
-            efforts=self.data.actuator_force[physics.motor],
-            temperatures=(servo.ambient_degc + self._heat)[physics.motor],
+            efforts=snap.motor_torque[..., physics.motor],
+            temperatures=servo.ambient_degc + snap.motor_heat[..., physics.motor],
         )
 
-    def outputs(self) -> FloatArray:
-        """(n,) what the channels truly feel now [N or N m]."""
-        return self._outputs(self.data)
+    def readings(self, at: Snapshot | None = None) -> Readings:
+        """What the channels' converter gives, now or for other instants in their order."""
+        snap = self.snapshot() if at is None else at
+        return self._converter(snap.felt)
 
-    def readings(self) -> Readings:
-        """What the channels' converter gives now."""
-        felt = self.outputs()
-        late = np.flatnonzero(self._latency)
-        if late.size:
-            times, past = (np.array(column) for column in zip(*self._felt, strict=True))
-            for channel in late:
-                then = self.time - self._latency[channel]
-                felt[channel] = np.interp(then, times, past[:, channel])
-        return self._converter(felt)
-
-    def truth(self) -> FloorTruth:
-        """What the floor does to the feet now."""
-        return self._floor(self.data)
-
-    def base_pose(self) -> tuple[FloatArray, FloatArray]:
-        """Position (3,) [m] and orientation (4,) x, y, z, w of the root link over the floor."""
-        w, x, y, z = self.data.xquat[self._base]
-        return self.data.xpos[self._base].copy(), np.array([x, y, z, w])
-
-    def sole_poses(self) -> tuple[FloatArray, FloatArray]:
-        """Positions (2, 3) [m] and rotations (2, 3, 3) of the true left, right sole frames."""
-        return self.data.xpos[self._soles].copy(), self.data.xmat[self._soles].reshape(2, 3, 3)
+    def truth(self, at: Snapshot | None = None) -> FloorTruth:
+        """What the floor does to the feet, now or at other instants."""
+        snap = self.snapshot() if at is None else at
+        return floor_truth(snap.contact, snap.sole_position, snap.sole_rotation)
 
     @property
     def upright(self) -> bool:
@@ -264,11 +263,16 @@ class SimulatedRobot:
 
     # Inside
 
-    def _set_points(self, time: float) -> FloatArray:
-        """(a,) motor angles that the servos aim at, given what their encoders show."""
-        angles = self._command.at(time - self._command_start) - self.drawn.body.encoder_error
-        points: FloatArray = angles[self._leaders]
-        return points
+    def _follow(self, command: JointTrajectory) -> None:
+        """Take a command for all joints from now on."""
+        period = self._steps_per_command * self.drawn.rules.step_s
+        self._command, self._command_start = command, self.time
+        self._first_period = self._steps // self._steps_per_command
+        count = math.ceil(command.duration / period) + 2
+        ends = np.arange(self._first_period, self._first_period + count, dtype=np.float64) * period
+        angles = command.at(ends - self._command_start) - self.drawn.body.encoder_error
+        # What the servos aim at, given what their encoders show, at the end of each period.
+        self._set_points = angles[:, self._leaders]
 
     def _pose(self, motor_angles: FloatArray) -> None:
         """Joints at these angles, everything else at zero, the root at the origin."""
@@ -278,7 +282,7 @@ class SimulatedRobot:
 
     def _check_soles(self, angles: FloatArray) -> None:
         self._pose(angles)
-        (left, right), (to_left, to_right) = self.sole_poses()
+        (left, right), (to_left, to_right) = self._soles.pose(self.data)
         height = abs(float((to_left.T @ (right - left))[2]))
         tilt = math.acos(min(1.0, float(to_left[:, 2] @ to_right[:, 2])))
         if height > _UNEVEN_HEIGHT or tilt > _UNEVEN_TILT:
@@ -290,14 +294,14 @@ class SimulatedRobot:
 
     def _lower_to_floor(self) -> None:
         """Left sole on the world's origin, its outline and the right one's just above the floor."""
-        (left, _), (to_left, _) = self.sole_poses()
+        (left, _), (to_left, _) = self._soles.pose(self.data)
         base, turn = np.zeros(3), np.zeros(4)
         mujoco.mju_mat2Quat(turn, to_left.T.ravel())
         base[:] = -to_left.T @ left
         self.data.qpos[3:7] = turn
         self.data.qpos[:3] = base
         mujoco.mj_kinematics(self._model, self.data)
-        positions, rotations = self.sole_poses()
+        positions, rotations = self._soles.pose(self.data)
         lowest = min(
             float((position + rotation[:, :2] @ corner)[2])
             for position, rotation, foot in zip(positions, rotations, self.robot.feet, strict=True)
@@ -323,6 +327,16 @@ class SimulatedRobot:
         """Keep what channels felt for as long as a late reading may ask for it."""
         if not self._latency.any():
             return
-        self._felt.append((self.time, self.outputs()))
+        self._felt.append((self.time, self._outputs(self.data)))
         while len(self._felt) > 2 and self._felt[1][0] < self.time - self._latency.max():
             self._felt.popleft()
+
+    def _late(self, felt: FloatArray) -> FloatArray:
+        """What channels felt when the readings that come now were taken."""
+        late = np.flatnonzero(self._latency)
+        if late.size:
+            times, past = (np.array(column) for column in zip(*self._felt, strict=True))
+            for channel in late:
+                then = self.time - self._latency[channel]
+                felt[channel] = np.interp(then, times, past[:, channel])
+        return felt

@@ -11,6 +11,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.simulation.converter import Readings
 from shoecal_core.simulation.floor import FloorTruth
 from shoecal_core.simulation.robot import JointReadings, SimulatedRobot
+from shoecal_core.simulation.snapshot import stack
 from shoecal_core.simulation.trajectory import JointTrajectory
 
 FloatArray = NDArray[np.float64]
@@ -56,31 +57,19 @@ def run(
         raise ShoecalError(f"a rate of {rate:g} Hz gives no samples; it must be above 0")
     start = sim.time
     begin, count = round(hold * rate), round((2.0 * hold + trajectory.duration) * rate) + 1
-    rows = []
+    snapshots = []
     for index in range(count):
         sim.step_to(start + index / rate)
         if index == begin:
             sim.command(trajectory)
         sim.check_upright()
-        rows.append((sim.time, sim.joints(), sim.readings(), sim.truth(), *sim.base_pose()))
-    time, joints, readings, truth, position, orientation = zip(*rows, strict=True)
+        snapshots.append(sim.snapshot())
+    all_ = stack(snapshots)
     return Samples(
-        time=np.array(time),
-        joints=JointReadings(
-            np.array([row.angles for row in joints]),
-            np.array([row.efforts for row in joints]),
-            np.array([row.temperatures for row in joints]),
-        ),
-        readings=Readings(
-            np.array([row.counts for row in readings]),
-            np.array([row.voltages for row in readings]),
-            np.array([row.status for row in readings]),
-        ),
-        truth=FloorTruth(
-            np.array([row.cop for row in truth]),
-            np.array([row.foot_cop for row in truth]),
-            np.array([row.foot_force for row in truth]),
-        ),
-        base_position=np.array(position),
-        base_orientation=np.array(orientation),
+        time=all_.time,
+        joints=sim.joints(all_),
+        readings=sim.readings(all_),
+        truth=sim.truth(all_),
+        base_position=all_.base_position,
+        base_orientation=all_.base_orientation,
     )

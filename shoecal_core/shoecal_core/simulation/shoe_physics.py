@@ -26,6 +26,8 @@ _TIP_RADIUS = 0.004
 """m; the bottom plate touches the floor with a small ball at each corner of its outline."""
 _THICKNESS = 0.005
 """m; of a plate, for its inertia."""
+_NET_FORCE = 3
+"""MuJoCo's reduction of a contact sensor to one wrench in the world's frame."""
 _FLOOR_BIT, _SOLE_BIT = 2, 1
 """Contact types: soles touch the floor and nothing else."""
 
@@ -107,6 +109,7 @@ class ShoeBuilder:
                 conaffinity=_FLOOR_BIT,
                 **_contact(self.rules),
             )
+        _add_contact_sensor(spec, foot)
         if has_cells(self.shoe, foot):
             self._add_cells(spec, bottom, foot)
         else:
@@ -183,6 +186,24 @@ class ChannelOutputs:
         return outputs
 
 
+class SoleReader:
+    """Reads the contacts below the soles, and where the soles are."""
+
+    def __init__(self, model: mujoco.MjModel, feet: tuple[int, ...] = (0, 1)) -> None:
+        self._bodies = np.array([model.body(sole_name(foot)).id for foot in feet])
+        self._sensors = np.array([model.sensor(_contact_name(foot)).adr[0] for foot in feet])
+        self._rows = self._sensors[:, None] + np.arange(9)
+
+    def contact(self, data: mujoco.MjData) -> FloatArray:
+        """(feet, 9) net force [N], torque [N m] and its place [m] over the floor."""
+        wrench: FloatArray = data.sensordata[self._rows]
+        return wrench
+
+    def pose(self, data: mujoco.MjData) -> tuple[FloatArray, FloatArray]:
+        """(feet, 3) positions [m] and (feet, 3, 3) rotations of the sole frames."""
+        return data.xpos[self._bodies], data.xmat[self._bodies].reshape(-1, 3, 3)
+
+
 def sole_name(foot: int) -> str:
     """Body of a shoe's bottom plate; its frame is the sole frame."""
     return f"{FEET[foot]}_sole"
@@ -234,6 +255,25 @@ def _set_plate(body: mujoco.MjsBody, mass: float, com: FloatArray, outline: Floa
     body.ipos = com
     body.inertia = mass / 12.0 * np.array([y * y + z * z, x * x + z * z, x * x + y * y])
     body.explicitinertial = True
+
+
+def _contact_name(foot: int) -> str:
+    return f"{FEET[foot]}_contact"
+
+
+def _add_contact_sensor(spec: mujoco.MjSpec, foot: int) -> None:
+    """The sum of all contacts between the floor and one sole."""
+    kinds = mujoco.mjtConDataField
+    fields = (kinds.mjCONDATA_FORCE, kinds.mjCONDATA_TORQUE, kinds.mjCONDATA_POS)
+    spec.add_sensor(
+        name=_contact_name(foot),
+        type=mujoco.mjtSensor.mjSENS_CONTACT,
+        objtype=mujoco.mjtObj.mjOBJ_GEOM,
+        objname="floor",
+        reftype=mujoco.mjtObj.mjOBJ_BODY,
+        refname=sole_name(foot),
+        intprm=[sum(1 << int(field) for field in fields), _NET_FORCE, 1],
+    )
 
 
 def _contact(rules: Reality) -> dict[str, list[float]]:

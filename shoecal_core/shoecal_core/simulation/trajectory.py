@@ -83,14 +83,12 @@ class JointTrajectory:
             positions = np.vstack((start, positions))
         return JointTrajectory(robot.joint_names, times, positions)
 
-    def at(self, time: float) -> FloatArray:
-        """(k,) positions at a time; the first point before the start, the last after the end."""
+    def at(self, times: FloatArray) -> FloatArray:
+        """(..., k) positions at times (...); the first point before the start, the last after."""
         if len(self.times) == 1:
-            first: FloatArray = self.positions[0]
-            return first
-        clipped = min(max(time, self.times[0]), self.times[-1])
-        position: FloatArray = self._curve(clipped)
-        return position
+            return np.broadcast_to(self.positions[0], (*np.shape(times), len(self.names)))
+        positions: FloatArray = self._curve(np.clip(times, self.times[0], self.times[-1]))
+        return positions
 
     @cached_property
     def _curve(self) -> CubicHermiteSpline:

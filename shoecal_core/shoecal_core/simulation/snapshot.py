@@ -1,0 +1,47 @@
+"""One instant of a simulated robot, as MuJoCo knows it, and many of them together."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Everything that can be read, at one instant or many (...).
+
+    Attributes:
+        time: (...) simulated time [s].
+        motor_angle: (..., a) of the motors, behind their gears [rad].
+        motor_torque: (..., a) [N m].
+        motor_heat: (..., a) over the ambient temperature [K].
+        felt: (..., n) by the channels, as old as they are late [N or N m].
+        contact: (..., 2, 9) net wrench on left, right: force, torque, place [N, N m, m].
+        sole_position: (..., 2, 3) of the true left, right sole frames over the floor [m].
+        sole_rotation: (..., 2, 3, 3) of the same.
+        base_position: (..., 3) of the root link over the floor [m].
+        base_orientation: (..., 4) of the root link: x, y, z, w.
+    """
+
+    time: FloatArray
+    motor_angle: FloatArray
+    motor_torque: FloatArray
+    motor_heat: FloatArray
+    felt: FloatArray
+    contact: FloatArray
+    sole_position: FloatArray
+    sole_rotation: FloatArray
+    base_position: FloatArray
+    base_orientation: FloatArray
+
+
+def stack(snapshots: Sequence[Snapshot]) -> Snapshot:
+    """Many instants as one, their number leading every shape."""
+    names = [field.name for field in dataclasses.fields(Snapshot)]
+    return Snapshot(*(np.array([getattr(one, name) for one in snapshots]) for name in names))
