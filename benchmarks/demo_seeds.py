@@ -80,14 +80,29 @@ def _page(results: list[dict[str, object]]) -> str:
             for keys in COLUMNS.values()
         ),
     ]
-    paper = ["paper", "0.12 to 0.31", "2.01 to 2.98", "7.5", "23", "", "", "0.35", "2.8", "", "", ""]
+    paper = [
+        "paper",
+        "0.12 to 0.31",
+        "2.01 to 2.98",
+        "7.5",
+        "23",
+        "",
+        "",
+        "0.35",
+        "2.8",
+        "",
+        "",
+        "",
+    ]
     lines = [
         "# The demo over several seeds",
         "",
-        f"Made by `{COMMAND}`. Everything here is simulated: each seed draws another robot "
-        "(masses, encoder offsets, play), other cells (gains, offsets, places) and other double "
-        "supports. Errors are against the simulator's truth from contact forces; MAE of the CoP "
-        "is the mean Euclidean norm.",
+        (
+            f"Made by `{COMMAND}`. Everything here is simulated: each seed draws another robot "
+            "(masses, encoder offsets, play), other cells (gains, offsets, places) and other double "
+            "supports. Errors are against the simulator's truth from contact forces; MAE of the CoP "
+            "is the mean Euclidean norm."
+        ),
         "",
         _row(["seed", *COLUMNS]),
         _row(["---"] * (len(COLUMNS) + 1)),
@@ -95,9 +110,11 @@ def _page(results: list[dict[str, object]]) -> str:
         _row([f"**{cell}**" for cell in medians]),
         _row([f"*{cell}*" if cell else "" for cell in paper]),
         "",
-        f"The paper's figures are those of a real NAO. Targets on test runs: median GRF at most "
-        f"0.35 N and CoP at most 2.8 mm, no seed worse than {ALLOWED} times that: "
-        f"{'met' if _met(results) else 'not met'}.",
+        (
+            f"The paper's figures are those of a real NAO. Targets on test runs: median GRF at most "
+            f"0.35 N and CoP at most 2.8 mm, no seed worse than {ALLOWED} times that: "
+            f"{'met' if _met(results) else 'not met'}."
+        ),
     ]
     return "\n".join(lines) + "\n"
 

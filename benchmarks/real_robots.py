@@ -79,30 +79,38 @@ def _page(session: Session, outcomes: list[Outcome]) -> str:
             "",
             "## REEM-C: six-axis sensors in the ankles",
             "",
-            "Three trials at 50 Hz of a humanoid of 1.65 m, published by eurobench/eb_hum_bench "
-            "(BSD): slow stepping and two walks. Neither the axes nor the offsets of the sensors "
-            "are documented; the axes are taken as parallel to the sole's. No force plate was "
-            "there, so **the reference is the model**, not a truth: weight and CoM of the "
-            "published URDF, the acceleration of the CoM from joint angles and the recorded "
-            "pose of the base, CoP as zero-moment point.",
+            (
+                "Three trials at 50 Hz of a humanoid of 1.65 m, published by eurobench/eb_hum_bench "
+                "(BSD): slow stepping and two walks. Neither the axes nor the offsets of the sensors "
+                "are documented; the axes are taken as parallel to the sole's. No force plate was "
+                "there, so **the reference is the model**, not a truth: weight and CoM of the "
+                "published URDF, the acceleration of the CoM from joint angles and the recorded "
+                "pose of the base, CoP as zero-moment point."
+            ),
             "",
-            "Stances are found from the data: a foot stands where its vertical readings are "
-            "loaded and it is flat and still, it hangs where they are at their lowest; a hanging "
-            "foot's wrench is zero. Two trials are fitted, the third is only predicted. Errors "
-            "over all samples of all stances of the held-out trial, MAE ± standard deviation:",
+            (
+                "Stances are found from the data: a foot stands where its vertical readings are "
+                "loaded and it is flat and still, it hangs where they are at their lowest; a hanging "
+                "foot's wrench is zero. Two trials are fitted, the third is only predicted. Errors "
+                "over all samples of all stances of the held-out trial, MAE ± standard deviation:"
+            ),
             "",
-            "| fitted on | held out | GRF before (N) | CoP before (mm) | GRF after (N) | "
-            "CoP after (mm) |",
+            (
+                "| fitted on | held out | GRF before (N) | CoP before (mm) | GRF after (N) | "
+                "CoP after (mm) |"
+            ),
             "|---|---|---|---|---|---|",
             *(f"| {' | '.join(row)} |" for row in rows),
             "",
             "*Before*: the published readings as they are (gain 1, offset 0).",
             "",
-            f"The vertical gains come out near {gain:.2f} in place of 1. A wrong mass looks "
-            "exactly like a common gain error, and only a known weight separates them: if the "
-            "sensors' own gains are right, the robot weighed about "
-            f"{first.data.robot.mass / gain:.0f} kg, not the {first.data.robot.mass:.1f} kg of "
-            "its URDF. Nothing in the recordings decides it.",
+            (
+                f"The vertical gains come out near {gain:.2f} in place of 1. A wrong mass looks "
+                "exactly like a common gain error, and only a known weight separates them: if the "
+                "sensors' own gains are right, the robot weighed about "
+                f"{first.data.robot.mass / gain:.0f} kg, not the {first.data.robot.mass:.1f} kg of "
+                "its URDF. Nothing in the recordings decides it."
+            ),
             "",
             f"Gains and offsets (fitted on {rows[0][0]}):",
             "",
@@ -110,9 +118,11 @@ def _page(session: Session, outcomes: list[Outcome]) -> str:
             "|---|---|---|",
             *gains,
             "",
-            "What stays open: the CoP of walking stays centimetres off its model, many times a "
-            "slow NAO's. The base pose is an estimate, the angular momentum of the swinging leg "
-            "is left out, and soles are taken as rigid and flat.",
+            (
+                "What stays open: the CoP of walking stays centimetres off its model, many times a "
+                "slow NAO's. The base pose is an estimate, the angular momentum of the swinging leg "
+                "is left out, and soles are taken as rigid and flat."
+            ),
             "",
         ]
     )

@@ -31,7 +31,7 @@ class Errors:
     foot_cop: tuple[Mae, Mae]
 
     def to_json(self) -> dict[str, float]:
-        """Figures by the names of the result file [N, mm]; those that nothing tells are left out."""
+        """Figures by their names in result files [N, mm]; those that nothing tells are left out."""
         figures = {
             "grf_mae_n": self.grf.mean,
             "grf_std_n": self.grf.std,

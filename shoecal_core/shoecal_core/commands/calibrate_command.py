@@ -49,9 +49,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         write_session_report(args.report, session, outcome)
     calibration = outcome.calibration
     if calibration.verdict == "FAIL":
-        raise CalibrationFailedError(
-            f"no calibration written: {'; '.join(calibration.reasons)}"
-        )
+        raise CalibrationFailedError(f"no calibration written: {'; '.join(calibration.reasons)}")
     save_calibration(calibration, args.out)
     console.print(f"{calibration.verdict}: {'; '.join(calibration.reasons)}")
     console.print(f"{args.out}")
@@ -82,7 +80,10 @@ def to_json(outcome: Outcome) -> dict[str, object]:
         },
         "time_offset_s": calibration.time_offset,
         "initial_guess": {
-            "cop_rows": {"gain": outcome.stages.guess.gain, "offset_n": outcome.stages.guess.offset},
+            "cop_rows": {
+                "gain": outcome.stages.guess.gain,
+                "offset_n": outcome.stages.guess.offset,
+            },
             "cop_and_weight_rows": {
                 "gain": outcome.stages.guess_with_weight.gain,
                 "offset_n": outcome.stages.guess_with_weight.offset,
@@ -99,7 +100,10 @@ def _print_channels(outcome: Outcome, console: Console) -> None:
     calibration = outcome.calibration
     unit = outcome.data.shoe.unit
     for name, gain, offset in zip(
-        calibration.channels, calibration.parameters.gain, calibration.parameters.offset, strict=True
+        calibration.channels,
+        calibration.parameters.gain,
+        calibration.parameters.offset,
+        strict=True,
     ):
         console.print(f"  {name:<24} {gain:10.4f} N/{unit} {offset:10.3f} N")
     console.print(f"  joints late by {1e3 * calibration.time_offset:.1f} ms")

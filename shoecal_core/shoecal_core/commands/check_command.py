@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 from rich.console import Console
-from rich.table import Table
 
 from shoecal_core.calibration.checks import check_readings
 from shoecal_core.calibration.pipeline import load_data
+from shoecal_core.commands.tables import new_table
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
@@ -33,9 +33,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         f"{path.name} was not finished: rescue it with `shoecal recover {path}`"
         for path in session.unfinished
     ]
-    table = Table(title=f"{session.robot} on {session.shoe_name}", title_justify="left")
-    for name in ("run", "set", "motion", "dx dy (mm) dtheta (deg)", "length (s)", "joints (Hz)",
-                 "readings (Hz)", "notes"):  # fmt: skip
+    table = new_table(f"{session.robot} on {session.shoe_name}")
+    for name in ("run", "set", "motion", "dx dy dtheta", "s", "joints Hz", "readings Hz", "notes"):
         table.add_column(name)
     rows = []
     for entry in session.runs:
@@ -81,7 +80,7 @@ def _cells(entry: RunEntry, run: Run) -> list[str]:
         entry.info.motion,
         "-"
         if support is None
-        else f"{1e3 * support.dx:.0f} {1e3 * support.dy:.0f} {np.degrees(support.dtheta):.0f}",
+        else f"{1e3 * support.dx:.0f} {1e3 * support.dy:.0f} mm {np.degrees(support.dtheta):.0f}°",
         f"{run.readings.time[-1] - run.readings.time[0]:.1f}",
         f"{_rate(run.joints.time):.0f}",
         f"{_rate(run.readings.time):.0f}",

@@ -59,4 +59,5 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         raise
     if code != 0:
         raise DemoFailedError(f"the demo ended with exit code {code}; its message stands above")
+    console.print(f"{args.out / 'report.html'}")
     return cast(Mapping[str, object], json.loads(read_bytes(args.out / "result.json")))

@@ -60,11 +60,13 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
                     "landmark_distance_mm": (1e3 * motion.path.nearest).tolist(),
                     "worst": {
                         found.constraint: {
-                            "value": found.value, "limit": found.limit, "unit": found.unit
+                            "value": found.value,
+                            "limit": found.limit,
+                            "unit": found.unit,
                         }
                         for found in findings
                     },
-                }  # fmt: skip
+                }
             )
             console.print(
                 f"{file}: {motion.duration:.1f} s, landmarks within "

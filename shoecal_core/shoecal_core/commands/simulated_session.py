@@ -111,7 +111,10 @@ def _record(
                 sent, topic, message = pending.pop()
                 writer.write(topic, message, sent)
             joints = messages.joint_state(
-                stamp, robot.joint_names, samples.joints.angles[index], samples.joints.efforts[index]
+                stamp,
+                robot.joint_names,
+                samples.joints.angles[index],
+                samples.joints.efforts[index],
             )
             writer.write(schemas.JOINT_STATES, joints, stamp)
             voltages = messages.shoe_voltages(

@@ -1,0 +1,41 @@
+"""One recorded session for all tests of commands: the second robot, three double supports."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from shoecal_core import cli
+
+ROOT = Path(__file__).resolve().parents[3]
+ROBOT = ROOT / "test" / "data" / "robots" / "odd_biped.yaml"
+SHOE = ROOT / "test" / "data" / "shoes" / "odd_shoe.yaml"
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def shoecal(capsys: pytest.CaptureFixture[str]) -> Run:
+    """Runs the command line: exit code, standard output, standard error."""
+
+    def run(*words: object) -> tuple[int, str, str]:
+        code = cli.main([str(word) for word in words])
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A simulated session of the second robot: three cells left, six right, one inverted."""
+    folder = tmp_path_factory.mktemp("simulated") / "session"
+    figures = folder.with_name("figures.json")
+    words = ["simulate", ROBOT, SHOE, "--supports", "3", "--seed", "3", "--rate", "50"]
+    code = cli.main([str(word) for word in (*words, "--out", folder, "--json", figures)])
+    assert code == 0
+    assert len(json.loads(figures.read_text())["runs"]) == 3
+    return folder

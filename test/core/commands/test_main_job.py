@@ -1,0 +1,129 @@
+"""simulate, check, calibrate, evaluate: the main job without ROS, on the second robot."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from shoecal_core.calibration.calibration import load_calibration
+from shoecal_core.files import read_yaml
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture(scope="module")
+def calibration_file(simulated: Path) -> Path:
+    return simulated.with_name("calibration.yaml")
+
+
+@pytest.fixture
+def calibrated(shoecal: Run, simulated: Path, calibration_file: Path) -> Path:
+    if not calibration_file.exists():
+        figures = calibration_file.with_suffix(".json")
+        code, _, error = shoecal(
+            "calibrate", simulated, "--train", "1,2", "--test", "3",
+            "--out", calibration_file, "--json", figures,
+        )  # fmt: skip
+        assert code == 0, error
+    return calibration_file
+
+
+def test_a_session_is_found_fit_for_use(shoecal: Run, simulated: Path) -> None:
+    code, out, _ = shoecal("check", simulated)
+    assert code == 0
+    assert "fit for use" in out
+
+
+def test_held_out_errors_against_the_truth(
+    shoecal: Run, simulated: Path, calibrated: Path, tmp_path: Path
+) -> None:
+    figures = tmp_path / "errors.json"
+    code, _, error = shoecal(
+        "evaluate", simulated, "--calibration", calibrated,
+        "--train", "1,2", "--test", "3", "--json", figures,
+    )  # fmt: skip
+    assert code == 0, error
+    test = json.loads(figures.read_text())["against_truth"]["test"]
+    # The paper's figures, on a heavier robot.
+    assert test["grf_mae_n"] < 0.35 * 8.66 / 5.48
+    assert test["cop_mae_mm"] < 4.2
+
+
+def test_gains_come_near_the_drawn_ones(simulated: Path, calibrated: Path) -> None:
+    drawn = read_yaml(simulated / "truth" / "reality.yaml").mapping("gain")
+    found = load_calibration(calibrated)
+    true = np.array([drawn.number(name) for name in found.channels])
+    np.testing.assert_allclose(found.parameters.gain, true, rtol=0.15)
+    assert np.sum(np.sign(true) < 0) == 1  # the inverted cell
+
+
+def test_solving_again_gives_the_same_parameters(
+    shoecal: Run, simulated: Path, calibrated: Path, tmp_path: Path
+) -> None:
+    again = tmp_path / "again.yaml"
+    code, _, error = shoecal(
+        "calibrate", simulated, "--train", "1,2", "--test", "3", "--out", again
+    )
+    assert code == 0, error
+    one, other = load_calibration(calibrated), load_calibration(again)
+    np.testing.assert_array_equal(one.parameters.gain, other.parameters.gain)
+    np.testing.assert_array_equal(one.parameters.offset, other.parameters.offset)
+
+
+def test_one_support_is_refused_with_the_cure(
+    shoecal: Run, simulated: Path, tmp_path: Path
+) -> None:
+    out = tmp_path / "calibration.yaml"
+    code, _, error = shoecal("calibrate", simulated, "--train", "1", "--out", out)
+    assert code == 1
+    assert "record at least 2 that differ in yaw" in " ".join(error.split())
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "cure"),
+    [
+        (["--train", "9"], "has no run 9"),
+        (["--train", "1,2", "--test", "2"], "a test run is not fitted"),
+    ],
+)
+def test_wrong_runs_are_named(
+    shoecal: Run, simulated: Path, tmp_path: Path, words: list[str], cure: str
+) -> None:
+    code, _, error = shoecal("calibrate", simulated, *words, "--out", tmp_path / "c.yaml")
+    assert code == 1
+    assert cure in " ".join(error.split())
+
+
+def test_a_cut_run_is_named_recovered_and_fit_again(
+    shoecal: Run, simulated: Path, tmp_path: Path
+) -> None:
+    session = tmp_path / "session"
+    shutil.copytree(simulated, session)
+    run = session / "run_002.mcap"
+    content = run.read_bytes()
+    run.unlink()
+    part = run.with_name("run_002.mcap.part")
+    part.write_bytes(content[: len(content) * 3 // 4])
+    code, out, error = shoecal("check", session)
+    assert code == 1
+    assert "shoecal recover" in out
+    assert error.count("\n") == 1
+    code, out, _ = shoecal("recover", part)
+    assert code == 0
+    assert run.exists()
+    part.unlink()
+    assert shoecal("check", session)[0] == 0
+
+
+def test_a_missing_session_is_one_line(shoecal: Run, tmp_path: Path) -> None:
+    code, out, error = shoecal("check", tmp_path / "nowhere")
+    assert code == 1
+    assert not out
+    assert error.count("\n") == 1
+    assert "nowhere" in error
