@@ -19,7 +19,6 @@ from shoecal_core.calibration.evaluate import Errors, errors, measured_series, m
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.recording.csv_import import import_csv
-from shoecal_core.recording.session import Session
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.wrench import ChannelParameters
 from shoecal_core.settings import load_settings
@@ -40,92 +39,44 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         session = import_csv(IMPORTS / "reemc.yaml", args.folder, Path(folder) / "session")
         outcomes = [calibrate_session(session, train, (test,), settings) for train, test in SPLITS]
-        args.doc.write_text(_page(session, outcomes))
+        args.doc.write_text(_page(outcomes))
     print(args.doc)
     return 0
 
 
-def _page(session: Session, outcomes: list[Outcome]) -> str:
-    rows = []
-    for outcome in outcomes:
-        test = outcome.data.of(outcome.test)
-        count = len(outcome.data.shoe.names)
-        raw = Sensing(outcome.data.shoe, ChannelParameters(np.ones(count), np.zeros(count)))
-        before = errors([(measured_series(raw, one), modelled_series(one)) for one in test])
-        after = outcome.modelled["self_calibration"]["test"]
-        trained = " + ".join(TRIALS[run] for run in outcome.train)
-        rows.append([trained, TRIALS[outcome.test[0]], *_cells(before), *_cells(after)])
+def _page(outcomes: list[Outcome]) -> str:
+    rows = [_row(outcome) for outcome in outcomes]
     first = outcomes[0]
-    gains = [
-        f"| {name} | {gain:.2f} | {offset:.1f} |"
-        for name, gain, offset in zip(
-            first.data.shoe.names,
-            first.stages.parameters.gain,
-            first.stages.parameters.offset,
-            strict=True,
-        )
-    ]
-    vertical = [i for i, name in enumerate(first.data.shoe.names) if name.endswith("/fz")]
-    gain = float(np.mean(first.stages.parameters.gain[vertical]))
-    return "\n".join(
-        [
-            "# Real robots",
-            "",
-            "Everything on this page is computed from recordings of real hardware by",
-            "",
-            "    .venv/bin/python benchmarks/real_robots.py FOLDER",
-            "",
-            "where FOLDER holds the recordings; they are not part of this project.",
-            "",
-            "## REEM-C: six-axis sensors in the ankles",
-            "",
-            (
-                "Three trials at 50 Hz of a humanoid of 1.65 m, published by eurobench/eb_hum_bench "
-                "(BSD): slow stepping and two walks. Neither the axes nor the offsets of the sensors "
-                "are documented; the axes are taken as parallel to the sole's. No force plate was "
-                "there, so **the reference is the model**, not a truth: weight and CoM of the "
-                "published URDF, the acceleration of the CoM from joint angles and the recorded "
-                "pose of the base, CoP as zero-moment point."
-            ),
-            "",
-            (
-                "Stances are found from the data: a foot stands where its vertical readings are "
-                "loaded and it is flat and still, it hangs where they are at their lowest; a hanging "
-                "foot's wrench is zero. Two trials are fitted, the third is only predicted. Errors "
-                "over all samples of all stances of the held-out trial, MAE ± standard deviation:"
-            ),
-            "",
-            (
-                "| fitted on | held out | GRF before (N) | CoP before (mm) | GRF after (N) | "
-                "CoP after (mm) |"
-            ),
-            "|---|---|---|---|---|---|",
-            *(f"| {' | '.join(row)} |" for row in rows),
-            "",
-            "*Before*: the published readings as they are (gain 1, offset 0).",
-            "",
-            (
-                f"The vertical gains come out near {gain:.2f} in place of 1. A wrong mass looks "
-                "exactly like a common gain error, and only a known weight separates them: if the "
-                "sensors' own gains are right, the robot weighed about "
-                f"{first.data.robot.mass / gain:.0f} kg, not the {first.data.robot.mass:.1f} kg of "
-                "its URDF. Nothing in the recordings decides it."
-            ),
-            "",
-            f"Gains and offsets (fitted on {rows[0][0]}):",
-            "",
-            "| channel | gain | offset (N, N m) |",
-            "|---|---|---|",
-            *gains,
-            "",
-            (
-                "What stays open: the CoP of walking stays centimetres off its model, many times a "
-                "slow NAO's. The base pose is an estimate, the angular momentum of the swinging leg "
-                "is left out, and soles are taken as rigid and flat."
-            ),
-            "",
-        ]
+    parameters, shoe = first.stages.parameters, first.data.shoe
+    vertical = [index for index, name in enumerate(shoe.names) if name.endswith("/fz")]
+    gain = float(np.mean(parameters.gain[vertical]))
+    return PAGE.format(
+        rows="\n".join(rows),
+        gain=gain,
+        mass=first.data.robot.mass,
+        implied=first.data.robot.mass / gain,
+        trained=_trials(first),
+        channels="\n".join(
+            f"| {name} | {slope:.2f} | {offset:.1f} |"
+            for name, slope, offset in zip(
+                shoe.names, parameters.gain, parameters.offset, strict=True
+            )
+        ),
     )
+
+
+def _row(outcome: Outcome) -> str:
+    test = outcome.data.of(outcome.test)
+    count = len(outcome.data.shoe.names)
+    raw = Sensing(outcome.data.shoe, ChannelParameters(np.ones(count), np.zeros(count)))
+    before = errors([(measured_series(raw, one), modelled_series(one)) for one in test])
+    after = outcome.modelled["self_calibration"]["test"]
+    cells = [_trials(outcome), TRIALS[outcome.test[0]], *_cells(before), *_cells(after)]
+    return f"| {' | '.join(cells)} |"
+
+
+def _trials(outcome: Outcome) -> str:
+    return " + ".join(TRIALS[run] for run in outcome.train)
 
 
 def _cells(found: Errors) -> list[str]:
@@ -133,6 +84,51 @@ def _cells(found: Errors) -> list[str]:
         f"{found.grf.mean:.1f} ± {found.grf.std:.1f}",
         f"{1e3 * found.cop.mean:.1f} ± {1e3 * found.cop.std:.1f}",
     ]
+
+
+PAGE = """\
+# Real robots
+
+Everything on this page is computed from recordings of real hardware by
+
+    .venv/bin/python benchmarks/real_robots.py FOLDER
+
+where FOLDER holds the recordings; they are not part of this project.
+
+## REEM-C: six-axis sensors in the ankles
+
+Three trials at 50 Hz of a humanoid of 1.65 m, published by eurobench/eb_hum_bench (BSD): slow
+stepping and two walks. Neither the axes nor the offsets of the sensors are documented; the axes
+are taken as parallel to the sole's. No force plate was there, so **the reference is the model**,
+not a truth: weight and CoM of the published URDF, the acceleration of the CoM from joint angles
+and the recorded pose of the base, CoP as zero-moment point.
+
+Stances are found from the data: a foot stands where its vertical readings are loaded and it is
+flat and still, it hangs where they are at their lowest; a hanging foot's wrench is zero. Two
+trials are fitted, the third is only predicted. Errors over all samples of all stances of the
+held-out trial, MAE ± standard deviation:
+
+| fitted on | held out | GRF before (N) | CoP before (mm) | GRF after (N) | CoP after (mm) |
+|---|---|---|---|---|---|
+{rows}
+
+*Before*: the published readings as they are (gain 1, offset 0).
+
+The vertical gains come out near {gain:.2f} in place of 1. A wrong mass looks exactly like a common
+gain error, and only a known weight separates them: if the sensors' own gains are right, the robot
+weighed about {implied:.0f} kg, not the {mass:.1f} kg of its URDF. Nothing in the recordings decides it.
+
+Gains and offsets (fitted on {trained}):
+
+| channel | gain | offset (N, N m) |
+|---|---|---|
+{channels}
+
+What stays open: the CoP of walking stays centimetres off its model, many times a slow NAO's. The
+base pose is an estimate, the angular momentum of the swinging leg is left out, and soles are taken
+as rigid and flat. Where the GRF of a held-out walk does not fall, its vertical acceleration is the
+larger error: it is a second derivative of an estimated pose.
+"""
 
 
 if __name__ == "__main__":
