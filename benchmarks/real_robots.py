@@ -116,7 +116,8 @@ held-out trial, MAE ± standard deviation:
 
 The vertical gains come out near {gain:.2f} in place of 1. A wrong mass looks exactly like a common
 gain error, and only a known weight separates them: if the sensors' own gains are right, the robot
-weighed about {implied:.0f} kg, not the {mass:.1f} kg of its URDF. Nothing in the recordings decides it.
+weighed about {implied:.0f} kg, not the {mass:.1f} kg of its URDF. Nothing in the recordings
+decides it.
 
 Gains and offsets (fitted on {trained}):
 
