@@ -1,0 +1,118 @@
+"""What the report on a calibration tells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.calibration.comparison import Comparison, stage_errors
+from shoecal_core.calibration.evaluate import Errors, Series, errors
+from shoecal_core.calibration.fit import SelfCalibration
+from shoecal_core.errors import ShapeError, ShoecalError
+from shoecal_core.model.robot import Robot
+from shoecal_core.report.figures.series import joined
+from shoecal_core.sensing.shoe import Shoe
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RunReport:
+    """One run.
+
+    Attributes:
+        stances: one in double support, many in walking; all of one run and one set.
+        snapshot_time: (k,) instants to show the robot at [s].
+        snapshot_angles: (k, m) its joint angles then [rad].
+    """
+
+    stances: tuple[Comparison, ...]
+    snapshot_time: FloatArray
+    snapshot_angles: FloatArray
+
+    def __post_init__(self) -> None:
+        if len({(one.stance.run, one.set) for one in self.stances}) != 1:
+            raise ShoecalError("a run's report needs the stances of one run and of one set")
+        if self.snapshot_angles.shape[:1] != self.snapshot_time.shape:
+            raise ShapeError(
+                "snapshot_angles", f"({len(self.snapshot_time)}, m)", self.snapshot_angles.shape
+            )
+
+    @property
+    def run(self) -> int:
+        """Its number."""
+        return self.stances[0].stance.run
+
+    @property
+    def test(self) -> bool:
+        """It was kept from the fit."""
+        return self.stances[0].set == "test"
+
+    @property
+    def double_support(self) -> bool:
+        """Both feet stood where they were all the time."""
+        return len(self.stances) == 1 and all(self.stances[0].stance.loaded)
+
+    def series(self, name: str) -> Series:
+        """All stances in a row: `guess`, `measured`, `modelled`, `truth` or `reference`."""
+        return joined([getattr(one, name) for one in self.stances])
+
+    def errors(self, name: str) -> Errors:
+        """Errors of `guess`, `measured` or `modelled` against the reference."""
+        return errors([(getattr(one, name), one.reference) for one in self.stances])
+
+
+@dataclass(frozen=True)
+class CalibrationReport:
+    """Everything that a calibration's report tells.
+
+    Attributes:
+        robot, shoe: what was calibrated.
+        calibration: with its verdict.
+        stages: how it was found; None where it was not found from these runs.
+        runs: training runs first.
+        timing: seconds by stage, for example `plan`, `record`, `solve`, `total`.
+        provenance: lines that say where this is from; what is simulated and what is real.
+    """
+
+    robot: Robot
+    shoe: Shoe
+    calibration: Calibration
+    stages: SelfCalibration | None
+    runs: tuple[RunReport, ...]
+    timing: Mapping[str, float] = field(default_factory=dict)
+    provenance: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.runs:
+            raise ShoecalError("a calibration's report needs at least one run; give it runs")
+        if self.calibration.channels != self.shoe.names:
+            raise ShoecalError(
+                f"calibration '{self.calibration.id}' has other channels than shoe "
+                f"'{self.shoe.name}'; give the shoe that it is of"
+            )
+
+    @cached_property
+    def errors(self) -> dict[str, dict[str, Errors]]:
+        """Errors against the reference by stage and set."""
+        return stage_errors([one for run in self.runs for one in run.stances])
+
+    @property
+    def has_truth(self) -> bool:
+        """Every run is compared with a truth, not only with the model."""
+        return all(one.truth is not None for run in self.runs for one in run.stances)
+
+    @property
+    def reference(self) -> str:
+        """Name of what errors are counted against."""
+        return "truth" if self.has_truth else "model"
+
+    @property
+    def judged(self) -> str:
+        """The set whose errors speak for the calibration: `test` where there is one."""
+        return "test" if any(run.test for run in self.runs) else "train"

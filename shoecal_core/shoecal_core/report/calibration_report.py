@@ -1,0 +1,181 @@
+"""The report on a calibration as a page, and as a file."""
+
+from __future__ import annotations
+
+from datetime import UTC, datetime
+from pathlib import Path
+
+from shoecal_core.calibration.evaluate import Errors
+from shoecal_core.report.calibration_content import CalibrationReport
+from shoecal_core.report.calibration_figures import (
+    accuracy_pictures,
+    channel_pictures,
+    foot_picture,
+    run_pictures,
+    set_name,
+)
+from shoecal_core.report.calibration_tables import (
+    channels_table,
+    errors_table,
+    origin_table,
+    runs_table,
+    stages_table,
+    support_text,
+    time_offset,
+    timing_table,
+    weak_directions_table,
+    weight_std,
+)
+from shoecal_core.report.html import write_page
+from shoecal_core.report.page import Group, KeyFigure, Page, Reason, Section, Verdict
+from shoecal_core.report.quantities import mean_error, uncertain
+from shoecal_core.sensing.shoe import FEET
+
+MEANING = {
+    "PASS": "This calibration may be used.",
+    "WARN": "This calibration may be used with care: read the reasons first.",
+    "FAIL": "This calibration must not be used.",
+}
+SOURCES = {"self": "self-calibration", "manual": "manual calibration"}
+EPOCH_NS = 946_684_800 * 10**9
+"""Start of the year 2000 [ns]: earlier stamps are of a simulated clock and name no day."""
+
+
+def calibration_report(path: Path, content: CalibrationReport) -> None:
+    """Write the report as one self-contained HTML file.
+
+    Raises:
+        FileError: when it cannot be written.
+    """
+    write_page(path, calibration_page(content))
+
+
+def calibration_page(content: CalibrationReport) -> Page:
+    """The report, ready to be rendered; the same content makes the same page."""
+    calibration = content.calibration
+    return Page(
+        title=f"Calibration of {content.shoe.name} on {content.robot.name}",
+        subtitle=_subtitle(content),
+        verdict=Verdict(
+            calibration.verdict,
+            MEANING[calibration.verdict],
+            tuple(_reason(text, calibration.verdict) for text in calibration.reasons),
+        ),
+        key_figures=_key_figures(content),
+        sections=(_accuracy(content), _channels(content), _runs(content), _feet(content),
+                  _details(content)),
+        provenance=content.provenance,
+    )  # fmt: skip
+
+
+def _subtitle(content: CalibrationReport) -> str:
+    calibration = content.calibration
+    parts = [SOURCES.get(calibration.source, calibration.source)]
+    if calibration.made_ns >= EPOCH_NS:
+        made = datetime.fromtimestamp(calibration.made_ns // 10**9, UTC)
+        parts.append(made.strftime("%Y-%m-%d %H:%M UTC"))
+    train = sum(not run.test for run in content.runs)
+    parts.append(f"{train} training and {len(content.runs) - train} test runs")
+    return " · ".join(parts)
+
+
+def _reason(text: str, verdict: str) -> Reason:
+    level, mark, rest = text.partition(": ")
+    return Reason(level, rest) if mark and level in MEANING else Reason(verdict, text)
+
+
+def _key_figures(content: CalibrationReport) -> tuple[KeyFigure, ...]:
+    judged, stages = content.judged, content.stages
+    found = content.errors["self_calibration"][judged]
+    before = content.errors["initial_guess"][judged]
+    where = "test runs" if judged == "test" else "training runs"
+    keys = [
+        KeyFigure(f"CoP error, {where}", mean_error(found.cop, "mm", 1e3),
+                  _before(mean_error(before.cop, "mm", 1e3), stages is not None)),
+        KeyFigure(f"GRF error, {where}", mean_error(found.grf, "N"),
+                  _before(mean_error(before.grf, "N"), stages is not None)),
+    ]  # fmt: skip
+    if content.has_truth:
+        keys += _foot_keys(found, where)
+    weight = uncertain(content.calibration.weight, weight_std(content), "N")
+    keys.append(KeyFigure("weight it rests on", weight, "robot and shoes, ± standard uncertainty"))
+    if stages is not None:
+        count = len(stages.fit.singular_values)
+        keys += [
+            KeyFigure("fixed by the data", f"{stages.fit.rank} of {count}",
+                      "directions of the parameters"),
+            KeyFigure("joints late by", time_offset(stages), "against the readings"),
+        ]  # fmt: skip
+    return tuple(keys)
+
+
+def _before(text: str, guessed: bool) -> str:
+    return f"initial guess: {text}" if guessed else ""
+
+
+def _foot_keys(found: Errors, where: str) -> list[KeyFigure]:
+    return [
+        KeyFigure(f"{foot} foot's CoP error", mean_error(mae, "mm", 1e3), where)
+        for foot, mae in zip(FEET, found.foot_cop, strict=True)
+    ]
+
+
+def _accuracy(content: CalibrationReport) -> Section:
+    if content.has_truth:
+        text = (
+            "Errors are counted against the truth: the forces between shoes and floor. "
+            "The calibration never saw it; it was fitted to the model."
+        )
+    else:
+        text = (
+            "Errors are counted against the model (the robot's weight and its CoM's ground "
+            "projection): there is no truth here, so an error of the model itself stays unseen."
+        )
+    if content.judged == "train":
+        text += " No run was kept for a test: how well other runs are measured is not known."
+    group = Group(pictures=accuracy_pictures(content), tables=(errors_table(content),))
+    return Section("Accuracy", (group,), text)
+
+
+def _channels(content: CalibrationReport) -> Section:
+    tables = [channels_table(content)]
+    if content.stages is not None:
+        weak = weak_directions_table(content, content.stages)
+        tables += [] if weak is None else [weak]
+    return Section("Channels", (Group(pictures=channel_pictures(content), tables=tuple(tables)),))
+
+
+def _runs(content: CalibrationReport) -> Section:
+    groups = tuple(
+        Group(
+            title=f"Run {run.run} · {set_name(run)}",
+            text=_support_line(run.double_support, support_text(run)),
+            pictures=run_pictures(content, run),
+        )
+        for run in content.runs
+    )
+    return Section("Runs", groups)
+
+
+def _support_line(double_support: bool, text: str) -> str:
+    return f"Right foot from the left: {text}." if double_support else f"{text}."
+
+
+def _feet(content: CalibrationReport) -> Section:
+    pictures = tuple(foot_picture(content, run) for run in content.runs)
+    return Section(
+        "Each foot by itself",
+        (Group(pictures=pictures),),
+        "Both feet together can look right while each is wrong, so each is looked at in its own "
+        "sole frame. No CoP is drawn while a foot carries too little.",
+    )
+
+
+def _details(content: CalibrationReport) -> Section:
+    tables = [runs_table(content)]
+    if content.stages is not None:
+        tables.append(stages_table(content, content.stages))
+    tables.append(origin_table(content))
+    if content.timing:
+        tables.append(timing_table(content))
+    return Section("Details", (Group(tables=tuple(tables)),))

@@ -1,0 +1,223 @@
+"""The tables of a calibration's report."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from shoecal_core.calibration.fit import SelfCalibration
+from shoecal_core.calibration.metrics import Mae
+from shoecal_core.report.calibration_content import CalibrationReport, RunReport
+from shoecal_core.report.calibration_figures import NORMAL_95, set_name
+from shoecal_core.report.page import Table
+from shoecal_core.report.quantities import (
+    UNKNOWN,
+    mean_error,
+    number,
+    quantity,
+    uncertain,
+)
+from shoecal_core.sensing.shoe import FEET
+
+STAGES = {
+    "initial_guess": "initial guess",
+    "self_calibration": "calibrated",
+    "modelled": "model",
+}
+SETS = {"train": "training runs", "test": "test runs"}
+SIGNIFICANT = 0.2
+"""Parameters with a smaller part in a direction are not listed with it."""
+
+
+def errors_table(content: CalibrationReport) -> Table:
+    """Errors by stage and set, of both feet together and of each."""
+    header = ["", "GRF", "CoP"]
+    if content.has_truth:
+        header += [f"{foot} {what}" for what in ("GRF", "CoP") for foot in FEET]
+    rows = []
+    for stage, label in STAGES.items():
+        for name, found in content.errors.get(stage, {}).items():
+            row = [f"{label}, {SETS[name]}", *_pair(found.grf, found.cop)]
+            if content.has_truth:
+                row += [mean_error(mae, "N") for mae in found.foot_grf]
+                row += [mean_error(mae, "mm", 1e3) for mae in found.foot_cop]
+            rows.append(tuple(row))
+    return Table(
+        f"Mean absolute errors against the {content.reference}",
+        tuple(header),
+        tuple(rows),
+        "± is the standard deviation of the absolute error. The CoP's error is a distance in "
+        "the plane. The model does not know each foot's share.",
+    )
+
+
+def runs_table(content: CalibrationReport) -> Table:
+    """What was recorded."""
+    rows = tuple(
+        (
+            f"run {run.run}",
+            set_name(run),
+            support_text(run),
+            quantity(sum(one.stance.duration for one in run.stances), "s", 1),
+            str(sum(len(one.stance.time) for one in run.stances)),
+            *_pair(run.errors("measured").grf, run.errors("measured").cop),
+        )
+        for run in content.runs
+    )
+    header = ("", "set", "right foot from the left", "duration", "samples", "GRF", "CoP")
+    return Table(
+        "Runs", header, rows, "GRF and CoP: MAE ± standard deviation of the calibrated shoes."
+    )
+
+
+def support_text(run: RunReport) -> str:
+    """Where the right foot stands, or how many stances there are."""
+    if not run.double_support:
+        return f"{len(run.stances)} stances"
+    support = run.stances[0].stance.support
+    return ", ".join(
+        (
+            f"x\N{NO-BREAK SPACE}{quantity(1e3 * support.dx, 'mm', 0)}",
+            f"y\N{NO-BREAK SPACE}{quantity(1e3 * support.dy, 'mm', 0)}",
+            f"yaw\N{NO-BREAK SPACE}{quantity(math.degrees(support.dtheta), 'deg', 1)}",
+        )
+    )
+
+
+def channels_table(content: CalibrationReport) -> Table:
+    """Gain and offset of every channel with their 95 % intervals."""
+    shoe, calibration = content.shoe, content.calibration
+    count = len(shoe.names)
+    half = np.full(2 * count, np.nan)
+    if calibration.covariance is not None:
+        half = NORMAL_95 * np.sqrt(np.diag(calibration.covariance))
+    guess = None if content.stages is None else content.stages.guess.parameters
+    rows = []
+    for index, name in enumerate(shoe.names):
+        unit = "N m" if shoe.torque[index] else "N"
+        gain_unit = f"{unit}/{shoe.unit}"
+        row = [
+            name,
+            uncertain(calibration.parameters.gain[index], half[index], gain_unit),
+            uncertain(calibration.parameters.offset[index], half[count + index], unit),
+        ]
+        if guess is not None:
+            row += [
+                uncertain(guess.gain[index], math.nan, gain_unit),
+                uncertain(guess.offset[index], math.nan, unit),
+            ]
+        rows.append(tuple(row))
+    header = ["channel", "gain", "offset"]
+    if guess is not None:
+        header += ["guessed gain", "guessed offset"]
+    note = "± is half of the 95 % interval"
+    if calibration.covariance is None:
+        note = "Uncertainties are not known: this calibration came without them"
+    return Table(
+        "Channels", tuple(header), tuple(rows), f"{note}. Output = gain · reading + offset."
+    )
+
+
+def weak_directions_table(content: CalibrationReport, stages: SelfCalibration) -> Table | None:
+    """What the data did not fix; None where they fixed everything."""
+    values, directions = stages.fit.singular_values, stages.fit.directions
+    weak = np.flatnonzero(values <= 1.0)
+    if not len(weak):
+        return None
+    names = content.shoe.names
+    labels = [f"{name} gain" for name in names] + [f"{name} offset" for name in names]
+    labels.append("time offset")
+    # In units of what was believed before, every direction has the length 1.
+    scale = np.linalg.norm(directions, axis=0)
+    parts = directions / np.where(scale == 0.0, 1.0, scale)
+    rows = []
+    for index in weak:
+        strongest = np.argsort(-np.abs(parts[index]), kind="stable")
+        listed = [
+            f"{labels[k]} {'+' if parts[index, k] > 0 else ''}{number(parts[index, k], 2)}"
+            for k in strongest
+            if abs(parts[index, k]) >= SIGNIFICANT
+        ]
+        rows.append((str(index + 1), f"{values[index]:.2g}", ", ".join(listed) or UNKNOWN))
+    return Table(
+        "Directions left to the prior",
+        ("direction", "singular value", "parameters that change together"),
+        tuple(rows),
+        "In units of each parameter's prior standard deviation; smaller parts than "
+        f"{SIGNIFICANT:g} are left out.",
+    )
+
+
+def stages_table(content: CalibrationReport, stages: SelfCalibration) -> Table:
+    """How the calibration was found."""
+    fit, unit = stages.fit, content.shoe.unit
+    rows = []
+    for label, guess in (
+        ("initial guess, from the CoP alone", stages.guess),
+        ("initial guess, from CoP and weight", stages.guess_with_weight),
+    ):
+        gain = uncertain(guess.gain, math.nan, f"N/{unit}")
+        offset = uncertain(guess.offset, math.nan, "N")
+        rows.append((label, f"gain {gain}, offset {offset}"))
+    rows += [
+        (
+            "nonlinear least squares",
+            f"{fit.iterations} iterations, cost {fit.initial_cost:.4g} → {fit.cost:.4g}",
+        ),
+        ("joints late against the readings", time_offset(stages)),
+        ("CoP correction", _corrected(stages)),
+    ]
+    return Table("How it was found", ("stage", "result"), tuple(rows))
+
+
+def time_offset(stages: SelfCalibration) -> str:
+    """Time offset with its standard deviation."""
+    std = math.sqrt(stages.fit.covariance[-1, -1])
+    return uncertain(1e3 * stages.time_offset, 1e3 * std, "ms")
+
+
+def _corrected(stages: SelfCalibration) -> str:
+    if not stages.corrections:
+        return "none: it did not help on runs held out"
+    parts = []
+    for correction in stages.corrections:
+        (x_low, y_low), (x_high, y_high) = 1e3 * correction.cop_range
+        parts.append(
+            f"{FEET[correction.foot]} foot, trained for x {number(x_low, 0)} to "
+            f"{quantity(x_high, 'mm', 0)}, y {number(y_low, 0)} to {quantity(y_high, 'mm', 0)}"
+        )
+    return "; ".join(parts)
+
+
+def timing_table(content: CalibrationReport) -> Table:
+    """How long it took."""
+    rows = tuple((name, quantity(value, "s", 1)) for name, value in content.timing.items())
+    return Table("Time taken", ("stage", "time"), rows)
+
+
+def origin_table(content: CalibrationReport) -> Table:
+    """Which calibration of what this is."""
+    calibration, robot = content.calibration, content.robot
+    rows = (
+        ("calibration", calibration.id),
+        ("robot", f"{robot.name}, file {_short(calibration.robot_hash)}"),
+        ("shoe", f"{calibration.shoe}, file {_short(calibration.shoe_hash)}"),
+        ("weight of robot and shoes", uncertain(calibration.weight, weight_std(content), "N")),
+        ("temperature", quantity(calibration.temperature, "°C", 1)),
+    )
+    return Table("What it belongs to", ("", ""), rows)
+
+
+def weight_std(content: CalibrationReport) -> float:
+    """Standard uncertainty of the weight [N]."""
+    robot = content.robot
+    return robot.mass_std * robot.weight / robot.mass
+
+
+def _short(digest: str) -> str:
+    return digest[:12]
+
+
+def _pair(grf: Mae, cop: Mae) -> tuple[str, str]:
+    return mean_error(grf, "N"), mean_error(cop, "mm", 1e3)

@@ -1,0 +1,1 @@
+"""Figures of the reports: each takes plain arrays and returns SVG."""

@@ -1,0 +1,50 @@
+"""Numbers with their units and uncertainties, as a person reads them."""
+
+from __future__ import annotations
+
+import math
+
+from shoecal_core.calibration.metrics import Mae
+
+UNKNOWN = "–"
+SPACE = "\N{NO-BREAK SPACE}"
+PLUS_MINUS = f"{SPACE}±{SPACE}"
+
+
+def number(value: float, decimals: int) -> str:
+    """A number with a true minus sign; a dash where it is not known."""
+    if not math.isfinite(value):
+        return UNKNOWN
+    text = f"{value:.{decimals}f}"
+    if float(text) == 0.0:
+        text = text.removeprefix("-")
+    return text.replace("-", "\N{MINUS SIGN}")
+
+
+def quantity(value: float, unit: str, decimals: int = 2) -> str:
+    """A number and its unit."""
+    text = number(value, decimals)
+    return text if text == UNKNOWN else f"{text}{SPACE}{unit}"
+
+
+def uncertain(value: float, uncertainty: float, unit: str) -> str:
+    """A number ± its uncertainty, to two digits of that, and the unit.
+
+    Without a known uncertainty four digits are shown.
+    """
+    if not math.isfinite(value):
+        return UNKNOWN
+    known = math.isfinite(uncertainty) and uncertainty > 0.0
+    size = uncertainty if known else abs(value)
+    digits = 2 if known else 4
+    decimals = 0 if size == 0.0 else max(0, digits - 1 - math.floor(math.log10(size)))
+    spread = f"{PLUS_MINUS}{number(uncertainty, decimals)}" if known else ""
+    return f"{number(value, decimals)}{spread}{SPACE}{unit}"
+
+
+def mean_error(mae: Mae, unit: str, scale: float = 1.0) -> str:
+    """MAE ± the standard deviation of the absolute error, in a unit of 1/`scale`."""
+    if not mae.count:
+        return UNKNOWN
+    mean, std = number(scale * mae.mean, 2), number(scale * mae.std, 2)
+    return f"{mean}{PLUS_MINUS}{std}{SPACE}{unit}"

@@ -1,0 +1,79 @@
+"""The report on a calibration that was found from a recorded session."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from shoecal_core.calibration.aligned import align
+from shoecal_core.calibration.comparison import Comparison, compare
+from shoecal_core.calibration.pipeline import Outcome
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.recording.session import Session
+from shoecal_core.recording.truth import Truth
+from shoecal_core.report.calibration_content import CalibrationReport, RunReport
+from shoecal_core.report.calibration_report import calibration_report
+
+SNAPSHOTS = 5
+
+
+def write_session_report(
+    path: Path,
+    session: Session,
+    outcome: Outcome,
+    *,
+    truths: Mapping[int, Truth] | None = None,
+    timing: Mapping[str, float] | None = None,
+    provenance: Sequence[str] = (),
+) -> None:
+    """Write the report on what `calibrate_session` found.
+
+    Args:
+        path: of the HTML file.
+        session: that the calibration was found from.
+        outcome: of the calibration.
+        truths: of simulated runs, to be shown; without them the model is the reference.
+        timing: seconds by stage.
+        provenance: further lines on where this is from.
+
+    Raises:
+        FileError: when the session cannot be read any more or the report not be written.
+    """
+    kinematics = Kinematics(outcome.data.robot)
+    by_run: dict[int, list[Comparison]] = {}
+    for one in compare(outcome, truths or {}):
+        by_run.setdefault(one.stance.run, []).append(one)
+    content = CalibrationReport(
+        robot=outcome.data.robot,
+        shoe=outcome.data.shoe,
+        calibration=outcome.calibration,
+        stages=outcome.stages,
+        runs=tuple(_run(session, outcome, kinematics, stances) for stances in by_run.values()),
+        timing=timing or {},
+        provenance=(*_origin(session, outcome), *provenance),
+    )
+    calibration_report(path, content)
+
+
+def _run(
+    session: Session, outcome: Outcome, kinematics: Kinematics, stances: Sequence[Comparison]
+) -> RunReport:
+    aligned = align(session.read(stances[0].stance.run), outcome.data.shoe, kinematics)
+    shown = np.linspace(0, len(aligned.time) - 1, SNAPSHOTS).round().astype(int)
+    return RunReport(tuple(stances), aligned.time[shown], aligned.joint_angles[shown])
+
+
+def _origin(session: Session, outcome: Outcome) -> list[str]:
+    simulated = [run for run in outcome.data.stances if session.truth_path(run).is_file()]
+    if simulated:
+        origin = "The recorded robot, its shoes and the floor are simulated."
+    else:
+        origin = "Nothing in the session says that it was simulated: taken as recorded on hardware."
+    return [origin, f"Session {session.folder.name}, runs {_listed(outcome)}."]
+
+
+def _listed(outcome: Outcome) -> str:
+    train, test = (", ".join(map(str, runs)) or "none" for runs in (outcome.train, outcome.test))
+    return f"{train} to train, {test} to test"
