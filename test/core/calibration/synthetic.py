@@ -85,12 +85,13 @@ def stance(
         late: the model's samples tell what was true this long before [s].
     """
     time = np.arange(count) / rate
+    seed = int(rng.integers(2**32))  # one draw a run, however many samples it has
     forces, then = (
-        cell_forces(shoe, moment, copy, weight)
-        for moment, copy in zip((time, time - late), _twins(rng), strict=True)
+        cell_forces(shoe, moment, np.random.default_rng(seed), weight)
+        for moment in (time, time - late)
     )
     wrench = combined(foot_wrenches(shoe, then), support)
-    noisy = forces + noise * rng.standard_normal(forces.shape)
+    noisy = forces + noise * np.random.default_rng([seed, 1]).standard_normal(forces.shape)
     return make_stance(
         run,
         shoe,
@@ -162,9 +163,3 @@ def with_model_noise(
         force=stance.force + force * rng.standard_normal(stance.force.shape),
         cop=stance.cop + place * rng.standard_normal(stance.cop.shape),
     )
-
-
-def _twins(rng: np.random.Generator) -> tuple[np.random.Generator, np.random.Generator]:
-    """Two generators that draw the same numbers."""
-    seed = int(rng.integers(2**32))
-    return np.random.default_rng(seed), np.random.default_rng(seed)

@@ -81,4 +81,4 @@ def test_other_shapes_and_numbers_are_refused(stance: Stance, name: str) -> None
     spoilt = array.copy()
     spoilt.flat[0] = np.nan
     with pytest.raises(ShoecalError, match=f"run 1: {name} holds a number that is not finite"):
-        replace(stance, **{name: spoilt})  # type: ignore[arg-type]
+        replace(stance, **{name: spoilt})
