@@ -10,21 +10,22 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.errors import ShapeError, ShoecalError
+from shoecal_core.errors import ShapeError
 from shoecal_core.model.robot import Robot
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.simulation import robot_physics
 from shoecal_core.simulation.converter import Converter, Readings
 from shoecal_core.simulation.drawn import DrawnReality
+from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError
 from shoecal_core.simulation.floor import FloorTruth, floor_truth
+from shoecal_core.simulation.set_points import SERVO_PERIOD, SetPoints
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader
 from shoecal_core.simulation.snapshot import Snapshot
 from shoecal_core.simulation.trajectory import JointTrajectory
 
 FloatArray = NDArray[np.float64]
 
-SERVO_PERIOD = 0.01
-"""s; a servo takes a new command that often and moves evenly in between."""
+__all__ = ["JointReadings", "RobotFellError", "SimulatedRobot", "SupportNotReachedError"]
 
 _DROP = 5e-4
 """m; from how high the soles are put down."""
@@ -34,25 +35,6 @@ _FALLEN_TILT, _FALLEN_HEIGHT = 1.0, 0.7
 """rad, and part of the standing height: a torso beyond either has fallen."""
 _REST_SPEED, _REST_TIME = 2e-3, 0.5
 """m/s, rad/s: slower than this, for that long [s], is at rest."""
-
-
-class RobotFellError(ShoecalError):
-    """The robot fell.
-
-    Attributes:
-        time: simulated time [s].
-    """
-
-    def __init__(self, robot: str, time: float, tilt: float, height: float) -> None:
-        self.time = time
-        super().__init__(
-            f"simulated robot '{robot}' fell at {time:.2f} s (torso tilted by {tilt:.2f} rad, at "
-            f"{height:.0%} of its standing height); plan a slower motion or a wider stance"
-        )
-
-
-class SupportNotReachedError(ShoecalError):
-    """The robot could not be brought to stand still in a double support."""
 
 
 @dataclass(frozen=True)
@@ -99,16 +81,16 @@ class SimulatedRobot:
         self.robot, self.shoe, self.drawn = robot, shoe, drawn
         self.physics = robot_physics.build(robot, shoe, drawn)
         self._model = self.physics.model
-        self.data = mujoco.MjData(self._model)
+        self.data, self._scratch = mujoco.MjData(self._model), mujoco.MjData(self._model)
         self._outputs = ChannelOutputs(self._model, shoe)
         self._soles = SoleReader(self._model)
         self._converter = Converter(shoe, drawn.rules, drawn.shoes, noise)
         self._latency = drawn.shoes.latency
         self._base = self._model.body(drawn.body.links[0]).id
-        self._steps_per_command = max(1, round(SERVO_PERIOD / drawn.rules.step_s))
         self._leaders = np.array(
             [robot.joint(self._model.actuator(i).name) for i in range(self._model.nu)]
         )
+        self._heat = np.zeros(self._model.nu)
         self.reset(robot.posture)
 
     @property
@@ -124,7 +106,9 @@ class SimulatedRobot:
     # Commands
 
     def reset(self, joint_angles: FloatArray) -> None:
-        """Put the robot just above the floor, motionless, time 0, both soles as flat as can be.
+        """Put the robot just above the floor, motionless, both soles as flat as can be.
+
+        Time starts at 0 again; motors stay as warm as they are.
 
         Args:
             joint_angles: (m,) as encoders shall show them [rad].
@@ -139,12 +123,11 @@ class SimulatedRobot:
         still = still.full(self.robot, joint_angles)
         told = still.positions[0]
         self._check_soles(told)
-        self._pose(told - self.drawn.body.encoder_error)
+        self._pose(self.data, told - self.drawn.body.encoder_error)
         self._lower_to_floor()
         self._steps = 0
-        self._follow(still)
-        self.data.act[:] = self._set_points[0]
-        self._heat = np.zeros(self._model.nu)
+        self._set_points = SetPoints(still, self._steps, self.drawn.rules.step_s)
+        self.data.act[:] = self._motor_angles(told)
         self._standing_height = float(self.data.xpos[self._base, 2])
         self._felt: deque[tuple[float, FloatArray]] = deque()
         mujoco.mj_step(self._model, self.data)
@@ -183,23 +166,22 @@ class SimulatedRobot:
             NameNotFoundError: for a joint that the robot does not have.
             ShoecalError: for positions beyond a joint's limits, or two for one motor.
         """
-        now = self._command.at(np.array(self.time - self._command_start))
-        self._follow(trajectory.full(self.robot, now))
+        command = trajectory.full(self.robot, self._set_points.at_step(self._steps))
+        self._set_points = SetPoints(command, self._steps, self.drawn.rules.step_s)
 
     def step_to(self, time: float) -> None:
         """Run the physics up to the last step that is not after a time [s].
 
         The motion does not depend on when it is looked at.
         """
-        step = self.drawn.rules.step_s
+        step, length = self.drawn.rules.step_s, self._set_points.steps_per_period
         last = math.floor(time / step + 1e-6)
         while self._steps < last:
-            period, done = divmod(self._steps, self._steps_per_command)
+            period, done = divmod(self._steps, length)
             if done == 0:
-                row = min(period + 1 - self._first_period, len(self._set_points) - 1)
-                way = self._set_points[row] - self.data.act
-                self.data.ctrl[:] = way / (self._steps_per_command * step)
-            count = min(last - self._steps, self._steps_per_command - done)
+                end = self._motor_angles(self._set_points.at_period(period + 1))
+                self.data.ctrl[:] = (end - self.data.act) / (length * step)
+            count = min(last - self._steps, length - done)
             mujoco.mj_step(self._model, self.data, nstep=count)
             self._steps += count
             self._warm(count * step)
@@ -263,28 +245,27 @@ class SimulatedRobot:
 
     # Inside
 
-    def _follow(self, command: JointTrajectory) -> None:
-        """Take a command for all joints from now on."""
-        period = self._steps_per_command * self.drawn.rules.step_s
-        self._command, self._command_start = command, self.time
-        self._first_period = self._steps // self._steps_per_command
-        count = math.ceil(command.duration / period) + 2
-        ends = np.arange(self._first_period, self._first_period + count, dtype=np.float64) * period
-        angles = command.at(ends - self._command_start) - self.drawn.body.encoder_error
-        # What the servos aim at, given what their encoders show, at the end of each period.
-        self._set_points = angles[:, self._leaders]
+    def _motor_angles(self, told: FloatArray) -> FloatArray:
+        """(a,) what the servos aim at so that their encoders show joint angles (m,)."""
+        angles: FloatArray = (told - self.drawn.body.encoder_error)[self._leaders]
+        return angles
 
-    def _pose(self, motor_angles: FloatArray) -> None:
-        """Joints at these angles, everything else at zero, the root at the origin."""
-        mujoco.mj_resetData(self._model, self.data)
-        self.data.qpos[self.physics.positions] = motor_angles
-        mujoco.mj_kinematics(self._model, self.data)
+    def _pose(self, data: mujoco.MjData, motor_angles: FloatArray) -> None:
+        """Joints at these angles, left sole on the world's origin, all else at zero."""
+        mujoco.mj_resetData(self._model, data)
+        data.qpos[self.physics.positions] = motor_angles
+        mujoco.mj_kinematics(self._model, data)
+        position, rotation = self._soles.pose(data)
+        to_left = rotation[0].T
+        data.qpos[:3] = -to_left @ position[0]
+        mujoco.mju_mat2Quat(data.qpos[3:7], to_left.ravel())
+        mujoco.mj_kinematics(self._model, data)
 
     def _check_soles(self, angles: FloatArray) -> None:
-        self._pose(angles)
-        (left, right), (to_left, to_right) = self._soles.pose(self.data)
-        height = abs(float((to_left.T @ (right - left))[2]))
-        tilt = math.acos(min(1.0, float(to_left[:, 2] @ to_right[:, 2])))
+        self._pose(self._scratch, angles)
+        position, rotation = self._soles.pose(self._scratch)
+        height = abs(float(position[1, 2]))
+        tilt = math.acos(min(1.0, float(rotation[1, 2, 2])))
         if height > _UNEVEN_HEIGHT or tilt > _UNEVEN_TILT:
             raise SupportNotReachedError(
                 f"robot '{self.robot.name}' cannot stand with these joint angles: its soles are "
@@ -293,18 +274,12 @@ class SimulatedRobot:
             )
 
     def _lower_to_floor(self) -> None:
-        """Left sole on the world's origin, its outline and the right one's just above the floor."""
-        (left, _), (to_left, _) = self._soles.pose(self.data)
-        base, turn = np.zeros(3), np.zeros(4)
-        mujoco.mju_mat2Quat(turn, to_left.T.ravel())
-        base[:] = -to_left.T @ left
-        self.data.qpos[3:7] = turn
-        self.data.qpos[:3] = base
-        mujoco.mj_kinematics(self._model, self.data)
-        positions, rotations = self._soles.pose(self.data)
+        """The lowest corner of both outlines just above the floor."""
         lowest = min(
             float((position + rotation[:, :2] @ corner)[2])
-            for position, rotation, foot in zip(positions, rotations, self.robot.feet, strict=True)
+            for position, rotation, foot in zip(
+                *self._soles.pose(self.data), self.robot.feet, strict=True
+            )
             for corner in foot.outline
         )
         self.data.qpos[2] += _DROP - lowest

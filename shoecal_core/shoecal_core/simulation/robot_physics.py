@@ -80,7 +80,7 @@ def build_spec(robot: Robot, shoe: Shoe, drawn: DrawnReality) -> mujoco.MjSpec:
     """The same before compilation, for whoever wants to add to it."""
     spec = _read_urdf(robot)
     _set_masses(spec, drawn)
-    spec.worldbody.first_body().add_freejoint(name="base")
+    spec.worldbody.first_body().add_freejoint()
     _add_motors(spec, robot, drawn)
     add_floor(spec, drawn.rules, drawn.shoes)
     builder = ShoeBuilder(shoe, drawn.rules, drawn.shoes)
@@ -154,7 +154,7 @@ def _add_gear(
     spec: mujoco.MjSpec, motor: mujoco.MjsJoint, limit: float, play: float, compliance: float
 ) -> None:
     """A second joint about the same axis: free within the play, a spring beyond it."""
-    name = f"{motor.name}_gear"
+    name = f"gear/{motor.name}"
     motor.parent.add_joint(
         name=name,
         type=motor.type,

@@ -22,6 +22,8 @@ from shoecal_core.simulation.reality import Reality
 
 FloatArray = NDArray[np.float64]
 
+_OURS = "shoe/"
+"""Starts the names of bodies and joints, so that none is a name of the URDF."""
 _TIP_RADIUS = 0.004
 """m; the bottom plate touches the floor with a small ball at each corner of its outline."""
 _THICKNESS = 0.005
@@ -95,7 +97,7 @@ class ShoeBuilder:
         """
         plates, side = self.shoe.plates[foot], FEET[foot]
         factor = self.drawn.mass_factor[foot]
-        top = ankle.add_body(name=f"{side}_top_plate", pos=sole, quat=quaternion)
+        top = ankle.add_body(name=f"{_OURS}{side}_top_plate", pos=sole, quat=quaternion)
         _set_plate(top, plates.mass_above * factor, plates.com_above, outline)
         bottom = top.add_body(name=sole_name(foot))
         _set_plate(bottom, plates.mass_below * factor, plates.com_below, outline)
@@ -126,9 +128,9 @@ class ShoeBuilder:
         anchor = [0.0, 0.0, cells.height_m]
         hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
         motions = {
-            f"{side}_lift": (slide, [0, 0, 1], 0.0),
-            f"{side}_tilt_x": (hinge, [1, 0, 0], about_x),
-            f"{side}_tilt_y": (hinge, [0, 1, 0], about_y),
+            f"{_OURS}{side}_lift": (slide, [0, 0, 1], 0.0),
+            f"{_OURS}{side}_tilt_x": (hinge, [1, 0, 0], about_x),
+            f"{_OURS}{side}_tilt_y": (hinge, [0, 1, 0], about_y),
         }
         for name, (kind, axis, clamp) in motions.items():
             bottom.add_joint(name=name, type=kind, axis=axis, pos=anchor, stiffness=[clamp, 0, 0])
@@ -206,7 +208,7 @@ class SoleReader:
 
 def sole_name(foot: int) -> str:
     """Body of a shoe's bottom plate; its frame is the sole frame."""
-    return f"{FEET[foot]}_sole"
+    return f"{_OURS}{FEET[foot]}_sole"
 
 
 def has_cells(shoe: Shoe, foot: int) -> bool:
