@@ -5,6 +5,7 @@
 # a fresh stamp starts anew. So a second call does nothing, and an interrupted one is never taken
 # for done. PYTHON names the interpreter to use.
 set -Eeuo pipefail
+shopt -s nullglob
 trap 'echo "setup: stopped; mend what is said above, then call make setup again" >&2' ERR
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -122,7 +123,7 @@ files_of() { # folder...
 }
 
 main() {
-    local messages shared
+    local messages config
     exec 9<"${BASH_SOURCE[0]}"
     flock 9 # two calls at once: the second waits
 
@@ -132,8 +133,9 @@ main() {
     mapfile -t messages < <(files_of shoecal_msgs)
     step build_messages "$root/install/.messages" "$venv/.complete" "${messages[@]}"
 
-    mapfile -t shared < <(files_of config shoecal_ros/launch)
-    step build_python_packages "$root/install/.complete" "$root/install/.messages" "${shared[@]}" \
+    mapfile -t config < <(files_of config)
+    step build_python_packages "$root/install/.complete" "$root/install/.messages" "${config[@]}" \
+        shoecal_ros/launch/*.launch.py \
         shoecal_core/{package.xml,setup.cfg,setup.py} shoecal_ros/{package.xml,setup.cfg,setup.py}
 }
 
