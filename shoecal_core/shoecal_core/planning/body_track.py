@@ -106,7 +106,9 @@ def _holding_torques(
     )
     share, places = load_share(robot, support, cop)
     pin.computeJointJacobians(robot.model, data, base)
-    torque = pin.computeGeneralizedGravity(robot.model, data, base).copy()
+    torque = pin.computeGeneralizedGravity(robot.model, data, base)
+    # Pinocchio's own gravity is rounded; forces and weights must balance.
+    torque = torque * (GRAVITY / np.linalg.norm(robot.model.gravity.linear))
     for foot, part, place in zip(robot.feet, (share, 1.0 - share), places, strict=True):
         jacobian = pin.getJointJacobian(
             robot.model, data, foot.joint, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED

@@ -192,8 +192,8 @@ class Collocation:
         count = len(states)
         pose = np.tile(scene.foot_pose.parameters[:, None], count)
         others = np.tile(scene.others[:, None], count)
-        values = (np.array(value).T for value in self.state(states.T, pose, others))
-        return StateValues(*(value.reshape(count, -1) for value in values))
+        values = self.state(states.T, pose, others)
+        return StateValues(*(np.array(value).T for value in values))
 
     def limits(self, problem: HorizonProblem) -> Limits:
         """Bounds of every state; each bound that the start violates moves in by a rate."""

@@ -1,0 +1,28 @@
+"""Motions that several tests look at, planned once a test run."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from core.planning.bodies import load_body
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.planner import Planner
+from shoecal_core.planning.settings import PlannerSettings
+
+SETTINGS = PlannerSettings()
+SUPPORTS = (
+    DoubleSupport(0.03, -0.125, 0.104),
+    DoubleSupport(-0.02, -0.13, -0.26),
+    DoubleSupport(0.07, -0.112, 0.4),
+)
+
+
+@cache
+def planner_of(name: str) -> Planner:
+    return Planner(load_body(name).robot, SETTINGS)
+
+
+@cache
+def motion_of(name: str, index: int = 0) -> Motion:
+    return planner_of(name).plan(SUPPORTS[index])
