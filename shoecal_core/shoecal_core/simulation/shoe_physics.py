@@ -184,7 +184,8 @@ class ChannelOutputs:
             self._stiffness * data.ten_length[self._tendons]
             + self._damping * data.ten_velocity[self._tendons]
         )
-        outputs[self._axes] = data.sensordata[self._sensors]
+        # MuJoCo tells what the foot does to the plate; channels count what the plate does to it.
+        outputs[self._axes] = -data.sensordata[self._sensors]
         return outputs
 
 

@@ -1,0 +1,74 @@
+"""Robots, shoes and realities that the simulation is tested with."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.model.robot import Robot
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.simulation.drawn import draw
+from shoecal_core.simulation.effects import Effect
+from shoecal_core.simulation.reality import Reality, Table
+from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.simulation.robot import SimulatedRobot
+
+ROOT = Path(__file__).parents[3]
+REALITIES = ROOT / "config" / "realities"
+DEFAULT = load_reality(REALITIES / "default.yaml")
+PERFECT = load_reality(REALITIES / "default.yaml", REALITIES / "perfect.yaml")
+
+_FILES = {
+    "nao": ("config/robots/nao.yaml", "config/shoes/nao_shoe.yaml"),
+    "odd_biped": ("test/data/robots/odd_biped.yaml", "test/data/shoes/odd_shoe.yaml"),
+}
+NAMES = tuple(_FILES)
+
+
+@dataclass(frozen=True)
+class World:
+    """A robot in its shoes."""
+
+    robot: Robot
+    shoe: Shoe
+    kinematics: Kinematics
+
+    def simulate(self, rules: Reality, seed: int = 1) -> SimulatedRobot:
+        """The robot that a seed draws, in its own posture, just above the floor."""
+        drawn = draw(rules, self.robot, self.shoe, seed)
+        return SimulatedRobot(self.robot, self.shoe, drawn, np.random.default_rng(seed))
+
+    def standing(self, rules: Reality, seed: int = 1) -> SimulatedRobot:
+        """The same, at rest on the floor."""
+        sim = self.simulate(rules, seed)
+        sim.place(self.robot.posture)
+        return sim
+
+
+@cache
+def load_world(name: str) -> World:
+    robot_file, shoe_file = _FILES[name]
+    shoe = load_shoe(ROOT / shoe_file)
+    robot = load_robot(ROOT / robot_file, shoe)
+    return World(robot, shoe, Kinematics(robot))
+
+
+def changed(rules: Reality, *effects: Effect, **values: float | Mapping[str, float]) -> Reality:
+    """Rules with some keys changed; `section__key` names a key, a mapping makes a table."""
+    for name, value in values.items():
+        section, key = name.split("__")
+        entry: float | Table = (
+            value
+            if isinstance(value, int | float)
+            else Table({one: (row,) for one, row in value.items()}, Path("a.yaml"), key)
+        )
+        part = dataclasses.replace(getattr(rules, section), **{key: entry})
+        rules = dataclasses.replace(rules, **{section: part})
+    return dataclasses.replace(rules, effects=(*rules.effects, *effects))
