@@ -1,10 +1,23 @@
-"""Ends of actions, on both sides."""
+"""Actions, from both sides."""
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from typing import Any
 
+from rclpy.action import ActionClient
 from rclpy.action.server import ServerGoalHandle
+
+from shoecal_core.errors import ShoecalError
+from shoecal_ros.runtime import until
+
+ANSWER_S = 10.0
+"""Wall-clock time in which a server must answer a request, or end what it was told to stop."""
+
+
+class ActionError(ShoecalError):
+    """An action whose server does not do its part."""
 
 
 def finish(goal: ServerGoalHandle, result: Any, *, canceled: int) -> None:
@@ -21,3 +34,49 @@ def finish(goal: ServerGoalHandle, result: Any, *, canceled: int) -> None:
         goal.canceled()
     else:
         goal.abort()
+
+
+async def do_action(
+    client: ActionClient,
+    goal: Any,
+    *,
+    feedback: Callable[[Any], None],
+    stop: Callable[[], bool],
+    timeout_s: float,
+) -> Any:
+    """Have a goal done; its result, successful or not.
+
+    Args:
+        client: of the action.
+        goal: to send.
+        feedback: takes what the server tells meanwhile.
+        stop: whether to cancel the goal; the result then tells how it ended.
+        timeout_s: longest wall-clock time.
+
+    Raises:
+        ActionError: when the server is not there, vanishes, refuses or takes too long.
+    """
+    name = client._action_name  # noqa: SLF001 (rclpy offers no other way to it)
+    if not await until(lambda: client.server_is_ready() or stop(), ANSWER_S):
+        raise ActionError(f"nobody offers the action {name}; start the node that does")
+    sent = client.send_goal_async(goal, lambda message: feedback(message.feedback))
+    if not await until(sent.done, ANSWER_S):
+        raise ActionError(f"the action {name} does not answer; restart the node that offers it")
+    handle = sent.result()
+    if not handle.accepted:
+        raise ActionError(f"the action {name} does not accept the goal; see its node's log")
+    result = handle.get_result_async()
+    deadline = time.monotonic() + timeout_s
+    await until(lambda: result.done() or stop() or not client.server_is_ready(), timeout_s)
+    if not result.done():
+        if not client.server_is_ready():
+            raise ActionError(f"the node that offers the action {name} is gone; start it again")
+        handle.cancel_goal_async()
+        if not await until(result.done, ANSWER_S):
+            raise ActionError(f"the action {name} does not end when cancelled; stop its node")
+        if time.monotonic() >= deadline and not stop():
+            raise ActionError(
+                f"the action {name} took longer than {timeout_s:g} s and was cancelled; "
+                "see what its node waits for, or raise the time-out"
+            )
+    return result.result().result

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -44,14 +45,18 @@ class Health:
         return self._conditions
 
     def tell(self, subject: str, level: Level, message: str, **values: object) -> None:
-        """Note how a subject fares; figures alone are no news."""
+        """Note how a subject fares; other figures in the same words are no news."""
         condition = Condition(level, message, {key: str(value) for key, value in values.items()})
         before = self._conditions.get(subject)
         self._conditions[subject] = condition
-        if before is None or (before.level, before.message) != (level, message):
+        if before is None or before.level is not level or _words(before) != _words(condition):
             self._fresh[subject] = condition
 
     def news(self) -> dict[str, Condition]:
         """Conditions that have changed since the last call."""
         fresh, self._fresh = self._fresh, {}
         return fresh
+
+
+def _words(condition: Condition) -> str:
+    return re.sub(r"\d+(\.\d+)?", "#", condition.message)

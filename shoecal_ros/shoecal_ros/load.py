@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from shoecal_core.errors import ShoecalError
 
 LEFT, RIGHT = 0, 1
@@ -30,11 +32,13 @@ class LoadSwitch:
         self.loaded = (False, False)
 
     def update(self, left: float, right: float) -> tuple[bool, bool]:
-        """Take both feet's force [N]; NaN unloads a foot."""
+        """Take both feet's force [N]; NaN, not known, changes nothing."""
         self.loaded = (self._switched(LEFT, left), self._switched(RIGHT, right))
         return self.loaded
 
     def _switched(self, foot: int, force: float) -> bool:
+        if math.isnan(force):
+            return self.loaded[foot]
         return force > (self._off if self.loaded[foot] else self._on)
 
     @property

@@ -100,7 +100,7 @@ class PlanJob:
         self._mover = mover
         self._goal = goal
         self._result = result
-        self._fed = 0.0
+        self._fed = ("", 0.0)
         robot = mover.robot
         self._moved = [*robot.legs, *(shared.joint for shared in robot.shared)]
 
@@ -203,6 +203,8 @@ class PlanJob:
         mover, moving = self._mover, self._mover.moving
         planned = JointTrajectory(motion.joint_names, motion.time, motion.positions)
         follower = Follower(planned, mover.now_ns, moving.follow_error, moving.follow_late)
+        # Whoever records the motion begins before it does.
+        self._feed("moving", 0.0, 0)
         mover.command(trajectory)
         seen = mover.joints.latest
         while True:
@@ -299,11 +301,13 @@ class PlanJob:
 
     def _feed(self, phase: str, progress: float, landmark: int) -> None:
         now = time.monotonic()
-        if now - self._fed >= FEEDBACK_S or progress >= 1.0:
-            self._fed = now
-            self._goal.publish_feedback(
-                Plan.Feedback(phase=phase, progress=float(progress), landmark=landmark)
-            )
+        told, at = self._fed
+        if phase == told and now - at < FEEDBACK_S:
+            return
+        self._fed = (phase, now)
+        self._goal.publish_feedback(
+            Plan.Feedback(phase=phase, progress=float(progress), landmark=landmark)
+        )
 
 
 _FOREVER_S = 1e9

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import threading
+import time
 from collections import deque
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -27,6 +28,8 @@ READ_S = 0.1
 """Longest wait for bytes: bounds how long closing takes."""
 PATIENCE_S = 1.0
 OWN_STAMPS = 1000
+START_S = 2.0
+"""In the beginning nothing is a problem for so long."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +61,7 @@ class ShoeDriver(ShoecalNode):
         self._rival = ""
         self._trouble = ""
         self._driver = open_driver(config, lambda: self.now_ns)
+        self._patient_until = time.monotonic() + START_S
         self._closing = threading.Event()
         self._thread = threading.Thread(target=self._read, daemon=True)
         self._thread.start()
@@ -66,17 +70,13 @@ class ShoeDriver(ShoecalNode):
         """Tell how the device fares, and look for others that send the same cells."""
         status = self._driver.status()
         problem = self._rival or self._trouble or status.problem
-        if problem:
-            self.health.tell("device", Level.ERROR, problem, **_figures(status))
-        elif not status.source.counts.frames:
-            self.health.tell("device", Level.STALE, f"{status.source.name}: no frame yet")
+        figures = _figures(status)
+        if not problem:
+            self.health.tell("device", Level.OK, f"reading {status.source.name}", **figures)
+        elif time.monotonic() < self._patient_until:
+            self.health.tell("device", Level.OK, f"opening {status.source.name}", **figures)
         else:
-            self.health.tell(
-                "device",
-                Level.OK,
-                f"reading {status.source.name}",
-                **_figures(status),
-            )
+            self.health.tell("device", Level.ERROR, problem, **figures)
         self._listen_to_others()
         super().watch()
 

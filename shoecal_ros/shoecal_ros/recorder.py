@@ -1,0 +1,106 @@
+"""Serialised messages as they came into a run file, from a little before it was asked to."""
+
+from __future__ import annotations
+
+import contextlib
+from collections import deque
+from collections.abc import Callable, Sequence
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.recording.schemas import JOINT_TRAJECTORY
+from shoecal_core.recording.writer import RunWriter
+
+
+class Recorder:
+    """Keeps the last while of all topics, and writes runs.
+
+    Attributes:
+        problem: why the run at hand cannot be written any more; empty when all is well.
+        counts: messages of the run at hand, by topic.
+    """
+
+    def __init__(self, now_ns: Callable[[], int], lead_s: float) -> None:
+        """Nothing is kept before `stand_by`.
+
+        Args:
+            now_ns: the node's time [ns].
+            lead_s: what came so long before `start` belongs to the run, too [s].
+        """
+        self.problem = ""
+        self.counts: dict[str, int] = {}
+        self._now_ns = now_ns
+        self._lead_ns = round(lead_s * 1e9)
+        self._kept: deque[tuple[int, str, bytes]] = deque()
+        # A motion's command belongs to its run however long ago it came.
+        self._commands: list[tuple[int, bytes]] = []
+        self._standing_by = False
+        self._writer: RunWriter | None = None
+
+    @property
+    def recording(self) -> bool:
+        """Whether a run is being written."""
+        return self._writer is not None
+
+    def stand_by(self) -> None:
+        """Keep from now on what comes."""
+        self._forget()
+        self._standing_by = True
+
+    def take(self, topic: str, messages: Sequence[bytes]) -> None:
+        """Take messages of a topic of the run's kind, in order."""
+        if self._writer is None and not self._standing_by:
+            return
+        now_ns = self._now_ns()
+        if self._writer is not None:
+            for message in messages:
+                self._write(topic, message, now_ns)
+            return
+        kept = self._kept
+        kept.extend((now_ns, topic, message) for message in messages)
+        while kept and kept[0][0] < now_ns - self._lead_ns:
+            stamp_ns, old_topic, message = kept.popleft()
+            if old_topic == JOINT_TRAJECTORY:
+                self._commands.append((stamp_ns, message))
+
+    def start(self, writer: RunWriter) -> None:
+        """Write to a new run."""
+        self.problem, self.counts = "", {}
+        self._writer = writer
+        for stamp_ns, message in self._commands:
+            self._write(JOINT_TRAJECTORY, message, stamp_ns)
+        for stamp_ns, topic, message in self._kept:
+            self._write(topic, message, stamp_ns)
+        self._forget()
+
+    def stop(self) -> None:
+        """Finish the run.
+
+        Raises:
+            ShoecalError: when not all of it could be written.
+        """
+        writer, self._writer = self._writer, None
+        if writer is not None:
+            writer.close()
+
+    def abandon(self) -> None:
+        """End an interrupted run; what was recorded stays, unfinished."""
+        self._forget()
+        writer, self._writer = self._writer, None
+        if writer is not None:
+            with contextlib.suppress(ShoecalError):  # why it ends is told by who ends it
+                writer.abandon()
+
+    def _forget(self) -> None:
+        self._kept.clear()
+        self._commands.clear()
+        self._standing_by = False
+
+    def _write(self, topic: str, message: bytes, stamp_ns: int) -> None:
+        if self._writer is None or self.problem:
+            return
+        try:
+            self._writer.write(topic, message, stamp_ns)
+        except ShoecalError as error:
+            self.problem = str(error)
+            return
+        self.counts[topic] = self.counts.get(topic, 0) + 1
