@@ -300,9 +300,11 @@ _INTEGER, _FLOAT = "tag:yaml.org,2002:int", "tag:yaml.org,2002:float"
 _NUMBER = re.compile(
     r"[-+]?(0|[1-9][0-9]*)?(\.[0-9]*)?(e[-+]?[0-9]+)?|[-+]?\.(inf|nan)", re.IGNORECASE
 )
-# YAML 1.1 takes 1e-5 for a text: it wants a point.
-_POINTLESS = re.compile(r"[-+]?[0-9]+e[-+]?[0-9]+", re.IGNORECASE)
-_Loader.add_implicit_resolver(_FLOAT, _POINTLESS, list("-+0123456789"))
+# YAML 1.1 takes 1e-5 for a text: it wants a point. The dumper must know too, or it would write a
+# text like that (a hash of such digits) without quotes.
+_POINTLESS = re.compile(r"[-+]?[0-9]+e[-+]?[0-9]+$", re.IGNORECASE)
+for _side in (_Loader, _Dumper):
+    _side.add_implicit_resolver(_FLOAT, _POINTLESS, list("-+0123456789"))
 for _tag in (_INTEGER, _FLOAT):
     _Loader.add_constructor(_tag, _Loader.construct_number)
 

@@ -124,7 +124,7 @@ WRONG: dict[str, tuple[str, str, Callable[[Fields], object], str]] = {
     ),
     "number from text": ("a: x", "a", lambda f: f.number("a"), "expected a number"),
     "number from true": ("a: true", "a", lambda f: f.number("a"), "expected a number"),
-    "number with a bare exponent": ("a: 1e-3", "a", lambda f: f.number("a"), "like 1.5e-3"),
+    "number in words": ("a: one", "a", lambda f: f.number("a"), "like 1.5e-3"),
     "number from a list": ("a: [1]", "a", lambda f: f.number("a"), "expected a number"),
     "number from a long list": (
         f"a: [{'1, ' * 10000}]", "a", lambda f: f.number("a"), "expected a number"
@@ -247,7 +247,8 @@ SCALARS = st.one_of(
     st.floats(allow_nan=False, allow_infinity=False),
     st.booleans(),
     st.text(),
-    st.sampled_from(["1e3", "010", "1:30", "0x1f", "yes", "null", "=", "<<", "2026-01-02", ".5"]),
+    st.sampled_from(["010", "1:30", "0x1f", "yes", "null", "=", "<<", "2026-01-02", ".5", "1e"]),
+    st.from_regex(r"[-+]?[0-9]{1,3}e[-+]?[0-9]{1,3}[0-9a-f]{0,3}", fullmatch=True),
 )
 
 
@@ -267,6 +268,16 @@ def test_whatever_is_written_as_yaml_is_read_again(value: dict[str, object]) -> 
         assert found.keys() == list(value)
         for key, item in value.items():
             assert found.value(key) == item
+
+
+@pytest.mark.parametrize("text", ["1e-3", "1.0e-3", "+1E-3", "0.001", ".001", "10e-4", "1e-03"])
+def test_numbers_as_people_write_them(text: str, fields: Callable[[str], Fields]) -> None:
+    assert fields(f"a: {text}").number("a") == 1e-3
+
+
+@pytest.mark.parametrize("text", ["12e5" * 16, "3e5f", "1e3a", "e5", "1e", "0e5d-1"])
+def test_a_hash_is_no_number(text: str, fields: Callable[[str], Fields]) -> None:
+    assert fields(f"a: {text}").text("a") == text
 
 
 def test_one_value_written_at_two_places_is_no_alias(tmp_path: Path) -> None:
