@@ -8,7 +8,6 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.planning.capsules import segment_distance
 
@@ -36,28 +35,36 @@ class BodyTrack:
 
 def track(robot: Robot, positions: FloatArray) -> BodyTrack:
     """Follow all joint angles (T, m) [rad]."""
-    model = robot.model
+    model, count = robot.model, len(positions)
     data = model.createData()
-    right_foot = robot.feet[1]
-    coms, rotations, translations, torques = [], [], [], []
-    ends = np.zeros((len(positions), len(robot.capsules), 2, 3))
+    coms = np.zeros((count, 3))
+    rotations, translations = np.zeros((count, 3, 3)), np.zeros((count, 3))
+    ends = np.zeros((count, len(robot.capsules), 2, 3))
+    gravity, jacobians = np.zeros((count, model.nv)), np.zeros((count, 2, 6, model.nv))
+    ankles = np.zeros((count, 2, 3))
     for index, angles in enumerate(positions):
         base = _standing(robot, data, angles)
-        coms.append(pin.centerOfMass(model, data, base).copy())
+        coms[index] = pin.centerOfMass(model, data, base)
         pin.updateFramePlacements(model, data)
-        right = data.oMf[right_foot.frame]
-        rotations.append(right.rotation.copy())
-        translations.append(right.translation.copy())
+        right = data.oMf[robot.feet[1].frame]
+        rotations[index], translations[index] = right.rotation, right.translation
         for capsule, end in zip(robot.capsules, ends[index], strict=True):
             pose = data.oMi[capsule.joint]
             end[:] = pose.act(capsule.start), pose.act(capsule.end)
-        torques.append(_holding_torques(robot, data, base, coms[-1][:2], right))
+        gravity[index] = pin.computeGeneralizedGravity(model, data, base)
+        pin.computeJointJacobians(model, data, base)
+        for side, foot in enumerate(robot.feet):
+            jacobians[index, side] = pin.getJointJacobian(
+                model, data, foot.joint, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+            )
+            ankles[index, side] = data.oMi[foot.joint].translation
+    share, places = load_share(robot, rotations, translations, coms[:, :2])
     return BodyTrack(
-        com=np.array(coms),
-        right_rotation=np.array(rotations),
-        right_translation=np.array(translations),
+        com=coms,
+        right_rotation=rotations,
+        right_translation=translations,
         distances=_distances(robot, ends),
-        torques=np.array(torques),
+        torques=_holding_torques(robot, gravity, jacobians, ankles, share, places),
     )
 
 
@@ -80,44 +87,57 @@ def _distances(robot: Robot, ends: FloatArray) -> FloatArray:
     return distances
 
 
-def load_share(robot: Robot, support: DoubleSupport, cop: FloatArray) -> tuple[float, FloatArray]:
-    """How a CoP (2,) in the left sole's frame [m] may come about.
+def load_share(
+    robot: Robot, right_rotation: FloatArray, right_translation: FloatArray, cop: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """How CoPs (T, 2) in the left sole's frame [m] may come about.
+
+    Args:
+        robot: whose feet.
+        right_rotation, right_translation: (T, 3, 3), (T, 3) pose of the right sole.
+        cop: of both feet together.
 
     Returns:
-        The left foot's share of the weight, and (2, 2) the CoP of the left and of the right
-        foot, both in the left sole's frame: each as far from its sensing polygon's middle.
+        (T,) the left foot's share of the weight, and (T, 2, 2) the CoP of the left and of the
+        right foot, both in the left sole's frame: each as far from its sensing polygon's middle.
     """
     left, right = (foot.sensing_polygon.mean(axis=0) for foot in robot.feet)
-    right = support.right_to_left(right)
-    way = left - right
-    share = float(np.clip((cop - right) @ way / (way @ way), 0.0, 1.0))
-    aside = cop - (share * left + (1.0 - share) * right)
-    return share, np.array([left + aside, right + aside])
+    right_middle = right_rotation[:, :2, :2] @ right + right_translation[:, :2]
+    way = left - right_middle
+    share = np.sum((cop - right_middle) * way, axis=1) / np.sum(way * way, axis=1)
+    share = np.clip(share, 0.0, 1.0)
+    aside = cop - (right_middle + share[:, None] * way)
+    return share, np.stack([left + aside, right_middle + aside], axis=1)
 
 
 def _holding_torques(
-    robot: Robot, data: pin.Data, base: FloatArray, cop: FloatArray, right: pin.SE3
+    robot: Robot,
+    gravity: FloatArray,
+    jacobians: FloatArray,
+    feet: FloatArray,
+    share: FloatArray,
+    places: FloatArray,
 ) -> FloatArray:
-    """Motor torques (k,) of the legs under gravity, held by vertical forces at both feet."""
-    support = DoubleSupport(
-        float(right.translation[0]),
-        float(right.translation[1]),
-        float(np.arctan2(right.rotation[1, 0], right.rotation[0, 0])),
-    )
-    share, places = load_share(robot, support, cop)
-    pin.computeJointJacobians(robot.model, data, base)
-    torque = pin.computeGeneralizedGravity(robot.model, data, base)
+    """(T, k) motor torques of the legs under gravity, held by vertical forces at both feet.
+
+    Args:
+        robot: whose legs.
+        gravity: (T, 6 + m) generalised gravity [N m].
+        jacobians: (T, 2, 6, 6 + m) of the joints that carry the feet, world axes.
+        feet: (T, 2, 3) those joints' origins [m].
+        share, places: as load_share gives them.
+    """
     # Pinocchio's own gravity is rounded; forces and weights must balance.
-    torque = torque * (GRAVITY / np.linalg.norm(robot.model.gravity.linear))
-    for foot, part, place in zip(robot.feet, (share, 1.0 - share), places, strict=True):
-        jacobian = pin.getJointJacobian(
-            robot.model, data, foot.joint, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-        )
-        force = np.array([0.0, 0.0, part * robot.mass * GRAVITY])
-        arm = np.array([*place, 0.0]) - data.oMi[foot.joint].translation
-        torque -= jacobian.T @ np.concatenate([force, np.cross(arm, force)])
-    joints = torque[6:]
+    scale = GRAVITY / np.linalg.norm(robot.model.gravity.linear)
+    forces = np.zeros((*feet.shape[:2], 6))
+    forces[..., 2] = robot.weight * np.stack([share, 1.0 - share], axis=1)
+    arms = places - feet[..., :2]
+    # A vertical force f at an arm (x, y) has the moment (y f, -x f, 0).
+    forces[..., 3] = arms[..., 1] * forces[..., 2]
+    forces[..., 4] = -arms[..., 0] * forces[..., 2]
+    torques = scale * gravity - np.einsum("tfcv,tfc->tv", jacobians, forces)
+    joints = torques[:, 6:]
     for shared in robot.shared:
-        joints[shared.leader] += shared.ratio * joints[shared.joint]
-    motors: FloatArray = joints[robot.legs]
+        joints[:, shared.leader] += shared.ratio * joints[:, shared.joint]
+    motors: FloatArray = joints[:, robot.legs]
     return motors

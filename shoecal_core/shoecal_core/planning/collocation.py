@@ -216,17 +216,18 @@ class Collocation:
         """(N, k) u[0] to u[N-1] of states (N, k) [rad]."""
         return np.diff(np.vstack([problem.start, states]), axis=0)
 
-    def cost(self, problem: HorizonProblem, states: FloatArray) -> float:
-        """Equation 9."""
-        cop = self.evaluate(states, problem.scene).cop
-        moves = np.vstack([problem.previous, self.transitions(problem, states)])
-        pull = np.sum(self.cop_weights * (cop - problem.target) ** 2)
-        return float(pull + self.settings.transition_weight * np.sum(np.diff(moves, axis=0) ** 2))
+    def assess(
+        self, problem: HorizonProblem, limits: Limits, states: FloatArray
+    ) -> tuple[float, float]:
+        """Cost (equation 9) and largest violation of any constraint [m, rad, N m] of states (N, k).
 
-    def violation(self, problem: HorizonProblem, states: FloatArray) -> float:
-        """Largest violation of any constraint by states (N, k), zero or more [m, rad, N m]."""
-        limits = self.limits(problem)
+        The violation is zero or more.
+        """
         values = self.evaluate(states, problem.scene)
+        moves = self.transitions(problem, states)
+        pull = np.sum(self.cop_weights * (values.cop - problem.target) ** 2)
+        change = np.diff(np.vstack([problem.previous, moves]), axis=0)
+        cost = pull + self.settings.transition_weight * np.sum(change**2)
         excess = [
             np.abs(values.foot_error),
             values.cop @ problem.scene.normals.T - limits.offsets,
@@ -234,20 +235,21 @@ class Collocation:
             states - limits.upper,
             limits.clearances - values.distances,
             np.abs(values.torques) - limits.torque,
-            np.abs(self.transitions(problem, states)) - limits.transition,
+            np.abs(moves) - limits.transition,
         ]
         worst = max(float(part.max()) for part in excess if part.size)
-        return max(0.0, worst)
+        return float(cost), max(0.0, worst)
 
     def certified(
         self, problem: HorizonProblem, states: FloatArray, status: str, iterations: int, done: bool
     ) -> Solution:
         """A solution with its own evidence."""
-        finite = bool(np.all(np.isfinite(states)))
-        violation = self.violation(problem, states) if finite else np.inf
+        cost, violation = np.inf, np.inf
+        if np.all(np.isfinite(states)):
+            cost, violation = self.assess(problem, self.limits(problem), states)
         return Solution(
             states=states,
-            cost=self.cost(problem, states) if finite else np.inf,
+            cost=cost,
             violation=violation,
             converged=done and violation <= self.settings.tolerance,
             status=status,

@@ -22,6 +22,7 @@ from shoecal_core.planning.motion import Motion, timed
 from shoecal_core.planning.posture import StanceSolver
 from shoecal_core.planning.rolling import PlanningError, Progress, RollingHorizon
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.sqp import SqpSolver
 
 FloatArray = NDArray[np.float64]
 
@@ -163,7 +164,11 @@ def plan_motion(
 
 
 def _solvers(collocation: Collocation) -> list[Solver]:
-    return [IpoptSolver(collocation)]
+    """The one that is set, and the reference where the fast one fails."""
+    reference = IpoptSolver(collocation)
+    if collocation.settings.solver == "ipopt":
+        return [reference]
+    return [SqpSolver(collocation), reference]
 
 
 def _paced(settings: PlannerSettings, pace: float) -> PlannerSettings:

@@ -106,7 +106,7 @@ class PlannerSettings(Settings):
         0.003, "m", "d_min, least distance between two capsules", minimum=0.0
     )
     solver: str = setting(
-        "ipopt", "", "sqp (fast, falls back to ipopt) or ipopt (reference)", choices=SOLVERS
+        "sqp", "", "sqp (fast, falls back to ipopt) or ipopt (reference)", choices=SOLVERS
     )
     tolerance: float = setting(
         1.0e-5, "m, rad", "largest violation of a constraint that a solution may have",

@@ -103,12 +103,17 @@ def test_a_begin_outside_a_margin_must_not_get_worse() -> None:
     assert not checked(motion, far).of("distance from joint limits").kept
 
 
-@pytest.mark.parametrize("place", [(0.02, -0.06), (0.0, 0.01), (0.03, -0.13)])
-def test_shares_give_the_cop(place: tuple[float, float]) -> None:
-    motion, cop = motion_of("nao"), np.array(place)
-    share, places = load_share(BODY.robot, motion.support, cop)
-    assert 0.0 <= share <= 1.0
-    np.testing.assert_allclose(share * places[0] + (1.0 - share) * places[1], cop)
+def test_shares_give_the_cop() -> None:
+    pose = motion_of("nao").foot_pose
+    cop = np.array([(0.02, -0.06), (0.0, 0.01), (0.03, -0.13), (0.0, -0.3)])
+    share, places = load_share(
+        BODY.robot, np.tile(pose.rotation, (4, 1, 1)), np.tile(pose.translation, (4, 1)), cop
+    )
+    assert np.all((share >= 0.0) & (share <= 1.0))
+    assert share[1] > 0.9
+    assert share[3] == 0.0
+    both = share[:, None] * places[:, 0] + (1.0 - share[:, None]) * places[:, 1]
+    np.testing.assert_allclose(both, cop, atol=1e-12)
 
 
 def test_torques_do_the_work_of_lifting() -> None:

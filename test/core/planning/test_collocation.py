@@ -112,7 +112,8 @@ def test_cost_is_equation_nine(body: Body, collocation: Collocation) -> None:
         cost += SETTINGS.cop_weight_y * (cop[1] - problem.target[1]) ** 2
         cost += SETTINGS.transition_weight * float(np.sum((move - previous) ** 2))
         before, previous = state, move
-    assert collocation.cost(problem, states) == pytest.approx(cost)
+    limits = collocation.limits(problem)
+    assert collocation.assess(problem, limits, states)[0] == pytest.approx(cost)
 
 
 def test_half_planes_are_the_shrunk_polygon(body: Body) -> None:
@@ -150,9 +151,12 @@ def test_ipopt_solves_and_certifies(body: Body, collocation: Collocation) -> Non
     solution = solver.solve(problem, np.tile(problem.start, (SETTINGS.horizon, 1)))
     assert solution.converged
     assert solution.violation < 1e-7
-    assert solution.violation == collocation.violation(problem, solution.states)
+    limits = collocation.limits(problem)
+    assert (solution.cost, solution.violation) == collocation.assess(
+        problem, limits, solution.states
+    )
     still = np.tile(problem.start, (SETTINGS.horizon, 1))
-    assert solution.cost < 0.8 * collocation.cost(problem, still)
+    assert solution.cost < 0.8 * collocation.assess(problem, limits, still)[0]
     seen = track(body.robot, body.robot.from_legs(solution.states))
     np.testing.assert_allclose(
         seen.right_translation, np.tile([SUPPORT.dx, SUPPORT.dy, 0.0], (10, 1)), atol=1e-7
@@ -193,7 +197,7 @@ def test_ipopt_agrees_with_a_second_method(nao: Body) -> None:
         )
 
     second = minimize(  # type: ignore[call-overload]  # its stubs know no tuples of bounds
-        lambda flat: collocation.cost(problem, flat.reshape(shape)),
+        lambda flat: collocation.assess(problem, limits, flat.reshape(shape))[0],
         guess.ravel(),
         method="SLSQP",
         bounds=list(zip(limits.lower.ravel(), limits.upper.ravel(), strict=True)),
