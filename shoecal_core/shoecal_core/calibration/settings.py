@@ -22,10 +22,10 @@ class CalibrationSettings(Settings):
     )
     correlation_s: float = setting(2.0, "s", "for how long those errors stay alike", minimum=1e-3)
     gain_std: float = setting(
-        0.4, "1", "how far gains are off their initial guess, as a share of it", minimum=1e-6
+        0.4, "", "how far gains are off their initial guess, as a share of it", minimum=1e-6
     )
     nominal_gain_std: float = setting(
-        0.1, "1", "the same for channels whose data sheet gives a gain", minimum=1e-6
+        0.1, "", "the same for channels whose data sheet gives a gain", minimum=1e-6
     )
     offset_std_n: float = setting(
         30.0, "N", "how far offsets are off their initial guess", minimum=1e-6
@@ -39,9 +39,9 @@ class CalibrationSettings(Settings):
     minimum_force_n: float = setting(2.0, "N", "a foot that carries less has no CoP", minimum=0.0)
     fixed_below: float = setting(
         1.0,
-        "1",
+        "",
         "a direction counts as fixed by the data when its uncertainty is below this share of the "
         "gains, and of each channel's even share of the weight",
         minimum=1e-6,
     )
-    max_iterations: int = setting(50, "1", "of the least squares", minimum=1)
+    max_iterations: int = setting(50, "", "of the least squares", minimum=1)
