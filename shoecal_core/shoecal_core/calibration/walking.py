@@ -8,6 +8,7 @@ floor's force is m (g + a_z) through the zero-moment point
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -151,12 +152,14 @@ def _stance(
     lift = GRAVITY + world.acceleration[part, 2]
     frame = loaded.index(True)
     origin = np.median(world.sole[part, frame], axis=0)
-    yaws = np.median(world.yaw[part], axis=0)
+    # Unwrapped: a robot that walks backwards hops between pi and -pi.
+    yaws = np.median(np.unwrap(world.yaw[part], axis=0), axis=0)
     height = world.com[part, 2] - origin[2]
     zmp = world.com[part, :2] - (height / lift)[:, None] * world.acceleration[part, :2]
     turn = DoubleSupport(float(origin[0]), float(origin[1]), float(yaws[frame]))
     other = turn.left_to_right(np.median(world.sole[part, 1, :2], axis=0))
-    support = DoubleSupport(float(other[0]), float(other[1]), float(yaws[1] - yaws[frame]))
+    turned = math.remainder(float(yaws[1] - yaws[frame]), math.tau)
+    support = DoubleSupport(float(other[0]), float(other[1]), turned)
     return make_stance(
         run,
         shoe,

@@ -1,0 +1,200 @@
+"""Each finding on its fault, and none on clean data."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from core.calibration import synthetic
+from core.sensing import shoes
+from shoecal_core.calibration.checks import (
+    FAIL_STDS,
+    GAIN_RATIO,
+    WARN_STDS,
+    Finding,
+    check_gains,
+    check_rank,
+    check_readings,
+    check_residuals,
+    judge,
+)
+from shoecal_core.calibration.fit import self_calibrate
+from shoecal_core.calibration.initial_guess import InitialGuess
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.stance import Stance
+from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.sensing.wrench import ChannelParameters
+
+FloatArray = NDArray[np.float64]
+SETTINGS = CalibrationSettings()
+
+
+@pytest.fixture
+def runs(shoe: Shoe, truth: ChannelParameters, rng: np.random.Generator) -> list[Stance]:
+    return synthetic.stances(shoe, truth, rng)
+
+
+def respoken(
+    runs: list[Stance], channel: int, change: Callable[[FloatArray], FloatArray | float]
+) -> list[Stance]:
+    """The same runs with other readings of one channel."""
+    changed = []
+    for run in runs:
+        readings = run.readings.copy()
+        readings[:, channel] = change(readings[:, channel])
+        changed.append(replace(run, readings=readings))
+    return changed
+
+
+def test_clean_data_pass_every_check(shoe: Shoe, runs: list[Stance]) -> None:
+    stages = self_calibrate(shoe, runs, SETTINGS)
+    findings = [
+        *check_readings(shoe, runs),
+        *check_gains(shoe, stages.guess, stages.parameters),
+        *check_residuals("training", 0.2, 0.002, SETTINGS),
+        *check_rank(14, 14),
+    ]
+    assert findings == []
+    assert judge(findings).verdict == "PASS"
+
+
+# ---- readings ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("value", [0.0, 0.731])
+def test_a_dead_cell(shoe: Shoe, runs: list[Stance], value: float) -> None:
+    for channel, name in enumerate(shoe.names):
+        (finding,) = check_readings(shoe, respoken(runs, channel, lambda _: value))
+        assert finding.verdict == "FAIL"
+        assert finding.reason.startswith(f"{name} never changes")
+
+
+@pytest.mark.parametrize("end", [-5.0, 5.0])
+def test_a_cell_at_the_end_of_its_range(shoe: Shoe, runs: list[Stance], end: float) -> None:
+    def clipped(share: float) -> list[Stance]:
+        def clip(values: FloatArray) -> FloatArray:
+            return np.where(np.arange(len(values)) < share * len(values), end, values)
+
+        return respoken(runs, 2, clip)
+
+    assert check_readings(shoe, clipped(0.005)) == []
+    (finding,) = check_readings(shoe, clipped(0.25))
+    assert finding.verdict == "FAIL"
+    assert finding.reason.startswith(f"{shoe.names[2]} is at the end of its range in 25%")
+
+
+def test_a_cell_stuck_at_the_end_is_told_as_both(shoe: Shoe, runs: list[Stance]) -> None:
+    findings = check_readings(shoe, respoken(runs, 0, lambda _: 5.0))
+    assert [finding.verdict for finding in findings] == ["FAIL", "FAIL"]
+
+
+# ---- gains ------------------------------------------------------------------------------------
+
+
+def guess(shoe: Shoe, parameters: ChannelParameters) -> InitialGuess:
+    return InitialGuess(parameters, shoe.polarity, 25.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("factor", "reason"),
+    [
+        (-1.0, "wrong sign"),
+        (1.01 * GAIN_RATIO, "has gain"),
+        (0.99 / GAIN_RATIO, "has gain"),
+        (1e-9, "has gain"),
+    ],
+)
+def test_a_gain_unlike_the_others(shoe: Shoe, factor: float, reason: str) -> None:
+    clean = ChannelParameters(25.0 * shoe.polarity.astype(float), np.zeros(len(shoe.names)))
+    for channel, name in enumerate(shoe.names):
+        gain = clean.gain.copy()
+        gain[channel] *= factor
+        (finding,) = check_gains(shoe, guess(shoe, clean), ChannelParameters(gain, clean.offset))
+        assert finding.verdict == "FAIL"
+        assert finding.reason.startswith(name)
+        assert reason in finding.reason
+    assert check_gains(shoe, guess(shoe, clean), clean) == []
+
+
+def test_a_cell_of_wrong_polarity_in_the_shoe_file_is_found_by_the_fit(
+    truth: ChannelParameters, shoe: Shoe, rng: np.random.Generator
+) -> None:
+    turned = ChannelParameters(
+        np.where(np.arange(len(truth.gain)) == 1, -truth.gain, truth.gain), truth.offset
+    )
+    runs = synthetic.stances(shoe, turned, rng)
+    stages = self_calibrate(shoe, runs, SETTINGS)
+    findings = check_gains(shoe, stages.guess, stages.parameters)
+    assert [finding.reason.split()[0] for finding in findings] == [shoe.names[1]]
+    assert judge(findings).verdict == "FAIL"
+
+
+def test_forces_and_torques_are_compared_with_their_own_kind() -> None:
+    origin = [0.0, 0.0, 0.1]
+    shoe = shoes.made(shoes.six_axis(0, origin) + shoes.six_axis(1, origin))
+    gain = np.where(shoe.torque, 0.02, 1.0)
+    parameters = ChannelParameters(gain, np.zeros(10))
+    known = InitialGuess(parameters, shoe.polarity, np.nan, np.nan)
+    assert check_gains(shoe, known, parameters) == []
+    gain = gain.copy()
+    gain[3] = 1.0
+    (finding,) = check_gains(shoe, known, ChannelParameters(gain, np.zeros(10)))
+    assert finding.reason.startswith("left/mx has gain 1, the others about 0.02")
+
+
+# ---- residuals --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("stds", "verdict"),
+    [
+        (0.99 * WARN_STDS, None),
+        (1.01 * WARN_STDS, "WARN"),
+        (0.99 * FAIL_STDS, "WARN"),
+        (1.01 * FAIL_STDS, "FAIL"),
+        (np.nan, "FAIL"),
+        (np.inf, "FAIL"),
+    ],
+)
+def test_errors_against_the_model(stds: float, verdict: str | None) -> None:
+    wanted = [] if verdict is None else [verdict]
+    force, place = stds * SETTINGS.force_std_n, stds * SETTINGS.cop_std_m
+    by_force = check_residuals("test", force, 0.0, SETTINGS)
+    by_place = check_residuals("test", 0.0, place, SETTINGS)
+    assert [finding.verdict for finding in by_force] == wanted
+    assert [finding.verdict for finding in by_place] == wanted
+    assert all(f.reason.startswith("GRF is") and "test runs" in f.reason for f in by_force)
+    assert all(f.reason.startswith("CoP is") and " mm " in f.reason for f in by_place)
+
+
+def test_residuals_are_told_in_newtons_and_millimetres() -> None:
+    force, place = check_residuals("training", 2.0, 0.0123, SETTINGS)
+    assert force.reason.startswith("GRF is 2.00 N off its model on training runs (limit 1.20 N)")
+    assert place.reason.startswith(
+        "CoP is 12.30 mm off its model on training runs (limit 10.00 mm)"
+    )
+
+
+# ---- rank and verdict -------------------------------------------------------------------------
+
+
+def test_missing_directions() -> None:
+    (finding,) = check_rank(12, 14)
+    assert finding.verdict == "WARN"
+    assert "fixed 12 of 14 directions" in finding.reason
+    assert "another yaw" in finding.reason
+    assert check_rank(14, 14) == check_rank(15, 14) == []
+
+
+def test_the_worst_finding_decides_and_all_are_told() -> None:
+    warning, failure = Finding("WARN", "b"), Finding("FAIL", "a")
+    assert judge([]).verdict == "PASS"
+    assert judge([]).reasons
+    assert judge([warning]).verdict == "WARN"
+    both = judge([warning, failure])
+    assert both.verdict == "FAIL"
+    assert both.reasons == ("WARN: b", "FAIL: a")
