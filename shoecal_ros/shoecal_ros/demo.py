@@ -1,0 +1,238 @@
+"""The main job on the simulated robot: `python -m shoecal_ros.demo --seed N --out DIR …`.
+
+Five nodes, each its own process, talk over DDS in a domain of their own; the readings come as
+bytes over a pseudo-terminal. This process starts them, asks for a self-calibration, and holds
+what comes out against the simulated truth.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import shutil
+import signal
+import sys
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from rich.console import Console
+from shoecal_msgs.action import Calibrate
+
+from shoecal_core.commands.progress import shown_progress
+from shoecal_core.errors import ShoecalError
+from shoecal_core.files import atomic_write, read_bytes, write_yaml
+from shoecal_core.recording.session import Session
+from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.workspace import config_dir
+from shoecal_ros.demonstration.conductor import Conductor
+from shoecal_ros.demonstration.domain import reserve_domain
+from shoecal_ros.demonstration.options import Folder, Options
+from shoecal_ros.demonstration.outcome import (
+    evaluate,
+    fit_settings,
+    print_table,
+    split_truth,
+    write_results,
+)
+from shoecal_ros.demonstration.processes import Nodes
+
+SPEED = 5.0
+PATIENCE_S = 5.0
+"""Simulated data are late on a busy machine, not stale."""
+
+STAGES = {
+    "drawing": "plan",
+    "reaching": "record",
+    "planning": "plan",
+    "moving": "record",
+    "solving": "solve",
+    "applying": "solve",
+}
+"""Stage of the calibration -> where its time is counted."""
+
+
+class Stopwatch:
+    """Wall-clock time by where it went."""
+
+    def __init__(self) -> None:
+        self.spent = dict.fromkeys(("start", "plan", "record", "solve", "evaluate"), 0.0)
+        self._begin = self._since = time.monotonic()
+
+    def lap(self, place: str) -> None:
+        """Count the time since the last lap."""
+        now = time.monotonic()
+        self.spent[place] += now - self._since
+        self._since = now
+
+    @property
+    def timing(self) -> dict[str, float]:
+        """Seconds by place, and in all."""
+        return {**self.spent, "total": time.monotonic() - self._begin}
+
+
+def run(options: Options) -> Mapping[str, object]:
+    """Do it all; the figures.
+
+    Raises:
+        ShoecalError: with the cure; what was recorded stays.
+    """
+    watch = Stopwatch()
+    folder = Folder(options.out)
+    folder.prepare()
+    try:
+        with shown_progress() as progress:
+            _calibrate(options, folder, watch, progress)
+            progress("evaluating", 1.0)
+    finally:
+        folder.keep_session()
+    session = Session.open(folder.session)
+    split_truth(folder, session)
+    atomic_write(folder.calibration, read_bytes(folder.state / "calibration.yaml"))
+    found = evaluate(folder, fit_settings(config_dir() / "nodes" / "calibrator.yaml"))
+    watch.lap("evaluate")
+    figures = write_results(folder, options, found, watch.timing)
+    shutil.rmtree(folder.work)
+    print_table(found, watch.timing, folder)
+    return figures
+
+
+def _calibrate(
+    options: Options, folder: Folder, watch: Stopwatch, progress: Callable[[str, float], None]
+) -> None:
+    """The part in which the nodes are running."""
+    progress("starting the nodes", 0.0)
+    default = config_dir() / "realities" / "default.yaml"
+    bits = load_reality(default, options.reality).cells.converter_bits
+    write_device(folder.device, load_shoe(options.shoe), folder.port, bits)
+    domain, token = reserve_domain()
+    environment = {
+        **os.environ,
+        "ROS_DOMAIN_ID": str(domain),
+        "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
+    }
+    os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
+    stage = "drawing"
+
+    def hear(feedback: Calibrate.Feedback) -> None:
+        nonlocal stage
+        if feedback.stage != stage:
+            watch.lap(STAGES[stage])
+            stage = feedback.stage
+        support = f" {feedback.support} of {feedback.supports}" if feedback.support else ""
+        progress(f"{feedback.stage}{support}", feedback.progress)
+
+    with token, Nodes(folder.logs, environment) as nodes:
+        _start(nodes, options, folder)
+        with Conductor(nodes, domain) as conductor:
+            conductor.wait_for_nodes()
+            conductor.arm()
+            watch.lap("start")
+            conductor.calibrate(options.supports, options.train, options.seed, hear)
+            conductor.see_live()
+            watch.lap(STAGES[stage])
+
+
+def _start(nodes: Nodes, options: Options, folder: Folder) -> None:
+    configuration = config_dir() / "nodes"
+    files = {"robot_file": options.robot.resolve(), "shoe_file": options.shoe.resolve()}
+    simulated = {"use_sim_time": True}
+    patient = {"stale_s": PATIENCE_S}
+    planner = configuration / "planner.yaml"
+    nodes.start(
+        "simulator",
+        {
+            **files,
+            "seed": options.seed,
+            "speed": options.speed,
+            "port": folder.port,
+            "truth_file": folder.truth,
+            "reality_file": options.reality.resolve() if options.reality else "",
+        },
+        [configuration / "simulator.yaml"],
+    )
+    nodes.start("shoe_driver", {**simulated, "config_file": folder.device})
+    nodes.start("model", {**files, **simulated, **patient}, [configuration / "model.yaml"])
+    nodes.start("planner", {**files, **simulated, **patient}, [planner])
+    nodes.start(
+        "calibrator",
+        {
+            **files,
+            **simulated,
+            **patient,
+            "state_dir": folder.state,
+            "sessions_dir": folder.sessions,
+            "planner_file": planner,
+            # A demo shows what it found, warnings included.
+            "apply_warned": True,
+        },
+        [configuration / "calibrator.yaml"],
+    )
+
+
+def write_device(path: Path, shoe: Shoe, port: Path, bits: int) -> None:
+    """The driver's file for the simulated device of a shoe: one channel a cell, in order.
+
+    Args:
+        path: of the file.
+        shoe: with its converter's range.
+        port: of the device.
+        bits: of the converter.
+    """
+    converters = [
+        {
+            "volts_per_count": (channel.highest - channel.lowest) / 2**bits,
+            "bits": bits,
+            "encoding": "signed",
+        }
+        for channel in shoe.channels
+    ]
+    write_yaml(
+        path,
+        {
+            "format": 1,
+            "port": str(port),
+            "baud": 115200,
+            "mode": "binary",
+            "alarm_s": PATIENCE_S,
+            "converter": converters[0],
+            "channels": [
+                {"index": index, "cell": name, "converter": converter}
+                for index, (name, converter) in enumerate(zip(shoe.names, converters, strict=True))
+            ],
+        },
+    )
+
+
+def _options(argv: Sequence[str] | None) -> Options:
+    config = config_dir()
+    parser = argparse.ArgumentParser(description="The main job on the simulated robot.")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--out", type=Path, default=Path("out/demo"))
+    parser.add_argument("--reality", type=Path)
+    parser.add_argument("--robot", type=Path, default=config / "robots" / "nao.yaml")
+    parser.add_argument("--shoe", type=Path, default=config / "shoes" / "nao_shoe.yaml")
+    parser.add_argument("--supports", type=int, default=5)
+    parser.add_argument("--train", type=int, default=3)
+    parser.add_argument("--speed", type=float, default=SPEED)
+    return Options(**vars(parser.parse_args(argv)))
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the demo; its exit code."""
+    # Whatever ends it, the nodes are ended first.
+    signal.signal(signal.SIGTERM, signal.getsignal(signal.SIGINT))
+    try:
+        run(_options(argv))
+    except ShoecalError as error:
+        Console(stderr=True, highlight=False).print(f"demo: {error}", markup=False, soft_wrap=True)
+        return 1
+    except KeyboardInterrupt:
+        Console(stderr=True).print("demo: interrupted; the nodes have been stopped")
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,160 @@
+"""What a demo found, against the simulated truth."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+
+from shoecal_core.calibration.calibration import load_calibration
+from shoecal_core.calibration.comparison import Comparison, compare, read_truths, stage_errors
+from shoecal_core.calibration.evaluate import Errors, errors
+from shoecal_core.calibration.pipeline import Outcome, calibrate_session
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.commands.tables import errors_table, stages_rows
+from shoecal_core.errors import ShoecalError
+from shoecal_core.files import atomic_write, read_bytes, read_yaml
+from shoecal_core.recording.session import Session
+from shoecal_core.recording.truth import Truth, read_truth
+from shoecal_core.report.session_report import write_session_report
+from shoecal_core.settings import SettingError, from_values
+from shoecal_ros.demonstration.options import Folder, Options
+
+
+@dataclass(frozen=True)
+class Found:
+    """Everything to be told.
+
+    Attributes:
+        session: recorded.
+        outcome: of solving the recording again.
+        comparisons: of every stance with the truth.
+        stages: errors by stage and set.
+        modelled: errors of the model over all runs.
+        truths: by run.
+    """
+
+    session: Session
+    outcome: Outcome
+    comparisons: list[Comparison]
+    stages: dict[str, dict[str, Errors]]
+    modelled: Errors
+    truths: dict[int, Truth]
+
+
+def fit_settings(path: Path) -> CalibrationSettings:
+    """Weights of the fit from the calibrator's parameter file.
+
+    Raises:
+        FileError: names file and key.
+    """
+    block = read_yaml(path).mapping("calibrator").mapping("ros__parameters")
+    if "calibration" not in block:
+        return CalibrationSettings()
+    section = block.mapping("calibration")
+    try:
+        return from_values(CalibrationSettings, {key: section.value(key) for key in section.keys()})
+    except SettingError as error:
+        raise section.error(error.key, error.problem) from error
+
+
+def split_truth(folder: Folder, session: Session) -> None:
+    """Write each run's part of the truth beside the session's runs."""
+    truth = read_truth(folder.truth)
+    stamps = truth.start_ns + (1e9 * truth.time).round().astype(int)
+    for entry in session.runs:
+        run = session.read(entry.run)
+        end_ns = run.start_ns + round(1e9 * max(run.joints.time[-1], run.readings.time[-1]))
+        with session.new_truth(entry.info) as writer:
+            for index in ((stamps >= run.start_ns) & (stamps <= end_ns)).nonzero()[0]:
+                writer.write(
+                    int(stamps[index]),
+                    truth.cop[index],
+                    truth.foot_cop[index],
+                    truth.foot_grf[index],
+                )
+    drawn = folder.truth.with_suffix(".yaml")
+    atomic_write(session.truth_path(1).parent / "reality.yaml", read_bytes(drawn))
+
+
+def evaluate(folder: Folder, settings: CalibrationSettings) -> Found:
+    """Solve the recording again and hold everything against the truth.
+
+    Raises:
+        ShoecalError: also when the recording does not give what the nodes found.
+    """
+    session = Session.open(folder.session)
+    applied = load_calibration(folder.calibration)
+    outcome = calibrate_session(session, settings=settings, made_ns=applied.made_ns)
+    if outcome.calibration.id != applied.id:
+        raise ShoecalError(
+            f"{folder.session}: solved again it gives '{outcome.calibration.id}', the nodes found "
+            f"'{applied.id}'; the recording is not what they saw"
+        )
+    truths = read_truths(session, outcome.data)
+    comparisons = compare(outcome, truths)
+    return Found(
+        session=session,
+        outcome=outcome,
+        comparisons=comparisons,
+        stages=stage_errors(comparisons),
+        modelled=errors([(one.modelled, one.reference) for one in comparisons]),
+        truths=truths,
+    )
+
+
+def write_results(
+    folder: Folder, options: Options, found: Found, timing: Mapping[str, float]
+) -> dict[str, object]:
+    """Write result.json and report.html; the figures."""
+    calibration = found.outcome.calibration
+    hints = {entry.run: entry.hint for entry in found.session.runs}
+    figures: dict[str, object] = {
+        "format": 1,
+        "robot": calibration.robot,
+        "seed": options.seed,
+        "verdict": calibration.verdict,
+        "reasons": list(calibration.reasons),
+        "supports": [
+            {
+                "run": entry.run,
+                "dx": support.dx,
+                "dy": support.dy,
+                "dtheta": support.dtheta,
+                "set": hints[entry.run],
+            }
+            for entry in found.session.runs
+            if (support := entry.info.support) is not None
+        ],
+        "modelled": _json(found.modelled),
+        **{
+            stage: {name: _json(found_) for name, found_ in found.stages[stage].items()}
+            for stage in ("initial_guess", "self_calibration")
+        },
+        "timing_s": {name: round(seconds, 2) for name, seconds in timing.items()},
+    }
+    atomic_write(folder.result, json.dumps(figures, indent=1, allow_nan=False) + "\n")
+    write_session_report(
+        folder.report, found.session, found.outcome, truths=found.truths, timing=timing
+    )
+    return figures
+
+
+def print_table(found: Found, timing: Mapping[str, float], folder: Folder) -> None:
+    """A small table for the terminal."""
+    console = Console(highlight=False)
+    rows = [("model, all runs", found.modelled)]
+    stages = {name: sets for name, sets in found.stages.items() if name != "modelled"}
+    console.print(errors_table("Errors against the simulated truth", rows + stages_rows(stages)))
+    calibration = found.outcome.calibration
+    console.print(f"{calibration.verdict}: {'; '.join(calibration.reasons)}", markup=False)
+    console.print(", ".join(f"{name} {seconds:.1f} s" for name, seconds in timing.items()))
+    console.print(f"{folder.out}: result.json, report.html, calibration.yaml, session/")
+
+
+def _json(found: Errors) -> dict[str, float]:
+    """Only what is known: JSON has no NaN."""
+    return {name: value for name, value in found.to_json().items() if value == value}  # noqa: PLR0124
