@@ -50,12 +50,14 @@ def initial_guess(shoe: Shoe, stances: Sequence[Stance], *, weight_row: bool) ->
     """
     if not stances:
         raise ShoecalError("no samples to guess from: give at least one training run")
-    polarity = np.where(shoe.polarity != 0, shoe.polarity, _polarity(stances))
+    polarity = shoe.polarity
+    if (polarity == 0).any():
+        polarity = np.where(polarity != 0, polarity, _polarity(stances))
     nominal = np.array(
         [np.nan if c.nominal_gain is None else abs(c.nominal_gain) for c in shoe.channels]
     )
     known = np.isfinite(nominal)
-    gain = polarity * np.where(known, nominal, 0.0)
+    gain: FloatArray = np.where(known, polarity * nominal, 0.0)
     offset = np.zeros(len(polarity))
     common = ~known
     if not common.any():
@@ -92,20 +94,19 @@ def _polarity(stances: Sequence[Stance]) -> NDArray[np.int64]:
     The same rows with one gain and one offset a channel are linear; what the data leave open
     is held small by a ridge, and only the signs are used.
     """
-    rows, targets = [], []
+    count = 2 * len(stances[0].columns)
+    total, right = np.zeros((count, count)), np.zeros(count)
     for stance in stances:
         target = stance.reference - stance.base
         for axis in (0, 1, 2):
             column = stance.columns[:, axis]
             offsets = np.broadcast_to(column, stance.readings.shape)
             scale = 1.0 if axis == 0 else 20.0  # a force at 5 cm counts as the force itself
-            rows.append(scale * np.hstack((stance.readings * column, offsets)))
-            targets.append(scale * target[:, axis])
-    matrix, target = np.concatenate(rows), np.concatenate(targets)
-    size = np.linalg.norm(matrix, axis=0)
+            rows = scale * np.hstack((stance.readings * column, offsets))
+            total += rows.T @ rows
+            right += scale * (rows.T @ target[:, axis])
+    size = np.sqrt(np.diag(total))
     size[size == 0.0] = 1.0
-    scaled = matrix / size
-    ridge = 1e-4
-    solution = np.linalg.solve(scaled.T @ scaled + ridge * np.eye(len(size)), scaled.T @ target)
-    gains = (solution / size)[: len(size) // 2]
+    ridge = 1e-4 * np.eye(count)
+    gains = np.linalg.solve(total / np.outer(size, size) + ridge, right / size)[: count // 2]
     return np.where(gains < 0.0, -1, 1)

@@ -66,6 +66,19 @@ def test_polarity_is_found_though_gains_differ_and_readings_are_noisy(
     np.testing.assert_array_equal(guess.polarity, sign)
 
 
+def test_what_is_known_of_the_polarity_is_kept(shoe: Shoe, rng: np.random.Generator) -> None:
+    truth = synthetic.common(shoe, 23.0, 2.0, shoe.polarity)
+    half = replace(
+        shoe,
+        channels=tuple(
+            replace(channel, polarity=channel.polarity if index % 2 else 0)
+            for index, channel in enumerate(shoe.channels)
+        ),
+    )
+    guess = initial_guess(half, synthetic.stances(shoe, truth, rng), weight_row=False)
+    np.testing.assert_array_equal(guess.polarity, shoe.polarity)
+
+
 def test_known_polarity_overrules_the_data(shoe: Shoe, rng: np.random.Generator) -> None:
     truth = synthetic.common(shoe, 23.0, 2.0, mixed(shoe))
     guess = initial_guess(shoe, synthetic.stances(shoe, truth, rng), weight_row=False)
