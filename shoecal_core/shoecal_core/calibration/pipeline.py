@@ -37,6 +37,8 @@ from shoecal_core.sensing.shoe import Shoe
 FloatArray = NDArray[np.float64]
 DISTINCT_SUPPORTS = 2
 """Gains and offsets of two feet cannot be told apart in fewer double supports."""
+TELLING_SUPPORTS = 3
+"""Two still leave open how the feet share one sum of offsets; three of other yaw do not."""
 
 
 @dataclass(frozen=True)
@@ -215,7 +217,7 @@ def _verdict(
     for name, error in modelled.items():
         findings += check_residuals(name, error.grf.mean, error.cop.mean, settings)
     if all(all(stance.loaded) for stance in training):
-        supports = len({stance.run for stance in training})
+        supports = max(TELLING_SUPPORTS, len({stance.run for stance in training}))
         possible = best_rank(data.robot, data.shoe, supports, PlannerSettings())
         spread = uncertainties(_relative_information(data, stages))
         findings += check_rank(int(np.sum(spread < settings.fixed_below)), possible)

@@ -1,0 +1,63 @@
+"""What a calibration's verdict rests on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from core.calibration import synthetic
+from core.model import robots
+from core.sensing import shoes
+from shoecal_core.calibration import pipeline
+from shoecal_core.calibration.checks import Finding, Verdict
+from shoecal_core.calibration.evaluate import errors, measured_series, modelled_series
+from shoecal_core.calibration.fit import self_calibrate
+from shoecal_core.calibration.pipeline import SessionData
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.model.double_support import DoubleSupport
+
+SETTINGS = CalibrationSettings()
+
+
+def verdict(supports: Sequence[DoubleSupport], findings: Sequence[Finding] = ()) -> Verdict:
+    """Of the NAO on its shoes, calibrated in some supports."""
+    robot, shoe = robots.load("nao"), shoes.shoe("nao_shoe")
+    rng = np.random.default_rng(3)
+    truth = synthetic.truth(shoe, rng)
+    runs = synthetic.stances(shoe, truth, rng, supports, count=1200, weight=robot.weight)
+    stages = self_calibrate(shoe, runs, SETTINGS)
+    data = SessionData(
+        robot=robot,
+        shoe=shoe,
+        stances={run.run: (run,) for run in runs},
+        start_ns=dict.fromkeys(range(1, len(runs) + 1), 0),
+        end_ns=1,
+        temperature=float("nan"),
+    )
+    pairs = [(measured_series(stages.sensing, run), modelled_series(run)) for run in runs]
+    modelled = {"train": errors(pairs)}
+    return pipeline._verdict(data, stages, modelled, SETTINGS, list(findings), runs)
+
+
+def test_three_supports_of_other_yaw_pass() -> None:
+    assert verdict(synthetic.SUPPORTS[:3]).verdict == "PASS"
+
+
+@pytest.mark.parametrize(
+    "supports", [synthetic.SUPPORTS[:2], synthetic.STRAIGHT], ids=["two", "straight"]
+)
+def test_supports_that_leave_the_feet_s_shares_open_are_told(
+    supports: Sequence[DoubleSupport],
+) -> None:
+    """Both feet together look right there, so the residuals do not tell."""
+    found = verdict(supports)
+    assert found.verdict == "WARN"
+    assert len(found.reasons) == 1
+    assert "of 14 directions: add a double support with another yaw" in found.reasons[0]
+
+
+def test_what_was_found_before_the_fit_counts() -> None:
+    found = verdict(synthetic.SUPPORTS[:3], [Finding("FAIL", "left/front_left never changes")])
+    assert found.verdict == "FAIL"
