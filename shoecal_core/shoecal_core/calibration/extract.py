@@ -25,7 +25,7 @@ def stances_of(run: Run, shoe: Shoe, kinematics: Kinematics) -> list[Stance]:
     aligned = align(run, shoe, kinematics)
     if run.info.support is not None:
         return [double_support_stance(run, aligned, shoe, kinematics)]
-    if run.base_pose is None:
+    if run.base_pose is None or len(run.base_pose.time) < 2:
         raise FileError(
             run.path,
             "names no double support and has no /base_pose to find the stances with; "

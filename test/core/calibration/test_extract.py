@@ -151,8 +151,10 @@ def test_a_foot_that_slips_is_told(run: Run) -> None:
 
 def test_a_run_that_does_not_say_where_its_feet_are(run: Run) -> None:
     walked = replace(run, info=replace(run.info, support=None))
-    with pytest.raises(FileError, match="names no double support and has no /base_pose"):
-        stances_of(walked, SHOE, KINEMATICS)
+    once = PoseSamples(np.zeros(1), np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
+    for pose in (None, once):
+        with pytest.raises(FileError, match="names no double support and has no /base_pose"):
+            stances_of(replace(walked, base_pose=pose), SHOE, KINEMATICS)
 
 
 def test_with_the_pose_of_the_base_a_standing_robot_is_found_standing(run: Run) -> None:
