@@ -31,7 +31,7 @@ _SETTLE = 0.05
 
 
 class LoadingRig:
-    """One shoe after the other on a level floor, and upright weights.
+    """One shoe after the other on the floor, and upright weights.
 
     Readings have all channels of the shoe; those of the other foot feel nothing.
     """
@@ -62,8 +62,10 @@ class LoadingRig:
             count: how many, one after the other.
 
         Raises:
-            ShoecalError: when the shoe tips over or does not come to rest.
+            ShoecalError: for a weight below zero, or when the shoe tips over.
         """
+        if not mass >= 0.0:
+            raise ShoecalError(f"a weight of {mass:g} kg cannot be put on a shoe; give 0 or more")
         if position.shape != (2,):
             raise ShapeError("position", "(2,)", position.shape)
         stands = position + self._noise.normal(0.0, self._placement_std, 2)

@@ -79,6 +79,8 @@ def test_a_weight_beside_the_shoe_tips_it(nao: World) -> None:
     rig = LoadingRig(nao.shoe, DEFAULT, draw_shoes(DEFAULT, nao.shoe, 1), np.random.default_rng(1))
     with pytest.raises(ShoecalError, match="left shoe does not stand still under 4 kg"):
         rig.readings(4.0, 0, np.array([0.3, 0.0]))
+    with pytest.raises(ShoecalError, match=r"a weight of -1 kg"):
+        rig.readings(-1.0, 0, np.zeros(2))
 
 
 def test_the_same_generator_gives_the_same_readings() -> None:
