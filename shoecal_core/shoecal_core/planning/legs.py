@@ -9,16 +9,26 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import Robot
+from shoecal_core.model.robot import Foot, Robot
 from shoecal_core.model.symbolic import SymbolicKinematics
 from shoecal_core.planning.capsules import segment_distance_squared
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.torques import holding_torques
+from shoecal_core.sensing.shoe import FEET
 from shoecal_core.settings import SettingError
 
 FloatArray = NDArray[np.float64]
+
+
+_LEAST_JOINTS = 8
+"""Both feet in place take six of them, the CoP two."""
+
+
+class LegsError(ShoecalError):
+    """Legs that cannot be planned with."""
 
 
 @dataclass(frozen=True)
@@ -104,6 +114,9 @@ class Legs:
 
     Holding one means that they have been compiled.
 
+    Raises:
+        LegsError: for legs that cannot move the CoP while both feet stay, or without limits.
+
     Attributes:
         robot: whose legs.
         kinematics: of the whole robot, for batches.
@@ -111,6 +124,7 @@ class Legs:
     """
 
     def __init__(self, robot: Robot) -> None:
+        _check(robot)
         self.robot = robot
         self.kinematics = Kinematics(robot)
         self.knees = (_knee(robot, 0), _knee(robot, 1))
@@ -167,6 +181,25 @@ class Legs:
         return self.kinematics.states(joint_angles).cop[:, 0]
 
 
+def _check(robot: Robot) -> None:
+    if len(robot.legs) < _LEAST_JOINTS:
+        raise LegsError(
+            f"robot '{robot.name}': {len(robot.legs)} joints under 'legs' cannot move the CoP "
+            f"while both feet stay; list at least {_LEAST_JOINTS}"
+        )
+    for side, foot in zip(FEET, robot.feet, strict=True):
+        if not _chain(robot, foot):
+            raise LegsError(
+                f"robot '{robot.name}': no joint under 'legs' moves the {side} foot; list its leg"
+            )
+    for kind, limits in (("effort", robot.effort_limit), ("velocity", robot.velocity_limit)):
+        for name, limit in zip(robot.leg_names, limits[robot.legs], strict=True):
+            if not limit > 0.0:
+                raise LegsError(
+                    f"{robot.urdf}: joint '{name}' has the {kind} limit {limit:g}; give its motor's"
+                )
+
+
 def _all_angles(robot: Robot, legs: ca.SX, others: ca.SX) -> ca.SX:
     """As Robot.from_legs, in symbols."""
     angles = [others[index] for index in range(len(robot.joint_names))]
@@ -190,15 +223,19 @@ def _distances(robot: Robot, body: SymbolicKinematics) -> ca.SX:
     return ca.vertcat(*rows) if rows else ca.SX.zeros(0, 1)
 
 
+def _chain(robot: Robot, foot: Foot) -> list[int]:
+    """The moved joints between torso and foot, by index into arrays of joints."""
+    moved = {*robot.legs, *(shared.joint for shared in robot.shared if shared.leader in robot.legs)}
+    return [index - 2 for index in robot.model.supports[foot.joint] if index - 2 in moved]
+
+
 def _knee(robot: Robot, foot: int) -> Knee:
     """Found by how each joint changes the distance from the leg's first joint to its last.
 
     Hips and ankles turn about axes that (nearly) meet there, so they hardly change it.
     """
-    moved = {int(index) for index in robot.legs}
+    chain = _chain(robot, robot.feet[foot])
     leader = {shared.joint: shared.leader for shared in robot.shared}
-    chain = [index - 2 for index in robot.model.supports[robot.feet[foot].joint] if index > 1]
-    chain = [index for index in chain if leader.get(index, index) in moved]
     angles = ca.SX.sym("q", len(robot.joint_names))
     body = SymbolicKinematics(robot, angles)
     way = body.joints[chain[-1] + 2].translation - body.joints[chain[0] + 2].translation

@@ -77,8 +77,10 @@ def timed(
         settings: speeds, accelerations, hold time and sample rate.
     """
     robot = legs.robot
-    count = len(path.states) - 1
-    spline = CubicSpline(np.arange(count + 1), path.states)
+    # Whoever never moves stays for one step.
+    states = path.states if len(path.states) > 1 else np.repeat(path.states, 2, axis=0)
+    count = len(states) - 1
+    spline = CubicSpline(np.arange(count + 1), states)
     grid = np.linspace(0.0, count, GRID * count + 1)
     com = legs.kinematics.states(robot.from_legs(spline(grid), others)).com[:, 0]
     rates = Rates(

@@ -109,7 +109,7 @@ class PlannerSettings(Settings):
         "sqp", "", "sqp (fast, falls back to ipopt) or ipopt (reference)", choices=SOLVERS
     )
     tolerance: float = setting(
-        1.0e-5, "m, rad", "largest violation of a constraint that a solution may have",
+        1.0e-5, "m, rad, N m", "largest violation of a constraint that a solution may have",
         minimum=1e-9, maximum=1e-3,
     )  # fmt: skip
     iterations: int = setting(200, "", "most iterations of one optimisation", minimum=1)
@@ -135,7 +135,7 @@ class PlannerSettings(Settings):
 
     # Timing of a motion
     hold_time: float = setting(1.5, "s", "standing still before and after a motion", minimum=0.0)
-    sample_rate: float = setting(50.0, "Hz", "points of a joint trajectory a second", minimum=1.0)
+    sample_rate: float = setting(50.0, "Hz", "points of a joint trajectory a second", minimum=10.0)
     joint_acceleration: float = setting(
         0.5, "rad/s^2", "largest acceleration of a leg joint", minimum=1e-3
     )

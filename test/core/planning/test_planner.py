@@ -15,6 +15,7 @@ from shoecal_core.errors import NameNotFoundError, ShapeError
 from shoecal_core.planning.body_track import track
 from shoecal_core.planning.check import check_motion
 from shoecal_core.planning.landmarks import Contour, sensing_hull
+from shoecal_core.planning.motion import timed
 from shoecal_core.planning.planner import Planner, StartError, plan_motion
 from shoecal_core.planning.rolling import PlanningCanceledError, Progress
 
@@ -140,6 +141,17 @@ def test_from_outside_the_margins() -> None:
     assert np.abs(np.diff(knee)).max() <= SETTINGS.joint_speed * SETTINGS.step_time + 1e-6
 
 
+def test_standing_still_is_a_motion_too() -> None:
+    planner, motion = planner_of("nao"), motion_of("nao")
+    stay = dataclasses.replace(motion.path, states=motion.path.states[:1])
+    still = timed(
+        planner.legs, stay, "hold", motion.foot_pose, planner.stance(SUPPORTS[0]), SETTINGS
+    )
+    np.testing.assert_allclose(still.positions - still.positions[0], 0.0, atol=1e-12)
+    assert still.duration > 2.0 * SETTINGS.hold_time
+    assert check_motion(planner.legs, still, SETTINGS).kept
+
+
 def test_progress_and_cancel() -> None:
     told: list[Progress] = []
 
@@ -148,7 +160,8 @@ def test_progress_and_cancel() -> None:
 
     with pytest.raises(PlanningCanceledError):
         planner_of("nao").plan(SUPPORTS[0], progress=told.append, canceled=stop)
-    assert [entry.landmark for entry in told] == [0, 0, 0] or told[-1].steps > 0
+    assert [entry.steps for entry in told] == [0, 2, 4]
+    assert all(entry.landmarks == 5 for entry in told)
 
 
 def test_starts_that_are_none() -> None:
