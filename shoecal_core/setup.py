@@ -36,7 +36,7 @@ setup(
         "jinja2>=3.1",
         "matplotlib>=3.6",
         "mcap>=1.5",
-        "mujoco>=3.2",
+        "mujoco>=3.13",
         "numpy>=1.26",
         "pin==4.1.0",
         "pyyaml>=6.0",
