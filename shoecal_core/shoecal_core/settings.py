@@ -165,7 +165,7 @@ def load_settings(cls: type[S], path: Path, node_name: str, *, others: Collectio
         FileError: names the file, the key and the cure.
     """
     block = read_yaml(path).mapping(node_name).mapping("ros__parameters")
-    values = {key: block.value(key) for key in block.keys() if key not in others}  # noqa: SIM118 (no dict)
+    values = {key: block.value(key) for key in block.keys() if key not in others}
     try:
         return from_values(cls, values)
     except SettingError as error:
