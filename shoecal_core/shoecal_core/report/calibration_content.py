@@ -21,6 +21,16 @@ from shoecal_core.sensing.shoe import Shoe
 FloatArray = NDArray[np.float64]
 
 
+def channel_units(shoe: Shoe, *, torque: bool) -> tuple[str, str]:
+    """Units of a channel's output and of its gain; `1` for a plain ratio.
+
+    A shoe whose readings are newtons tells torques in newton metres.
+    """
+    output = "N m" if torque else "N"
+    reading = output if shoe.unit == "N" else shoe.unit
+    return output, "1" if reading == output else f"{output}/{reading}"
+
+
 @dataclass(frozen=True)
 class RunReport:
     """One run.
@@ -91,6 +101,8 @@ class CalibrationReport:
     def __post_init__(self) -> None:
         if not self.runs:
             raise ShoecalError("a calibration's report needs at least one run; give it runs")
+        if len({one.truth is None for run in self.runs for one in run.stances}) > 1:
+            raise ShoecalError("some runs have a truth and some have none; give all or none")
         if self.calibration.channels != self.shoe.names:
             raise ShoecalError(
                 f"calibration '{self.calibration.id}' has other channels than shoe "
@@ -104,8 +116,8 @@ class CalibrationReport:
 
     @property
     def has_truth(self) -> bool:
-        """Every run is compared with a truth, not only with the model."""
-        return all(one.truth is not None for run in self.runs for one in run.stances)
+        """The runs are compared with a truth, not only with the model."""
+        return self.runs[0].stances[0].truth is not None
 
     @property
     def reference(self) -> str:

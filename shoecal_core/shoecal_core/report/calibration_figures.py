@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from shoecal_core.calibration.evaluate import Series
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.report import palette
-from shoecal_core.report.calibration_content import CalibrationReport, RunReport
+from shoecal_core.report.calibration_content import CalibrationReport, RunReport, channel_units
 from shoecal_core.report.figures.bars import Bar, mae_bars
 from shoecal_core.report.figures.directions import singular_values
 from shoecal_core.report.figures.intervals import Column, intervals
@@ -90,12 +90,13 @@ def channel_pictures(content: CalibrationReport) -> tuple[Picture, ...]:
         start_gain = content.stages.guess.parameters.gain
         start_offset = content.stages.guess.parameters.offset
     pictures = []
-    for torque, unit, kind in ((False, "N", "force"), (True, "N m", "torque")):
+    for torque, kind in ((False, "force"), (True, "torque")):
+        unit, gain_unit = channel_units(shoe, torque=torque)
         chosen = np.flatnonzero(shoe.torque == torque)
         if not len(chosen):
             continue
         columns = [
-            Column(f"|gain| ({unit}/{shoe.unit})", np.abs(parameters.gain[chosen]),
+            Column(f"|gain| ({gain_unit})", np.abs(parameters.gain[chosen]),
                    NORMAL_95 * std[:count][chosen], np.abs(start_gain[chosen])),
             Column(f"offset ({unit})", parameters.offset[chosen],
                    NORMAL_95 * std[count:][chosen], start_offset[chosen]),
@@ -131,7 +132,7 @@ def run_pictures(content: CalibrationReport, run: RunReport) -> tuple[Picture, .
         Picture("Motion", snapshots(bodies, run.snapshot_time.tolist())),
         Picture("CoP and GRF", cop_and_grf(lines), _frame_note(run), tall=True),
         Picture(
-            f"Off the {content.reference}",
+            f"Error against the {content.reference}",
             errors_in_time(_compared(lines, content), run.series("reference")),
             f"Calibrated: GRF {mean_error(found.grf, 'N')}, CoP {mean_error(found.cop, 'mm', 1e3)} "
             "(MAE ± standard deviation).",

@@ -5,6 +5,7 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from pathlib import Path
 
+from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_figures import (
@@ -52,15 +53,10 @@ def calibration_report(path: Path, content: CalibrationReport) -> None:
 
 def calibration_page(content: CalibrationReport) -> Page:
     """The report, ready to be rendered; the same content makes the same page."""
-    calibration = content.calibration
     return Page(
         title=f"Calibration of {content.shoe.name} on {content.robot.name}",
-        subtitle=_subtitle(content),
-        verdict=Verdict(
-            calibration.verdict,
-            MEANING[calibration.verdict],
-            tuple(_reason(text, calibration.verdict) for text in calibration.reasons),
-        ),
+        subtitle=subtitle(content),
+        verdict=verdict_of(content.calibration),
         key_figures=_key_figures(content),
         sections=(_accuracy(content), _channels(content), _runs(content), _feet(content),
                   _details(content)),
@@ -68,14 +64,24 @@ def calibration_page(content: CalibrationReport) -> Page:
     )  # fmt: skip
 
 
-def _subtitle(content: CalibrationReport) -> str:
+def verdict_of(calibration: Calibration) -> Verdict:
+    """May it be used, and why (not)."""
+    return Verdict(
+        calibration.verdict,
+        MEANING[calibration.verdict],
+        tuple(_reason(text, calibration.verdict) for text in calibration.reasons),
+    )
+
+
+def subtitle(content: CalibrationReport) -> str:
+    """How, when and from how much."""
     calibration = content.calibration
     parts = [SOURCES.get(calibration.source, calibration.source)]
     if calibration.made_ns >= EPOCH_NS:
         made = datetime.fromtimestamp(calibration.made_ns // 10**9, UTC)
         parts.append(made.strftime("%Y-%m-%d %H:%M UTC"))
     train = sum(not run.test for run in content.runs)
-    parts.append(f"{train} training and {len(content.runs) - train} test runs")
+    parts.append(f"training runs: {train}, test runs: {len(content.runs) - train}")
     return " · ".join(parts)
 
 
@@ -128,8 +134,8 @@ def _accuracy(content: CalibrationReport) -> Section:
         )
     else:
         text = (
-            "Errors are counted against the model (the robot's weight and its CoM's ground "
-            "projection): there is no truth here, so an error of the model itself stays unseen."
+            "Errors are counted against the model: what masses and joint angles say of GRF and "
+            "CoP. There is no truth here, so an error of the model itself stays unseen."
         )
     if content.judged == "train":
         text += " No run was kept for a test: how well other runs are measured is not known."

@@ -8,7 +8,7 @@ import numpy as np
 
 from shoecal_core.calibration.fit import SelfCalibration
 from shoecal_core.calibration.metrics import Mae
-from shoecal_core.report.calibration_content import CalibrationReport, RunReport
+from shoecal_core.report.calibration_content import CalibrationReport, RunReport, channel_units
 from shoecal_core.report.calibration_figures import NORMAL_95, set_name
 from shoecal_core.report.page import Table
 from shoecal_core.report.quantities import (
@@ -95,8 +95,7 @@ def channels_table(content: CalibrationReport) -> Table:
     guess = None if content.stages is None else content.stages.guess.parameters
     rows = []
     for index, name in enumerate(shoe.names):
-        unit = "N m" if shoe.torque[index] else "N"
-        gain_unit = f"{unit}/{shoe.unit}"
+        unit, gain_unit = channel_units(shoe, torque=bool(shoe.torque[index]))
         row = [
             name,
             uncertain(calibration.parameters.gain[index], half[index], gain_unit),
@@ -111,12 +110,17 @@ def channels_table(content: CalibrationReport) -> Table:
     header = ["channel", "gain", "offset"]
     if guess is not None:
         header += ["guessed gain", "guessed offset"]
-    note = "± is half of the 95 % interval"
+    note = "Output = gain · reading + offset; ± is half of the 95 % interval."
     if calibration.covariance is None:
-        note = "Uncertainties are not known: this calibration came without them"
-    return Table(
-        "Channels", tuple(header), tuple(rows), f"{note}. Output = gain · reading + offset."
-    )
+        note = "Output = gain · reading + offset. This calibration came without uncertainties."
+    elif content.stages is not None and content.stages.fit.rank < len(
+        content.stages.fit.singular_values
+    ):
+        note += (
+            " It also holds what the data left to the prior: patterns on which GRF and CoP in "
+            "runs like these hardly depend."
+        )
+    return Table("Channels", tuple(header), tuple(rows), note)
 
 
 def weak_directions_table(content: CalibrationReport, stages: SelfCalibration) -> Table | None:
@@ -139,7 +143,7 @@ def weak_directions_table(content: CalibrationReport, stages: SelfCalibration) -
             for k in strongest
             if abs(parts[index, k]) >= SIGNIFICANT
         ]
-        rows.append((str(index + 1), f"{values[index]:.2g}", ", ".join(listed) or UNKNOWN))
+        rows.append((str(index + 1), _small(values[index]), ", ".join(listed) or UNKNOWN))
     return Table(
         "Directions left to the prior",
         ("direction", "singular value", "parameters that change together"),
@@ -149,15 +153,19 @@ def weak_directions_table(content: CalibrationReport, stages: SelfCalibration) -
     )
 
 
+def _small(value: float) -> str:
+    return f"{value:.2f}" if value >= 0.01 else "below 0.01"
+
+
 def stages_table(content: CalibrationReport, stages: SelfCalibration) -> Table:
     """How the calibration was found."""
-    fit, unit = stages.fit, content.shoe.unit
+    fit, (_, unit) = stages.fit, channel_units(content.shoe, torque=False)
     rows = []
     for label, guess in (
         ("initial guess, from the CoP alone", stages.guess),
         ("initial guess, from CoP and weight", stages.guess_with_weight),
     ):
-        gain = uncertain(guess.gain, math.nan, f"N/{unit}")
+        gain = uncertain(guess.gain, math.nan, unit)
         offset = uncertain(guess.offset, math.nan, "N")
         rows.append((label, f"gain {gain}, offset {offset}"))
     rows += [

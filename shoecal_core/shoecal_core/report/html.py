@@ -35,4 +35,4 @@ def write_page(path: Path, page: Page) -> None:
     Raises:
         FileError: when it cannot be written.
     """
-    atomic_write(path, render(page))
+    atomic_write(path, render(page).encode(errors="replace"))

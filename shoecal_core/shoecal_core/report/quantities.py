@@ -23,8 +23,7 @@ def number(value: float, decimals: int) -> str:
 
 def quantity(value: float, unit: str, decimals: int = 2) -> str:
     """A number and its unit."""
-    text = number(value, decimals)
-    return text if text == UNKNOWN else f"{text}{SPACE}{unit}"
+    return _with_unit(number(value, decimals), unit)
 
 
 def uncertain(value: float, uncertainty: float, unit: str) -> str:
@@ -39,7 +38,7 @@ def uncertain(value: float, uncertainty: float, unit: str) -> str:
     digits = 2 if known else 4
     decimals = 0 if size == 0.0 else max(0, digits - 1 - math.floor(math.log10(size)))
     spread = f"{PLUS_MINUS}{number(uncertainty, decimals)}" if known else ""
-    return f"{number(value, decimals)}{spread}{SPACE}{unit}"
+    return _with_unit(f"{number(value, decimals)}{spread}", unit)
 
 
 def mean_error(mae: Mae, unit: str, scale: float = 1.0) -> str:
@@ -47,4 +46,9 @@ def mean_error(mae: Mae, unit: str, scale: float = 1.0) -> str:
     if not mae.count:
         return UNKNOWN
     mean, std = number(scale * mae.mean, 2), number(scale * mae.std, 2)
-    return f"{mean}{PLUS_MINUS}{std}{SPACE}{unit}"
+    return _with_unit(f"{mean}{PLUS_MINUS}{std}", unit)
+
+
+def _with_unit(text: str, unit: str) -> str:
+    """Plain ratios, whose unit is 1, stand without it."""
+    return text if text == UNKNOWN or unit == "1" else f"{text}{SPACE}{unit}"

@@ -34,18 +34,35 @@ def write_session_report(
         path: of the HTML file.
         session: that the calibration was found from.
         outcome: of the calibration.
-        truths: of simulated runs, to be shown; without them the model is the reference.
+        truths: of simulated runs, to be compared with; of no use unless every run has one.
         timing: seconds by stage.
         provenance: further lines on where this is from.
 
     Raises:
         FileError: when the session cannot be read any more or the report not be written.
     """
+    calibration_report(
+        path,
+        session_content(session, outcome, truths=truths, timing=timing, provenance=provenance),
+    )
+
+
+def session_content(
+    session: Session,
+    outcome: Outcome,
+    *,
+    truths: Mapping[int, Truth] | None = None,
+    timing: Mapping[str, float] | None = None,
+    provenance: Sequence[str] = (),
+) -> CalibrationReport:
+    """What the report tells; arguments as in `write_session_report`."""
     kinematics = Kinematics(outcome.data.robot)
     by_run: dict[int, list[Comparison]] = {}
-    for one in compare(outcome, truths or {}):
+    known = truths or {}
+    complete = known.keys() >= outcome.data.stances.keys()
+    for one in compare(outcome, known if complete else {}):
         by_run.setdefault(one.stance.run, []).append(one)
-    content = CalibrationReport(
+    return CalibrationReport(
         robot=outcome.data.robot,
         shoe=outcome.data.shoe,
         calibration=outcome.calibration,
@@ -54,7 +71,6 @@ def write_session_report(
         timing=timing or {},
         provenance=(*_origin(session, outcome), *provenance),
     )
-    calibration_report(path, content)
 
 
 def _run(
@@ -71,9 +87,9 @@ def _origin(session: Session, outcome: Outcome) -> list[str]:
         origin = "The recorded robot, its shoes and the floor are simulated."
     else:
         origin = "Nothing in the session says that it was simulated: taken as recorded on hardware."
-    return [origin, f"Session {session.folder.name}, runs {_listed(outcome)}."]
+    return [origin, f"Session folder {session.folder.name}; {_listed(outcome)}."]
 
 
 def _listed(outcome: Outcome) -> str:
     train, test = (", ".join(map(str, runs)) or "none" for runs in (outcome.train, outcome.test))
-    return f"{train} to train, {test} to test"
+    return f"training runs: {train}; test runs: {test}"

@@ -90,11 +90,13 @@ PAGE = """\
 <div class="table">
 <table>
 <caption>{{ table.title }}</caption>
+{% if table.header | join %}
 <thead><tr>
 {% for heading in table.header %}
 <th scope="col">{{ heading }}</th>
 {% endfor %}
 </tr></thead>
+{% endif %}
 <tbody>
 {% for row in table.rows %}
 <tr><th scope="row">{{ row[0] }}</th>
@@ -175,8 +177,8 @@ figcaption{margin-top:8px}
 table{border-collapse:collapse;width:100%;font-variant-numeric:tabular-nums;font-size:14px}
 caption{text-align:left;font-weight:600;font-size:14px;padding-bottom:6px}
 th,td{padding:5px 14px 5px 0;text-align:left;border-bottom:1px solid var(--rule);
- vertical-align:top}
-thead th{color:var(--muted);font-weight:500;font-size:13px;overflow-wrap:normal}
+ vertical-align:top;overflow-wrap:break-word}
+thead th{color:var(--muted);font-weight:500;font-size:13px}
 tbody th{font-weight:500}
 tbody tr:last-child>*{border-bottom:0}
 .table .note{margin-top:6px}
@@ -201,10 +203,19 @@ td.unknown{display:none}
 td::before{content:attr(data-label);flex:0 1 40%;color:var(--muted);text-align:left;
  overflow-wrap:normal}
 }
+@page{size:A4 landscape;margin:10mm}
 @media print{
-body{background:none;padding:0;max-width:none;font-size:11pt}
+body{background:none;padding:0;max-width:none;font-size:10pt}
 nav{display:none}
-h2,h3{break-after:avoid}
-.pictures{grid-template-columns:1fr 1fr}
+h2,h3,.text{break-after:avoid}
+h2{margin-top:20px}
+h3{margin-top:12px}
+.text{break-inside:avoid;margin:2px 0 6px}
+.pictures{grid-template-columns:repeat(3,1fr);gap:8px}
+figure{padding:6px 8px}
+h4{margin-bottom:3px}
+.table{overflow:visible}
+table{font-size:9pt}
+th,td{padding:3px 8px 3px 0}
 }
 """

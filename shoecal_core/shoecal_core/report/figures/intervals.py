@@ -59,7 +59,7 @@ def intervals(names: Sequence[str], columns: Sequence[Column]) -> str:
             axes.locator_params(axis="x", nbins=3)
             axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}"))
             axes.margins(x=0.08)
-            axes.set_xlabel(column.label)
+            axes.set_xlabel(readable(column.label))
         told = "; ".join(
             f"{label}: " + ", ".join(f"{c.label} {c.value[row]:.4g}" for c in columns)
             for row, label in enumerate(labels)

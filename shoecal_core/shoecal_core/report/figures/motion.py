@@ -20,6 +20,8 @@ FloatArray = NDArray[np.float64]
 
 LEFT_SIDE, RIGHT_SIDE, BODY = 0, 1, 2
 SIDES: tuple[Colour, ...] = (BLUE, RED, SLATE)
+LIFTED = 0.01
+"""m; a sole further above the other than this does not stand."""
 ROOT = 1
 """Index of the floating base among the model's joints."""
 
@@ -44,7 +46,7 @@ class Skeleton:
 def skeleton(robot: Robot, joint_angles: FloatArray) -> Skeleton:
     """Stick figure of a robot with joint angles (m,) [rad].
 
-    Its frame is that of the lower sole: the other one may hang in the air.
+    Its frame is that of the left sole, of the right one while the left is lifted.
     """
     if joint_angles.shape != (len(robot.joint_names),):
         raise ShapeError("joint angles", f"({len(robot.joint_names)},)", joint_angles.shape)
@@ -53,8 +55,8 @@ def skeleton(robot: Robot, joint_angles: FloatArray) -> Skeleton:
     configuration = np.concatenate((pin.neutral(model)[:7], joint_angles))
     com = pin.centerOfMass(model, data, configuration)
     poses = [data.oMi[foot.joint] * foot.placement for foot in robot.feet]
-    lower = int((poses[0].inverse() * poses[1]).translation[2] < 0.0)
-    to_floor = poses[lower].inverse()
+    raised_left = (poses[0].inverse() * poses[1]).translation[2] < -LIFTED
+    to_floor = poses[int(raised_left)].inverse()
     places = np.array([to_floor.act(data.oMi[index].translation) for index in range(model.njoints)])
     legs = [list(model.supports[foot.joint]) for foot in robot.feet]
     bones, sides = [], []
@@ -80,20 +82,21 @@ def snapshots(skeletons: Sequence[Skeleton], times: Sequence[float]) -> str:
     width = WIDTH / len(skeletons)
     low, high = _extent(skeletons)
     span = high - low
-    scale = min(width / max(span[0], span[1]), 150.0 / span[2])
+    scale = min(0.92 * width / max(span[0], span[1]), 150.0 / span[2])
     height = scale * span[2]
     with canvas(top + 2 * height + gap + 16.0) as page:
         page.legend([*_leg_keys(), _com_key()], left=0.0)
         for view, across in enumerate((0, 1)):
             panel_top = top + view * (height + gap)
-            half = width / scale / 2.0
-            middle = (low[across] + high[across]) / 2.0
+            axes = page.panel(panel_top, height, left=0.0, right=WIDTH)
+            axes.set_axis_off()
+            axes.axhline(0.0, color=RULE.light, linewidth=0.8)
             for index, body in enumerate(skeletons):
-                axes = page.panel(panel_top, height, left=index * width, right=(index + 1) * width)
-                axes.set_axis_off()
-                _draw(axes, body, across)
-                axes.set_xlim(middle - half, middle + half)
-                axes.set_ylim(low[2], high[2])
+                _draw(axes, body, across, shift=index * width / scale)
+            middle = (low[across] + high[across]) / 2.0
+            start = middle - width / scale / 2.0
+            axes.set_xlim(start, start + WIDTH / scale)
+            axes.set_ylim(low[2], high[2])
             page.write(2.0, panel_top - 3.0, ("from the right", "from the front")[view],
                        fontsize=SMALL, color=MUTED.light)  # fmt: skip
         for index, time in enumerate(times):
@@ -111,19 +114,19 @@ def _extent(skeletons: Sequence[Skeleton]) -> tuple[FloatArray, FloatArray]:
     return points.min(axis=0) - margin, points.max(axis=0) + margin
 
 
-def _draw(axes: Axes, body: Skeleton, across: int) -> None:
-    axes.axhline(0.0, color=RULE.light, linewidth=0.8)
+def _draw(axes: Axes, body: Skeleton, across: int, shift: float) -> None:
     for side in (BODY, LEFT_SIDE, RIGHT_SIDE):
         bones = body.bones[body.side == side][:, :, (across, 2)]
         # A break of NaN between bones makes one line of each side.
         breaks = np.full((len(bones), 1, 2), np.nan)
         x, y = np.concatenate((bones, breaks), axis=1).reshape(-1, 2).T
-        line = axes.plot(x, y, color=SIDES[side].light, linewidth=1.6 if side == BODY else 2.2)[0]
+        width = 1.6 if side == BODY else 2.2
+        (line,) = axes.plot(x + shift, y, color=SIDES[side].light, linewidth=width)
         line.set_solid_capstyle("round")
     for side, sole in enumerate(body.soles):
-        axes.fill(sole[:, across], sole[:, 2], facecolor=SIDES[side].light,
+        axes.fill(sole[:, across] + shift, sole[:, 2], facecolor=SIDES[side].light,
                   edgecolor=SIDES[side].light, linewidth=1.6)  # fmt: skip
-    x, height = body.com[across], body.com[2]
+    x, height = body.com[across] + shift, body.com[2]
     axes.plot((x, x), (0.0, height), color=MUTED.light, linewidth=0.8, linestyle=(0, (3, 2)))
     axes.plot((x,), (height,), "o", color=MUTED.light, markersize=5.0)
 

@@ -26,7 +26,7 @@ from shoecal_core.report.svg import (
 
 FloatArray = NDArray[np.float64]
 
-MARGIN_MM = 8.0
+MARGIN_MM, ROOM_FOR_LABEL_MM = 8.0, 16.0
 LEFT, BOTTOM, TOP = 50.0, 36.0, 44.0
 
 
@@ -66,7 +66,7 @@ def cop_plane(feet: Sequence[FootShape], paths: Sequence[CopPath]) -> str:
     """CoP paths between the feet, x forward and y to the left."""
     low, high = _extent(feet, paths)
     width = WIDTH - LEFT - 8.0
-    scale = min(width / (high[1] - low[1]), 300.0 / (high[0] - low[0]))
+    scale = min(width / (high[1] - low[1]), 270.0 / (high[0] - low[0]))
     height = scale * (high[0] - low[0])
     with canvas(TOP + height + BOTTOM) as page:
         _legends(page, paths)
@@ -119,7 +119,7 @@ def _extent(feet: Sequence[FootShape], paths: Sequence[CopPath]) -> tuple[FloatA
         if len(points):
             low = np.minimum(low, np.maximum(points.min(axis=0), low - reach))
             high = np.maximum(high, np.minimum(points.max(axis=0), high + reach))
-    return 1e3 * low - MARGIN_MM, 1e3 * high + MARGIN_MM
+    return 1e3 * low - [ROOM_FOR_LABEL_MM, MARGIN_MM], 1e3 * high + MARGIN_MM
 
 
 def _draw(
@@ -145,8 +145,11 @@ def _draw(
         x, y = 1e3 * foot.cells.T
         axes.plot(y, x, "o", markersize=5.0, markerfacecolor="none", color=INK.light)
         if named:
-            across, front = 1e3 * foot.outline[:, 1].mean(), 1e3 * foot.outline[:, 0].min()
-            axes.text(across, front + 3.0, readable(foot.label), ha="center", fontsize=SMALL)
+            corner = foot.outline[foot.outline[:, 0] < foot.outline[:, 0].min() + 1e-3]
+            rear, across = 1e3 * corner.mean(axis=0)
+            axes.text(
+                across, rear - 2.0, readable(foot.label), ha="center", va="top", fontsize=SMALL
+            )
     for path in paths:
         x, y = 1e3 * path.points.T
         draw_line(axes, y, x, path.look)

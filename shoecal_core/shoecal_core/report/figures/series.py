@@ -20,7 +20,7 @@ HEIGHT, GAP, TOP = 164.0, 16.0, 24.0
 LEAST = (4.0, 4.0, 0.8)
 """No panel shows less than this much of mm, mm, N: noise shall not look like an error."""
 WILD = 3.0
-"""A line further than this many spans from the last one runs out of its panel."""
+"""A line further than this many spans (and values) from the last one runs out of its panel."""
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def _panels(
 def _frame(axes: Axes, values: Sequence[FloatArray], least: float) -> None:
     """Show all lines, but none that runs wild at the cost of the last one."""
     low, high = _bounds(values[-1])
-    room = WILD * max(high - low, 5.0 * least)
+    room = max(WILD * (high - low), abs(low), 5.0 * least)
     lows, highs = zip(*(_bounds(value, (low, high)) for value in values), strict=True)
     bottom, top = max(min(lows), low - room), min(max(highs), high + room)
     margin = 0.06 * (top - bottom) + max(0.0, (least - (top - bottom)) / 2.0)

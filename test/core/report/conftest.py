@@ -1,0 +1,34 @@
+from __future__ import annotations
+
+import pytest
+
+from core.report import samples
+from core.report.pages import read
+from core.sensing import shoes
+from shoecal_core.report.calibration_content import CalibrationReport
+from shoecal_core.report.calibration_report import calibration_page
+from shoecal_core.report.html import render
+
+
+@pytest.fixture(scope="session")
+def content() -> CalibrationReport:
+    """The NAO's own shoes, with a truth, two runs."""
+    return samples.content(shoes.shoe("nao_shoe"), runs=2)
+
+
+@pytest.fixture(scope="session")
+def small() -> CalibrationReport:
+    """One run, no truth: the fewest figures."""
+    return samples.content(shoes.shoe("nao_shoe"), runs=1, truth=False)
+
+
+@pytest.fixture(scope="session")
+def small_html(small: CalibrationReport) -> str:
+    """The page of the small one."""
+    return render(calibration_page(small))
+
+
+@pytest.fixture(scope="session")
+def text(content: CalibrationReport) -> str:
+    """What the report tells."""
+    return read(render(calibration_page(content))).text

@@ -1,0 +1,211 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from core.model import robots
+from core.report import samples
+from core.report.pages import read_svg
+from core.sensing import shoes
+from shoecal_core.calibration.evaluate import Series
+from shoecal_core.calibration.metrics import Mae
+from shoecal_core.errors import ShapeError
+from shoecal_core.report import palette
+from shoecal_core.report.calibration_figures import (
+    accuracy_pictures,
+    channel_pictures,
+    foot_picture,
+    run_pictures,
+)
+from shoecal_core.report.figures.bars import Bar, mae_bars
+from shoecal_core.report.figures.directions import singular_values
+from shoecal_core.report.figures.intervals import Column, intervals
+from shoecal_core.report.figures.motion import BODY, skeleton, snapshots
+from shoecal_core.report.figures.plane import CopPath, FootShape, cop_plane, cop_under_feet
+from shoecal_core.report.figures.series import Line, cop_and_grf, errors_in_time, joined
+
+FloatArray = NDArray[np.float64]
+
+
+def series(count: int = 200, *, start: float = 0.0, gap: slice = slice(0, 0)) -> Series:
+    time = start + np.linspace(0.0, 10.0, count)
+    cop = 0.03 * np.column_stack((np.sin(time), np.cos(time)))
+    cop[gap] = np.nan
+    both = np.stack((cop, cop), axis=1)
+    grf = np.full(count, 54.0)
+    return Series(time, grf, cop, np.column_stack((grf, grf)) / 2.0, both)
+
+
+def test_the_same_instants_next_to_each_other() -> None:
+    one, other = series(5), series(5, start=20.0)
+    both = joined([other, one])
+    assert len(both.time) == 11
+    assert (np.diff(both.time) >= 0.0).all()
+    np.testing.assert_array_equal(np.flatnonzero(np.isnan(both.grf)), [5])
+    assert both.foot_cop.shape == (11, 2, 2)
+    assert joined([one]) is one
+
+
+@pytest.mark.parametrize("gap", [slice(0, 0), slice(50, 90), slice(None)])
+def test_series_with_gaps(gap: slice) -> None:
+    lines = [
+        Line("initial guess", palette.GUESS, series()),
+        Line("calibrated", palette.MEASURED, series(gap=gap)),
+    ]
+    for svg in (cop_and_grf(lines), errors_in_time(lines, series())):
+        text = "".join(read_svg(svg).itertext())
+        for label in ("CoP x (mm)", "CoP y (mm)", "GRF (N)", "time (s)", "calibrated"):
+            assert label in text
+
+
+def test_a_wild_line_does_not_flatten_the_others() -> None:
+    wild = series()
+    wild.cop[100] = 1e6
+    tame = [Line("guess", palette.GUESS, series()), Line("best", palette.MEASURED, series())]
+    heights = []
+    for lines in (tame, [Line("guess", palette.GUESS, wild), tame[1]]):
+        ticks = [
+            float(text.replace("\N{MINUS SIGN}", "-"))
+            for text in read_svg(cop_and_grf(lines)).itertext()
+            if text.strip("\N{MINUS SIGN}").replace(".", "").isdigit()
+        ]
+        heights.append(max(map(abs, ticks)))
+    assert heights[1] < 10.0 * heights[0]
+
+
+def test_long_recordings_stay_small() -> None:
+    long = series(100_000, gap=slice(10, 20))
+    lines = [Line(str(index), palette.TRUTH, long) for index in range(4)]
+    read_svg(cop_and_grf(lines))
+    read_svg(cop_plane([foot()], [CopPath("a", palette.TRUTH, long.cop)] * 4))
+
+
+def foot(cells: int = 4) -> FootShape:
+    shape = robots.load("nao").feet[0]
+    shoe = samples.shoe_of(cells)
+    return FootShape("left", shape.outline, shape.sensing_polygon, shoe.positions[shoe.of_foot(0)])
+
+
+@pytest.mark.parametrize("cells", [3, 4, 6])
+def test_cells_are_drawn(cells: int) -> None:
+    paths = [CopPath("truth", palette.TRUTH, series().cop)]
+    for svg in (cop_plane([foot(cells)], paths), cop_under_feet([(foot(cells), paths)])):
+        assert f"cells ({cells} left)" in read_svg(svg).attrib["aria-label"]
+        # One of them stands in the legend.
+        assert len([use for use in read_svg(svg).iter("use") if use.get("style")]) >= cells + 1
+
+
+def test_no_cop_at_all() -> None:
+    nothing = [CopPath("truth", palette.TRUTH, np.full((9, 2), np.nan))]
+    read_svg(cop_plane([foot()], nothing))
+
+
+@pytest.mark.parametrize("name", robots.NAMES)
+def test_a_skeleton_stands_on_the_floor_and_has_the_robots_com(name: str) -> None:
+    robot = robots.load(name)
+    for angles in (robot.posture, robots.random_angles(robot, 1, seed=3)[0]):
+        body = skeleton(robot, angles)
+        states = robots.kinematics(name).states(angles[None])
+        lifted = states.translation[0, 2] < -0.01
+        np.testing.assert_allclose(body.com, states.com[0, int(lifted)], atol=1e-9)
+        standing = body.soles[int(lifted)]
+        np.testing.assert_allclose(standing[:, 2], 0.0, atol=1e-12)
+        outline = robot.feet[int(lifted)].outline
+        np.testing.assert_allclose(standing[:, :2], outline, atol=1e-12)
+        assert {0, 1, BODY} == set(body.side.tolist())
+
+
+def test_legs_reach_from_base_to_sole() -> None:
+    robot = robots.load("nao")
+    body = skeleton(robot, robot.posture)
+    for side in (0, 1):
+        leg = body.bones[body.side == side]
+        # Six joints, then down to the sole.
+        assert len(leg) == 7
+        np.testing.assert_allclose(leg[1:-1, 0], leg[:-2, 1], atol=1e-12)
+        np.testing.assert_allclose(leg[-1, 1], body.soles[side].mean(axis=0), atol=1e-9)
+
+
+def test_snapshots_tell_when() -> None:
+    robot = robots.load("nao")
+    bodies = [skeleton(robot, angles) for angles in samples.swaying(robot, 5)]
+    text = "".join(read_svg(snapshots(bodies, [0.0, 2.5, 5.0, 7.5, 10.0])).itertext())
+    for label in ("2.5 s", "10.0 s", "left leg", "right leg", "from the front"):
+        assert label in text
+    with pytest.raises(ShapeError):
+        skeleton(robot, robot.posture[:3])
+
+
+def test_bars_are_filled_for_training_and_empty_for_tests() -> None:
+    mae = Mae(0.35, 0.5, 10)
+    unknown = Mae(np.nan, np.nan, 0)
+    bars = [
+        Bar("initial guess", palette.GUESS, "guess", False, Mae(7.5, 1.0, 10), Mae(0.023, 0, 10)),
+        Bar("calibrated", palette.MEASURED, "best", False, mae, unknown),
+        Bar("calibrated", palette.MEASURED, "best", True, mae, mae),
+    ]
+    root = read_svg(mae_bars(bars))
+    text = list(root.itertext())
+    for label in ("7.50", "23.00", "0.35", "GRF MAE (N)", "CoP MAE (mm)", "empty: test runs"):
+        assert label in text
+    red = [e.get("style", "") for e in root.iter("path") if "var(--red)" in e.get("style", "")]
+    assert any("fill: none" in style for style in red)
+    assert any("fill: var(--red)" in style for style in red)
+
+
+def test_many_bars_go_without_figures() -> None:
+    mae = Mae(0.351, 0.2, 10)
+    bars = [Bar(str(n), palette.MEASURED, "best", n > 9, mae, mae) for n in range(20)]
+    assert "0.35" not in list(read_svg(mae_bars(bars)).itertext())
+
+
+@pytest.mark.parametrize("count", [3, 12])
+def test_intervals(count: int) -> None:
+    names = [f"left/{index}" for index in range(count)]
+    values = np.linspace(10.0, 20.0, count)
+    unknown = np.full(count, np.nan)
+    columns = [
+        Column("gain (N/V)", values, 0.1 * values, values + 1.0),
+        Column("offset (N)", 1e-5 * values, unknown, unknown),
+    ]
+    text = list(read_svg(intervals(names, columns)).itertext())
+    assert set(names) <= set(text)
+    assert "initial guess" in text
+    assert "initial guess" not in list(read_svg(intervals(names, columns[1:])).itertext())
+
+
+@pytest.mark.parametrize("values", [[300.0, 2.0, 0.5, 0.0], [5.0], [0.1, 0.01]])
+def test_singular_values(values: list[float]) -> None:
+    root = read_svg(singular_values(np.array(values)))
+    above = sum(value > 1.0 for value in values)
+    assert f"{above} of {len(values)} are above 1" in root.attrib["aria-label"]
+    assert "$" not in "".join(root.itertext())
+
+
+@pytest.mark.parametrize(("cells", "truth"), [(3, True), (4, False), (6, True), (6, False)])
+def test_every_picture_of_a_calibration(cells: int, truth: bool) -> None:
+    content = samples.content(samples.shoe_of(cells), truth=truth, runs=1)
+    run = samples.with_gap(content.runs[0])
+    pictures = (
+        *accuracy_pictures(content),
+        *channel_pictures(content),
+        *run_pictures(content, run),
+        foot_picture(content, run),
+    )
+    for picture in pictures:
+        read_svg(picture.svg)
+    assert len(pictures) == (10 if truth else 9)
+
+
+def test_torques_stand_apart_from_forces() -> None:
+    shoe = shoes.made([*shoes.six_axis(0, (0.0, 0.0, 0.1)), *shoes.six_axis(1, (0.0, 0.0, 0.1))])
+    content = samples.content(shoe, runs=1)
+    titles = [picture.title for picture in channel_pictures(content)]
+    assert titles[:2] == ["Gains and offsets, force channels", "Gains and offsets, torque channels"]
+    units = "".join(read_svg(channel_pictures(content)[1].svg).itertext())
+    assert "|gain| (N m/V)" in units
+    newtons = replace(content, shoe=replace(shoe, unit="N"))
+    assert "|gain| (1)" in "".join(read_svg(channel_pictures(newtons)[1].svg).itertext())

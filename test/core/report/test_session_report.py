@@ -1,0 +1,67 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from core.report.pages import read
+from core.report.sessions import swaying_session
+from shoecal_core.calibration.comparison import read_truths
+from shoecal_core.calibration.pipeline import Outcome, calibrate_session
+from shoecal_core.recording.session import Session
+from shoecal_core.report.session_report import session_content, write_session_report
+
+
+@pytest.fixture(scope="module")
+def session(tmp_path_factory: pytest.TempPathFactory) -> Session:
+    return swaying_session(tmp_path_factory.mktemp("session") / "recorded")
+
+
+@pytest.fixture(scope="module")
+def outcome(session: Session) -> Outcome:
+    return calibrate_session(session)
+
+
+def test_a_session_is_reported_against_its_model(
+    session: Session, outcome: Outcome, tmp_path: Path
+) -> None:
+    path = tmp_path / "report.html"
+    write_session_report(path, session, outcome, provenance=("Seed 7.",), timing={"solve": 1.5})
+    text = read(path.read_text(encoding="utf-8")).text
+    assert "Calibration of nao_shoe on nao" in text
+    assert outcome.calibration.verdict in text
+    for reason in outcome.calibration.reasons:
+        assert reason.removeprefix("WARN: ").removeprefix("FAIL: ") in text
+    assert "are simulated" in text
+    assert "training runs: 1, 2; test runs: 3" in text
+    assert "Seed 7." in text
+    assert "1.5 s" in text
+    assert "Errors are counted against the model" in text
+
+
+def test_truths_are_used_only_when_given(session: Session, outcome: Outcome) -> None:
+    truths = read_truths(session, outcome.data)
+    assert session_content(session, outcome, truths=truths).has_truth
+    assert not session_content(session, outcome).has_truth
+    assert not session_content(session, outcome, truths={1: truths[1]}).has_truth
+
+
+def test_a_session_from_hardware_is_not_called_simulated(
+    session: Session, outcome: Outcome
+) -> None:
+    folder = session.truth_path(1).parent
+    hidden = folder.rename(folder.with_name("elsewhere"))
+    try:
+        lines = session_content(session, outcome).provenance
+    finally:
+        hidden.rename(folder)
+    assert not any("are simulated" in line for line in lines)
+    assert any("hardware" in line for line in lines)
+
+
+def test_snapshots_span_the_run(session: Session, outcome: Outcome) -> None:
+    for run in session_content(session, outcome).runs:
+        assert len(run.snapshot_time) == 5
+        time = run.stances[0].stance.time
+        assert run.snapshot_time[0] == time[0]
+        assert run.snapshot_time[-1] == time[-1]

@@ -1,0 +1,102 @@
+from __future__ import annotations
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays
+from numpy.typing import NDArray
+
+from core.report.pages import read_svg
+from shoecal_core.report import palette
+from shoecal_core.report.svg import canvas, draw_line, line_key, readable, thinned
+
+FloatArray = NDArray[np.float64]
+
+
+def figure(label: str = "a", points: int = 50) -> str:
+    with canvas(120.0) as page:
+        axes = page.panel(10.0, 80.0)
+        x = np.linspace(0.0, 1.0, points)
+        draw_line(axes, x, np.sin(9.0 * x), palette.TRUTH)
+        axes.plot((0.1, 0.2), (0.1, 0.2), "o", color=palette.RED.light)
+        axes.set_title(label)
+        page.legend([line_key(palette.GUESS, label)])
+        return page.svg(f"A figure of {readable(label)}.")
+
+
+@given(
+    values=arrays.arrays(
+        np.float64, st.integers(0, 400), elements=st.one_of(st.floats(-9, 9), st.just(np.nan))
+    ),
+    most=st.integers(4, 60),
+)
+def test_thinning_keeps_ends_peaks_and_gaps(values: FloatArray, most: int) -> None:
+    x = np.arange(len(values), dtype=np.float64)
+    kept_x, kept = thinned(x, values, most)
+    np.testing.assert_array_equal(kept, values[kept_x.astype(int)])
+    assert (np.diff(kept_x) > 0).all()
+    assert len(kept) <= max(most, 3 * (most // 2) + 2)
+    if len(values):
+        assert kept_x[0] == 0
+        assert kept_x[-1] == len(values) - 1
+    if np.isfinite(values).any():
+        assert np.nanmax(kept) == np.nanmax(values)
+        assert np.nanmin(kept) == np.nanmin(values)
+    assert np.isnan(kept).any() == np.isnan(values).any()
+
+
+def test_short_lines_stay_as_they_are() -> None:
+    x = np.arange(9.0)
+    assert thinned(x, x)[0] is x
+
+
+def test_a_figure_lives_in_a_page() -> None:
+    svg = figure()
+    root = read_svg(svg)
+    assert root.get("viewBox") == "0 0 380 120"
+    assert "width" not in root.attrib
+    for colour in palette.COLOURS:
+        assert colour.light not in svg
+    assert "var(--blue)" in svg
+    assert "font-family" not in svg
+    assert "<style" not in svg
+    assert not root.findall(".//metadata")
+
+
+def test_the_same_figure_is_the_same_bytes() -> None:
+    assert figure() == figure()
+
+
+def test_figures_do_not_share_identifiers() -> None:
+    one, other = (
+        {element.get("id") for element in read_svg(figure(label)).iter() if element.get("id")}
+        for label in "ab"
+    )
+    assert one
+    assert not one & other
+
+
+def test_long_lines_stay_small() -> None:
+    assert len(figure(points=200_000)) < 60_000
+
+
+@pytest.mark.filterwarnings("ignore:Glyph")
+@pytest.mark.parametrize("label", ["<b>&\"'", "$\\frac{", "a\x07b\nc", "\ud800", "力", "x" * 500])
+def test_any_name_can_be_drawn(label: str) -> None:
+    text = "".join(read_svg(figure(readable(label))).itertext())
+    assert readable(label) in text
+    assert len(readable(label)) <= 28
+
+
+def test_the_callers_style_is_left_alone() -> None:
+    before = dict(mpl.rcParams)
+    figure()
+    assert dict(mpl.rcParams) == before
+
+
+def test_the_callers_style_does_not_enter() -> None:
+    plain = figure()
+    with mpl.rc_context({"axes.facecolor": "black", "lines.linewidth": 9.0, "text.usetex": True}):
+        assert figure() == plain
