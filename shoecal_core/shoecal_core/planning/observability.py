@@ -18,6 +18,7 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.sensing.wrench import columns_in_left
 
 FloatArray = NDArray[np.float64]
 
@@ -32,16 +33,6 @@ def contour_places(robot: Robot, support: DoubleSupport, count: int) -> FloatArr
     return np.array([ring.interpolate(part, normalized=True).coords[0] for part in parts])
 
 
-def channel_columns(shoe: Shoe, support: DoubleSupport) -> FloatArray:
-    """(n, 3) F, Mx, My of every channel's unit, all about the left sole's frame."""
-    columns = shoe.columns.copy()
-    right = shoe.foot == 1
-    force, moment = columns[right, :1], columns[right, 1:]
-    lever = np.array([support.dy, -support.dx])
-    columns[right, 1:] = moment @ support.rotation.T + force * lever
-    return columns
-
-
 def predicted_forces(
     shoe: Shoe, support: DoubleSupport, weight: float, places: FloatArray
 ) -> FloatArray:
@@ -53,7 +44,7 @@ def predicted_forces(
         weight: carried by all channels together [N].
         places: (p, 2) CoP in the left sole's frame [m].
     """
-    columns = channel_columns(shoe, support)
+    columns = columns_in_left(shoe, support)
     wrench = weight * np.column_stack([np.ones(len(places)), places[:, 1], -places[:, 0]])
     return wrench @ np.linalg.pinv(columns)
 
@@ -65,7 +56,7 @@ def residual_jacobian(
 
     Args: as predicted_forces, which gives `forces` (p, n).
     """
-    force, moment_x, moment_y = channel_columns(shoe, support).T
+    force, moment_x, moment_y = columns_in_left(shoe, support).T
     x, y = places[:, :1], places[:, 1:]
     rows = np.stack(
         [

@@ -12,7 +12,6 @@ from core.planning.bodies import Body
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.observability import (
     best_rank,
-    channel_columns,
     contour_places,
     information,
     predicted_forces,
@@ -22,6 +21,7 @@ from shoecal_core.planning.observability import (
 )
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.sensing.wrench import columns_in_left
 
 SETTINGS = PlannerSettings()
 TURNED = DoubleSupport(0.04, -0.13, 0.35)
@@ -66,7 +66,7 @@ def test_jacobian_against_finite_differences(body: Body) -> None:
 
 def test_columns_of_the_left_foot_stay(body: Body) -> None:
     left = body.shoe.foot == 0
-    columns = channel_columns(body.shoe, TURNED)
+    columns = columns_in_left(body.shoe, TURNED)
     np.testing.assert_array_equal(columns[left], body.shoe.columns[left])
 
 
