@@ -137,9 +137,7 @@ class World:
 
     def until_told(self, node: str, subject: str, text: str) -> Any:
         """Wait until a node's diagnostic of a subject contains a text."""
-        self.until(
-            lambda: (found := self.diagnosis(node, subject)) and text in found.message
-        )
+        self.until(lambda: (found := self.diagnosis(node, subject)) and text in found.message)
         return self.diagnosis(node, subject)
 
     def __enter__(self) -> Self:
@@ -178,9 +176,7 @@ class Goal:
     def __init__(self, world: World, client: ActionClient, goal: Any) -> None:
         self.feedback: list[Any] = []
         self._world = world
-        sent = client.send_goal_async(
-            goal, lambda message: self.feedback.append(message.feedback)
-        )
+        sent = client.send_goal_async(goal, lambda message: self.feedback.append(message.feedback))
         world.until(sent.done)
         self._handle = sent.result()
         assert self._handle.accepted

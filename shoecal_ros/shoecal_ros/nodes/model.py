@@ -7,11 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 from geometry_msgs.msg import PointStamped, TransformStamped
+from scipy.spatial.transform import Rotation
 from sensor_msgs.msg import JointState
 
+from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.settings import Settings, setting
 from shoecal_ros import qos
-from shoecal_ros.body import Body, BodyPose
 from shoecal_ros.conversions import BASE_LINK, SOLES, header_to_ros, point_to_ros
 from shoecal_ros.health import Level
 from shoecal_ros.joints import JointInput
@@ -41,7 +42,7 @@ class Model(ShoecalNode):
         files = self.settings(RobotFiles)
         settings = self.settings(ModelSettings)
         robot = files.load_robot()
-        self._body = Body(robot)
+        self._kinematics = Kinematics(robot)
         self._joints = JointInput(robot, settings.stale_s)
         self._com = self.create_publisher(PointStamped, "shoe/model/com", qos.LIVE)
         self._cop = self.create_publisher(PointStamped, "shoe/model/cop", qos.LIVE)
@@ -60,26 +61,32 @@ class Model(ShoecalNode):
         batch = self._joints.take(messages)
         if batch is None:
             return
-        poses = [self._body.pose(angles) for angles in batch.angles]
-        for stamp_ns, pose in zip(batch.stamp_ns.tolist(), poses, strict=True):
-            self._com.publish(point_to_ros(stamp_ns, BASE_LINK, pose.com))
-            self._cop.publish(point_to_ros(stamp_ns, SOLES[0], pose.cop))
+        states = self._kinematics.states(batch.angles)
+        for stamp_ns, com, cop in zip(
+            batch.stamp_ns.tolist(), states.com_in_base, states.cop[:, 0], strict=True
+        ):
+            self._com.publish(point_to_ros(stamp_ns, BASE_LINK, com))
+            self._cop.publish(point_to_ros(stamp_ns, SOLES[0], cop))
         if self._tf is not None:
             # The newest is enough: listeners interpolate.
-            self._tf.publish(_transforms(int(batch.stamp_ns[-1]), poses[-1]))
+            self._tf.publish(_transforms(int(batch.stamp_ns[-1]), states))
 
 
-def _transforms(stamp_ns: int, pose: BodyPose) -> Any:
+def _transforms(stamp_ns: int, states: BodyStates) -> Any:
+    """Both soles in the base, as the last sample has them."""
+    turn, place = states.left_rotation[-1], states.left_translation[-1]
+    poses = (
+        (place, turn),
+        (place + turn @ states.translation[-1], turn @ states.rotation[-1]),
+    )
     transforms = []
-    for frame, translation, quaternion in zip(
-        SOLES, pose.translation.tolist(), pose.quaternion.tolist(), strict=True
-    ):
+    for frame, (translation, rotation) in zip(SOLES, poses, strict=True):
         transform = TransformStamped(
             header=header_to_ros(stamp_ns, BASE_LINK), child_frame_id=frame
         )
-        place, turn = transform.transform.translation, transform.transform.rotation
-        place.x, place.y, place.z = translation
-        turn.x, turn.y, turn.z, turn.w = quaternion
+        where, how = transform.transform.translation, transform.transform.rotation
+        where.x, where.y, where.z = translation.tolist()
+        how.x, how.y, how.z, how.w = Rotation.from_matrix(rotation).as_quat().tolist()
         transforms.append(transform)
     return TFMessage(transforms=transforms)
 
