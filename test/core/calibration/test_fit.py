@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from core.calibration import synthetic
 from core.sensing import shoes
 from shoecal_core.calibration.fit import fit_parameters, self_calibrate
-from shoecal_core.calibration.initial_guess import initial_guess
+from shoecal_core.calibration.initial_guess import InitialGuess, initial_guess
 from shoecal_core.calibration.least_squares import Fit
 from shoecal_core.calibration.metrics import cop_mae
 from shoecal_core.calibration.residuals import Weights, normal_equations, pack, unpack
@@ -198,6 +198,23 @@ def test_without_data_the_fit_stays_at_the_guess(
     sure = CalibrationSettings(gain_std=1e-6, offset_std_n=1e-6, time_offset_std_s=0.0)
     fit = fit_parameters(shoe, runs, guess, sure)
     np.testing.assert_allclose(unpack(fit.vector)[0].gain, guess.parameters.gain, rtol=1e-4)
+
+
+def test_what_is_believed_before_any_sample() -> None:
+    """Gains as a share of their guess, tighter from a data sheet; torques' offsets at 10 cm."""
+    origin = [0.0, 0.0, 0.1]
+    sensors = [*shoes.six_axis(0, origin, gain=2.0), *shoes.six_axis(1, origin, gain=None)]
+    shoe = shoes.made(sensors)
+    parameters = ChannelParameters(np.full(10, -2.0), np.full(10, 1.5))
+    guess = InitialGuess(parameters, shoe.polarity, -2.0, 1.5)
+    settings = CalibrationSettings()
+    fit = fit_parameters(shoe, [], guess, settings)
+    std = np.sqrt(np.diag(fit.covariance))
+    np.testing.assert_allclose(std[:5], 2.0 * settings.nominal_gain_std)
+    np.testing.assert_allclose(std[5:10], 2.0 * settings.gain_std)
+    offsets = settings.offset_std_n * np.array([1.0, 1.0, 1.0, 0.1, 0.1] * 2)
+    np.testing.assert_allclose(std[10:20], offsets)
+    assert std[20] == pytest.approx(settings.time_offset_std_s)
 
 
 # ---- time offset ------------------------------------------------------------------------------
