@@ -6,6 +6,7 @@ import contextlib
 import sys
 import time
 from collections.abc import Callable, Generator, Sequence
+from pathlib import Path
 from typing import Any, TypeVar
 
 import rclpy
@@ -226,7 +227,7 @@ def run(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None = None)
         executor.add_node(node)
         executor.spin()
     except ShoecalError as error:
-        print(f"{sys.argv[0].rsplit('/', 1)[-1]}: {error}", file=sys.stderr, flush=True)
+        print(f"{Path(sys.argv[0]).stem}: {error}", file=sys.stderr, flush=True)
         return 1
     except (KeyboardInterrupt, ExternalShutdownException):
         pass

@@ -59,17 +59,22 @@ class World:
     # Processes
 
     def start(
-        self, node: str, parameters: Mapping[str, object] | None = None, *arguments: str
+        self,
+        node: str,
+        parameters: Mapping[str, object] | None = None,
+        *arguments: str,
+        name: str = "",
     ) -> subprocess.Popen[bytes]:
-        """Start one node with parameters and further ROS arguments."""
+        """Start one node with parameters and ROS arguments, under its own name or another."""
+        name = name or node
         pairs = [f"{key}:={_yaml(value)}" for key, value in (parameters or {}).items()]
         command = [sys.executable, "-m", f"shoecal_ros.nodes.{node}", "--ros-args"]
         command += [part for pair in pairs for part in ("-p", pair)]
-        with self._log(node).open("wb") as log:
+        with self._log(name).open("wb") as log:
             process = subprocess.Popen(
                 [*command, *arguments], env=ros_environment(), stderr=log, stdout=log
             )
-        self.processes[node] = process
+        self.processes[name] = process
         return process
 
     def output(self, node: str) -> str:
@@ -106,7 +111,7 @@ class World:
             self._executor.spin_once(timeout_sec=0.05)
 
     def publisher(self, kind: type[Any], topic: str, profile: Any = qos.RAW) -> Any:
-        """A publisher that somebody listens to."""
+        """A publisher that somebody listens to, and that others know of."""
         publisher = self.node.create_publisher(kind, topic, profile)
         self.until(lambda: publisher.get_subscription_count() > 0)
         return publisher
