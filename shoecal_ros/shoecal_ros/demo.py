@@ -41,6 +41,8 @@ from shoecal_ros.demonstration.processes import Nodes
 SPEED = 5.0
 PATIENCE_S = 5.0
 """Simulated data are late on a busy machine, not stale."""
+LATE_S = 4.0
+"""Simulated time by which a node's clock may trail the simulator's on a busy machine."""
 
 STAGES = {
     "drawing": "plan",
@@ -154,7 +156,8 @@ def _start(nodes: Nodes, options: Options, folder: Folder) -> None:
     )
     nodes.start("shoe_driver", {**simulated, "config_file": folder.device})
     nodes.start("model", {**files, **simulated, **patient}, [configuration / "model.yaml"])
-    nodes.start("planner", {**files, **simulated, **patient}, [planner])
+    late = {"follow_late": LATE_S}
+    nodes.start("planner", {**files, **simulated, **patient, **late}, [planner])
     nodes.start(
         "calibrator",
         {
