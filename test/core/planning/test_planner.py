@@ -55,7 +55,11 @@ def test_the_trajectory_keeps_every_constraint(name: str, index: int) -> None:
 def test_the_cop_goes_round(name: str, index: int) -> None:
     motion, robot = motion_of(name, index), load_body(name).robot
     contour = Contour.of(robot, SUPPORTS[index])
-    np.testing.assert_allclose(motion.path.targets, contour.targets(motion.cop[0]))
+    # In a symmetric support two sides are equally near, and rounding chooses.
+    first = motion.path.targets[0]
+    away = np.linalg.norm(contour.midpoints - motion.cop[0], axis=1)
+    assert np.linalg.norm(first - motion.cop[0]) <= away.min() + 1e-6
+    np.testing.assert_allclose(motion.path.targets, contour.targets(first))
     assert np.sum(motion.path.nearest < SETTINGS.landmark_radius) >= 4
     ring = shapely.Polygon(motion.cop)
     assert ring.area > 0.4 * shapely.Polygon(contour.corners).area
