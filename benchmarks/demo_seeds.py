@@ -36,18 +36,27 @@ def main() -> int:
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "seeds")
     parser.add_argument("--doc", type=Path, default=ROOT / "docs" / "demo.md")
     args = parser.parse_args()
-    results = [_result(seed, args.out / f"seed_{seed:02d}") for seed in range(1, args.seeds + 1)]
+    found = {
+        seed: _result(seed, args.out / f"seed_{seed:02d}") for seed in range(1, args.seeds + 1)
+    }
+    failed = [seed for seed, result in found.items() if result is None]
+    results = [result for result in found.values() if result is not None]
+    if failed:
+        print(f"no result of seed(s) {failed}; the table is not written")
+        return 1
     args.doc.write_text(_page(results))
     print(args.doc)
     return 0 if _met(results) else 1
 
 
-def _result(seed: int, folder: Path) -> dict[str, object]:
+def _result(seed: int, folder: Path) -> dict[str, object] | None:
     path = folder / "result.json"
     if not path.is_file():
         print(f"seed {seed} …", flush=True)
         command = [str(Path(sys.executable).with_name("shoecal")), "demo"]
-        subprocess.run([*command, "--seed", str(seed), "--out", str(folder)], check=True)
+        done = subprocess.run([*command, "--seed", str(seed), "--out", str(folder)], check=False)
+        if done.returncode != 0:
+            return None
     found: dict[str, object] = json.loads(path.read_text())
     return found
 
