@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import os
 import pty
+import time
 import tty
 from collections.abc import Iterator
 from dataclasses import replace
@@ -25,6 +26,7 @@ from shoecal_ros.serial.frame import Info
 
 INFO = Info("test", 1, 8, 100.0)
 COUNTS = [1000 * index for index in range(8)]
+BOOT_NS = time.monotonic_ns()
 
 
 @pytest.fixture
@@ -41,8 +43,12 @@ def device(port: Path) -> Iterator[SimulatedDevice]:
 def send(world: World, device: SimulatedDevice, begin: int, frames: int) -> None:
     """Send frames, each until the driver listens."""
     for index in range(begin, begin + frames):
-        frame = partial(device.send, index, 10_000 * index, COUNTS, [0] * 8, temperature=21.5)
-        world.until(frame)
+        world.until(partial(_send_one, device, index))
+
+
+def _send_one(device: SimulatedDevice, sequence: int) -> bool:
+    now_us = (time.monotonic_ns() - BOOT_NS) // 1000
+    return device.send(sequence, now_us, COUNTS, [0] * 8, temperature=21.5)
 
 
 def connect(world: World, device: SimulatedDevice, heard: Heard) -> int:
@@ -50,7 +56,7 @@ def connect(world: World, device: SimulatedDevice, heard: Heard) -> int:
     sequence = count()
 
     def heard_of() -> bool:
-        device.send(index := next(sequence), 10_000 * index, COUNTS, [0] * 8)
+        _send_one(device, next(sequence))
         return len(heard) > 0
 
     world.until(heard_of)
@@ -89,7 +95,7 @@ def test_a_simulated_device_and_the_host_share_simulated_time(
         # The clock ticks in coarse steps, ahead of what was sampled.
         tick = (index + 5 - index % 5) * 10**7
         clock.publish(Clock(clock=time_to_ros(tick)))
-        send(world, device, index, 1)
+        world.until(lambda: device.send(index, 10_000 * index, COUNTS, [0] * 8))
         return len(voltages) >= 20
 
     world.until(heard_of)
