@@ -21,6 +21,7 @@ setup:  ## build .venv and install/ (PYTHON=... names the interpreter)
 demo: setup  ## the main job on the simulated robot (ARGS="--seed 2")
 	$(BIN)/shoecal demo $(ARGS)
 
+test: export OPENBLAS_NUM_THREADS := 1
 test: setup  ## all tests (ARGS="-k name")
 	$(BIN)/python -m pytest -n auto --dist loadfile $(ARGS)
 
