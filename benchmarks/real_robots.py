@@ -35,7 +35,9 @@ def main() -> int:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--doc", type=Path, default=ROOT / "docs" / "real-robots.md")
     args = parser.parse_args()
-    settings = load_settings(CalibrationSettings, IMPORTS / "reemc_calibrator.yaml", "calibrator")
+    settings = load_settings(
+        CalibrationSettings, IMPORTS / "reemc_calibrator.yaml", "calibrator", "calibration"
+    )
     with tempfile.TemporaryDirectory() as folder:
         session = import_csv(IMPORTS / "reemc.yaml", args.folder, Path(folder) / "session")
         outcomes = [calibrate_session(session, train, (test,), settings) for train, test in SPLITS]

@@ -152,21 +152,23 @@ def from_values(cls: type[S], values: Mapping[str, object]) -> S:
     return cls(**{name: known[name].checked(value) for name, value in values.items()})
 
 
-def load_settings(cls: type[S], path: Path, node_name: str, *, others: Collection[str] = ()) -> S:
+def load_settings(cls: type[S], path: Path, node_name: str, section: str) -> S:
     """Read settings from a ROS parameter file.
 
     Args:
         cls: the Settings class.
-        path: YAML of the form `node_name: {ros__parameters: {key: value}}`.
+        path: YAML of the form `node_name: {ros__parameters: {section: {key: value}}}`.
         node_name: whose parameters to take.
-        others: keys that may stand there too, for the node alone.
+        section: of them; where it is left out everything has its default.
 
     Raises:
         FileError: names the file, the key and the cure.
     """
     block = read_yaml(path).mapping(node_name).mapping("ros__parameters")
-    values = {key: block.value(key) for key in block.keys() if key not in others}
+    if section not in block:
+        return cls()
+    entries = block.mapping(section)
     try:
-        return from_values(cls, values)
+        return from_values(cls, {key: entries.value(key) for key in entries.keys()})
     except SettingError as error:
-        raise block.error(error.key, error.problem) from error
+        raise entries.error(error.key, error.problem) from error

@@ -19,11 +19,13 @@ from pathlib import Path
 from rich.console import Console
 from shoecal_msgs.action import Calibrate
 
+from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.progress import shown_progress
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, read_bytes, write_yaml
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.settings import load_settings
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir
 from shoecal_ros.demonstration.conductor import Conductor
@@ -31,7 +33,6 @@ from shoecal_ros.demonstration.domain import reserve_domain
 from shoecal_ros.demonstration.options import Folder, Options
 from shoecal_ros.demonstration.outcome import (
     evaluate,
-    fit_settings,
     print_table,
     split_truth,
     write_results,
@@ -92,7 +93,9 @@ def run(options: Options) -> Mapping[str, object]:
     session = Session.open(folder.session)
     split_truth(folder, session)
     atomic_write(folder.calibration, read_bytes(folder.state / "calibration.yaml"))
-    found = evaluate(folder, fit_settings(config_dir() / "nodes" / "calibrator.yaml"))
+    weights = config_dir() / "nodes" / "calibrator.yaml"
+    fit = load_settings(CalibrationSettings, weights, "calibrator", "calibration")
+    found = evaluate(folder, fit)
     watch.lap("evaluate")
     figures = write_results(folder, options, found, watch.timing)
     shutil.rmtree(folder.work)

@@ -76,26 +76,29 @@ def test_holding_settings_means_they_are_valid() -> None:
 def test_reads_a_ros_parameter_file(tmp_path: Path) -> None:
     path = write(
         tmp_path,
-        "node: {ros__parameters: {length: 1.25, kind: fast, robot: nao.yaml}}\n"
-        "other: {ros__parameters: {length: 0.1}}\n",
+        "node: {ros__parameters: {robot: nao.yaml, part: {length: 1.25, kind: fast}}}\n"
+        "other: {ros__parameters: {part: {length: 0.1}}}\n",
     )
-    example = load_settings(Example, path, "node", others=("robot",))
+    example = load_settings(Example, path, "node", "part")
     assert example == Example(length=1.25, kind="fast")
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("node: {ros__parameters: {length: 9.0}}", ["ros__parameters.length", "at most 2 m"]),
-        ("node: {ros__parameters: {robot: nao.yaml}}", ["ros__parameters.robot", "unknown"]),
+        (
+            "node: {ros__parameters: {part: {length: 9.0}}}",
+            ["ros__parameters.part.length", "at most 2 m"],
+        ),
+        ("node: {ros__parameters: {part: {robot: nao.yaml}}}", ["part.robot", "unknown"]),
         ("node: {length: 1.0}", ["node.ros__parameters", "missing"]),
         ("planner: {ros__parameters: {}}", ["node", "missing"]),
-        ("node: {ros__parameters: {length: }}", ["length", "missing"]),
+        ("node: {ros__parameters: {part: {length: }}}", ["length", "missing"]),
     ],
 )
 def test_bad_files_name_file_and_key(tmp_path: Path, text: str, words: list[str]) -> None:
     path = write(tmp_path, text)
     with pytest.raises(FileError) as caught:
-        load_settings(Example, path, "node")
+        load_settings(Example, path, "node", "part")
     for word in ["node.yaml", *words]:
         assert word in str(caught.value)

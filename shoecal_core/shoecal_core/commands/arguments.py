@@ -46,7 +46,7 @@ def add_planning(parser: argparse.ArgumentParser) -> None:
 def planner_settings(args: argparse.Namespace) -> PlannerSettings:
     """Planning settings of the file named, else of the configuration folder."""
     path = args.settings or config_dir() / "nodes" / "planner.yaml"
-    settings = load_settings(PlannerSettings, path, "planner")
+    settings = load_settings(PlannerSettings, path, "planner", "planning")
     if args.supports is None:
         return settings
     try:

@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Calibrate; a calibration with the verdict FAIL is not written."""
     settings = (
-        load_settings(CalibrationSettings, args.settings, "calibrator")
+        load_settings(CalibrationSettings, args.settings, "calibrator", "calibration")
         if args.settings
         else CalibrationSettings()
     )

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 from rich.console import Console
 
@@ -16,11 +15,10 @@ from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.tables import errors_table, stages_rows
 from shoecal_core.errors import ShoecalError
-from shoecal_core.files import atomic_write, read_bytes, read_yaml
+from shoecal_core.files import atomic_write, read_bytes
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import Truth, read_truth
 from shoecal_core.report.session_report import write_session_report
-from shoecal_core.settings import SettingError, from_values
 from shoecal_ros.demonstration.options import Folder, Options
 
 
@@ -43,22 +41,6 @@ class Found:
     stages: dict[str, dict[str, Errors]]
     modelled: Errors
     truths: dict[int, Truth]
-
-
-def fit_settings(path: Path) -> CalibrationSettings:
-    """Weights of the fit from the calibrator's parameter file.
-
-    Raises:
-        FileError: names file and key.
-    """
-    block = read_yaml(path).mapping("calibrator").mapping("ros__parameters")
-    if "calibration" not in block:
-        return CalibrationSettings()
-    section = block.mapping("calibration")
-    try:
-        return from_values(CalibrationSettings, {key: section.value(key) for key in section.keys()})
-    except SettingError as error:
-        raise section.error(error.key, error.problem) from error
 
 
 def split_truth(folder: Folder, session: Session) -> None:

@@ -24,7 +24,7 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording import schemas
-from shoecal_core.settings import Settings, describe, load_settings, setting
+from shoecal_core.settings import Settings, load_settings, setting
 from shoecal_core.workspace import config_dir
 from shoecal_ros import qos
 from shoecal_ros.actions import finish
@@ -38,7 +38,6 @@ from shoecal_ros.joints import JointInput
 from shoecal_ros.live import LiveSensing, LowPass
 from shoecal_ros.live_publishers import LivePublishers
 from shoecal_ros.load import LoadSwitch
-from shoecal_ros.plan_job import MovingSettings
 from shoecal_ros.raw_topics import RAW_TOPICS, relative
 from shoecal_ros.recorder import Recorder
 from shoecal_ros.refusal import RefusedError
@@ -158,8 +157,7 @@ class Calibrator(ShoecalNode):
 
     def _load_planning(self) -> PlannerSettings:
         file = self.job_settings.planner_file or config_dir() / "nodes" / "planner.yaml"
-        others = [entry.name for kind in (MovingSettings, RobotFiles) for entry in describe(kind)]
-        return load_settings(PlannerSettings, Path(file), "planner", others=others)
+        return load_settings(PlannerSettings, Path(file), "planner", "planning")
 
     def _subscribe(self) -> None:
         """Everything a run may hold comes serialised: it is recorded as it was sent."""

@@ -36,7 +36,7 @@ class Planner(ShoecalNode):
     def __init__(self) -> None:
         super().__init__("planner")
         self.files = self.settings(RobotFiles)
-        self.planning = self.settings(PlannerSettings)
+        self.planning = self.settings(PlannerSettings, "planning.")
         self.moving = self.settings(MovingSettings)
         self.robot = self.files.load_robot()
         self.joints = JointInput(self.robot, self.moving.stale_s)
