@@ -88,7 +88,7 @@ def test_reads_a_ros_parameter_file(tmp_path: Path) -> None:
     [
         (
             "node: {ros__parameters: {part: {length: 9.0}}}",
-            ["ros__parameters.part.length", "at most 2 m"],
+            ["part.length", "at most 2 m"],
         ),
         ("node: {ros__parameters: {part: {robot: nao.yaml}}}", ["part.robot", "unknown"]),
         ("node: {length: 1.0}", ["node.ros__parameters", "missing"]),
