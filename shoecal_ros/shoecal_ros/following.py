@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import Enum
 
@@ -11,6 +12,8 @@ from numpy.typing import NDArray
 from shoecal_core.simulation.trajectory import JointTrajectory
 
 FloatArray = NDArray[np.float64]
+_MOVED, _SHARE = 2e-3, 0.2
+"""rad, share of the planned way: a part that moved no joint farther brought no progress."""
 _LOOKS = 9
 """Places on the trajectory that a measurement is compared with, over the span of lateness."""
 
@@ -84,3 +87,50 @@ class Follower:
             verdict = Verdict.FOLLOWS
         progress = min(1.0, max(0.0, elapsed / max(trajectory.duration, 1e-9)))
         return Look(verdict, trajectory.names[joint], error, progress)
+
+
+class Give:
+    """How far a streamed motion's commands must be ahead of measurements: its motors' give.
+
+    Attributes:
+        ahead: (k,) what the next part's commands are moved by [rad].
+    """
+
+    def __init__(self, names: Sequence[str], bound: float, patience: int) -> None:
+        """Nothing known yet.
+
+        Args:
+            names: of the k joints.
+            bound: largest give of a joint [rad].
+            patience: parts without progress after which the robot does not follow.
+        """
+        self.ahead = np.zeros(len(names))
+        self._names = tuple(names)
+        self._bound = bound
+        self._patience = patience
+        self._idle = 0
+
+    def learn(self, planned: FloatArray, begun: FloatArray, ended: FloatArray) -> str:
+        """Take one part that was done.
+
+        Args:
+            planned: (T, k) the part's angles [rad].
+            begun, ended: (k,) measured when the robot stood before and after it [rad].
+
+        Returns:
+            Why the robot does not follow; empty when it does. `ahead` stays within its bound.
+        """
+        way = float(np.abs(planned[-1] - planned[0]).max())
+        moved = float(np.abs(ended - begun).max())
+        self._idle = 0 if moved > max(_MOVED, _SHARE * way) else self._idle + 1
+        ahead = self.ahead + planned[-1] - ended
+        self.ahead = np.clip(ahead, -self._bound, self._bound)
+        joint = int(np.argmax(np.abs(ahead)))
+        if abs(ahead[joint]) > self._bound:
+            return (
+                f"joint '{self._names[joint]}' stays {abs(ahead[joint]):.3f} rad behind its "
+                f"commands (give {self._bound:g} rad)"
+            )
+        if self._idle >= self._patience:
+            return f"the robot has not moved in {self._idle} parts of the motion"
+        return ""

@@ -27,7 +27,7 @@ from shoecal_core.simulation.trajectory import JointTrajectory
 from shoecal_ros import planning_work
 from shoecal_ros.arming import Arming
 from shoecal_ros.conversions import trajectory_to_ros
-from shoecal_ros.following import Follower, Verdict
+from shoecal_ros.following import Follower, Give, Verdict
 from shoecal_ros.joints import JointBatch, JointInput
 from shoecal_ros.refusal import RefusedError
 from shoecal_ros.robot_files import RobotFiles
@@ -40,6 +40,8 @@ R = TypeVar("R")
 ANSWER_S = 30.0
 """Wall-clock time in which cancelled planning must end."""
 FEEDBACK_S = 0.2
+IDLE_CHUNKS = 3
+"""Streamed parts in a row that may bring no progress."""
 
 _CODES: tuple[tuple[type[ShoecalError], int], ...] = (
     (PlanningCanceledError, Plan.Result.CANCELED),
@@ -72,6 +74,9 @@ class MovingSettings(Settings):
     )
     stop_time: float = setting(0.5, "s", "in which a stopped robot comes to rest", minimum=0.05)
     chunk_states: int = setting(8, "states", "planned states of one streamed part", minimum=4)
+    give: float = setting(
+        0.03, "rad", "most that a standing joint may be behind streamed commands", minimum=1e-3
+    )
 
 
 class Mover(Protocol):
@@ -148,15 +153,20 @@ class PlanJob:
         targets: FloatArray | None = None
         nearest: list[float] = []
         times, positions = [np.zeros(0)], [np.zeros((0, len(self._moved)))]
-        # What commands were ahead of measurements when the robot last stood: its motors' give.
-        ahead = np.zeros(len(mover.robot.joint_names))
+        legs = mover.robot.legs
+        names = [mover.robot.joint_names[index] for index in legs]
+        give = Give(names, mover.moving.give, IDLE_CHUNKS)
         while targets is None or len(targets):
             start = self._measured()
             chunk = await self._planned(partial(self._start_chunk, start, targets))
             self._check_start(start)
-            trajectory = self._commanded(chunk.motion, ahead)
+            trajectory = self._commanded(chunk.motion, give.ahead)
             await self._follow(trajectory, chunk.motion)
-            ahead += chunk.motion.positions[-1] - self._measured()
+            ended = self._measured()
+            problem = give.learn(chunk.motion.positions[:, legs], start[legs], ended[legs])
+            if problem:
+                self._hold(ended)
+                raise RefusedError(Plan.Result.NOT_FOLLOWED, f"stopped: {problem}; {_CURE}")
             targets = chunk.targets
             nearest += chunk.nearest.tolist()
             begin = times[-1][-1] + 1.0 / mover.planning.sample_rate if len(times) > 1 else 0.0
@@ -226,8 +236,7 @@ class PlanJob:
                 raise RefusedError(
                     Plan.Result.NOT_FOLLOWED,
                     f"stopped: joint '{look.joint}' is {look.error:.3f} rad off its trajectory "
-                    f"(follow_error {moving.follow_error:g} rad); see that the robot's motors are "
-                    "on and that it listens to joint_trajectory",
+                    f"(follow_error {moving.follow_error:g} rad); {_CURE}",
                 )
             landmark = int(
                 np.searchsorted(motion.path.switches, look.progress * len(motion.path.states))
@@ -260,7 +269,7 @@ class PlanJob:
     def _commanded(self, motion: Motion, ahead: FloatArray | float = 0.0) -> JointTrajectory:
         """What is sent: the joints that the planner moves; the others stay as they are."""
         robot = self._mover.robot
-        legs = (motion.positions + ahead)[:, robot.legs]
+        legs = motion.positions[:, robot.legs] + ahead
         positions = np.clip(robot.from_legs(legs), robot.lower, robot.upper)
         return JointTrajectory(self._names, motion.time, positions[:, self._moved])
 
@@ -309,5 +318,6 @@ class PlanJob:
             Plan.Feedback(phase=phase, progress=float(progress), landmark=landmark)
         )
 
+_CURE = "see that the robot's motors are on and that it listens to joint_trajectory"
 
 _FOREVER_S = 1e9
