@@ -8,6 +8,7 @@ from typing import Any
 
 from rclpy.action import ActionClient
 from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
 
 from shoecal_core.errors import ShoecalError
 from shoecal_ros.runtime import until
@@ -18,6 +19,10 @@ ANSWER_S = 10.0
 
 class ActionError(ShoecalError):
     """An action whose server does not do its part."""
+
+
+class NotSentError(ShoecalError):
+    """A goal that was not wanted any more before it could be sent."""
 
 
 def finish(goal: ServerGoalHandle, result: Any, *, canceled: int) -> None:
@@ -38,6 +43,7 @@ def finish(goal: ServerGoalHandle, result: Any, *, canceled: int) -> None:
 
 async def do_action(
     client: ActionClient,
+    name: str,
     goal: Any,
     *,
     feedback: Callable[[Any], None],
@@ -48,19 +54,25 @@ async def do_action(
 
     Args:
         client: of the action.
+        name: of the action, for messages.
         goal: to send.
         feedback: takes what the server tells meanwhile.
         stop: whether to cancel the goal; the result then tells how it ended.
         timeout_s: longest wall-clock time.
 
     Raises:
+        NotSentError: when it was to stop before it began.
         ActionError: when the server is not there, vanishes, refuses or takes too long.
     """
-    name = client._action_name  # noqa: SLF001 (rclpy offers no other way to it)
-    if not await until(lambda: client.server_is_ready() or stop(), ANSWER_S):
+    ready = await until(lambda: client.server_is_ready() or stop(), ANSWER_S)
+    if stop():
+        raise NotSentError(f"the action {name} was stopped before it began")
+    if not ready:
         raise ActionError(f"nobody offers the action {name}; start the node that does")
     sent = client.send_goal_async(goal, lambda message: feedback(message.feedback))
     if not await until(sent.done, ANSWER_S):
+        # Accepted after all, nobody would ever end it.
+        sent.add_done_callback(_cancel_late)
         raise ActionError(f"the action {name} does not answer; restart the node that offers it")
     handle = sent.result()
     if not handle.accepted:
@@ -80,3 +92,8 @@ async def do_action(
                 "see what its node waits for, or raise the time-out"
             )
     return result.result().result
+
+
+def _cancel_late(sent: Future) -> None:
+    if sent.exception() is None and sent.result().accepted:
+        sent.result().cancel_goal_async()

@@ -23,7 +23,7 @@ from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.settings import Settings, setting
 from shoecal_ros import solving_work
-from shoecal_ros.actions import do_action
+from shoecal_ros.actions import NotSentError, do_action
 from shoecal_ros.conversions import support_to_ros
 from shoecal_ros.recorder import Recorder
 from shoecal_ros.refusal import RefusedError
@@ -34,6 +34,7 @@ from shoecal_ros.worker import Work, Worker
 
 R = TypeVar("R")
 FEEDBACK_S = 0.2
+REACH_ACTION, PLAN_ACTION = "robot/reach_support", "shoe/plan"
 
 DRAW_SHARE, SOLVE_SHARE = 0.04, 0.06
 """Of the whole job's progress."""
@@ -214,6 +215,7 @@ class CalibrationJob:
         settings = self._site.job_settings
         reached = await self._action(
             self._site.reach_client,
+            REACH_ACTION,
             goal,
             lambda told: self._tell("reaching", self._share(REACH_SHARE * told.progress), place),
             settings.reach_timeout_s,
@@ -245,6 +247,7 @@ class CalibrationJob:
         site.recorder.stand_by()
         moved = await self._action(
             site.plan_client,
+            PLAN_ACTION,
             Plan.Goal(motion=settings.motion, send=True),
             partial(self._hear_motion, session, support, hint),
             settings.motion_timeout_s,
@@ -286,6 +289,7 @@ class CalibrationJob:
     async def _action(
         self,
         client: ActionClient,
+        name: str,
         goal: Any,
         feedback: Callable[[Any], None],
         timeout_s: float,
@@ -295,11 +299,15 @@ class CalibrationJob:
         try:
             result = await do_action(
                 client,
+                name,
                 goal,
                 feedback=feedback,
                 stop=lambda: self._interrupted,
                 timeout_s=timeout_s,
             )
+        except NotSentError as error:
+            self._check()
+            raise RefusedError(code, str(error)) from error
         except ShoecalError as error:
             raise RefusedError(code, str(error)) from error
         self._check()

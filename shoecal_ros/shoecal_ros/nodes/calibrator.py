@@ -29,7 +29,13 @@ from shoecal_core.workspace import config_dir
 from shoecal_ros import qos
 from shoecal_ros.actions import finish
 from shoecal_ros.calibration_desk import CalibrationDesk
-from shoecal_ros.calibration_job import CalibrationJob, JobSettings, Request
+from shoecal_ros.calibration_job import (
+    PLAN_ACTION,
+    REACH_ACTION,
+    CalibrationJob,
+    JobSettings,
+    Request,
+)
 from shoecal_ros.calibration_store import CalibrationStore
 from shoecal_ros.conversions import calibration_to_ros
 from shoecal_ros.health import Level
@@ -109,8 +115,8 @@ class Calibrator(ShoecalNode):
         store = CalibrationStore(Path(settings.state_dir).expanduser(), self.robot, self.shoe)
         self.desk = CalibrationDesk(self, store)
         self._subscribe()
-        self.reach_client = ActionClient(self, ReachSupport, "robot/reach_support")
-        self.plan_client = ActionClient(self, Plan, "shoe/plan")
+        self.reach_client = ActionClient(self, ReachSupport, REACH_ACTION)
+        self.plan_client = ActionClient(self, Plan, PLAN_ACTION)
         self.create_service(SelfCalibrate, "shoe/self_calibrate", self._self_calibrate)
         self._server = ActionServer(
             self, Calibrate, "shoe/calibrate", self._execute,
