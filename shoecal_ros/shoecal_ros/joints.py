@@ -17,6 +17,9 @@ from shoecal_ros.conversions import time_from_ros
 
 FloatArray = NDArray[np.float64]
 
+CLOCK_SET_NS = 1_000_000_000
+"""Stamps that fall back further than this: a clock was set, or simulated time began anew."""
+
 
 @dataclass(frozen=True)
 class JointBatch:
@@ -88,10 +91,23 @@ class JointInput:
             stamps += [time_from_ros(message.header.stamp) for message in same]
         if not parts:
             return None
-        batch = JointBatch(np.array(stamps, dtype=np.int64), np.concatenate(parts))
+        batch = self._later(np.array(stamps, dtype=np.int64), np.concatenate(parts))
+        if batch is None:
+            return None
         self.latest = JointBatch(batch.stamp_ns[-1:], batch.angles[-1:])
         self._heard = self._clock()
         return batch
+
+    def _later(self, stamps: NDArray[np.int64], angles: FloatArray) -> JointBatch | None:
+        """What was sampled later than all before it; a clock may have been set back."""
+        if not stamps.any():
+            self._mismatch = "joint_states carries no stamps of time; mend its sender"
+            return None
+        last = -1 if self.latest is None else int(self.latest.stamp_ns[0])
+        if last - int(stamps[-1]) > CLOCK_SET_NS:
+            last = -1
+        keep = stamps > np.maximum.accumulate(np.concatenate([[last], stamps[:-1]]))
+        return JointBatch(stamps[keep], angles[keep]) if keep.any() else None
 
     def _angles(self, names: list[str], positions: Sequence[Sequence[float]]) -> FloatArray:
         for row in positions:

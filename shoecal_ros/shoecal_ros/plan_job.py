@@ -90,10 +90,6 @@ class Mover(Protocol):
     arming: Arming
     worker: Worker
 
-    @property
-    def now_ns(self) -> int:
-        """The node's time [ns]."""
-
     def command(self, trajectory: JointTrajectory) -> None:
         """Send a trajectory to the robot."""
 
@@ -212,20 +208,21 @@ class PlanJob:
         """Send a trajectory and watch it done; whatever goes wrong stops the robot gently."""
         mover, moving = self._mover, self._mover.moving
         planned = JointTrajectory(motion.joint_names, motion.time, motion.positions)
-        follower = Follower(planned, mover.now_ns, moving.follow_error, moving.follow_late)
+        seen = self._latest()
+        # By the stamps of the joint angles: whose clock they follow does not matter then.
+        follower = Follower(planned, int(seen.stamp_ns[0]), moving.follow_error, moving.follow_late)
         # Whoever records the motion begins before it does.
         self._feed("moving", 0.0, 0)
         mover.command(trajectory)
-        seen = mover.joints.latest
         while True:
             await self._news(seen)
-            seen = mover.joints.latest
-            if not mover.joints.fresh or seen is None:
-                # Nobody knows where the robot is: it stops where it is meant to be by now.
-                self._hold(follower.expected(mover.now_ns))
+            if mover.joints.problem:
+                # Nobody knows where the robot is: it stops where it was meant to be when seen.
+                self._hold(follower.expected(int(seen.stamp_ns[0])))
                 raise RefusedError(
                     Plan.Result.NO_JOINT_STATES, f"stopped while moving: {mover.joints.problem}"
                 )
+            seen = self._latest()
             stamp_ns, angles = int(seen.stamp_ns[0]), seen.angles[0]
             if self._interrupted:
                 self._hold(angles)
@@ -245,11 +242,11 @@ class PlanJob:
             if look.verdict is Verdict.ARRIVED:
                 return
 
-    async def _news(self, seen: JointBatch | None) -> None:
+    async def _news(self, seen: JointBatch) -> None:
         """Wait for other joint angles than those seen, or for a reason to stop."""
         joints = self._mover.joints
         await until(
-            lambda: self._interrupted or not joints.fresh or joints.latest is not seen,
+            lambda: self._interrupted or bool(joints.problem) or joints.latest is not seen,
             _FOREVER_S,
         )
 
@@ -291,11 +288,14 @@ class PlanJob:
             )
 
     def _measured(self) -> FloatArray:
+        angles: FloatArray = self._latest().angles[0]
+        return angles
+
+    def _latest(self) -> JointBatch:
         joints = self._mover.joints
         if joints.problem or joints.latest is None:
             raise RefusedError(Plan.Result.NO_JOINT_STATES, joints.problem)
-        angles: FloatArray = joints.latest.angles[0]
-        return angles
+        return joints.latest
 
     def _check_start(self, start: FloatArray) -> None:
         moved = np.abs(self._measured() - start)[self._moved]
@@ -318,6 +318,6 @@ class PlanJob:
             Plan.Feedback(phase=phase, progress=float(progress), landmark=landmark)
         )
 
-_CURE = "see that the robot's motors are on and that it listens to joint_trajectory"
 
 _FOREVER_S = 1e9
+_CURE = "see that the robot's motors are on and that it listens to joint_trajectory"

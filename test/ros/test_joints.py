@@ -76,3 +76,30 @@ def test_an_optional_joint_may_tell_nothing() -> None:
     joints = JointInput(nao(), 0.5)
     assert joints.take([message(10, {"LHand": float("nan")})]) is not None
     assert joints.problem == ""
+
+
+def test_stamps_that_stand_still_are_no_news() -> None:
+    clock = Clock()
+    joints = JointInput(nao(), 0.5, clock)
+    assert joints.take([message(10**10)]) is not None
+    clock.now += 1.0
+    assert joints.take([message(10**10), message(10**10 - 5)]) is None
+    assert not joints.fresh
+    batch = joints.take([message(10**10), message(10**10 + 5), message(10**10 + 3)])
+    assert batch is not None
+    assert batch.stamp_ns.tolist() == [10**10 + 5]
+
+
+def test_time_may_begin_anew() -> None:
+    joints = JointInput(nao(), 0.5)
+    joints.take([message(10**10)])
+    batch = joints.take([message(10**9)])
+    assert batch is not None
+    assert joints.latest is not None
+    assert joints.latest.stamp_ns.tolist() == [10**9]
+
+
+def test_angles_without_stamps_cannot_be_used() -> None:
+    joints = JointInput(nao(), 0.5)
+    assert joints.take([message(0)]) is None
+    assert "no stamps" in joints.problem
