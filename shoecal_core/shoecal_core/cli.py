@@ -11,11 +11,11 @@ import json
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Protocol, cast
+from typing import NoReturn, Protocol, cast
 
 from rich.console import Console
 
-from shoecal_core.errors import ShoecalError
+from shoecal_core.errors import ShoecalError, ToldError
 from shoecal_core.files import atomic_write
 
 COMMANDS = {
@@ -28,6 +28,10 @@ COMMANDS = {
     "recover": "rescue what can be read of a damaged run file",
     "import": "turn foreign recordings into a session",
 }
+
+
+PIPE_WIDTH = 140
+"""Columns of what is piped or written to a file."""
 
 
 class Command(Protocol):
@@ -46,9 +50,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     # Results go to stdout, progress and errors to stderr: a pipe gets figures only.
     errors = Console(stderr=True, highlight=False)
     try:
-        figures = args.command.run(args, Console(highlight=False))
+        figures = args.command.run(args, _output())
         if args.json is not None:
             atomic_write(args.json, json.dumps(figures, indent=1, allow_nan=False) + "\n")
+    except ToldError:
+        return 1
     except ShoecalError as error:
         errors.print(f"[bold red]shoecal {args.name}:[/] {_plain(error)}", soft_wrap=True)
         return 1
@@ -58,8 +64,22 @@ def main(argv: Sequence[str] | None = None) -> int:
     return 0
 
 
+def _output() -> Console:
+    """Standard output; wide enough for every table where nobody looks at a terminal."""
+    console = Console(highlight=False)
+    return console if console.is_terminal else Console(highlight=False, width=PIPE_WIDTH)
+
+
+class _Parser(argparse.ArgumentParser):
+    """Wrong usage is one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say it and end."""
+        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
+
+
 def _parse(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="shoecal",
         description="Humanoids calibrate the force sensors in their own feet.",
     )

@@ -77,3 +77,10 @@ class ShapeError(ShoecalError):
 def _revive(kind: type[ShoecalError], args: tuple[object, ...]) -> ShoecalError:
     """An error as it was raised: its constructor takes other arguments than its message."""
     return kind.__new__(kind, *args)
+
+
+class ToldError(ShoecalError):
+    """The message has been shown already, by another process; only the exit code is left."""
+
+    def __init__(self) -> None:
+        super().__init__("ended with the message above")

@@ -18,6 +18,8 @@ GAIN_RATIO = 5.0
 WARN_STDS, FAIL_STDS = 4.0, 12.0
 """Residual MAE, in the settings' standard deviations."""
 SATURATED_SHARE = 0.01
+NOMINAL_SHARE = 0.05
+"""Data sheets of gains are right to this share."""
 
 
 @dataclass(frozen=True)
@@ -125,6 +127,32 @@ def check_residuals(
                 )
             )
     return findings
+
+
+def check_nominal(shoe: Shoe, parameters: ChannelParameters) -> list[Finding]:
+    """Vertical gains that all differ from their data sheets alike: the weight may be wrong."""
+    ratios = [
+        abs(parameters.gain[index] / channel.nominal_gain)
+        for index, channel in enumerate(shoe.channels)
+        if channel.nominal_gain is not None and channel.column[0] != 0.0
+    ]
+    common = float(np.median(ratios)) if ratios else 1.0
+    if abs(common - 1.0) <= NOMINAL_SHARE:
+        return []
+    return [
+        Finding(
+            "WARN",
+            f"the vertical gains are {common:.2f} of their data sheets': the robot's weight may be "
+            "wrong by that, which only a scale or a known load tells",
+        )
+    ]
+
+
+def check_missing(runs: Sequence[int]) -> list[Finding]:
+    """Runs that were begun and are gone."""
+    return [
+        Finding("WARN", f"run {run} was begun but its file is gone: put it back") for run in runs
+    ]
 
 
 def check_rank(rank: int, possible: int) -> list[Finding]:

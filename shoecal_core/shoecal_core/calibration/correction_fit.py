@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.sensing.correction import CopCorrection, features
+from shoecal_core.sensing.sensing import MINIMUM_FORCE
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, cop, foot_wrenches
 
@@ -73,7 +74,7 @@ def fit_corrections(
     pieces: dict[int, list[_Piece]] = {}
     for stance in stances:
         if all(stance.loaded):
-            piece = _Piece(shoe, parameters, time_offset, stance, settings.minimum_force_n)
+            piece = _Piece(shoe, parameters, time_offset, stance, MINIMUM_FORCE)
             if len(piece.error):
                 pieces.setdefault(stance.run, []).append(piece)
     if len(pieces) < 2 or settings.correction_std_m == 0.0:

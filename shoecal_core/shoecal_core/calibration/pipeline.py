@@ -14,6 +14,8 @@ from shoecal_core.calibration.checks import (
     Finding,
     Verdict,
     check_gains,
+    check_missing,
+    check_nominal,
     check_rank,
     check_readings,
     check_residuals,
@@ -164,7 +166,7 @@ def calibrate_session(
     data = load_data(session, (*train, *test))
     training, testing = data.of(train), data.of(test)
     _require_supports(session, training)
-    readings = check_readings(data.shoe, training)
+    readings = check_readings(data.shoe, training) + check_missing(session.missing)
     if any(finding.verdict == "FAIL" for finding in readings):
         raise FileError(session.folder, "; ".join(finding.reason for finding in readings))
     stages = self_calibrate(data.shoe, training, settings)
@@ -214,6 +216,7 @@ def _verdict(
     training: Sequence[Stance],
 ) -> Verdict:
     findings = findings + check_gains(data.shoe, stages.guess, stages.parameters)
+    findings += check_nominal(data.shoe, stages.parameters)
     for name, error in modelled.items():
         findings += check_residuals(name, error.grf.mean, error.cop.mean, settings)
     if all(all(stance.loaded) for stance in training):

@@ -36,7 +36,6 @@ class CalibrationSettings(Settings):
     correction_std_m: float = setting(
         0.001, "m", "size of one typical term of the CoP correction", minimum=0.0
     )
-    minimum_force_n: float = setting(2.0, "N", "a foot that carries less has no CoP", minimum=0.0)
     fixed_below: float = setting(
         1.0,
         "",

@@ -6,7 +6,7 @@ import argparse
 import dataclasses
 from pathlib import Path
 
-from shoecal_core.errors import ShoecalError
+from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.settings import SettingError, load_settings
 from shoecal_core.workspace import config_dir
@@ -15,11 +15,38 @@ from shoecal_core.workspace import config_dir
 def run_numbers(text: str) -> tuple[int, ...]:
     """Run numbers separated by commas: `1,2,5`."""
     try:
-        return tuple(int(part) for part in text.split(",") if part.strip())
+        numbers = tuple(int(part) for part in text.split(","))
     except ValueError:
         raise argparse.ArgumentTypeError(
             f"'{text}': expected run numbers separated by commas, for example 1,2,5"
         ) from None
+    if len(set(numbers)) < len(numbers):
+        raise argparse.ArgumentTypeError(f"'{text}': name each run once")
+    return numbers
+
+
+def seed_number(text: str) -> int:
+    """A seed: a whole number that is not negative."""
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"'{text}': expected a whole number, 0 or more")
+    return int(text)
+
+
+def rate_hz(text: str) -> float:
+    """A rate of sampling."""
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = float("nan")
+    if not 1.0 <= rate <= 1e4:
+        raise argparse.ArgumentTypeError(f"'{text}': expected 1 to 10000 Hz")
+    return rate
+
+
+def require_folder(path: Path) -> None:
+    """Refuse, before any work, a file whose folder does not exist."""
+    if not path.absolute().parent.is_dir():
+        raise FileError(path, "its folder does not exist; make it first")
 
 
 def add_sets(parser: argparse.ArgumentParser) -> None:
@@ -39,7 +66,7 @@ def add_sets(parser: argparse.ArgumentParser) -> None:
 def add_planning(parser: argparse.ArgumentParser) -> None:
     """`--supports`, `--seed` and `--settings` of planning."""
     parser.add_argument("--supports", type=int, help="double supports (default: as configured)")
-    parser.add_argument("--seed", type=int, default=1, help="draws whatever is random")
+    parser.add_argument("--seed", type=seed_number, default=1, help="draws whatever is random")
     parser.add_argument("--settings", type=Path, help="parameter file of the planner node")
 
 

@@ -11,7 +11,7 @@ from rich.console import Console
 from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.commands.arguments import add_sets
+from shoecal_core.commands.arguments import add_sets, require_folder
 from shoecal_core.commands.tables import errors_table, stages_rows
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.session import Session
@@ -41,16 +41,19 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         if args.settings
         else CalibrationSettings()
     )
+    for path in filter(None, (args.out, args.report, args.json)):
+        require_folder(path)
     session = Session.open(args.session)
     outcome = calibrate_session(session, args.train, args.test, settings)
     console.print(errors_table("Measured against modelled", stages_rows(outcome.modelled)))
     _print_channels(outcome, console)
+    calibration = outcome.calibration
+    if calibration.verdict != "FAIL":
+        save_calibration(calibration, args.out)
     if args.report is not None:
         write_session_report(args.report, session, outcome)
-    calibration = outcome.calibration
     if calibration.verdict == "FAIL":
         raise CalibrationFailedError(f"no calibration written: {'; '.join(calibration.reasons)}")
-    save_calibration(calibration, args.out)
     console.print(f"{calibration.verdict}: {'; '.join(calibration.reasons)}")
     console.print(f"{args.out}")
     return to_json(outcome)

@@ -13,6 +13,7 @@ from shoecal_core.calibration.checks import check_readings
 from shoecal_core.calibration.pipeline import load_data
 from shoecal_core.commands.tables import new_table
 from shoecal_core.errors import ShoecalError
+from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
 
@@ -32,7 +33,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     problems = [
         f"{path.name} was not finished: rescue it with `shoecal recover {path}`"
         for path in session.unfinished
-    ]
+    ] + [f"run {run} was begun but its file is gone: put it back" for run in session.missing]
+    # A robot or shoe file that cannot be used is told as itself, not as another file's hash.
+    load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
     table = new_table(f"{session.robot} on {session.shoe_name}")
     for name in ("run", "set", "motion", "dx dy dtheta", "s", "joints Hz", "readings Hz", "notes"):
         table.add_column(name)

@@ -16,18 +16,15 @@ from typing import cast
 
 from rich.console import Console
 
-from shoecal_core.errors import ShoecalError
+from shoecal_core.commands.arguments import seed_number
+from shoecal_core.errors import ShoecalError, ToldError
 from shoecal_core.files import read_bytes
 from shoecal_core.workspace import config_dir, ros_environment
 
 
-class DemoFailedError(ShoecalError):
-    """The demo's own process ended with an error, which it has told."""
-
-
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
-    parser.add_argument("--seed", type=int, default=1, help="draws supports, robot and cells")
+    parser.add_argument("--seed", type=seed_number, default=1, help="draws robot, cells, supports")
     parser.add_argument("--out", type=Path, default=Path("out/demo"), help="folder of the results")
     parser.add_argument("--reality", type=Path, help="changes to the default simulated reality")
     parser.add_argument("--robot", type=Path, help="robot file (default: the NAO)")
@@ -38,6 +35,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Run the demo in a ROS environment and hand on what it found."""
+    if not 2 <= args.train <= args.supports:
+        raise ShoecalError(
+            f"--train {args.train}, --supports {args.supports}: at least 2 must train, and at "
+            "most all"
+        )
     config = config_dir()
     command = [
         sys.executable, "-m", "shoecal_ros.demo",
@@ -58,6 +60,6 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         process.wait()
         raise
     if code != 0:
-        raise DemoFailedError(f"the demo ended with exit code {code}; its message stands above")
+        raise ToldError
     console.print(f"{args.out / 'report.html'}")
     return cast(Mapping[str, object], json.loads(read_bytes(args.out / "result.json")))

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.commands.arguments import add_planning, planner_settings
+from shoecal_core.commands.arguments import add_planning, planner_settings, rate_hz
 from shoecal_core.commands.progress import shown_progress
 from shoecal_core.commands.simulated_session import SimulationPlan, simulate_session
 from shoecal_core.model.robot_file import load_robot
@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("shoe", type=Path, help="shoe file")
     parser.add_argument("--reality", type=Path, help="changes to the default simulated reality")
     parser.add_argument("--motion", choices=sorted(MENU), default="landmarks")
-    parser.add_argument("--rate", type=float, default=100.0, help="samples a second (Hz)")
+    parser.add_argument("--rate", type=rate_hz, default=100.0, help="samples a second (Hz)")
     parser.add_argument("--out", type=Path, required=True, help="session to make")
     add_planning(parser)
 

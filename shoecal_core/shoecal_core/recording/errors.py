@@ -34,5 +34,5 @@ class HashMismatchError(RecordingError):
         super().__init__(
             path,
             f"recorded with another {file} (SHA-256 {recorded[:12]}…, the session's is "
-            f"{present[:12]}…); put the one it was recorded with back, or force",
+            f"{present[:12]}…); put the one it was recorded with back",
         )

@@ -108,8 +108,10 @@ class Session:
         """
         folder = Path(folder)
         path = folder / FILE
+        if not folder.is_dir():
+            raise RecordingError(folder, "does not exist; record, simulate or import a session")
         if not path.is_file():
-            raise RecordingError(folder, f"is no session (it has no {FILE}); create one")
+            raise RecordingError(folder, f"is no session (it has no {FILE}); name one")
         for name in (ROBOT, URDF, SHOE):
             if not (folder / name).is_file():
                 raise FileError(folder / name, "is missing from the session; put it back")
@@ -154,6 +156,12 @@ class Session:
                 raise RecordingError(path, f"holds run {info.run}; give it its own name back")
             entries.append(RunEntry(run, path, info, hints.get(run, "")))
         return tuple(entries)
+
+    @property
+    def missing(self) -> tuple[int, ...]:
+        """Runs that were begun and of which no file is left."""
+        present = {run for run, _ in self._files()}
+        return tuple(item.run for item in self._listed if item.run not in present)
 
     @property
     def unfinished(self) -> tuple[Path, ...]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from shoecal_core import cli
 from shoecal_core.calibration.calibration import load_calibration
 from shoecal_core.files import read_yaml
 
@@ -127,3 +128,48 @@ def test_a_missing_session_is_one_line(shoecal: Run, tmp_path: Path) -> None:
     assert not out
     assert error.count("\n") == 1
     assert "nowhere" in error
+
+
+@pytest.mark.parametrize(
+    ("words", "cure"),
+    [
+        (["plan", "robot.yaml", "--out", "out", "--seed", "-1"], "a whole number, 0 or more"),
+        (["calibrate", "session", "--out", "c.yaml", "--train", "1,1"], "name each run once"),
+        (["calibrate", "session", "--out", "c.yaml", "--train", ""], "run numbers separated"),
+        (["simulate", "r", "s", "--out", "o", "--rate", "0"], "1 to 10000 Hz"),
+        (["calibrat"], "invalid choice"),
+    ],
+)
+def test_wrong_usage_is_one_line(
+    capsys: pytest.CaptureFixture[str], words: list[str], cure: str
+) -> None:
+    with pytest.raises(SystemExit) as ended:
+        cli.main(words)
+    assert ended.value.code == 2
+    told = capsys.readouterr().err
+    assert told.count("\n") == 1
+    assert cure in told
+
+
+def test_a_calibration_outlives_a_report_that_cannot_be_written(
+    shoecal: Run, simulated: Path, tmp_path: Path
+) -> None:
+    (tmp_path / "report").mkdir()
+    out = tmp_path / "calibration.yaml"
+    words = ["--train", "1,2", "--test", "3", "--out", out, "--report", tmp_path / "report"]
+    code, _, error = shoecal("calibrate", simulated, *words)
+    assert code == 1
+    assert "cannot be written" in error
+    assert load_calibration(out).verdict != "FAIL"
+
+
+def test_a_run_that_vanished_is_told(shoecal: Run, simulated: Path, tmp_path: Path) -> None:
+    session = tmp_path / "session"
+    shutil.copytree(simulated, session)
+    (session / "run_003.mcap").unlink()
+    code, out, _ = shoecal("check", session)
+    assert code == 1
+    assert "run 3 was begun but its file is gone" in out
+    code, out, _ = shoecal("calibrate", session, "--out", tmp_path / "c.yaml")
+    assert code == 0
+    assert "WARN: run 3 was begun but its file is gone" in " ".join(out.split())
