@@ -95,12 +95,17 @@ class Mover(Protocol):
 
 
 class PlanJob:
-    """Does one goal; the result is filled as far as the job comes."""
+    """Does one goal; the result is filled as far as the job comes.
+
+    Attributes:
+        following: whether the robot is on a trajectory that this job has sent.
+    """
 
     def __init__(self, mover: Mover, goal: ServerGoalHandle, result: Plan.Result) -> None:
         self._mover = mover
         self._goal = goal
         self._result = result
+        self.following = False
         self._fed = ("", 0.0)
         robot = mover.robot
         self._moved = [*robot.legs, *(shared.joint for shared in robot.shared)]
@@ -125,6 +130,12 @@ class PlanJob:
             await self._stream()
         else:
             await self._whole()
+
+    def halt(self) -> None:
+        """Stop the robot gently where it is, if it is on its way."""
+        latest = self._mover.joints.latest
+        if self.following and latest is not None:
+            self._hold(latest.angles[0])
 
     # Ways of doing it
 
@@ -214,6 +225,7 @@ class PlanJob:
         # Whoever records the motion begins before it does.
         self._feed("moving", 0.0, 0)
         mover.command(trajectory)
+        self.following = True
         while True:
             await self._news(seen)
             if mover.joints.problem:
@@ -240,6 +252,7 @@ class PlanJob:
             )
             self._feed("moving", look.progress, landmark)
             if look.verdict is Verdict.ARRIVED:
+                self.following = False
                 return
 
     async def _news(self, seen: JointBatch) -> None:
@@ -256,6 +269,7 @@ class PlanJob:
         held = np.clip(robot.from_legs(angles[robot.legs], angles), robot.lower, robot.upper)
         stop = np.array([self._mover.moving.stop_time])
         self._mover.command(JointTrajectory(self._names, stop, held[None, self._moved]))
+        self.following = False
 
     # Small things
 

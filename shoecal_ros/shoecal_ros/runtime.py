@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import signal
 import sys
 import time
 from collections.abc import Callable, Generator, Sequence
@@ -18,6 +19,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
+from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
@@ -60,7 +62,7 @@ class ShoecalNode(Node):
         self._log_news()
 
     def close(self) -> None:
-        """Give back what the node holds beside ROS entities."""
+        """Leave the robot safe and give back what is held beside ROS entities; those still work."""
 
     # Parameters
 
@@ -217,15 +219,39 @@ def publish_all(publisher: Publisher, message: object, patience_s: float) -> boo
             return True
 
 
+class _EndAsked:
+    """Whether Ctrl-C was pressed or the process told to end; at the second time it does at once.
+
+    Nothing is interrupted in its middle: every node wakes up each WATCH_S and then ends.
+    """
+
+    def __init__(self) -> None:
+        self.to_end = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._ask)
+
+    def _ask(self, number: int, frame: object) -> None:
+        del number, frame
+        if self.to_end:
+            raise KeyboardInterrupt
+        self.to_end = True
+
+
 def run(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None = None) -> int:
     """A node's process; its exit code."""
     node: ShoecalNode | None = None
     try:
-        rclpy.init(args=None if args is None else list(args))
+        # The node ends before the middleware does: it may have to stop a robot yet.
+        rclpy.init(
+            args=None if args is None else list(args),
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        asked = _EndAsked()
         node = make_node()
         executor = SingleThreadedExecutor()
         executor.add_node(node)
-        executor.spin()
+        while rclpy.ok() and not asked.to_end:
+            executor.spin_once()
     except ShoecalError as error:
         print(f"{Path(sys.argv[0]).stem}: {error}", file=sys.stderr, flush=True)
         return 1

@@ -8,6 +8,7 @@ from typing import Any
 
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
+from rclpy.duration import Duration
 from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Plan
 from std_msgs.msg import Bool
@@ -29,6 +30,9 @@ from shoecal_ros.robot_files import RobotFiles
 from shoecal_ros.runtime import ShoecalNode, run
 from shoecal_ros.worker import Worker
 
+LAST_WORDS = Duration(seconds=1)
+"""Wall-clock time that the robot gets to hear the last commands."""
+
 
 class Planner(ShoecalNode):
     """One motion at a time; cancelling and disarming always win."""
@@ -44,6 +48,7 @@ class Planner(ShoecalNode):
         self.worker = Worker(self.wake)
         self._compiled = self.worker.do(planning_work.prepare, self.files, self.planning)
         self._busy = False
+        self._job: PlanJob | None = None
         self._command = self.create_publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
         self._armed = self.create_publisher(Bool, "shoe/armed", qos.LATCHED)
         self._armed.publish(Bool(data=False))
@@ -76,7 +81,14 @@ class Planner(ShoecalNode):
         super().watch()
 
     def close(self) -> None:
-        """End the worker."""
+        """Stop the robot, disarm, and end the worker."""
+        self.arming.set(False)
+        if self.context.ok():
+            if self._job is not None:
+                self._job.halt()
+            self._armed.publish(Bool(data=False))
+            for publisher in (self._command, self._armed):
+                publisher.wait_for_all_acked(LAST_WORDS)
         self.worker.close()
 
     def _tell_planning(self) -> None:
@@ -110,7 +122,8 @@ class Planner(ShoecalNode):
                 )
             self._busy = True
             try:
-                await PlanJob(self, goal, result).run()
+                self._job = PlanJob(self, goal, result)
+                await self._job.run()
             finally:
                 self._busy = False
         except RefusedError as refusal:
