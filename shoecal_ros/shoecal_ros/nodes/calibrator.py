@@ -17,7 +17,6 @@ from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Calibrate, Plan, ReachSupport
 from shoecal_msgs.msg import ShoeState
 from shoecal_msgs.srv import SelfCalibrate
-from std_msgs.msg import Bool
 
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.model.double_support import DoubleSupport
@@ -28,6 +27,7 @@ from shoecal_core.settings import Settings, load_settings, setting
 from shoecal_core.workspace import config_dir
 from shoecal_ros import qos
 from shoecal_ros.actions import finish
+from shoecal_ros.armed_input import ArmedInput
 from shoecal_ros.calibration_desk import CalibrationDesk
 from shoecal_ros.calibration_job import (
     PLAN_ACTION,
@@ -97,7 +97,6 @@ class Calibrator(ShoecalNode):
         self.planning = self._load_planning()
         self.robot, self.shoe = self.files.load_robot(), self.files.load_shoe()
         self.kinematics = Kinematics(self.robot)
-        self.armed = False
         self.joints = JointInput(self.robot, settings.stale_s)
         self.voltages = VoltageInput(
             FrameJoiner(self.shoe.names, settings.hold_s), settings.stale_s
@@ -122,6 +121,11 @@ class Calibrator(ShoecalNode):
             self, Calibrate, "shoe/calibrate", self._execute,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )  # fmt: skip
+
+    @property
+    def armed(self) -> bool:
+        """Whether the robot may be moved."""
+        return self._arming.armed
 
     @property
     def calibrating(self) -> bool:
@@ -167,7 +171,7 @@ class Calibrator(ShoecalNode):
 
     def _subscribe(self) -> None:
         """Everything a run may hold comes serialised: it is recorded as it was sent."""
-        self.subscribe(Bool, "shoe/armed", self._hear_armed, qos.LATCHED)
+        self._arming = ArmedInput(self)
         for topic, kind in RAW_TOPICS.items():
             if topic == schemas.JOINT_STATES:
                 callback: Callable[[list[Any]], None] = self._hear_joints
@@ -176,9 +180,6 @@ class Calibrator(ShoecalNode):
             else:
                 callback = partial(self.recorder.take, topic)
             self.subscribe(kind, relative(topic), callback, qos.RAW, raw=True)
-
-    def _hear_armed(self, messages: list[Any]) -> None:
-        self.armed = messages[-1].data
 
     def _hear_joints(self, serialised: list[bytes]) -> None:
         self.recorder.take(schemas.JOINT_STATES, serialised)

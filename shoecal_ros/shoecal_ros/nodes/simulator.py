@@ -14,7 +14,6 @@ from rclpy.action.server import ServerGoalHandle
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 from shoecal_msgs.action import ReachSupport
-from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from shoecal_core.errors import ShoecalError
@@ -31,6 +30,7 @@ from shoecal_core.simulation.robot import RobotFellError, SimulatedRobot
 from shoecal_core.workspace import config_dir
 from shoecal_ros import qos
 from shoecal_ros.actions import finish
+from shoecal_ros.armed_input import ArmedInput
 from shoecal_ros.conversions import (
     JointSample,
     joints_to_ros,
@@ -102,13 +102,12 @@ class Simulator(ShoecalNode):
             patience_s=PATIENCE_S,
         )
         self._sequence = 0
-        self._is_armed = not settings.needs_arming
+        self._arming = ArmedInput(self)
         self._reaching = False
         self._refused = ""
         self._clock_publisher = self.create_publisher(Clock, "/clock", qos.CLOCK)
         self._joints = self.create_publisher(JointState, "joint_states", qos.RAW)
         self.subscribe(JointTrajectoryMsg, "joint_trajectory", self._follow, qos.COMMAND)
-        self.subscribe(Bool, "shoe/armed", self._hear_armed, qos.LATCHED)
         self._server = ActionServer(
             self, ReachSupport, "robot/reach_support", self._execute,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
@@ -177,8 +176,9 @@ class Simulator(ShoecalNode):
 
     # Commands
 
-    def _hear_armed(self, messages: list[Any]) -> None:
-        self._is_armed = messages[-1].data or not self._settings.needs_arming
+    @property
+    def _is_armed(self) -> bool:
+        return self._arming.armed or not self._settings.needs_arming
 
     def _follow(self, messages: list[Any]) -> None:
         for message in messages:
