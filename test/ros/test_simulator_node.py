@@ -96,7 +96,7 @@ def test_supports_out_of_reach(world: World, support: DoubleSupport) -> None:
 
 
 def test_trajectories_are_followed_or_refused_by_name(world: World) -> None:
-    start(world)
+    start(world, needs_arming=False)
     joints = world.hear(JointState, "joint_states")
     command = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
     world.until(lambda: len(joints))
@@ -121,3 +121,29 @@ def test_another_robot_on_other_shoes(world: World, tmp_path: Path) -> None:
     world.until(lambda: len(voltages) > 10)
     assert tuple(voltages.last.cell) == shoe.names
     assert set(voltages.last.status) == {0}
+
+
+def test_trajectories_are_refused_unless_armed(world: World) -> None:
+    start(world)
+    joints = world.hear(JointState, "joint_states")
+    command = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    world.until(lambda: len(joints))
+    goal = nao().posture[nao().joint("HeadYaw")] + 0.3
+    motion = JointTrajectory(("HeadYaw",), np.array([0.5]), np.array([[goal]]))
+    command.publish(trajectory_to_ros(motion))
+    world.until_told("simulator", "robot", "not armed")
+
+
+def test_nothing_moves_when_whoever_armed_is_gone(world: World) -> None:
+    start(world)
+    publisher = world.publisher(Bool, "shoe/armed", qos.LATCHED)
+    publisher.publish(Bool(data=True))
+    goal = ReachSupport.Goal(support=NEAR)
+    assert world.goal(ReachSupport, "robot/reach_support", goal).result().success
+    world.node.destroy_publisher(publisher)
+    world.until(
+        lambda: (
+            world.goal(ReachSupport, "robot/reach_support", goal).result().error_code
+            == ReachSupport.Result.NOT_ARMED
+        )
+    )

@@ -44,7 +44,7 @@ from shoecal_ros.robot_files import RobotFiles
 from shoecal_ros.runtime import ShoecalNode, publish_all, run, until
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info
-from shoecal_ros.simulated_body import Pacer, Samples, SimulatedBody
+from shoecal_ros.simulated_body import Pacer, Samples, SimulatedBody, is_hold
 
 TICK_S = 0.02
 PATIENCE_S = 5.0
@@ -68,7 +68,7 @@ class SimulatorSettings(Settings):
     reach_timeout: float = setting(
         10.0, "s", "simulated time in which a placed robot must come to rest", minimum=1.0
     )
-    needs_arming: bool = setting(True, "", "supports are reached only while armed")
+    needs_arming: bool = setting(True, "", "the robot moves only while armed")
 
 
 class Simulator(ShoecalNode):
@@ -185,7 +185,13 @@ class Simulator(ShoecalNode):
             try:
                 if self._reaching:
                     raise ShoecalError("the robot is being placed; send the trajectory afterwards")
-                self._body.robot.command(trajectory_from_ros(message))
+                trajectory, robot = trajectory_from_ros(message), self._body.robot
+                # Whoever disarms a moving robot stops it just after that.
+                if not self._is_armed and not is_hold(
+                    trajectory, self._robot, robot.joints().angles
+                ):
+                    raise ShoecalError("not armed: call the service shoe/arm first")
+                robot.command(trajectory)
                 self._refused = ""
             except ShoecalError as error:
                 self._refused = f"trajectory refused: {error}"
