@@ -177,6 +177,7 @@ class CalibrationJob:
             self.calibration = await self._worked(
                 worker.do(solving_work.solve, session.folder, site.fit_settings, site.now_ns),
                 Calibrate.Result.SOLVE_FAILED,
+                moving=False,
             )
             return self.calibration
         finally:
@@ -277,10 +278,14 @@ class CalibrationJob:
 
     # Waiting
 
-    async def _worked(self, work: Work[R], code: int) -> R:
-        """What a worker's work gives."""
-        await until(lambda: work.done or self._interrupted, _FOREVER_S)
-        self._check()
+    async def _worked(self, work: Work[R], code: int, *, moving: bool = True) -> R:
+        """What a worker's work gives; where the robot is not to move any more, only cancelling
+        ends it."""
+        stop = (lambda: self._interrupted) if moving else self._canceled
+        await until(lambda: work.done or stop(), _FOREVER_S)
+        self._check_canceled()
+        if moving:
+            self._check()
         try:
             return work.result()
         except ShoecalError as error:
@@ -330,8 +335,7 @@ class CalibrationJob:
             RefusedError: with the reason.
         """
         site, codes = self._site, Calibrate.Result
-        if self._canceled():
-            raise RefusedError(codes.CANCELED, "cancelled; what was recorded stays")
+        self._check_canceled()
         if not site.armed:
             raise RefusedError(
                 codes.NOT_ARMED, "not armed: call the service shoe/arm with data true first"
@@ -341,6 +345,10 @@ class CalibrationJob:
         problem = site.input_problem()
         if problem:
             raise RefusedError(codes.STALE_INPUT, problem)
+
+    def _check_canceled(self) -> None:
+        if self._canceled():
+            raise RefusedError(Calibrate.Result.CANCELED, "cancelled; what was recorded stays")
 
     def _require(self, result: Any, code: int, what: str) -> None:
         if not result.success:

@@ -58,7 +58,7 @@ class MovingSettings(Settings):
     """How motions are sent and watched; wall-clock times unless said otherwise."""
 
     arm_timeout_s: float = setting(
-        300.0, "s", "without use for that long the robot is disarmed", minimum=1.0
+        900.0, "s", "without use for that long it disarms: time to place the robot", minimum=1.0
     )
     stale_s: float = setting(
         0.5, "s", "without joint angles for that long a motion is stopped", minimum=0.01
