@@ -279,8 +279,7 @@ class CalibrationJob:
     # Waiting
 
     async def _worked(self, work: Work[R], code: int, *, moving: bool = True) -> R:
-        """What a worker's work gives; where the robot is not to move any more, only cancelling
-        ends it."""
+        """What a worker's work gives; once nothing is to move, only cancelling ends it."""
         stop = (lambda: self._interrupted) if moving else self._canceled
         await until(lambda: work.done or stop(), _FOREVER_S)
         self._check_canceled()

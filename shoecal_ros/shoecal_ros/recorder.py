@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.recording.schemas import JOINT_TRAJECTORY
+from shoecal_core.recording.schemas import JOINT_STATES, JOINT_TRAJECTORY
 from shoecal_core.recording.writer import RunWriter
 
 
@@ -76,11 +76,16 @@ class Recorder:
         """Finish the run.
 
         Raises:
-            ShoecalError: when not all of it could be written.
+            ShoecalError: when not all of it could be written, or nothing was recorded at all.
         """
         writer, self._writer = self._writer, None
         if writer is not None:
             writer.close()
+        if writer is None or not self.counts.get(JOINT_STATES):
+            raise ShoecalError(
+                "the motion was done but not recorded; see that the planner's feedback and "
+                "joint_states reach the calibrator, and calibrate again"
+            )
 
     def abandon(self) -> None:
         """End an interrupted run; what was recorded stays, unfinished."""
