@@ -132,6 +132,7 @@ class CalibrationJob:
         request: what is asked for.
         session: folder of the recording, None before there is one.
         calibration: found, None before it is; applied by whoever runs the job.
+        state: how far it is by now.
     """
 
     def __init__(
@@ -144,6 +145,7 @@ class CalibrationJob:
         self.request = request
         self.session: Path | None = None
         self.calibration: Calibration | None = None
+        self.state = Calibrate.Feedback(run_id=request.run_id, supports=request.supports)
         self._site = site
         self._feedback = feedback
         self._canceled = canceled
@@ -360,21 +362,20 @@ class CalibrationJob:
         return DRAW_SHARE + each * (self._index - 1 + of_support)
 
     def _tell(self, stage: str, progress: float, message: str) -> None:
+        self.state = Calibrate.Feedback(
+            run_id=self.request.run_id,
+            stage=stage,
+            support=self._index,
+            supports=self.request.supports,
+            progress=float(progress),
+            message=message,
+        )
         told, at = self._told
         now = time.monotonic()
         if stage == told and now - at < FEEDBACK_S:
             return
         self._told = (stage, now)
-        self._feedback(
-            Calibrate.Feedback(
-                run_id=self.request.run_id,
-                stage=stage,
-                support=self._index,
-                supports=self.request.supports,
-                progress=float(progress),
-                message=message,
-            )
-        )
+        self._feedback(self.state)
 
 
 def _training(request: Request) -> set[int]:

@@ -220,8 +220,14 @@ class Calibrator(ShoecalNode):
 
     def _tell_calibration(self) -> None:
         current, problem = self.desk.store.current, self.desk.problem or self._failure
-        if self.calibrating:
-            self.health.tell("calibration", Level.OK, "self-calibration under way")
+        if self._job is not None:
+            state = self._job.state
+            self.health.tell(
+                "calibration", Level.OK, "self-calibration under way",
+                run_id=state.run_id, stage=state.stage,
+                support=f"{state.support} of {state.supports}",
+                progress=f"{state.progress:.2f}",
+            )  # fmt: skip
         elif problem:
             self.health.tell("calibration", Level.ERROR, problem)
         elif current is None:
@@ -295,7 +301,9 @@ class Calibrator(ShoecalNode):
             return response
         self.start(partial(self._do_alone, job))
         response.accepted, response.run_id = True, job.request.run_id
-        response.message = "started; shoe/state and diagnostics tell, disarming stops it"
+        response.message = (
+            "started; diagnostics tell how far it is; disarm (shoe/arm false) to stop"
+        )
         return response
 
     async def _do_alone(self, job: CalibrationJob) -> None:
