@@ -60,9 +60,14 @@ class JointInput:
         self._mismatch = ""
 
     @property
+    def age_s(self) -> float:
+        """Wall-clock time since usable angles have come; infinite before [s]."""
+        return self._clock() - self._heard
+
+    @property
     def fresh(self) -> bool:
         """Whether usable angles have come lately."""
-        return self._clock() - self._heard <= self._stale_s
+        return self.age_s <= self._stale_s
 
     @property
     def problem(self) -> str:

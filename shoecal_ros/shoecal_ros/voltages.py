@@ -38,9 +38,14 @@ class VoltageInput:
         self.latest_ns: int | None = None
 
     @property
+    def age_s(self) -> float:
+        """Wall-clock time since readings have come; infinite before [s]."""
+        return self._clock() - self._heard
+
+    @property
     def fresh(self) -> bool:
         """Whether all channels have come lately, in whatever state."""
-        return self._clock() - self._heard <= self._stale_s
+        return self.age_s <= self._stale_s
 
     @property
     def problem(self) -> str:

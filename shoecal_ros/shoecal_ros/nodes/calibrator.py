@@ -53,6 +53,9 @@ from shoecal_ros.sensor_frames import frame_reader
 from shoecal_ros.stillness import Stillness
 from shoecal_ros.voltages import VoltageInput
 
+TOGETHER_S = 0.3
+"""Stamps of what came within this wall-clock time can be compared."""
+
 
 @dataclass(frozen=True)
 class CalibratorSettings(Settings):
@@ -138,6 +141,8 @@ class Calibrator(ShoecalNode):
         latest, stamp_ns = self.joints.latest, self.voltages.latest_ns
         if problem or latest is None or stamp_ns is None:
             return problem
+        if max(self.joints.age_s, self.voltages.age_s) > TOGETHER_S:
+            return ""
         gap_s = abs(int(latest.stamp_ns[0]) - stamp_ns) / 1e9
         if gap_s > self.node_settings.clock_gap:
             return (

@@ -1,0 +1,96 @@
+"""A robot that stands and says so: joint angles, and readings of chosen forces."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState
+from shoecal_msgs.msg import ShoeVoltages
+
+from ros.bodies import nao, nao_shoe, parameters, readings
+from ros.world import World
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.planning.posture import stance
+from shoecal_core.sensing.wrench import at_cop, weight_below
+from shoecal_ros import qos
+from shoecal_ros.conversions import JointSample, VoltageFrame, joints_to_ros, voltages_to_ros
+
+FloatArray = NDArray[np.float64]
+PERIOD_NS = 20_000_000
+
+
+class StandingRobot:
+    """Publishes on wall-clock time while the world is waiting.
+
+    Attributes:
+        angles: (m,) of its joints [rad].
+        forces: on the left and the right foot [N].
+        places: of these forces, each in its own sole's frame [m].
+        drift: (n,) added to what the cells feel [N].
+        status: of cells that are not good.
+        tells_joints, tells_voltages: whether it does.
+        speed: of its left knee [rad/s].
+        ahead_ns: by which the shoes' clock is ahead of the robot's [ns].
+    """
+
+    def __init__(self, world: World, support: DoubleSupport) -> None:
+        self.support = support
+        self.angles = nao().from_legs(stance(nao(), support))
+        self.forces = (25.0, nao().weight - 25.0)
+        self.places = np.array([[0.02, 0.005], [0.03, -0.01]])
+        self.drift = np.zeros(len(nao_shoe().names))
+        self.status: dict[str, int] = {}
+        self.tells_joints = self.tells_voltages = True
+        self.speed = 0.0
+        self.ahead_ns = 0
+        self._count = 0
+        self._joints = world.node.create_publisher(JointState, "joint_states", qos.RAW)
+        self._voltages = world.node.create_publisher(ShoeVoltages, "shoe/voltages", qos.RAW)
+        world.node.create_timer(PERIOD_NS / 1e9, self._tell)
+
+    def stand_as_modelled(self) -> None:
+        """Let both feet's forces be what the model expects of these angles."""
+        cop = Kinematics(nao()).states(self.angles[None]).cop[0, 0]
+        left = np.array([cop[0], 0.0])
+        right = self.support.left_to_right(np.array([cop[0], self.support.dy]))
+        share = cop[1] / self.support.dy
+        at_right = self.support.right_to_left(right)
+        # Both forces on one line across the feet, as far along it as the CoM is.
+        assert abs(at_right[0] - cop[0]) < 1e-9
+        self.forces = ((1.0 - share) * nao().weight, share * nao().weight)
+        self.places = np.stack([left, right])
+
+    @property
+    def stamp_ns(self) -> int:
+        """Of the last sample [ns]."""
+        return 10**9 + self._count * PERIOD_NS
+
+    def _tell(self) -> None:
+        self._count += 1
+        self.angles[nao().joint("LKneePitch")] += self.speed * PERIOD_NS / 1e9
+        if self.tells_joints:
+            sample = JointSample(self.stamp_ns, nao().joint_names, self.angles)
+            self._joints.publish(joints_to_ros(sample))
+        if self.tells_voltages:
+            self._voltages.publish(voltages_to_ros(self._frame()))
+
+    def _frame(self) -> VoltageFrame:
+        shoe = nao_shoe()
+        outputs = self.drift.copy()
+        for foot in (0, 1):
+            own = shoe.of_foot(foot)
+            wanted = at_cop(np.array(self.forces[foot]), self.places[foot])
+            felt = wanted - weight_below(shoe)[foot]
+            outputs[own] += np.linalg.lstsq(shoe.columns[own].T, felt, rcond=None)[0]
+        status = np.array([self.status.get(name, 0) for name in shoe.names], dtype=np.uint8)
+        voltage = readings(shoe, parameters(shoe), outputs)
+        voltage[status == ShoeVoltages.NO_DATA] = np.nan
+        return VoltageFrame(
+            self.stamp_ns + self.ahead_ns,
+            "standing_robot",
+            self._count,
+            shoe.names,
+            voltage,
+            status,
+        )
