@@ -1,0 +1,124 @@
+"""Processes of a demo: whatever ends it, none is left and what was recorded stays."""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from shoecal_core.recording.session import Session
+from shoecal_core.workspace import ros_environment
+
+DATA = Path(__file__).parents[1] / "data"
+TIMEOUT_S = 240.0
+NODES = ("simulator", "shoe_driver", "model", "planner", "calibrator")
+
+
+class Demo:
+    """A demo process and its output."""
+
+    def __init__(self, folder: Path, *arguments: str) -> None:
+        self.out = folder / "out"
+        self._log = folder / "demo.log"
+        # Children that outlive it can be told by this.
+        self._mark = f"SHOECAL_TEST_MARK={folder}"
+        name, _, value = self._mark.partition("=")
+        with self._log.open("wb") as log:
+            self.process = subprocess.Popen(
+                [
+                    sys.executable, "-m", "shoecal_ros.demo",
+                    "--out", str(self.out),
+                    "--robot", str(DATA / "robots/odd_biped.yaml"),
+                    "--shoe", str(DATA / "shoes/odd_shoe.yaml"),
+                    "--supports", "3", "--train", "2",
+                    *arguments,
+                ],
+                env={**ros_environment(), name: value},
+                stdout=log,
+                stderr=subprocess.STDOUT,
+            )  # fmt: skip
+
+    @property
+    def output(self) -> str:
+        return self._log.read_text()
+
+    def until(self, condition: Callable[[], object]) -> None:
+        deadline = time.monotonic() + TIMEOUT_S
+        while not condition():
+            assert self.process.poll() is None, self.output
+            assert time.monotonic() < deadline, self.output
+            time.sleep(0.1)
+
+    def end(self) -> int:
+        return self.process.wait(TIMEOUT_S)
+
+    def pids(self) -> dict[int, str]:
+        """Every process that descends from it, alive, with its command line."""
+        found = {}
+        for entry in Path("/proc").iterdir():
+            try:
+                environment = (entry / "environ").read_bytes().split(b"\0")
+                if self._mark.encode() in environment:
+                    line = (entry / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+                    if line:
+                        found[int(entry.name)] = line
+            except (OSError, ValueError):
+                continue
+        return found
+
+    def pid_of(self, node: str) -> int:
+        return next(pid for pid, line in self.pids().items() if f"nodes.{node} " in line)
+
+
+@pytest.fixture
+def demo(tmp_path: Path) -> Iterator[Demo]:
+    demo = Demo(tmp_path)
+    yield demo
+    for pid in demo.pids():
+        os.kill(pid, signal.SIGKILL)
+    demo.process.wait()
+
+
+def test_an_interrupted_demo_leaves_nothing_running(demo: Demo) -> None:
+    demo.until(lambda: "moving 1" in demo.output)
+    demo.process.send_signal(signal.SIGINT)
+    assert demo.end() == 130
+    assert demo.pids() == {}
+    session = Session.open(demo.out / "session")
+    assert session.unfinished, "what was recorded stays"
+
+
+def test_a_node_that_dies_is_named(demo: Demo) -> None:
+    demo.until(lambda: "reaching 1" in demo.output)
+    os.kill(demo.pid_of("model"), signal.SIGKILL)
+    assert demo.end() == 1
+    assert "node model ended with code -9" in demo.output
+    assert demo.pids() == {}
+
+
+def test_nodes_do_not_outlive_a_killed_demo(demo: Demo) -> None:
+    demo.until(lambda: "drawing" in demo.output)
+    lines = [line for line in demo.pids().values() if "nodes." in line]
+    assert sorted(line.split("nodes.")[1].split()[0] for line in lines) == sorted(NODES)
+    demo.process.kill()
+    demo.process.wait()
+    deadline = time.monotonic() + TIMEOUT_S
+    while demo.pids():
+        assert time.monotonic() < deadline, demo.pids()
+        time.sleep(0.1)
+
+
+def test_a_folder_that_is_no_demos_is_not_touched(tmp_path: Path) -> None:
+    mine = tmp_path / "out" / "session"
+    mine.mkdir(parents=True)
+    (mine / "thesis.txt").write_text("years of work")
+    demo = Demo(tmp_path)
+    assert demo.end() == 1
+    assert "choose another folder" in demo.output
+    assert (mine / "thesis.txt").read_text() == "years of work"
