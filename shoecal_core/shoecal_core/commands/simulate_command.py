@@ -8,11 +8,12 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.commands.arguments import add_planning, planner_settings, rate_hz
+from shoecal_core.commands.arguments import add_planning, planner_settings, rate_hz, seed_number
 from shoecal_core.commands.progress import shown_progress
 from shoecal_core.commands.simulated_session import SimulationPlan, simulate_session
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.planner import MENU
+from shoecal_core.planning.supports import draw_supports
 from shoecal_core.sensing.shoe import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir
@@ -25,6 +26,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--reality", type=Path, help="changes to the default simulated reality")
     parser.add_argument("--motion", choices=sorted(MENU), default="landmarks")
     parser.add_argument("--rate", type=rate_hz, default=100.0, help="samples a second (Hz)")
+    parser.add_argument(
+        "--robot-seed",
+        type=seed_number,
+        help="draws robot and cells (default: the seed): the same robot again under another seed",
+    )
     parser.add_argument("--out", type=Path, required=True, help="session to make")
     add_planning(parser)
 
@@ -33,17 +39,21 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Simulate and record."""
     settings = planner_settings(args)
     shoe = load_shoe(args.shoe)
-    plan = SimulationPlan(
-        robot=load_robot(args.robot, shoe),
-        shoe=shoe,
-        reality=load_reality(config_dir() / "realities" / "default.yaml", args.reality),
-        settings=settings,
-        supports=settings.supports,
-        motion=args.motion,
-        rate=args.rate,
-        seed=args.seed,
-    )
+    robot = load_robot(args.robot, shoe)
+    reality = load_reality(config_dir() / "realities" / "default.yaml", args.reality)
     with shown_progress() as progress:
+        progress("drawing double supports", 0.0)
+        plan = SimulationPlan(
+            robot=robot,
+            shoe=shoe,
+            reality=reality,
+            settings=settings,
+            supports=draw_supports(robot, shoe, settings, settings.supports, args.seed),
+            motion=args.motion,
+            rate=args.rate,
+            seed=args.seed,
+            robot_seed=args.seed if args.robot_seed is None else args.robot_seed,
+        )
         session = simulate_session(plan, args.out, progress)
     runs = [
         {"run": entry.run, "support": [support.dx, support.dy, support.dtheta]}
@@ -51,4 +61,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         if (support := entry.info.support) is not None
     ]
     console.print(f"{args.out}: {len(runs)} simulated runs")
-    return {"session": str(args.out), "seed": args.seed, "runs": runs}
+    return {
+        "session": str(args.out),
+        "seed": plan.seed,
+        "robot_seed": plan.robot_seed,
+        "runs": runs,
+    }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,7 +14,6 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports import draw_supports
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import Shoe
@@ -37,26 +36,28 @@ class SimulationPlan:
         robot, shoe: as the estimator knows them.
         reality: how the simulated ones differ.
         settings: of planning.
-        supports: number of double supports.
+        supports: where to move, one run each.
         motion: name on the planner's menu.
         rate: samples a second [Hz].
-        seed: draws supports, robot, cells and noise.
+        seed: draws the noise.
+        robot_seed: draws robot and cells: the same ones for the same number.
     """
 
     robot: Robot
     shoe: Shoe
     reality: Reality
     settings: PlannerSettings
-    supports: int
+    supports: Sequence[DoubleSupport]
     motion: str
     rate: float
     seed: int
+    robot_seed: int
 
 
 def simulate_session(
     plan: SimulationPlan, out: Path, progress: Callable[[str, float], None]
 ) -> Session:
-    """Draw the supports, move the simulated robot in each, record.
+    """Draw the robot, move it in each double support, record.
 
     The truth goes to `truth/`, the drawn reality to `truth/reality.yaml`: nothing that
     calibrates opens either.
@@ -68,9 +69,8 @@ def simulate_session(
         ShoecalError: when a support or a motion cannot be had, or the robot falls.
     """
     robot, shoe = plan.robot, plan.shoe
-    progress("drawing double supports", 0.0)
-    supports = draw_supports(robot, shoe, plan.settings, plan.supports, plan.seed)
-    drawn = draw(plan.reality, robot, shoe, plan.seed)
+    supports = plan.supports
+    drawn = draw(plan.reality, robot, shoe, plan.robot_seed)
     simulated = SimulatedRobot(robot, shoe, drawn, np.random.default_rng([plan.seed, 1]))
     planner = Planner(robot, plan.settings)
     session = Session.create(out, robot.path, robot.urdf, shoe.path, seed=plan.seed)
