@@ -111,7 +111,7 @@ def _make(member: Member) -> Member:
     begun = member.folder.with_name(member.folder.name + ".begun")
     shutil.rmtree(begun, ignore_errors=True)
     begun.parent.mkdir(parents=True, exist_ok=True)
-    simulate_session(plan, begun, lambda what, share: None)
+    simulate_session(plan, begun, lambda *_: None)
     begun.rename(member.folder)
     return member
 
