@@ -59,4 +59,5 @@ def double_support_stance(run: Run, aligned: Aligned, shoe: Shoe, kinematics: Ki
         aligned.readings,
         np.full(count, kinematics.robot.weight),
         aligned.states.cop[:, 0],
+        aligned.joint_angles,
     )

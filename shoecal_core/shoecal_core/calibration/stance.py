@@ -38,6 +38,7 @@ class Stance:
         cop_rate: (T, 2) its rate of change, for the time offset [m/s].
         columns: (n, 3) what one unit of each output adds to the total wrench.
         base: (3,) wrench of the parts below the channels of the loaded feet.
+        angles: (T, m) joint angles behind the model's values [rad]; None where there is no body.
     """
 
     run: int
@@ -50,6 +51,7 @@ class Stance:
     cop_rate: FloatArray
     columns: FloatArray
     base: FloatArray
+    angles: FloatArray | None = None
 
     def __post_init__(self) -> None:
         count = len(self.time)
@@ -66,6 +68,8 @@ class Stance:
                 raise ShapeError(name, str(shape), array.shape)
             if not np.isfinite(array).all():
                 raise ShoecalError(f"run {self.run}: {name} holds a number that is not finite")
+        if self.angles is not None and self.angles.shape[:-1] != (count,):
+            raise ShapeError("angles", f"({count}, m)", self.angles.shape)
 
     @property
     def duration(self) -> float:
@@ -85,7 +89,7 @@ class Stance:
         """(T, 3) wrench that the model expects."""
         return at_cop(self.force, self.cop)
 
-    def part(self, part: slice) -> Stance:
+    def part(self, part: slice | NDArray[np.bool_]) -> Stance:
         """Some of its samples."""
         return replace(
             self,
@@ -94,6 +98,7 @@ class Stance:
             force=self.force[part],
             cop=self.cop[part],
             cop_rate=self.cop_rate[part],
+            angles=None if self.angles is None else self.angles[part],
         )
 
 
@@ -106,6 +111,7 @@ def make_stance(
     readings: FloatArray,
     force: FloatArray,
     cop: FloatArray,
+    angles: FloatArray | None = None,
 ) -> Stance:
     """A stance of given samples; columns, base and rate of the CoP follow."""
     if all(loaded):
@@ -116,4 +122,6 @@ def make_stance(
         columns = np.where((shoe.foot == foot)[:, None], shoe.columns, 0.0)
         base = weight_below(shoe)[foot]
     rate = np.gradient(cop, time, axis=0) if len(time) > 1 else np.zeros_like(cop)
-    return Stance(run, loaded, support, time, readings, force, cop, rate, columns, np.asarray(base))
+    return Stance(
+        run, loaded, support, time, readings, force, cop, rate, columns, np.asarray(base), angles
+    )

@@ -169,6 +169,7 @@ def _stance(
         aligned.readings[part],
         mass * lift,
         turn.left_to_right(zmp),
+        aligned.joint_angles[part],
     )
 
 
