@@ -20,6 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from shoecal_core.commands.simulated_session import SimulationPlan, simulate_session
+from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.settings import PlannerSettings
@@ -93,26 +94,40 @@ def nao() -> tuple[Robot, Shoe]:
     return load_robot(config_dir() / "robots" / "nao.yaml", shoe), shoe
 
 
-def _make(member: Member) -> Member:
+def make_session(
+    folder: Path, supports: Sequence[DoubleSupport], *, seed: int, robot_seed: int
+) -> None:
+    """Simulate a session of the NAO; whole or not at all: an interrupted one counts as not made.
+
+    Args:
+        folder: to make.
+        supports: to visit.
+        seed: of the noise.
+        robot_seed: of robot and cells.
+    """
     robot, shoe = nao()
-    settings = PlannerSettings()
     plan = SimulationPlan(
         robot=robot,
         shoe=shoe,
         reality=load_reality(config_dir() / "realities" / "default.yaml"),
-        settings=settings,
-        supports=draw_supports(robot, shoe, settings, SUPPORTS, member.seed),
+        settings=PlannerSettings(),
+        supports=supports,
         motion="landmarks",
         rate=RATE_HZ,
-        seed=member.seed,
-        robot_seed=member.robot_seed,
+        seed=seed,
+        robot_seed=robot_seed,
     )
-    # Whole or not at all: an interrupted session does not count as made.
-    begun = member.folder.with_name(member.folder.name + ".begun")
+    begun = folder.with_name(folder.name + ".begun")
     shutil.rmtree(begun, ignore_errors=True)
     begun.parent.mkdir(parents=True, exist_ok=True)
     simulate_session(plan, begun, lambda *_: None)
-    begun.rename(member.folder)
+    begun.rename(folder)
+
+
+def _make(member: Member) -> Member:
+    robot, shoe = nao()
+    supports = draw_supports(robot, shoe, PlannerSettings(), SUPPORTS, member.seed)
+    make_session(member.folder, supports, seed=member.seed, robot_seed=member.robot_seed)
     return member
 
 

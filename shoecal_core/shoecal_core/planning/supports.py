@@ -98,7 +98,7 @@ def draw_supports(
     if count < 1:
         raise SupportRangeError(f"{count} double supports asked for; ask for at least one")
     generator = np.random.default_rng(seed)
-    usable = _usable(robot, settings, generator)
+    usable = usable_supports(robot, settings, generator)
     pool = list(itertools.islice(usable, max(count, settings.support_pool)))
     if len(pool) < count:
         raise SupportRangeError(
@@ -126,10 +126,14 @@ def draw_supports(
     raise UnobservableError(robot.name, found, possible, 2 * len(shoe.channels))
 
 
-def _usable(
+def usable_supports(
     robot: Robot, settings: PlannerSettings, generator: np.random.Generator
 ) -> Iterator[DoubleSupport]:
-    """The double supports that pass all checks which concern one alone, in random order."""
+    """The double supports that pass all checks which concern one alone, in random order.
+
+    These are the paper's draws: feet that do not collide and are far enough apart, and a robot
+    that can stand there, above most landmarks too.
+    """
     grid = generator.permutation(support_grid(robot))
     grid = grid[feet_distance(grid[:, :2], grid[:, 2], settings) > settings.distance_min]
     stance = StanceSolver(Legs(robot), settings)
