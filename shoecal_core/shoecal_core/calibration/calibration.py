@@ -43,6 +43,7 @@ class Calibration:
         temperature: at calibration [degC], NaN where unknown.
         verdict: PASS, WARN or FAIL.
         reasons: what the verdict rests on.
+        fitted_runs: SHA-256 of the run files it was fitted to; empty where nobody knows.
     """
 
     id: str
@@ -61,6 +62,7 @@ class Calibration:
     temperature: float
     verdict: str
     reasons: tuple[str, ...]
+    fitted_runs: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         self._check_channels()
@@ -121,6 +123,7 @@ def save_calibration(calibration: Calibration, path: Path) -> None:
                 None if np.isnan(calibration.temperature) else float(calibration.temperature)
             ),
             "reasons": list(calibration.reasons),
+            "fitted_runs": list(calibration.fitted_runs),
             "channels": [
                 {"name": name, "gain": float(gain), "offset_n": float(offset)}
                 for name, gain, offset in zip(
@@ -156,8 +159,8 @@ def load_calibration(path: Path) -> Calibration:
     fields.format(FORMAT)
     fields.only(
         "format", "id", "source", "made_ns", "robot", "shoe", "robot_hash", "shoe_hash",
-        "weight_n", "time_offset_s", "temperature_degc", "reasons", "channels", "corrections",
-        "covariance", "verdict",
+        "weight_n", "time_offset_s", "temperature_degc", "reasons", "fitted_runs",
+        "channels", "corrections", "covariance", "verdict",
     )  # fmt: skip
     channels = fields.items("channels")
     for channel in channels:
@@ -190,6 +193,7 @@ def load_calibration(path: Path) -> Calibration:
             temperature=fields.number("temperature_degc", float("nan")),
             verdict=fields.choice("verdict", dict.fromkeys(VERDICTS)),
             reasons=tuple(fields.texts("reasons")),
+            fitted_runs=tuple(fields.texts("fitted_runs") if "fitted_runs" in fields else ()),
         )
     except FileError:
         raise

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ from shoecal_core.calibration.fit import SelfCalibration, self_calibrate
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.files import sha256
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
@@ -178,7 +179,10 @@ def calibrate_session(
     }
     verdict = _verdict(data, stages, modelled["self_calibration"], settings, readings, training)
     return Outcome(
-        calibration=_calibration(data, stages, verdict, source, made_ns),
+        calibration=replace(
+            _calibration(data, stages, verdict, source, made_ns),
+            fitted_runs=tuple(sha256(entry.path) for entry in session.runs if entry.run in train),
+        ),
         stages=stages,
         data=data,
         train=train,

@@ -59,6 +59,7 @@ def calibration(shoe: Shoe, rng: np.random.Generator) -> Calibration:
         temperature=24.5,
         verdict="WARN",
         reasons=("WARN: one thing: another", "5 % off\nand more", ""),
+        fitted_runs=("0" * 64, "12e5" * 16),
     )
 
 
@@ -92,7 +93,9 @@ def test_there_and_back(whole: Calibration, tmp_path: Path) -> None:
 
 
 def test_there_and_back_with_as_little_as_possible(whole: Calibration, tmp_path: Path) -> None:
-    little = replace(whole, covariance=None, corrections=(), temperature=math.nan, reasons=())
+    little = replace(
+        whole, covariance=None, corrections=(), temperature=math.nan, reasons=(), fitted_runs=()
+    )
     path = tmp_path / "calibration.yaml"
     save_calibration(little, path)
     assert same(load_calibration(path), little)

@@ -12,7 +12,7 @@ import pytest
 
 from shoecal_core import cli
 from shoecal_core.calibration.calibration import load_calibration
-from shoecal_core.files import read_yaml
+from shoecal_core.files import read_yaml, sha256
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -61,6 +61,11 @@ def test_gains_come_near_the_drawn_ones(simulated: Path, calibrated: Path) -> No
     true = np.array([drawn.number(name) for name in found.channels])
     np.testing.assert_allclose(found.parameters.gain, true, rtol=0.15)
     assert np.sum(np.sign(true) < 0) == 1  # the inverted cell
+
+
+def test_a_calibration_knows_the_runs_it_was_fitted_to(simulated: Path, calibrated: Path) -> None:
+    fitted = [sha256(simulated / f"run_{run:03d}.mcap") for run in (1, 2)]
+    assert load_calibration(calibrated).fitted_runs == tuple(fitted)
 
 
 def test_solving_again_gives_the_same_parameters(
