@@ -9,19 +9,20 @@ so dC/df_i = ((-A_iy, A_ix) - C A_iF) / F, and the gain's column is the offset's
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.moments import WrenchMoments, WrenchResiduals
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, weight_below
 
 FloatArray = NDArray[np.float64]
-CHUNK = 4096
-"""Samples whose Jacobian is held at once: bounds the memory whatever the recording."""
+CHUNK = 1024
+"""Samples worked on at once: bounds the memory whatever the recording, and fits a core's cache."""
 
 
 @dataclass(frozen=True)
@@ -143,15 +144,7 @@ def normal_equations(
     vector: FloatArray, stances: Sequence[Stance], shoe: Shoe, weights: Weights
 ) -> Normal:
     """Gauss-Newton model of all residuals of all stances, in bounded memory."""
-    total = zero_normal(len(vector))
-    for stance in stances:
-        share = weights.of_sample(stance)
-        weight = float(np.mean(stance.force)) if len(stance.force) else 0.0
-        for piece in _chunks(stance):
-            total += _normal(*residuals(vector, piece, weights), share)
-            if piece.hanging is not None:
-                total += _normal(*hanging_residuals(vector, piece, shoe, weights, weight), share)
-    return total
+    return Problem(stances, shoe, weights).normal(vector)
 
 
 def zero_normal(size: int) -> Normal:
@@ -159,14 +152,105 @@ def zero_normal(size: int) -> Normal:
     return Normal(0.0, np.zeros(size), np.zeros((size, size)))
 
 
-def _normal(error: FloatArray, jacobian: FloatArray, share: float) -> Normal:
-    return Normal(
-        share * float(error @ error), share * (jacobian.T @ error), share * (jacobian.T @ jacobian)
-    )
+class Problem:
+    """The sum of squares of all residuals of all stances, as a function of the vector.
+
+    The same as from the rows of `residuals` and `hanging_residuals`, but these are never
+    written down.
+    """
+
+    def __init__(self, stances: Sequence[Stance], shoe: Shoe, weights: Weights) -> None:
+        self._weights = weights
+        self._terms: list[_Term] = []
+        for stance in stances:
+            if not len(stance.time):
+                continue
+            share = weights.of_sample(stance)
+            self._terms.append(_Term(stance, share, stance.columns, stance.base, None))
+            foot = stance.hanging
+            if foot is not None:
+                columns = np.where((shoe.foot == foot)[:, None], shoe.columns, 0.0)
+                weight = float(stance.force.mean())
+                self._terms.append(_Term(stance, share, columns, weight_below(shoe)[foot], weight))
+
+    def cost(self, vector: FloatArray) -> float:
+        """The sum alone: cheaper than `normal`."""
+        return sum(
+            term.share * float(np.vdot(chunk.error, chunk.error))
+            for term in self._terms
+            for _, chunk in term.chunks(vector, self._weights)
+        )
+
+    def normal(self, vector: FloatArray) -> Normal:
+        """Its Gauss-Newton model."""
+        total = zero_normal(len(vector))
+        for term in self._terms:
+            sums = WrenchMoments(term.columns, CHUNK)
+            for extended, chunk in term.chunks(vector, self._weights):
+                sums.add(extended, chunk)
+            total += Normal(
+                term.share * sums.cost, term.share * sums.gradient(), term.share * sums.hessian()
+            )
+        return total
 
 
-def _chunks(stance: Stance) -> list[Stance]:
-    count = len(stance.time)
-    if count <= CHUNK:
-        return [stance]
-    return [stance.part(slice(start, start + CHUNK)) for start in range(0, count, CHUNK)]
+@dataclass(frozen=True)
+class _Term:
+    """The loaded feet of one stance, or its hanging foot.
+
+    Attributes:
+        stance: the samples.
+        share: how much of an independent sample each of them counts for.
+        columns: (n, 3) what one unit of each output adds to the wrench.
+        base: (3,) wrench of the parts below the channels.
+        weight: the force under which a hanging foot's moments count [N]; None for loaded feet.
+    """
+
+    stance: Stance
+    share: float
+    columns: FloatArray
+    base: FloatArray
+    weight: float | None
+
+    def chunks(
+        self, vector: FloatArray, weights: Weights
+    ) -> Iterator[tuple[FloatArray, WrenchResiduals]]:
+        """S~ = (S, 1) as (n + 1, m), overwritten by the next, and the residuals there."""
+        parameters, time_offset = unpack(vector)
+        constant = parameters.offset @ self.columns + self.base
+        law = np.vstack((parameters.gain[:, None] * self.columns, constant)).T
+        buffer = np.ones((law.shape[1], CHUNK))
+        for start in range(0, len(self.stance.time), CHUNK):
+            part = slice(start, start + CHUNK)
+            readings = self.stance.readings[part]
+            extended = buffer[:, : len(readings)]
+            extended[:-1] = readings.T
+            wrench = law @ extended
+            if self.weight is None:
+                yield extended, _loaded(wrench, self.stance, part, time_offset, weights)
+            else:
+                yield extended, _hanging(wrench, self.weight, weights)
+
+
+def _loaded(
+    wrench: FloatArray, stance: Stance, part: slice, time_offset: float, weights: Weights
+) -> WrenchResiduals:
+    """Of wrenches (3, m) that should have the model's force and CoP."""
+    force, mx, my = wrench
+    inverse = 1.0 / (weights.cop * force)
+    place = np.stack((-my, mx)) * inverse
+    late = np.zeros_like(wrench)
+    np.divide(stance.cop_rate[part].T, -weights.cop, out=late[1:])
+    error = time_offset * late
+    error[0] = (force - stance.force[part]) / weights.force
+    error[1:] += place - stance.cop[part].T / weights.cop
+    return WrenchResiduals(error, late, 1.0 / weights.force, inverse, place / force)
+
+
+def _hanging(wrench: FloatArray, weight: float, weights: Weights) -> WrenchResiduals:
+    """Of wrenches (3, m) that should be zero; a moment shifts the CoP of `weight` [N]."""
+    force, mx, my = wrench
+    inverse = np.full_like(force, 1.0 / (weights.cop * weight))
+    error = np.stack((force / weights.force, -my * inverse, mx * inverse))
+    none = np.zeros_like(wrench)
+    return WrenchResiduals(error, none, 1.0 / weights.force, inverse, none[1:])
