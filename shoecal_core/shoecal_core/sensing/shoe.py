@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.files import Fields, read_yaml, sha256
+from shoecal_core.sensing.holes import Holes, read_holes
 
 FORMAT = 1
 FEET = ("left", "right")
@@ -85,6 +86,7 @@ class Shoe:
         channels: in the order used by every array of channels.
         plates: left, right.
         path, digest: the file it came from and its SHA-256.
+        holes: left, right: where known weights can stand; None for a shoe without such places.
     """
 
     name: str
@@ -94,6 +96,7 @@ class Shoe:
     plates: tuple[Plates, Plates]
     path: Path
     digest: str
+    holes: tuple[Holes | None, Holes | None] = (None, None)
 
     @cached_property
     def names(self) -> tuple[str, ...]:
@@ -161,15 +164,18 @@ def load_shoe(path: Path) -> Shoe:
     feet.only(*FEET)
     channels: list[Channel] = []
     plates: list[Plates] = []
+    holes: list[Holes | None] = []
     for index, foot in enumerate(FEET):
         block = feet.mapping(foot)
-        block.only("plates", "cells", "six_axis")
+        block.only("plates", "cells", "six_axis", "holes")
         plates.append(_plates(block.mapping("plates")))
         found = _cells(block, index, span) if "cells" in block else []
         if "six_axis" in block:
             found += _six_axis(block.mapping("six_axis"), index, span)
         _check_foot(block, found)
         channels += found
+        places = np.array([channel.position for channel in found])
+        holes.append(read_holes(block, places) if "holes" in block else None)
     return Shoe(
         name=fields.text("name"),
         unit=fields.text("unit"),
@@ -178,6 +184,7 @@ def load_shoe(path: Path) -> Shoe:
         plates=(plates[0], plates[1]),
         path=Path(path),
         digest=sha256(path),
+        holes=(holes[0], holes[1]),
     )
 
 

@@ -1,0 +1,1 @@
+"""Manual calibration: single cells, then the shoe, under known weights (paper, section III)."""
