@@ -12,6 +12,7 @@ from shoecal_core.calibration.metrics import Mae, cop_mae, grf_mae
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.recording.truth import Truth
 from shoecal_core.sensing.sensing import Measured, Sensing
+from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 
@@ -30,19 +31,29 @@ class Errors:
     foot_grf: tuple[Mae, Mae]
     foot_cop: tuple[Mae, Mae]
 
+    def figures(self) -> dict[str, tuple[Mae, float, str]]:
+        """Each by its name in result files, with its scale there and its unit."""
+        found = {"grf": (self.grf, 1.0, "n"), "cop": (self.cop, 1e3, "mm")}
+        for foot, grf, cop in zip(FEET, self.foot_grf, self.foot_cop, strict=True):
+            found[f"{foot}_grf"] = (grf, 1.0, "n")
+            found[f"{foot}_cop"] = (cop, 1e3, "mm")
+        return found
+
     def to_json(self) -> dict[str, float]:
-        """Figures by their names in result files [N, mm]; those that nothing tells are left out."""
-        figures = {
-            "grf_mae_n": self.grf.mean,
-            "grf_std_n": self.grf.std,
-            "cop_mae_mm": 1e3 * self.cop.mean,
-            "cop_std_mm": 1e3 * self.cop.std,
-            "left_grf_mae_n": self.foot_grf[0].mean,
-            "right_grf_mae_n": self.foot_grf[1].mean,
-            "left_cop_mae_mm": 1e3 * self.foot_cop[0].mean,
-            "right_cop_mae_mm": 1e3 * self.foot_cop[1].mean,
-        }
-        return {name: value for name, value in figures.items() if np.isfinite(value)}
+        """Figures by their names in result files [N, mm].
+
+        A figure that nothing tells is left out; where samples had to be left out of one, their
+        number stands beside it.
+        """
+        found: dict[str, float] = {}
+        for name, (mae, scale, unit) in self.figures().items():
+            if mae.count:
+                found[f"{name}_mae_{unit}"] = scale * mae.mean
+                found[f"{name}_std_{unit}"] = scale * mae.std
+                found[f"{name}_samples"] = mae.count
+            if mae.count and mae.left_out:
+                found[f"{name}_samples_left_out"] = mae.left_out
+        return found
 
 
 @dataclass(frozen=True)

@@ -1,65 +1,195 @@
 """`shoecal evaluate SESSION --calibration FILE`: how far a calibration is off.
 
 Against the model always; against the simulator's truth where the session has one; against
-another calibration where one is given.
+another calibration, for example a manual one, where one is given. Several sessions are judged
+together: one session has too few runs to tell training from test runs.
 """
 
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Mapping
-from functools import partial
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
 
-from shoecal_core.calibration.calibration import load_calibration
-from shoecal_core.calibration.comparison import read_truths
-from shoecal_core.calibration.evaluate import (
-    Series,
-    errors,
-    measured_series,
-    modelled_series,
-    truth_series,
+from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.calibration.evaluate import Errors
+from shoecal_core.calibration.evaluation import (
+    MEASURED,
+    MODELLED,
+    REFERENCE,
+    TRUTH,
+    compare_runs,
+    load_calibration_of,
+    version_note,
 )
-from shoecal_core.calibration.pipeline import load_data, split_runs
-from shoecal_core.calibration.stance import Stance
+from shoecal_core.calibration.run_errors import (
+    ComparedRun,
+    differences_to_json,
+    errors_by_set,
+    errors_of,
+    train_against_test,
+)
+from shoecal_core.calibration.significance import Difference
 from shoecal_core.commands.arguments import add_sets
-from shoecal_core.commands.tables import errors_table, stages_rows
+from shoecal_core.commands.tables import (
+    difference_lines,
+    errors_table,
+    left_out_lines,
+    stages_rows,
+)
+from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.recording.session import Session
+
+SEED = 0
+"""Of the splits that the test draws where there are too many: the same answer every time."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
-    parser.add_argument("session", type=Path, help="folder of the recorded session")
-    parser.add_argument("--calibration", type=Path, required=True, help="the one to judge")
-    parser.add_argument("--reference", type=Path, help="a calibration taken as right")
+    parser.add_argument(
+        "sessions",
+        type=Path,
+        nargs="+",
+        metavar="SESSION",
+        help="folder of a recorded session; several are judged together",
+    )
+    parser.add_argument(
+        "--calibration",
+        type=Path,
+        required=True,
+        action="append",
+        metavar="FILE",
+        help="the one to judge; for several sessions one for all, or the option once a session",
+    )
+    parser.add_argument(
+        "--reference",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="a calibration taken as right, for example a manual one; likewise",
+    )
     add_sets(parser)
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
-    """Compare on every run, by set."""
-    session = Session.open(args.session)
-    train, test = split_runs(session, args.train, args.test)
-    data = load_data(session, (*train, *test))
-    sensing = load_calibration(args.calibration).sensing(data.shoe)
-    references: dict[str, Callable[[Stance], Series]] = {"modelled": modelled_series}
-    if args.reference is not None:
-        reference = load_calibration(args.reference).sensing(data.shoe)
-        references["reference"] = partial(measured_series, reference)
-    truths = read_truths(session, data)
-    if truths.keys() == data.stances.keys():
-        references["truth"] = lambda stance: truth_series(truths[stance.run], stance)
-    found = {
-        f"against_{name}": {
-            part: errors([(measured_series(sensing, s), reference_of(s)) for s in data.of(runs)])
-            for part, runs in (("train", train), ("test", test))
-            if runs
-        }
-        for name, reference_of in references.items()
+    """Compare on every run, by set, and training with test runs."""
+    sessions = _open(args.sessions)
+    calibrations = _one_a_session("--calibration", args.calibration, sessions)
+    references = _one_a_session("--reference", args.reference, sessions)
+    runs: list[ComparedRun] = []
+    for session, calibration, reference in zip(sessions, calibrations, references, strict=True):
+        assert calibration is not None
+        for one in filter(None, (calibration, reference)):
+            if note := version_note(one, session):
+                console.print(f"Note: {note}.", markup=False)
+        runs += compare_runs(session, calibration, reference, args.train, args.test)
+    if not all(run.sources.keys() == runs[0].sources.keys() for run in runs):
+        raise ShoecalError(
+            "some sessions have a simulated truth and some have none; evaluate them apart"
+        )
+    generator = np.random.default_rng(SEED)
+    compared = {
+        reference: train_against_test(runs, MEASURED, reference, generator)
+        for reference in _references(runs, MEASURED)
     }
-    console.print(errors_table("Measured", stages_rows(found)))
+    _print(runs, compared[_best(runs)], console)
     return {
-        name: {part: error.to_json() for part, error in sets.items()}
-        for name, sets in found.items()
+        "format": 1,
+        "calibrations": [one.id for one in calibrations if one is not None],
+        "references": [one.id for one in references if one is not None],
+        **_errors_to_json(runs, MEASURED),
+        "model": _errors_to_json(runs, MODELLED),
+        "reference": _errors_to_json(runs, REFERENCE),
+        "train_against_test": {
+            f"against_{reference}": differences_to_json(found)
+            for reference, found in compared.items()
+        },
+        "runs": [_run_to_json(one) for one in runs],
     }
+
+
+def _open(folders: Sequence[Path]) -> list[Session]:
+    """Open each session; one named twice would count its runs twice."""
+    seen = set()
+    for folder in folders:
+        if folder.resolve() in seen:
+            raise FileError(folder, "is named twice; name each session once")
+        seen.add(folder.resolve())
+    return [Session.open(folder) for folder in folders]
+
+
+def _one_a_session(
+    option: str, paths: Sequence[Path], sessions: Sequence[Session]
+) -> list[Calibration | None]:
+    if not paths:
+        return [None] * len(sessions)
+    if len(paths) not in {1, len(sessions)}:
+        raise ShoecalError(
+            f"{option} was given {len(paths)} times for {len(sessions)} session(s); give it once "
+            "for all, or once a session in their order"
+        )
+    each = list(paths) * len(sessions) if len(paths) == 1 else paths
+    return [
+        load_calibration_of(path, session) for path, session in zip(each, sessions, strict=True)
+    ]
+
+
+def _references(runs: Sequence[ComparedRun], source: str) -> list[str]:
+    """What a source can be held against: everything known to be better."""
+    order = (MEASURED, MODELLED, REFERENCE, TRUTH)
+    better = order[max(order.index(source), order.index(MEASURED)) + 1 :]
+    return [name for name in better if {name, source} <= runs[0].sources.keys()]
+
+
+def _best(runs: Sequence[ComparedRun]) -> str:
+    return _references(runs, MEASURED)[-1]
+
+
+def _errors_to_json(runs: Sequence[ComparedRun], source: str) -> dict[str, object]:
+    return {
+        f"against_{reference}": {
+            name: found.to_json() for name, found in errors_by_set(runs, source, reference).items()
+        }
+        for reference in _references(runs, source)
+    }
+
+
+def _run_to_json(run: ComparedRun) -> dict[str, object]:
+    def against(source: str) -> dict[str, object]:
+        return {
+            f"against_{reference}": errors_of([run], source, reference).to_json()
+            for reference in _references([run], source)
+        }
+
+    own = {"session": run.session, "run": run.run, "set": run.set}
+    return {**own, **against(MEASURED), "model": against(MODELLED)}
+
+
+def _print(
+    runs: Sequence[ComparedRun], compared: Mapping[str, Difference], console: Console
+) -> None:
+    best = _best(runs)
+    sets = {
+        f"against {reference}": errors_by_set(runs, MEASURED, reference)
+        for reference in _references(runs, MEASURED)
+    }
+    console.print(errors_table("Calibration", stages_rows(sets)))
+    others = {
+        f"{source} against {reference}": errors_by_set(runs, source, reference)
+        for source in (MODELLED, REFERENCE)
+        for reference in _references(runs, source)
+    }
+    if others:
+        console.print(errors_table("For comparison", stages_rows(others)))
+    several = len({one.session for one in runs}) > 1
+    rows: list[tuple[str, Errors]] = []
+    for one in runs:
+        where = f"{Path(one.session).name}, " if several else ""
+        rows.append((f"{where}run {one.run}, {one.set}", errors_of([one], MEASURED, best)))
+    console.print(errors_table(f"Calibration against {best}, run by run", rows))
+    for line in (*difference_lines(compared), *left_out_lines(rows)):
+        console.print(line, markup=False)

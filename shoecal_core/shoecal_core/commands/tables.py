@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 from rich.box import SIMPLE_HEAD
@@ -9,6 +10,11 @@ from rich.table import Table
 
 from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.calibration.metrics import Mae
+from shoecal_core.calibration.run_errors import COMPARED
+from shoecal_core.calibration.significance import LEVEL, Difference
+
+WRITTEN = {"grf": ("GRF", "N", 3), "cop": ("CoP", "mm", 2)}
+"""Quantities, their units and decimals of a small difference, by their names in result files."""
 
 
 def new_table(title: str) -> Table:
@@ -17,18 +23,68 @@ def new_table(title: str) -> Table:
 
 
 def errors_table(title: str, rows: Sequence[tuple[str, Errors]]) -> Table:
-    """GRF and CoP errors, combined and of each foot: MAE and its standard deviation."""
+    """GRF and CoP errors, combined and of each foot: MAE and its standard deviation.
+
+    A column that no row has a figure for is left out.
+    """
     table = new_table(title)
     table.add_column("", no_wrap=True)
-    for name in ("GRF (N)", "CoP (mm)", "left CoP (mm)", "right CoP (mm)"):
-        table.add_column(name, justify="right")
-    for name, found in rows:
-        table.add_row(
-            name,
-            _mae(found.grf, 1.0),
-            *(_mae(mae, 1e3) for mae in (found.cop, *found.foot_cop)),
-        )
+    figures = [found.figures() for _, found in rows]
+    shown = [name for name in figures[0] if any(row[name][0].count for row in figures)]
+    for name in shown:
+        table.add_column(_heading(name), justify="right")
+    for (label, _), row in zip(rows, figures, strict=True):
+        table.add_row(label, *(_mae(row[name][0], row[name][1]) for name in shown))
     return table
+
+
+def left_out_lines(rows: Sequence[tuple[str, Errors]]) -> list[str]:
+    """Where samples had to be left out of a figure, so that nobody takes it for the whole."""
+    return [
+        f"{label}: {_heading(name)} counts {mae.count} of {mae.count + mae.left_out} samples; in "
+        "the others nothing stood on the foot, or nothing is known of it"
+        for label, found in rows
+        for name, (mae, _, _) in found.figures().items()
+        if mae.count and mae.left_out
+    ]
+
+
+def difference_lines(compared: Mapping[str, Difference]) -> list[str]:
+    """Train against test in words: the difference, its interval, and what it is worth."""
+    if not compared:
+        return ["Training against test runs: no session has both, so nothing can be compared."]
+    lines = []
+    for name, found in compared.items():
+        scale, _ = COMPARED[name]
+        quantity, unit, decimals = WRITTEN[name]
+        runs = f"{found.second} test against {found.first} training runs"
+        if found.sessions > 1:
+            runs += f" of {found.sessions} sessions"
+        told = f"{quantity}: {runs} differ by {_signed(scale * found.value, decimals)} {unit}"
+        if found.smallest_p > 1.0 - LEVEL:
+            told += (
+                f", p = {found.p_value:.2g}; so few runs cannot show a difference at 5 % (their "
+                f"smallest p is {found.smallest_p:.2g}): evaluate several sessions together"
+            )
+        else:
+            low, high = (_signed(scale * end, decimals) for end in found.interval)
+            splits = f"all {found.splits}" if found.exact else f"{found.splits} drawn"
+            told += (
+                f" (95 %: {low} to {high}), p = {found.p_value:.2g} ({splits} permutations of "
+                f"runs): {'a' if found.significant else 'no'} significant difference"
+            )
+        lines.append(told)
+    return lines
+
+
+def _signed(value: float, decimals: int) -> str:
+    return f"{value:+.{decimals}f}" if math.isfinite(value) else "unbounded"
+
+
+def _heading(name: str) -> str:
+    foot, _, what = name.rpartition("_")
+    quantity, unit, _ = WRITTEN[what]
+    return f"{foot} {quantity} ({unit})".strip()
 
 
 def stages_rows(stages: Mapping[str, Mapping[str, Errors]]) -> list[tuple[str, Errors]]:

@@ -52,7 +52,9 @@ def test_exact_parameters_measure_the_model(
     assert found.cop.mean < 1e-12
     # The model does not know each foot's share, so it is no zero error either.
     assert found.foot_cop[0].count == found.foot_grf[1].count == 0
-    assert set(found.to_json()) == {"grf_mae_n", "grf_std_n", "cop_mae_mm", "cop_std_mm"}
+    assert set(found.to_json()) == {
+        "grf_mae_n", "grf_std_n", "grf_samples", "cop_mae_mm", "cop_std_mm", "cop_samples",
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("foot", [0, 1])
@@ -87,6 +89,10 @@ def test_a_foot_without_a_true_cop_is_left_out_and_counted(stance: Stance) -> No
     found = errors([(series(80), reference)])
     assert found.foot_cop[0].count == 80
     assert 35 <= found.foot_cop[1].count <= 45
+    assert found.foot_cop[1].count + found.foot_cop[1].left_out == 80
+    told = found.to_json()
+    assert told["right_cop_samples"] + told["right_cop_samples_left_out"] == 80
+    assert "left_cop_samples_left_out" not in told
 
 
 def test_errors_are_means_over_all_samples_of_all_runs() -> None:

@@ -28,8 +28,9 @@ def test_cop_is_the_mean_of_the_norms_not_of_the_axes() -> None:
 def test_samples_without_a_value_are_left_out_and_counted() -> None:
     measured = np.array([[3.0, 4.0], [np.nan, np.nan], [0.0, np.nan]])
     found = cop_mae(measured, np.zeros((3, 2)))
-    assert (found.mean, found.std, found.count) == (5.0, 0.0, 1)
-    assert grf_mae(np.array([1.0, np.nan]), np.array([0.0, 0.0])).count == 1
+    assert (found.mean, found.std, found.count, found.left_out) == (5.0, 0.0, 1, 2)
+    found = grf_mae(np.array([1.0, np.nan]), np.array([0.0, 0.0]))
+    assert (found.count, found.left_out) == (1, 1)
 
 
 def test_nothing_to_compare_is_no_zero_error() -> None:

@@ -1,0 +1,136 @@
+"""A calibration held against everything that is known of a session's runs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+
+from shoecal_core.calibration.calibration import Calibration, WrongShoeError, load_calibration
+from shoecal_core.calibration.comparison import read_truths
+from shoecal_core.calibration.evaluate import (
+    Series,
+    measured_series,
+    modelled_series,
+    truth_series,
+)
+from shoecal_core.calibration.pipeline import load_data, split_runs
+from shoecal_core.calibration.run_errors import ComparedRun
+from shoecal_core.calibration.stance import Stance
+from shoecal_core.errors import FileError
+from shoecal_core.files import sha256
+from shoecal_core.recording.session import Session
+
+MEASURED, MODELLED, REFERENCE, TRUTH = "measured", "modelled", "reference", "truth"
+"""What is told of a run: by the calibration, the model, the one taken as right, the simulator."""
+
+FITTED_TO_NO_RUN = ("manual", "identity")
+"""Sources of calibrations for which every run of a session is new."""
+
+
+def load_calibration_of(path: Path, session: Session) -> Calibration:
+    """Read a calibration that belongs to the shoes and the robot of a session.
+
+    Raises:
+        FileError: for a file that is no calibration, or of another shoe or another robot.
+    """
+    calibration = load_calibration(path)
+    where = f"session {session.folder}"
+    if calibration.shoe != session.shoe.name:
+        raise FileError(
+            path,
+            f"is of shoe '{calibration.shoe}', but {where} was recorded on "
+            f"'{session.shoe.name}'; name a calibration of that shoe",
+        )
+    if calibration.robot != session.robot:
+        raise FileError(
+            path,
+            f"is of robot '{calibration.robot}', but {where} is of '{session.robot}'; name a "
+            "calibration of the shoes on that robot",
+        )
+    try:
+        calibration.sensing(session.shoe)
+    except WrongShoeError as error:
+        raise FileError(path, str(error)) from error
+    return calibration
+
+
+def version_note(calibration: Calibration, session: Session) -> str:
+    """What to know of a calibration made with another version of the shoe's file; else empty."""
+    if calibration.shoe_hash == session.shoe.digest:
+        return ""
+    return (
+        f"calibration '{calibration.id}' was made with another version of the file of shoe "
+        f"'{calibration.shoe}' than session {session.folder}: where cells' places or plates have "
+        "changed, calibrate again"
+    )
+
+
+def sets_for(
+    session: Session, calibration: Calibration, train: Sequence[int], test: Sequence[int]
+) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Runs that a calibration was fitted to, and those that are new to it.
+
+    Runs given count; else what the calibration says of itself; else the session's own marks;
+    else every run counts as fitted.
+
+    Raises:
+        FileError: a run that is not there, one in both sets, one given as a test run to which
+            the calibration was fitted, or a session without runs.
+    """
+    entries = session.runs
+    if not entries:
+        raise FileError(session.folder, "has no finished run; record one")
+    fitted = {entry.run for entry in entries if sha256(entry.path) in calibration.fitted_runs}
+    if train or test:
+        train, test = split_runs(session, train, test)
+        if wrong := sorted(fitted.intersection(test)):
+            raise FileError(
+                session.folder,
+                f"calibration '{calibration.id}' was fitted to run(s) "
+                f"{', '.join(map(str, wrong))}: none of them is a test; name them with --train",
+            )
+        return train, test
+    if calibration.fitted_runs or calibration.source in FITTED_TO_NO_RUN:
+        runs = tuple(entry.run for entry in entries)
+        return tuple(run for run in runs if run in fitted), tuple(
+            run for run in runs if run not in fitted
+        )
+    return split_runs(session, (), ())
+
+
+def compare_runs(
+    session: Session,
+    calibration: Calibration,
+    reference: Calibration | None = None,
+    train: Sequence[int] = (),
+    test: Sequence[int] = (),
+) -> list[ComparedRun]:
+    """What is told of every run, training runs first.
+
+    The truth is used where every run has one. Arguments and errors as in `sets_for`.
+    """
+    train, test = sets_for(session, calibration, train, test)
+    data = load_data(session, (*train, *test))
+    sources: dict[str, Callable[[Stance], Series]] = {
+        MEASURED: partial(measured_series, calibration.sensing(data.shoe)),
+        MODELLED: modelled_series,
+    }
+    if reference is not None:
+        sources[REFERENCE] = partial(measured_series, reference.sensing(data.shoe))
+    truths = read_truths(session, data)
+    if truths.keys() == data.stances.keys():
+        sources[TRUTH] = lambda stance: truth_series(truths[stance.run], stance)
+    return [
+        ComparedRun(
+            session=str(session.folder),
+            run=run,
+            set=name,
+            sources={
+                source: tuple(told(stance) for stance in data.stances[run])
+                for source, told in sources.items()
+            },
+        )
+        for name, runs in (("train", train), ("test", test))
+        for run in runs
+    ]
