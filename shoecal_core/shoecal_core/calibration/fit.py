@@ -6,17 +6,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shoecal_core.calibration.correction_fit import fit_corrections
 from shoecal_core.calibration.initial_guess import InitialGuess, initial_guess
 from shoecal_core.calibration.least_squares import Fit, Prior, minimise
-from shoecal_core.calibration.residuals import Weights, normal_equations, pack, unpack
+from shoecal_core.calibration.residuals import Problem, Weights, pack, unpack
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.sensing.correction import CopCorrection
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
+
+FloatArray = NDArray[np.float64]
+COARSE_SAMPLES = 20_000
+"""A longer recording is fitted to so many of its samples first, which brings the fit near enough
+to the minimum for two passes over all of them."""
 
 
 @dataclass(frozen=True)
@@ -78,10 +84,22 @@ def fit_parameters(
 ) -> Fit:
     """Nonlinear least squares over all gains, offsets and the time offset (paper, eq. 18)."""
     weights = Weights(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
+    problem = Problem.of(stances, shoe, weights)
+    prior = _prior(shoe, guess, settings)
+    step = problem.samples // COARSE_SAMPLES
+    start = _minimum(problem.thinned(step), prior, settings).vector if step > 1 else None
+    return _minimum(problem, prior, settings, start)
+
+
+def _minimum(
+    problem: Problem, prior: Prior, settings: CalibrationSettings, start: FloatArray | None = None
+) -> Fit:
     return minimise(
-        lambda vector: normal_equations(vector, stances, shoe, weights),
-        _prior(shoe, guess, settings),
+        problem.normal,
+        prior,
         max_iterations=settings.max_iterations,
+        cost=problem.cost,
+        start=start,
     )
 
 

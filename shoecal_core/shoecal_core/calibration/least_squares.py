@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,66 +70,140 @@ def minimise(
     *,
     max_iterations: int,
     tolerance: float = 1e-10,
+    cost: Callable[[FloatArray], float] | None = None,
+    start: FloatArray | None = None,
 ) -> Fit:
-    """Minimise the data's sum of squares plus the prior's, from the prior's mean.
+    """Minimise the data's sum of squares plus the prior's.
 
     Each step is halved until the cost falls; the prior makes every step well defined.
+
+    Args:
+        evaluate: the data's sum of squares and its Gauss-Newton model.
+        prior: added to it.
+        max_iterations: steps after which to give up.
+        tolerance: it ends where a step promises to lower the cost by less than this share.
+        cost: the data's sum of squares alone, where that is cheaper to have.
+        start: (p,) where to begin; the prior's mean by default.
 
     Raises:
         ShoecalError: when it does not settle within `max_iterations`.
     """
-    free = prior.std > 0.0
-    scale = prior.std[free]
-
-    def whole(z: FloatArray) -> tuple[float, FloatArray, FloatArray, FloatArray, FloatArray]:
-        vector = prior.mean.copy()
-        vector[free] += scale * z
-        normal = evaluate(vector)
-        data = normal.hessian[np.ix_(free, free)] * np.outer(scale, scale)
-        gradient = normal.gradient[free] * scale + z
-        return normal.cost + float(z @ z), gradient, data, vector, normal.hessian
-
-    z = np.zeros(int(free.sum()))
-    cost, gradient, data, vector, information = whole(z)
-    initial_cost = cost
-    iterations = 0
-    while True:
-        step = -np.linalg.solve(data + np.eye(len(z)), gradient)
-        promised = -float(gradient @ step)
-        if promised <= tolerance * (1.0 + cost):
-            break
+    problem = _Whitened(evaluate, cost or (lambda vector: evaluate(vector).cost), prior)
+    mean = np.zeros(int(problem.free.sum()))
+    point = problem.point(mean if start is None else problem.whitened(start))
+    initial_cost = point.cost if start is None else problem.cost(mean)
+    for iterations in count():
+        step = point.step()
+        promised = -float(point.gradient @ step)
+        if promised <= tolerance * (1.0 + point.cost):
+            return _certified(point, problem, initial_cost, iterations)
         if iterations == max_iterations:
+            break
+        point = _lower(problem, point, step, promised)
+    raise ShoecalError(
+        f"the least squares did not settle within {max_iterations} iterations; "
+        "raise 'max_iterations' or check the recording"
+    )
+
+
+@dataclass(frozen=True)
+class _Point:
+    """The whole cost and its Gauss-Newton model at one whitened vector z.
+
+    Attributes:
+        z: (p',) free parameters, less the prior's mean, in units of its std.
+        vector: (p,) all parameters.
+        cost: sum of squares, prior included.
+        gradient: (p',) half its derivative by z.
+        data: (p', p') Gauss-Newton matrix of the data alone, by z.
+        information: (p, p) the same by the parameters.
+    """
+
+    z: FloatArray
+    vector: FloatArray
+    cost: float
+    gradient: FloatArray
+    data: FloatArray
+    information: FloatArray
+
+    def step(self) -> FloatArray:
+        """(p',) to the minimum of the model."""
+        descent = np.linalg.solve(self.data + np.eye(len(self.z)), -self.gradient)
+        return np.asarray(descent, dtype=np.float64)
+
+
+class _Whitened:
+    """The sum of squares over the free parameters, each in units of its prior."""
+
+    def __init__(
+        self,
+        evaluate: Callable[[FloatArray], Normal],
+        cost: Callable[[FloatArray], float],
+        prior: Prior,
+    ) -> None:
+        self._evaluate = evaluate
+        self._cost = cost
+        self._mean = prior.mean
+        self.free = prior.std > 0.0
+        self.scale = prior.std[self.free]
+
+    def whitened(self, vector: FloatArray) -> FloatArray:
+        z: FloatArray = (vector - self._mean)[self.free] / self.scale
+        return z
+
+    def cost(self, z: FloatArray) -> float:
+        return self._cost(self._vector(z)) + float(z @ z)
+
+    def point(self, z: FloatArray) -> _Point:
+        vector = self._vector(z)
+        normal = self._evaluate(vector)
+        return _Point(
+            z=z,
+            vector=vector,
+            cost=normal.cost + float(z @ z),
+            gradient=normal.gradient[self.free] * self.scale + z,
+            data=normal.hessian[np.ix_(self.free, self.free)] * np.outer(self.scale, self.scale),
+            information=normal.hessian,
+        )
+
+    def _vector(self, z: FloatArray) -> FloatArray:
+        vector = self._mean.copy()
+        vector[self.free] += self.scale * z
+        return vector
+
+
+def _lower(problem: _Whitened, point: _Point, step: FloatArray, promised: float) -> _Point:
+    """The point after a step, halved until the cost falls enough."""
+    ahead = problem.point(point.z + step)  # the whole step is good enough nearly always
+    length = 1.0
+    cost = ahead.cost
+    while not cost <= point.cost - _DECREASE * length * promised:
+        length /= 2.0
+        if length < _SMALLEST_STEP:
             raise ShoecalError(
-                f"the least squares did not settle within {max_iterations} iterations; "
-                "raise 'max_iterations' or check the recording"
+                "the least squares cannot lower its cost any more: the readings do not fit "
+                "the model at all; check the shoe file's cell positions and polarities"
             )
-        length = 1.0
-        while True:
-            attempt = whole(z + length * step)
-            if attempt[0] <= cost - _DECREASE * length * promised:
-                break
-            length /= 2.0
-            if length < _SMALLEST_STEP:
-                raise ShoecalError(
-                    "the least squares cannot lower its cost any more: the readings do not fit "
-                    "the model at all; check the shoe file's cell positions and polarities"
-                )
-        z = z + length * step
-        cost, gradient, data, vector, information = attempt
-        iterations += 1
-    values, vectors = np.linalg.eigh(data)
+        cost = problem.cost(point.z + length * step)
+    return ahead if length == 1.0 else problem.point(point.z + length * step)
+
+
+def _certified(point: _Point, problem: _Whitened, initial_cost: float, iterations: int) -> Fit:
+    free, scale = problem.free, problem.scale
+    values, vectors = np.linalg.eigh(point.data)
     order = np.argsort(values)[::-1]
-    directions = np.zeros((len(z), len(free)))
+    directions = np.zeros((len(scale), len(free)))
     directions[:, free] = vectors.T[order] * scale
     covariance = np.zeros((len(free), len(free)))
-    covariance[np.ix_(free, free)] = np.linalg.inv(data + np.eye(len(z))) * np.outer(scale, scale)
+    inverse = np.linalg.inv(point.data + np.eye(len(scale)))
+    covariance[np.ix_(free, free)] = inverse * np.outer(scale, scale)
     return Fit(
-        vector=vector,
-        cost=cost,
+        vector=point.vector,
+        cost=point.cost,
         initial_cost=initial_cost,
-        gradient_norm=float(np.abs(gradient).max(initial=0.0)),
+        gradient_norm=float(np.abs(point.gradient).max(initial=0.0)),
         covariance=covariance,
-        information=information,
+        information=point.information,
         singular_values=np.sqrt(np.clip(values[order], 0.0, None)),
         directions=directions,
         iterations=iterations,

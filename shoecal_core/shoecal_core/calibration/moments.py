@@ -17,6 +17,9 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 _PRODUCTS = 4
 _SLOPES = 6
+_SERIAL = 2**18
+"""Multiplications up to which a BLAS keeps to one thread; for matrices as small as these the
+others cost more than they give."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +77,7 @@ class WrenchMoments:
         self._weighted = np.empty((_PRODUCTS * rows + _SLOPES, chunk))
         self._sums = np.zeros((rows, len(self._weighted)))
         self._late = np.zeros(2)
+        self._slice = max(1, _SERIAL // self._sums.size)
 
     def add(self, extended: FloatArray, residuals: WrenchResiduals) -> None:
         """Add m samples with S~ (n + 1, m) = `extended`."""
@@ -84,7 +88,9 @@ class WrenchMoments:
         np.multiply(residuals.products()[:, None, :], extended, out=grams)
         weighted[-_SLOPES:-3] = residuals.pulled(error)
         weighted[-3:] = residuals.pulled(late)
-        self._sums += extended @ weighted.T
+        for start in range(0, count, self._slice):
+            part = slice(start, start + self._slice)
+            self._sums += extended[:, part] @ weighted[:, part].T
         self.cost += float(np.vdot(error, error))
         self._late += np.vdot(late, error), np.vdot(late, late)
 

@@ -10,7 +10,7 @@ so dC/df_i = ((-A_iy, A_ix) - C A_iF) / F, and the gain's column is the offset's
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, weight_below
 
 FloatArray = NDArray[np.float64]
-CHUNK = 1024
+CHUNK = 2048
 """Samples worked on at once: bounds the memory whatever the recording, and fits a core's cache."""
 
 
@@ -144,7 +144,7 @@ def normal_equations(
     vector: FloatArray, stances: Sequence[Stance], shoe: Shoe, weights: Weights
 ) -> Normal:
     """Gauss-Newton model of all residuals of all stances, in bounded memory."""
-    return Problem(stances, shoe, weights).normal(vector)
+    return Problem.of(stances, shoe, weights).normal(vector)
 
 
 def zero_normal(size: int) -> Normal:
@@ -152,41 +152,60 @@ def zero_normal(size: int) -> Normal:
     return Normal(0.0, np.zeros(size), np.zeros((size, size)))
 
 
+@dataclass(frozen=True)
 class Problem:
-    """The sum of squares of all residuals of all stances, as a function of the vector.
+    """The sum of squares of all residuals of some stances, as a function of the vector.
 
     The same as from the rows of `residuals` and `hanging_residuals`, but these are never
     written down.
+
+    Attributes:
+        terms: loaded feet and hanging ones.
+        weights: of the residuals.
     """
 
-    def __init__(self, stances: Sequence[Stance], shoe: Shoe, weights: Weights) -> None:
-        self._weights = weights
-        self._terms: list[_Term] = []
+    terms: tuple[Term, ...]
+    weights: Weights
+
+    @classmethod
+    def of(cls, stances: Sequence[Stance], shoe: Shoe, weights: Weights) -> Problem:
+        """All samples of all stances."""
+        terms = []
         for stance in stances:
             if not len(stance.time):
                 continue
             share = weights.of_sample(stance)
-            self._terms.append(_Term(stance, share, stance.columns, stance.base, None))
+            terms.append(Term(stance, share, stance.columns, stance.base, None))
             foot = stance.hanging
             if foot is not None:
                 columns = np.where((shoe.foot == foot)[:, None], shoe.columns, 0.0)
                 weight = float(stance.force.mean())
-                self._terms.append(_Term(stance, share, columns, weight_below(shoe)[foot], weight))
+                terms.append(Term(stance, share, columns, weight_below(shoe)[foot], weight))
+        return cls(tuple(terms), weights)
+
+    @property
+    def samples(self) -> int:
+        """Number of samples in all terms."""
+        return sum(len(term.stance.time) for term in self.terms)
+
+    def thinned(self, step: int) -> Problem:
+        """Every `step`-th sample of each stance, each counting for those left out."""
+        return replace(self, terms=tuple(term.thinned(step) for term in self.terms))
 
     def cost(self, vector: FloatArray) -> float:
         """The sum alone: cheaper than `normal`."""
         return sum(
             term.share * float(np.vdot(chunk.error, chunk.error))
-            for term in self._terms
-            for _, chunk in term.chunks(vector, self._weights)
+            for term in self.terms
+            for _, chunk in term.chunks(vector, self.weights)
         )
 
     def normal(self, vector: FloatArray) -> Normal:
         """Its Gauss-Newton model."""
         total = zero_normal(len(vector))
-        for term in self._terms:
+        for term in self.terms:
             sums = WrenchMoments(term.columns, CHUNK)
-            for extended, chunk in term.chunks(vector, self._weights):
+            for extended, chunk in term.chunks(vector, self.weights):
                 sums.add(extended, chunk)
             total += Normal(
                 term.share * sums.cost, term.share * sums.gradient(), term.share * sums.hessian()
@@ -195,7 +214,7 @@ class Problem:
 
 
 @dataclass(frozen=True)
-class _Term:
+class Term:
     """The loaded feet of one stance, or its hanging foot.
 
     Attributes:
@@ -211,6 +230,13 @@ class _Term:
     columns: FloatArray
     base: FloatArray
     weight: float | None
+
+    def thinned(self, step: int) -> Term:
+        """Every `step`-th sample."""
+        stance = self.stance.part(slice(None, None, step))
+        return replace(
+            self, stance=stance, share=self.share * len(self.stance.time) / len(stance.time)
+        )
 
     def chunks(
         self, vector: FloatArray, weights: Weights

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from core.calibration import synthetic
 from core.sensing import shoes
+from shoecal_core.calibration import fit as module
 from shoecal_core.calibration.fit import fit_parameters, self_calibrate
 from shoecal_core.calibration.initial_guess import InitialGuess, initial_guess
 from shoecal_core.calibration.least_squares import Fit
@@ -107,6 +108,25 @@ def test_robots_of_any_weight(weight: float, rng: np.random.Generator) -> None:
     truth = ChannelParameters(truth.gain * weight / 54.0, truth.offset * weight / 54.0)
     fit = fitted(shoe, synthetic.stances(shoe, truth, rng, weight=weight))
     np.testing.assert_allclose(unpack(fit.vector)[0].gain, truth.gain, rtol=1e-6)
+
+
+@pytest.mark.parametrize("samples", [100, 300, 1000])
+def test_a_first_fit_to_some_of_the_samples_does_not_change_the_minimum(
+    shoe: Shoe, truth: ChannelParameters, rng: np.random.Generator, samples: int,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    clean = synthetic.stances(shoe, truth, rng, noise=0.05)
+    runs = [synthetic.with_model_noise(run, rng, 0.3, 2e-3) for run in clean]
+    settings = CalibrationSettings()
+    plain = fitted(shoe, runs, settings)
+    monkeypatch.setattr(module, "COARSE_SAMPLES", samples)
+    coarse = fitted(shoe, runs, settings)
+    assert coarse.cost == pytest.approx(plain.cost, rel=1e-9)
+    assert coarse.initial_cost == pytest.approx(plain.initial_cost, rel=1e-9)
+    std = np.sqrt(np.diag(plain.covariance))
+    np.testing.assert_allclose((coarse.vector - plain.vector) / std, 0.0, atol=1e-3)
+    np.testing.assert_allclose(np.sqrt(np.diag(coarse.covariance)), std, rtol=1e-5)
+    assert coarse.gradient_norm < 1.0
 
 
 # ---- what the data can tell -------------------------------------------------------------------

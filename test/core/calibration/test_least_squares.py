@@ -90,6 +90,49 @@ def test_a_curved_problem_needs_halved_steps_and_ends_at_its_minimum() -> None:
     assert fit.cost < fit.initial_cost
 
 
+def test_steps_are_halved_by_the_cost_alone() -> None:
+    """A trial that is not taken needs no derivatives; the end is the same."""
+    prior = Prior(np.array([-1.5, 2.0]), np.array([1e4, 1e4]))
+    plain = minimise(curved, prior, max_iterations=100)
+    whole, alone = [], []
+
+    def evaluate(vector: FloatArray) -> Normal:
+        whole.append(vector)
+        return curved(vector)
+
+    def cost(vector: FloatArray) -> float:
+        alone.append(vector)
+        return curved(vector).cost
+
+    fit = minimise(evaluate, prior, max_iterations=100, cost=cost)
+    np.testing.assert_array_equal(fit.vector, plain.vector)
+    assert fit.cost == plain.cost
+    assert alone
+    # At most two models a step: at its end, and where the whole step had led.
+    assert len(whole) <= 2 * fit.iterations + 1
+
+
+def test_where_it_begins_changes_the_steps_but_not_the_end() -> None:
+    rng = np.random.default_rng(2)
+    matrix, target = rng.normal(size=(20, 5)), rng.normal(size=20)
+    prior = Prior(rng.normal(size=5), np.array([0.1, 1.0, 0.0, 2.0, 1.0]))
+
+    def evaluate(vector: FloatArray) -> Normal:
+        return linear(matrix, target, vector)
+
+    plain = minimise(evaluate, prior, max_iterations=5)
+    again = minimise(evaluate, prior, max_iterations=5, start=plain.vector)
+    elsewhere = minimise(evaluate, prior, max_iterations=5, start=rng.normal(size=5))
+    assert again.iterations == 0
+    for other in (again, elsewhere):
+        np.testing.assert_allclose(other.vector, plain.vector, rtol=1e-9)
+        np.testing.assert_allclose(other.covariance, plain.covariance, rtol=1e-9)
+        # What is fixed stays at the prior's mean wherever it begins.
+        assert other.vector[2] == prior.mean[2]
+        # The cost before is told of the prior's mean, not of the start.
+        assert other.initial_cost == pytest.approx(plain.initial_cost)
+
+
 def test_too_few_iterations_are_told() -> None:
     prior = Prior(np.array([-1.5, 2.0]), np.array([1e4, 1e4]))
     with pytest.raises(ShoecalError, match="did not settle within 2 iterations"):

@@ -125,7 +125,7 @@ def test_the_sums_are_those_of_the_rows(
     vector = pack(near, late)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "CHUNK", chunk)
-        problem = Problem(stances, pair, weights)
+        problem = Problem.of(stances, pair, weights)
         normal = problem.normal(vector)
         assert problem.cost(vector) == pytest.approx(normal.cost, rel=1e-12)
     assert_same(normal, *from_rows(vector, stances, pair, weights))
@@ -140,7 +140,7 @@ def test_the_problem_of_nothing() -> None:
         shoe, truth, synthetic.SUPPORTS[0], np.random.default_rng(0)
     ).part(slice(0, 0))  # fmt: skip
     for nothing in ([], [empty]):
-        assert Problem(nothing, shoe, weights).cost(vector) == 0.0
+        assert Problem.of(nothing, shoe, weights).cost(vector) == 0.0
         normal, none = normal_equations(vector, nothing, shoe, weights), zero_normal(17)
         np.testing.assert_array_equal(normal.gradient, none.gradient)
         np.testing.assert_array_equal(normal.hessian, none.hessian)
@@ -167,6 +167,36 @@ def test_products_and_pulled_rows_by_the_matrix() -> None:
         assert product[1, 2] == pytest.approx(0.0)
         np.testing.assert_allclose(local.pulled(local.error)[:, k], matrix.T @ local.error[:, k])
         np.testing.assert_allclose(local.pulled(local.late)[:, k], matrix.T @ local.late[:, k])
+
+
+@given(step=st.sampled_from([2, 7, 39, 50]), seed=st.integers(0, 2**32 - 1))
+def test_thinned_samples_count_for_those_left_out(step: int, seed: int) -> None:
+    """Of samples that all are alike, any part says the same as the whole."""
+    shoe = SHOES["nao_shoe"]
+    rng = np.random.default_rng(seed)
+    truth = synthetic.truth(shoe, rng)
+    weights, vector = Weights(0.3, 0.0025, 2.0), pack(truth, 0.01) * 1.02
+    alike = []
+    for loaded in (BOTH, (True, False)):
+        each = stance(shoe, truth, synthetic.SUPPORTS[1], loaded, rng)
+        index = np.zeros(40, dtype=np.int64)
+        alike.append(
+            replace(
+                each,
+                readings=each.readings[index],
+                force=each.force[index],
+                cop=each.cop[index],
+                cop_rate=each.cop_rate[index],
+            )
+        )
+    problem = Problem.of(alike, shoe, weights)
+    thinned = problem.thinned(step)
+    assert problem.samples == 3 * 40  # the hanging foot's samples are another term
+    assert thinned.samples == 3 * -(-40 // step)
+    assert thinned.cost(vector) == pytest.approx(problem.cost(vector), rel=1e-9)
+    one, other = problem.normal(vector), thinned.normal(vector)
+    np.testing.assert_allclose(one.hessian, other.hessian, rtol=1e-9)
+    np.testing.assert_allclose(one.gradient, other.gradient, rtol=1e-9)
 
 
 def test_samples_may_lie_anywhere_in_memory() -> None:
