@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -14,12 +14,13 @@ from shoecal_core.calibration.evaluate import (
     modelled_series,
     truth_series,
 )
-from shoecal_core.calibration.pipeline import load_data, split_runs
+from shoecal_core.calibration.pipeline import SessionData, load_data, split_runs
 from shoecal_core.calibration.run_errors import ComparedRun
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.errors import FileError
 from shoecal_core.files import sha256
 from shoecal_core.recording.session import Session
+from shoecal_core.sensing.sensing import Sensing
 
 MEASURED, MODELLED, REFERENCE, TRUTH = "measured", "modelled", "reference", "truth"
 """What is told of a run: by the calibration, the model, the one taken as right, the simulator."""
@@ -112,12 +113,30 @@ def compare_runs(
     """
     train, test = sets_for(session, calibration, train, test)
     data = load_data(session, (*train, *test))
-    sources: dict[str, Callable[[Stance], Series]] = {
-        MEASURED: partial(measured_series, calibration.sensing(data.shoe)),
-        MODELLED: modelled_series,
-    }
+    measuring = {MEASURED: calibration.sensing(data.shoe)}
     if reference is not None:
-        sources[REFERENCE] = partial(measured_series, reference.sensing(data.shoe))
+        measuring[REFERENCE] = reference.sensing(data.shoe)
+    return compare_data(session, data, {"train": train, "test": test}, measuring)
+
+
+def compare_data(
+    session: Session,
+    data: SessionData,
+    sets: Mapping[str, Sequence[int]],
+    measuring: Mapping[str, Sensing],
+) -> list[ComparedRun]:
+    """What shoes under several calibrations, the model and the truth tell of the same instants.
+
+    Args:
+        session: that the data are of; its truth is used where every run has one.
+        data: all runs that the sets name.
+        sets: runs by `train` and `test`.
+        measuring: the calibrated shoes by name.
+    """
+    sources: dict[str, Callable[[Stance], Series]] = {
+        name: partial(measured_series, sensing) for name, sensing in measuring.items()
+    }
+    sources[MODELLED] = modelled_series
     truths = read_truths(session, data)
     if truths.keys() == data.stances.keys():
         sources[TRUTH] = lambda stance: truth_series(truths[stance.run], stance)
@@ -131,6 +150,6 @@ def compare_runs(
                 for source, told in sources.items()
             },
         )
-        for name, runs in (("train", train), ("test", test))
+        for name, runs in sets.items()
         for run in runs
     ]

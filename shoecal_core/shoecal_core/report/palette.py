@@ -33,7 +33,18 @@ PASS = Colour("pass", "#17754a", "#4fcf91")
 WARN = Colour("warn", "#8d5d00", "#f0b849")
 FAIL = Colour("fail", "#b0261e", "#ff8078")
 
-COLOURS = (INK, MUTED, RULE, PAPER, CARD, SOLE, TEAL, BLUE, RED, SLATE, PASS, WARN, FAIL)
+STEPS = (
+    Colour("step1", "#008a71", "#35cfaa"),
+    Colour("step2", "#00768f", "#50c3d0"),
+    Colour("step3", "#0061af", "#6ab7f8"),
+    Colour("step4", "#4a4fa0", "#a3a5f0"),
+    Colour("step5", "#8a3a8f", "#d79be6"),
+    Colour("step6", "#b03a50", "#f28fa0"),
+    Colour("step7", "#cf4608", "#ff8b4e"),
+)
+"""Of things in an order: runs, weights."""
+
+COLOURS = (INK, MUTED, RULE, PAPER, CARD, SOLE, TEAL, BLUE, RED, SLATE, PASS, WARN, FAIL, *STEPS)
 
 
 @dataclass(frozen=True)
