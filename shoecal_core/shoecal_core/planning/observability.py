@@ -1,29 +1,73 @@
 """What a set of double supports will tell about the gains and offsets of the channels.
 
 Measured GRF and CoP are compared with the robot's weight and CoM. A relative gain error g_i
-and an offset error o_i of channel i, whose force is f_i, act together as f_i g_i + o_i. So the
-residuals' Jacobian can be predicted from forces alone, before anything has been recorded.
-Forces are taken as those of a rigid body on equal springs under all channels: less varied than
-real ones, hence on the safe side.
+and an offset error o_i of channel i, whose output is f_i, act together as f_i g_i + o_i. So the
+residuals' Jacobian can be predicted from outputs alone, before anything has been recorded: they
+are taken as those of a rigid body on equal springs under all channels. (In a fit, where
+f_i = c_i S_i + d_i, a relative gain error acts on c_i S_i alone. Its offset error is o_i + d_i g_i
+in terms of those here.)
+
+Errors of the model stay alike for a while, so samples within one correlation time count as one,
+as in the fit. The settings' grf_noise, cop_noise, correlation_time, gain_prior,
+nominal_gain_prior and offset_prior are the fit's force_std_n, cop_std_m, correlation_s, gain_std,
+nominal_gain_std and offset_std_n.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.landmarks import Contour
+from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.sensing.expected_error import wrench_slopes
+from shoecal_core.sensing.load_cases import double_support_outputs
 from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import columns_in_left
+from shoecal_core.sensing.wrench import at_cop, columns_in_left
 
 FloatArray = NDArray[np.float64]
 
 _REFERENCE = ((0.0, -0.02, 0.4), (0.05, -0.03, -0.4), (-0.03, -0.02, 0.0), (0.02, -0.04, 0.2))
 """m, m, rad beside the neutral stance: far apart, whatever the robot's range."""
+
+
+@dataclass(frozen=True)
+class Visit:
+    """What the CoP does in one double support.
+
+    Attributes:
+        support: where the right foot is.
+        places: (p, 2) CoP at even times, left sole's frame [m].
+        duration: of the motion [s].
+    """
+
+    support: DoubleSupport
+    places: FloatArray
+    duration: float
+
+    def __post_init__(self) -> None:
+        if self.places.ndim != 2 or self.places.shape[1] != 2 or not len(self.places):
+            raise ShapeError("places", "(p, 2)", self.places.shape)
+
+    @classmethod
+    def expected(cls, robot: Robot, support: DoubleSupport, settings: PlannerSettings) -> Visit:
+        """Before planning: once around the landmarks' contour, as fast as the CoM may go."""
+        length = shapely.LinearRing(Contour.of(robot, support).corners).length
+        duration = length / settings.com_speed + 2.0 * settings.hold_time
+        return cls(support, contour_places(robot, support, settings.places), float(duration))
+
+    @classmethod
+    def of(cls, motion: Motion, settings: PlannerSettings) -> Visit:
+        """Of a motion that has been planned."""
+        every = max(1, len(motion.cop) // settings.places)
+        return cls(motion.support, motion.cop[::every], motion.duration)
 
 
 def contour_places(robot: Robot, support: DoubleSupport, count: int) -> FloatArray:
@@ -33,57 +77,52 @@ def contour_places(robot: Robot, support: DoubleSupport, count: int) -> FloatArr
     return np.array([ring.interpolate(part, normalized=True).coords[0] for part in parts])
 
 
-def predicted_forces(
+def residual_jacobian(
     shoe: Shoe, support: DoubleSupport, weight: float, places: FloatArray
 ) -> FloatArray:
-    """(p, n) outputs of all channels, equal springs under a rigid body [N].
+    """(p, 3, 2n) of GRF [N] and CoP x, y [m] to relative gains, then offsets [N or N m].
 
     Args:
         shoe: with n channels.
         support: where the right foot is.
-        weight: carried by all channels together [N].
+        weight: on the floor [N].
         places: (p, 2) CoP in the left sole's frame [m].
     """
-    columns = columns_in_left(shoe, support)
-    wrench = weight * np.column_stack([np.ones(len(places)), places[:, 1], -places[:, 0]])
-    return wrench @ np.linalg.pinv(columns)
+    outputs = double_support_outputs(shoe, support, weight, places)
+    wrench = at_cop(np.full(len(places), weight), places)
+    slopes = wrench_slopes(columns_in_left(shoe, support), wrench)
+    return np.concatenate([slopes * outputs[:, None, :], slopes], axis=2)
 
 
-def residual_jacobian(
-    shoe: Shoe, support: DoubleSupport, weight: float, places: FloatArray, forces: FloatArray
-) -> FloatArray:
-    """(p, 3, 2n) of GRF [N] and CoP x, y [m] to relative gains, then offsets [N].
-
-    Args: as predicted_forces, which gives `forces` (p, n).
-    """
-    force, moment_x, moment_y = columns_in_left(shoe, support).T
-    x, y = places[:, :1], places[:, 1:]
-    rows = np.stack(
-        [
-            np.broadcast_to(force, forces.shape),
-            (-moment_y - x * force) / weight,
-            (moment_x - y * force) / weight,
-        ],
-        axis=1,
-    )
-    return np.concatenate([rows * forces[:, None, :], rows], axis=2)
-
-
-def information(
-    robot: Robot, shoe: Shoe, support: DoubleSupport, settings: PlannerSettings
-) -> FloatArray:
+def information(robot: Robot, shoe: Shoe, visit: Visit, settings: PlannerSettings) -> FloatArray:
     """(2n, 2n) Fisher information of one double support; those of several add up.
 
     The parameters are relative: gains to one, offsets to a channel's even share of the weight.
     """
-    places = contour_places(robot, support, settings.places)
-    forces = predicted_forces(shoe, support, robot.weight, places)
-    jacobian = residual_jacobian(shoe, support, robot.weight, places, forces)
-    count = len(shoe.channels)
-    jacobian[..., count:] *= robot.weight / count
+    jacobian = residual_jacobian(shoe, visit.support, robot.weight, visit.places)
+    jacobian = jacobian * parameter_scale(robot, shoe)
     jacobian /= np.array([settings.grf_noise, settings.cop_noise, settings.cop_noise])[:, None]
-    rows = jacobian.reshape(-1, 2 * count)
-    return rows.T @ rows
+    rows = jacobian.reshape(-1, jacobian.shape[2])
+    independent = visit.duration / settings.correlation_time
+    return rows.T @ rows * (independent / len(visit.places))
+
+
+def parameter_scale(robot: Robot, shoe: Shoe) -> FloatArray:
+    """(2n,) one for each relative gain, a channel's even share of the weight for each offset."""
+    count = len(shoe.channels)
+    return np.concatenate((np.ones(count), np.full(count, robot.weight / count)))
+
+
+def prior_information(robot: Robot, shoe: Shoe, settings: PlannerSettings) -> FloatArray:
+    """(2n, 2n) what is believed before any sample, in `information`'s units."""
+    count = len(shoe.channels)
+    known = [channel.nominal_gain is not None for channel in shoe.channels]
+    gains = np.where(known, settings.nominal_gain_prior, settings.gain_prior)
+    offsets = np.full(count, settings.offset_prior)
+    # A torque's offset is expected as large as the force's at a lever of 10 cm.
+    offsets[shoe.torque] *= 0.1
+    expected = np.concatenate((gains, offsets))
+    return np.diag((parameter_scale(robot, shoe) / expected) ** 2)
 
 
 def uncertainties(total: FloatArray) -> FloatArray:
@@ -102,15 +141,22 @@ def rank(total: FloatArray, settings: PlannerSettings) -> int:
     return int(np.sum(uncertainties(total) < settings.fixed_below))
 
 
+def reference_information(
+    robot: Robot, shoe: Shoe, count: int, settings: PlannerSettings
+) -> FloatArray:
+    """(2n, 2n) of `count` far-apart double supports of differing yaw, were they all allowed."""
+    neutral = robot.support_range.neutral
+    total = np.zeros((2 * len(shoe.channels), 2 * len(shoe.channels)))
+    for index in range(count):
+        support = DoubleSupport(*(neutral + _REFERENCE[index % len(_REFERENCE)]))
+        total += information(robot, shoe, Visit.expected(robot, support, settings), settings)
+    return total
+
+
 def best_rank(robot: Robot, shoe: Shoe, count: int, settings: PlannerSettings) -> int:
     """The most directions that `count` double supports can fix, were all of them allowed.
 
     Gains and offsets are never all of them: four cells under a stiff plate, say, cannot tell
     the offset pattern + - - +, as it changes neither force nor CoP.
     """
-    neutral = robot.support_range.neutral
-    total = np.zeros((2 * len(shoe.channels), 2 * len(shoe.channels)))
-    for index in range(count):
-        support = DoubleSupport(*(neutral + _REFERENCE[index % len(_REFERENCE)]))
-        total += information(robot, shoe, support, settings)
-    return rank(total, settings)
+    return rank(reference_information(robot, shoe, count, settings), settings)

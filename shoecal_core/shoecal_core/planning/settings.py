@@ -47,21 +47,35 @@ class PlannerSettings(Settings):
         2, "", "double supports without which the others still fix those directions", minimum=0
     )
 
-    # Observability
+    # Forecast of what the data will tell; the calibrator's settings under its own names
     places: int = setting(
         40, "", "CoP places a double support, for predicting what its data will fix", minimum=3
     )
     grf_noise: float = setting(
-        0.3, "N", "standard deviation of GRF at one place, errors of modelling included",
+        0.3, "N", "standard deviation of GRF, errors of modelling included (force_std_n)",
         minimum=1e-6,
     )  # fmt: skip
     cop_noise: float = setting(
-        0.0025, "m", "standard deviation of CoP at one place, errors of modelling included",
+        0.0025, "m", "standard deviation of CoP, errors of modelling included (cop_std_m)",
         minimum=1e-9,
     )  # fmt: skip
-    fixed_below: float = setting(
-        0.5, "", "a direction counts as fixed when its relative uncertainty is below this",
+    correlation_time: float = setting(
+        2.0, "s", "for how long those errors stay alike (correlation_s)", minimum=1e-3
+    )
+    gain_prior: float = setting(
+        0.4, "", "how far gains are off their initial guess, as a share of it (gain_std)",
         minimum=1e-6,
+    )  # fmt: skip
+    nominal_gain_prior: float = setting(
+        0.1, "", "the same for channels whose data sheet gives a gain (nominal_gain_std)",
+        minimum=1e-6,
+    )  # fmt: skip
+    offset_prior: float = setting(
+        30.0, "N", "how far offsets are off their initial guess (offset_std_n)", minimum=1e-6
+    )
+    fixed_below: float = setting(
+        0.8, "", "a direction counts as fixed when its relative uncertainty is below this (the fit "
+        "asks for 1)", minimum=1e-6,
     )  # fmt: skip
 
     # Posture

@@ -14,7 +14,7 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.legs import Legs
-from shoecal_core.planning.observability import best_rank, information, rank
+from shoecal_core.planning.observability import Visit, best_rank, information, rank
 from shoecal_core.planning.posture import StanceSolver, UnreachableError
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.sensing.shoe import Shoe
@@ -112,7 +112,10 @@ def draw_supports(
     possible = best_rank(robot, shoe, trained, settings)
     found = 0
     for _ in range(_POOLS):
-        parts = {support: information(robot, shoe, support, settings) for support in pool}
+        parts = {
+            support: information(robot, shoe, Visit.expected(robot, support, settings), settings)
+            for support in pool
+        }
         for _ in range(settings.support_redraws):
             supports = _spread(pool, count, settings, generator)
             weakest = min(

@@ -9,19 +9,24 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from core.planning.bodies import Body
+from shoecal_core.calibration.residuals import Weights, normal_equations, pack
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.stance import make_stance
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.observability import (
+    Visit,
     best_rank,
-    contour_places,
     information,
-    predicted_forces,
+    parameter_scale,
     rank,
     residual_jacobian,
     uncertainties,
 )
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.sensing.load_cases import double_support_outputs
+from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import columns_in_left
+from shoecal_core.sensing.wrench import ChannelParameters, columns_in_left
 
 SETTINGS = PlannerSettings()
 TURNED = DoubleSupport(0.04, -0.13, 0.35)
@@ -29,39 +34,86 @@ YAWED = (DoubleSupport(0.0, -0.12, 0.3), DoubleSupport(0.05, -0.15, -0.3), TURNE
 STRAIGHT = tuple(DoubleSupport(x, y, 0.0) for x, y in ((0, -0.12), (0.05, -0.15), (-0.03, -0.1)))
 
 
-def measured(
-    shoe: Shoe, support: DoubleSupport, forces: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """(p, 3) GRF and CoP in the left sole's frame, from each cell's place on the floor."""
-    places = shoe.positions.copy()
-    places[shoe.foot == 1] = support.right_to_left(places[shoe.foot == 1])
-    force = forces.sum(axis=1)
-    return np.column_stack([force, forces @ places / force[:, None]])
-
-
-@given(st.builds(DoubleSupport, st.floats(-0.1, 0.1), st.floats(-0.2, -0.1), st.floats(-0.6, 0.6)))
-def test_forces_carry_weight_and_cop(body: Body, support: DoubleSupport) -> None:
-    places = contour_places(body.robot, support, 12)
-    forces = predicted_forces(body.shoe, support, body.robot.weight, places)
-    got = measured(body.shoe, support, forces)
-    np.testing.assert_allclose(got[:, 0], body.robot.weight)
-    np.testing.assert_allclose(got[:, 1:], places, atol=1e-12)
+def measured(shoe: Shoe, outputs: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(p, 3) GRF and CoP of both feet in the left sole's frame."""
+    count = len(shoe.channels)
+    parameters = ChannelParameters(np.ones(count), np.zeros(count))
+    got = Sensing(shoe, parameters, minimum_force=0.0).measure(outputs)
+    return np.column_stack([got.total_grf, got.combined_cop(TURNED)])
 
 
 def test_jacobian_against_finite_differences(body: Body) -> None:
     shoe, weight = body.shoe, body.robot.weight
     count = len(shoe.channels)
-    places = contour_places(body.robot, TURNED, 6)
-    forces = predicted_forces(shoe, TURNED, weight, places)
-    jacobian = residual_jacobian(shoe, TURNED, weight, places, forces)
+    # Between the feet, so that both are loaded.
+    places = TURNED.translation / 2.0 + np.array([[0.02, 0.0], [0.01, 0.01], [0.03, -0.01]])
+    outputs = double_support_outputs(shoe, TURNED, weight, places)
+    np.testing.assert_allclose(measured(shoe, outputs)[:, 1:], places, atol=1e-12)
+    jacobian = residual_jacobian(shoe, TURNED, weight, places)
 
     def shifted(change: NDArray[np.float64]) -> NDArray[np.float64]:
-        return measured(shoe, TURNED, forces * (1.0 + change[:count]) + change[count:])
+        return measured(shoe, outputs * (1.0 + change[:count]) + change[count:])
 
     for index, unit in enumerate(np.eye(2 * count)):
         step = 1e-6 * unit
         slope = (shifted(step) - shifted(-step)) / 2e-6
         np.testing.assert_allclose(jacobian[:, :, index], slope, atol=1e-6)
+
+
+@given(st.builds(DoubleSupport, st.floats(-0.1, 0.1), st.floats(-0.2, -0.1), st.floats(-0.6, 0.6)))
+def test_the_contour_is_walked_at_the_speed_of_the_com(body: Body, support: DoubleSupport) -> None:
+    visit = Visit.expected(body.robot, support, SETTINGS)
+    assert len(visit.places) == SETTINGS.places
+    steps = np.linalg.norm(np.diff(visit.places, axis=0, append=visit.places[:1]), axis=1)
+    moving = visit.duration - 2.0 * SETTINGS.hold_time
+    # Chords cut the corners a little.
+    assert 0.9 < steps.sum() / (moving * SETTINGS.com_speed) < 1.0 + 1e-9
+
+
+def test_twice_the_time_tells_twice_as_much(body: Body) -> None:
+    visit = Visit.expected(body.robot, TURNED, SETTINGS)
+    longer = dataclasses.replace(visit, duration=2.0 * visit.duration)
+    one = information(body.robot, body.shoe, visit, SETTINGS)
+    np.testing.assert_allclose(information(body.robot, body.shoe, longer, SETTINGS), 2.0 * one)
+
+
+def test_settings_are_the_fits_own() -> None:
+    fit = CalibrationSettings()
+    assert (SETTINGS.grf_noise, SETTINGS.cop_noise) == (fit.force_std_n, fit.cop_std_m)
+    assert SETTINGS.correlation_time == fit.correlation_s
+    assert (SETTINGS.gain_prior, SETTINGS.nominal_gain_prior) == (
+        fit.gain_std,
+        fit.nominal_gain_std,
+    )
+    assert SETTINGS.offset_prior == fit.offset_std_n
+    assert SETTINGS.fixed_below < fit.fixed_below
+
+
+def test_information_is_that_of_the_fit(body: Body) -> None:
+    """The same motion as readings under any gains and offsets, weighed by the fit."""
+    robot, shoe = body.robot, body.shoe
+    count, generator = len(shoe.channels), np.random.default_rng(0)
+    visit = Visit.expected(robot, TURNED, SETTINGS)
+    parameters = ChannelParameters(
+        generator.uniform(5.0, 15.0, count), generator.normal(0.0, 3.0, count)
+    )
+    outputs = double_support_outputs(shoe, TURNED, robot.weight, visit.places)
+    readings = (outputs - parameters.offset) / parameters.gain
+    time = np.linspace(0.0, visit.duration, len(readings), endpoint=False)
+    force = np.full(len(time), robot.weight)
+    stance = make_stance(1, shoe, TURNED, (True, True), time, readings, force, visit.places)
+    fit = CalibrationSettings()
+    weights = Weights(fit.force_std_n, fit.cop_std_m, fit.correlation_s)
+    found = normal_equations(pack(parameters, 0.0), [stance], shoe, weights).hessian
+    # Gains to relative ones, and offsets as they act beside the whole output.
+    turn = np.diag(np.concatenate((parameters.gain, parameter_scale(robot, shoe)[count:])))
+    turn[count:, :count] = np.diag(parameters.offset)
+    np.testing.assert_allclose(
+        turn.T @ found[: 2 * count, : 2 * count] @ turn,
+        information(robot, shoe, visit, SETTINGS),
+        rtol=1e-6,
+        atol=1e-6 * np.abs(found).max(),
+    )
 
 
 def test_columns_of_the_left_foot_stay(body: Body) -> None:
@@ -70,8 +122,11 @@ def test_columns_of_the_left_foot_stay(body: Body) -> None:
     np.testing.assert_array_equal(columns[left], body.shoe.columns[left])
 
 
-def total(body: Body, supports: tuple[DoubleSupport, ...]) -> NDArray[np.float64]:
-    parts = [information(body.robot, body.shoe, support, SETTINGS) for support in supports]
+def total(
+    body: Body, supports: tuple[DoubleSupport, ...], settings: PlannerSettings = SETTINGS
+) -> NDArray[np.float64]:
+    visits = [Visit.expected(body.robot, support, settings) for support in supports]
+    parts = [information(body.robot, body.shoe, visit, settings) for visit in visits]
     return np.asarray(np.sum(parts, axis=0))
 
 
@@ -112,6 +167,6 @@ def test_uncertainty_is_that_of_linear_regression() -> None:
 
 def test_more_noise_fixes_less(body: Body) -> None:
     noisy = dataclasses.replace(SETTINGS, grf_noise=30.0, cop_noise=0.25)
-    seen = np.sum([information(body.robot, body.shoe, s, noisy) for s in YAWED], axis=0)
+    seen = total(body, YAWED, noisy)
     assert rank(seen, noisy) < best_rank(body.robot, body.shoe, 3, SETTINGS)
     assert uncertainties(seen)[0] == pytest.approx(100 * uncertainties(total(body, YAWED))[0])

@@ -14,7 +14,7 @@ from core.planning.bodies import Body
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.landmarks import Contour
-from shoecal_core.planning.observability import best_rank, information, rank
+from shoecal_core.planning.observability import Visit, best_rank, information, rank
 from shoecal_core.planning.posture import StanceSolver, UnreachableError
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports import (
@@ -82,7 +82,8 @@ def test_every_draw_passes_every_check(body: Body) -> None:
         assert landmarks_in_reach(body, solver, support) >= SETTINGS.landmarks_in_reach
     possible = best_rank(robot, body.shoe, 3, SETTINGS)
     for chosen in itertools.combinations(supports, 3):
-        total = sum(information(robot, body.shoe, support, SETTINGS) for support in chosen)
+        visits = [Visit.expected(robot, support, SETTINGS) for support in chosen]
+        total = sum(information(robot, body.shoe, visit, SETTINGS) for visit in visits)
         assert rank(np.asarray(total), SETTINGS) == possible
     yaws = [support.dtheta for support in supports]
     assert max(yaws) - min(yaws) > 0.2
