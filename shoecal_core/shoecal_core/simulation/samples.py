@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.simulation.converter import Readings
+from shoecal_core.simulation.disturbances import Disturbance, disturb
 from shoecal_core.simulation.floor import FloorTruth
 from shoecal_core.simulation.robot import JointReadings, SimulatedRobot
 from shoecal_core.simulation.snapshot import stack
@@ -39,7 +41,12 @@ class Samples:
 
 
 def run(
-    sim: SimulatedRobot, trajectory: JointTrajectory, rate: float, *, hold: float = 0.5
+    sim: SimulatedRobot,
+    trajectory: JointTrajectory,
+    rate: float,
+    *,
+    hold: float = 0.5,
+    disturbances: Sequence[Disturbance] = (),
 ) -> Samples:
     """Let the robot follow a trajectory, standing still before and after it.
 
@@ -48,6 +55,7 @@ def run(
         trajectory: to follow.
         rate: samples a second.
         hold: how long it stands before and after [s].
+        disturbances: what befalls it meanwhile.
 
     Raises:
         RobotFellError: when it falls.
@@ -62,6 +70,7 @@ def run(
         sim.step_to(start + index / rate)
         if index == begin:
             sim.command(trajectory)
+        disturb(sim, index / rate, disturbances)
         sim.check_upright()
         snapshots.append(sim.snapshot())
     all_ = stack(snapshots)

@@ -1,0 +1,56 @@
+"""What befalls the simulated robot shows in the floor's forces and under its soles."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from core.simulation.worlds import DEFAULT, PERFECT, World
+from shoecal_core.errors import NameNotFoundError
+from shoecal_core.simulation.disturbances import Push, Slip
+from shoecal_core.simulation.drawn import link_names
+from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.samples import run
+from shoecal_core.simulation.trajectory import JointTrajectory
+
+
+def standing_still(sim: SimulatedRobot, seconds: float) -> JointTrajectory:
+    angles = sim.joints().angles
+    return JointTrajectory(sim.robot.joint_names, np.array([0.0, seconds]), np.stack((angles,) * 2))
+
+
+def test_whoever_holds_the_robot_carries_that_much_of_it(world: World) -> None:
+    sim = world.standing(PERFECT)
+    held = Push(link_names(world.robot)[0], np.array([0.0, 0.0, 4.0]), 0.5, 1.5)
+    samples = run(sim, standing_still(sim, 2.0), 50.0, hold=0.5, disturbances=[held])
+    time, grf = samples.time - samples.time[0], samples.truth.grf
+    during, after = (time > 1.2) & (time < 1.5), time > 2.5
+    assert grf[during].mean() == pytest.approx(sim.weight - 4.0, abs=0.05)
+    assert grf[after].mean() == pytest.approx(sim.weight, abs=0.05)
+
+
+def test_two_pushes_on_one_link_add_up(world: World) -> None:
+    sim = world.standing(PERFECT)
+    link = link_names(world.robot)[0]
+    pushes = [Push(link, np.array([0.0, 0.0, -2.0]), 0.0, 9.0) for _ in range(2)]
+    samples = run(sim, standing_still(sim, 1.0), 50.0, disturbances=pushes)
+    assert samples.truth.grf[-10:].mean() == pytest.approx(sim.weight + 4.0, abs=0.05)
+
+
+def test_a_link_that_there_is_not(world: World) -> None:
+    sim = world.standing(PERFECT)
+    with pytest.raises(NameNotFoundError, match="no link named 'tail'"):
+        Push("tail", np.zeros(3), 0.0, 1.0).act(sim, 0.5)
+
+
+@pytest.mark.parametrize("foot", [0, 1])
+def test_a_foot_that_slipped_stays_where_it_came_to_rest(world: World, foot: int) -> None:
+    sim = world.standing(DEFAULT)
+    before = sim.snapshot().sole_position[:, :2]
+    slip = Slip(foot, np.array([0.008, 0.0]), start=0.3)
+    run(sim, standing_still(sim, 1.0), 50.0, disturbances=[slip])
+    moved = sim.snapshot().sole_position[:, :2] - before
+    assert 0.002 < moved[foot, 0] < 0.009
+    assert np.abs(moved[1 - foot]).max() < 0.002
+    tips = sim.physics.model.geom_priority
+    assert not tips.any(), "the foot grips again"
