@@ -24,6 +24,7 @@ COMMANDS = {
     "simulate": "record a session of the simulated robot, without ROS",
     "calibrate": "find gains and offsets from a recorded session",
     "evaluate": "how far a calibration is off model, truth or another calibration",
+    "manual": "calibrate with known weights: single cells, then the shoe",
     "check": "what is in a session, and is it fit for use",
     "recover": "rescue what can be read of a damaged run file",
     "import": "turn foreign recordings into a session",

@@ -38,20 +38,18 @@ def simulate_manual(
         settings = load_manual_settings(config_dir() / "manual.yaml")
     noise = np.random.default_rng([seed, 4])
     rig = LoadingRig(shoe, reality, draw_shoes(reality, shoe, robot_seed), noise)
-    cells, loads = (
-        Measurements(
-            kind,
-            shoe,
-            tuple(
-                _entry(shoe, load, rig_readings(rig, load, settings.samples), index * SECOND_NS)
-                for index, load in enumerate(
-                    planned_loads(kind, shoe, settings.weights(kind)), start=1
-                )
-            ),
-        )
-        for kind in (CELLS, SHOE)
-    )
-    return cells, loads
+    return read_rig(rig, CELLS, settings), read_rig(rig, SHOE, settings)
+
+
+def read_rig(rig: LoadingRig, kind: str, settings: ManualSettings) -> Measurements:
+    """Readings of a whole plan of loads, CELLS or SHOE, on the rig."""
+    shoe = rig.shoe
+    entries = []
+    for index, load in enumerate(planned_loads(kind, shoe, settings.weights(kind)), start=1):
+        own = rig_readings(rig, load, settings.samples).voltages[:, shoe.of_foot(load.foot)]
+        mean, std = own.mean(axis=0), own.std(axis=0, ddof=1)
+        entries.append(Entry(load, mean, std, len(own), index * SECOND_NS))
+    return Measurements(kind, shoe, tuple(entries))
 
 
 def rig_readings(rig: LoadingRig, load: Load, count: int) -> Readings:
@@ -62,8 +60,3 @@ def rig_readings(rig: LoadingRig, load: Load, count: int) -> Readings:
     # The bare shoe's weight stands nowhere.
     place = np.zeros(2) if holes is None or not load.place else holes.position(load.place)
     return rig.readings(load.mass, load.foot, place, count=count)
-
-
-def _entry(shoe: Shoe, load: Load, readings: Readings, made_ns: int) -> Entry:
-    own = readings.voltages[:, shoe.of_foot(load.foot)]
-    return Entry(load, own.mean(axis=0), own.std(axis=0), len(own), made_ns)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.checks import Finding, judge
+from shoecal_core.calibration.correction_fit import MINIMUM_GAIN
 from shoecal_core.calibration.manual.assembly import assembled
 from shoecal_core.calibration.manual.cells import CellFit, fit_cells, law
 from shoecal_core.calibration.manual.checks import (
@@ -26,7 +27,7 @@ from shoecal_core.calibration.metrics import Mae, cop_mae, grf_mae
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import Robot
 from shoecal_core.sensing.correction import CopCorrection
-from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
@@ -179,10 +180,6 @@ def calibrate_shoe(
         feet.append(result)
         corrections += kept
         findings += check_foot(foot, result.grf, result.cop_after, result.shift)
-        if not kept:
-            findings.append(
-                Finding("PASS", f"the CoP of the {FEET[foot]} shoe needs no correction")
-            )
         if planned is not None:
             findings += check_plan(foot, len(found.loads), planned)
     calibration = _calibration(
@@ -196,7 +193,7 @@ def _foot(
 ) -> tuple[FootResult, list[CopCorrection]]:
     before = cop_mae(found.cop, found.expected_cop)
     others = cop_mae(fit.held_out, found.expected_cop)
-    helps = others.mean < before.mean
+    helps = others.mean < (1.0 - MINIMUM_GAIN) * before.mean
     corrected = fit.corrected if helps else found.cop
     result = FootResult(
         loads=found,

@@ -75,8 +75,10 @@ def _fit(cells: Measurements, name: str) -> CellFit:
         raise cells.error(
             f"{name} was read under {masses[0]:g} kg only; read it without and with a weight"
         )
-    _check_response(cells, name, means, float(masses.max()))
-    own = int(np.flatnonzero(shoe.of_foot(int(shoe.foot[shoe.index(name)])) == shoe.index(name))[0])
+    if problem := wrong_response(cells, name):
+        raise cells.error(problem)
+    channel = shoe.index(name)
+    own = shoe.of_foot(int(shoe.foot[channel])).tolist().index(channel)
     readings, noise = means[:, own], noises[:, own]
     weights = masses * GRAVITY
     design = np.stack((np.ones_like(weights), weights), axis=1)
@@ -108,22 +110,25 @@ def _covariance(design: FloatArray, left: FloatArray, noise: FloatArray) -> Floa
     return covariance
 
 
-def _check_response(cells: Measurements, name: str, means: FloatArray, heaviest: float) -> None:
-    """Refuse a dead cell, and a weight that was on another one."""
+def wrong_response(cells: Measurements, name: str) -> str:
+    """What is wrong with how the cells answered to weights on one of them; empty: nothing."""
     shoe = cells.shoe
+    masses, means, _ = stacked(cells.of_cell(name))
     channels = shoe.of_foot(int(shoe.foot[shoe.index(name)]))
+    span = np.array(
+        [shoe.channels[index].highest - shoe.channels[index].lowest for index in channels]
+    )
     known = np.isfinite(means).all(axis=0)
-    spans = np.array([shoe.channels[index].highest - shoe.channels[index].lowest
-                      for index in channels])  # fmt: skip
-    changes = np.where(known, np.ptp(np.where(known, means, 0.0), axis=0) / spans, 0.0)
+    changes = np.where(known, np.ptp(np.where(known, means, 0.0), axis=0) / span, 0.0)
     most = shoe.names[channels[int(np.argmax(changes))]]
     if changes.max() < LEAST_RESPONSE:
-        raise cells.error(f"{name} does not respond to {heaviest:g} kg; check its wiring")
+        return f"{name} does not respond to {masses.max():g} kg; check its wiring"
     if most != name:
-        raise cells.error(
+        return (
             f"{most} responded to the weight on {name}; load {name} again, or correct the "
             "driver's channels"
         )
+    return ""
 
 
 def law(fits: tuple[CellFit, ...]) -> tuple[FloatArray, FloatArray, FloatArray | None]:

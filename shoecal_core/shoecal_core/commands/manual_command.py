@@ -1,0 +1,232 @@
+"""`shoecal manual cells|shoe DATA` and `shoecal manual simulate`: calibration by known weights."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.console import Console
+
+from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
+from shoecal_core.calibration.manual.calibrate import calibrate_cells, calibrate_shoe
+from shoecal_core.calibration.manual.guide import Check, Guide
+from shoecal_core.calibration.manual.live_checks import cell_check, shoe_check
+from shoecal_core.calibration.manual.loads import CELLS, SHOE, Load, planned_loads
+from shoecal_core.calibration.manual.measurements import Measurements
+from shoecal_core.calibration.manual.measurements_file import load_measurements, save_measurements
+from shoecal_core.calibration.manual.settings import ManualSettings, load_manual_settings
+from shoecal_core.commands.arguments import require_folder, seed_number
+from shoecal_core.commands.manual_guide import guide_person
+from shoecal_core.commands.manual_guide_streams import FrameStream, driver_stream, file_stream
+from shoecal_core.commands.manual_tables import (
+    cells_table,
+    cells_to_json,
+    manual_table,
+    manual_to_json,
+)
+from shoecal_core.commands.simulated_manual import simulate_manual
+from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.model.robot import Robot
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.sensing.shoe import FEET, Shoe, load_shoe
+from shoecal_core.sensing.wrench import foot_wrenches
+from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.workspace import config_dir
+
+FloatArray = NDArray[np.float64]
+
+CELLS_DATA, SHOE_DATA = "cells_data.yaml", "shoe_data.yaml"
+CELLS_FILE, CALIBRATION_FILE = "cells.yaml", "calibration.yaml"
+"""Files of a folder that `simulate` makes; CELLS_FILE is also looked for beside the data."""
+
+
+class CalibrationFailedError(ShoecalError):
+    """A calibration was found that must not be used."""
+
+
+@dataclass(frozen=True)
+class _Bench:
+    """What is calibrated, and with what."""
+
+    shoe: Shoe
+    robot: Robot
+    settings: ManualSettings
+
+    @property
+    def planned(self) -> int:
+        """Loads of one shoe in a whole calibration, the bare one aside."""
+        holes = max((len(foot.names) for foot in self.shoe.holes if foot is not None), default=0)
+        return holes * len(self.settings.shoe_weights)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare its tasks and their arguments."""
+    tasks = parser.add_subparsers(dest="task", metavar="cells|shoe|simulate", required=True)
+    cells = tasks.add_parser(CELLS, help="gains and offsets from single cells under known weights")
+    shoe = tasks.add_parser(SHOE, help="offsets and CoP correction from weights on the shoe")
+    for task in (cells, shoe):
+        task.add_argument("data", type=Path, help="file of the readings; a guided session fills it")
+        task.add_argument("--out", type=Path, required=True, help="calibration file to write")
+        source = task.add_mutually_exclusive_group()
+        source.add_argument(
+            "--live", action="store_true", help="guide a person, with the running driver's voltages"
+        )
+        source.add_argument(
+            "--from",
+            dest="source",
+            type=Path,
+            metavar="FILE",
+            help="guide a person, with lines of readings (JSON or CSV) from a file or pipe",
+        )
+        task.add_argument("--foot", choices=FEET, help="guide through one shoe only")
+    shoe.add_argument(
+        "--cells", type=Path, help=f"what `manual cells` wrote (default: {CELLS_FILE} beside DATA)"
+    )
+    simulate = tasks.add_parser("simulate", help="a simulated bench does the person's part")
+    simulate.add_argument("--out", type=Path, required=True, help="folder to make the files in")
+    simulate.add_argument("--seed", type=seed_number, default=1, help="draws noise and placement")
+    simulate.add_argument(
+        "--robot-seed",
+        type=seed_number,
+        help="draws the cells (default: the seed): those of a simulated session's robot",
+    )
+    simulate.add_argument("--reality", type=Path, help="changes to the default simulated reality")
+    for task in (cells, shoe, simulate):
+        task.add_argument("--robot", type=Path, help="who wears the shoes (default: the NAO)")
+        task.add_argument("--shoe", type=Path, help="shoe file (default: the NAO's shoe)")
+        task.add_argument(
+            "--settings", type=Path, help="weights and samples (default: manual.yaml)"
+        )
+        # As `shoecal manual` itself has it; what stands there must not be undone here.
+        task.add_argument(
+            "--json",
+            type=Path,
+            metavar="FILE",
+            default=argparse.SUPPRESS,
+            help="also write the figures as JSON",
+        )
+
+
+def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
+    """Do one of the tasks."""
+    config = config_dir()
+    shoe = load_shoe(args.shoe or config / "shoes" / "nao_shoe.yaml")
+    bench = _Bench(
+        shoe,
+        load_robot(args.robot or config / "robots" / "nao.yaml", shoe),
+        load_manual_settings(args.settings or config / "manual.yaml"),
+    )
+    if args.json is not None:
+        require_folder(args.json)
+    if args.task == "simulate":
+        return _simulate(args, bench, console)
+    require_folder(args.out)
+    if args.task == CELLS:
+        cells = _measured(args, bench, console, cell_check, partial(_shown_cell, shoe))
+        return _solve_cells(bench, cells, args.out, console)
+    first = _first_step(args)
+    first.sensing(shoe)
+    loads = _measured(args, bench, console, shoe_check(first), partial(_shown_force, shoe, first))
+    return _solve_shoe(bench, first, loads, args.out, console)
+
+
+def _measured(
+    args: argparse.Namespace,
+    bench: _Bench,
+    console: Console,
+    check: Check,
+    shown: Callable[[Load, FloatArray], str],
+) -> Measurements:
+    """The readings that stand in the file; first the missing ones are read, where asked for."""
+    kind, path, shoe = args.task, args.data, bench.shoe
+    guided = args.live or args.source is not None
+    if not guided and not path.exists():
+        raise FileError(
+            path, "does not exist; --live (or --from FILE) guides through the readings and makes it"
+        )
+    feet = (0, 1) if args.foot is None else (FEET.index(args.foot),)
+    plan = planned_loads(kind, shoe, bench.settings.weights(kind), feet)
+    measurements = Measurements(kind, shoe)
+    if path.exists():
+        measurements = load_measurements(path, kind, shoe)
+    if not guided:
+        return measurements
+    require_folder(path)
+    guide = Guide(plan, measurements, bench.settings, check)
+    source: AbstractContextManager[FrameStream] = (
+        driver_stream(shoe) if args.live else file_stream(args.source, shoe)
+    )
+    with source as stream:
+        guide_person(guide, stream, lambda whole: save_measurements(whole, path), shown, console)
+    return load_measurements(path, kind, shoe)
+
+
+def _first_step(args: argparse.Namespace) -> Calibration:
+    """The cells' calibration."""
+    path = args.cells or args.data.with_name(CELLS_FILE)
+    if args.cells is None and not path.exists():
+        raise FileError(
+            path, "does not exist; give with --cells what `shoecal manual cells` has written"
+        )
+    return load_calibration(path)
+
+
+def _simulate(args: argparse.Namespace, bench: _Bench, console: Console) -> Mapping[str, object]:
+    """Both steps on the simulated bench."""
+    reality = load_reality(config_dir() / "realities" / "default.yaml", args.reality)
+    robot_seed = args.seed if args.robot_seed is None else args.robot_seed
+    cells, loads = simulate_manual(bench.shoe, reality, robot_seed, args.seed, bench.settings)
+    folder = args.out
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise FileError(folder, f"cannot be made ({error.strerror})") from error
+    save_measurements(cells, folder / CELLS_DATA)
+    save_measurements(loads, folder / SHOE_DATA)
+    _solve_cells(bench, cells, folder / CELLS_FILE, console)
+    first = load_calibration(folder / CELLS_FILE)
+    figures = _solve_shoe(bench, first, loads, folder / CALIBRATION_FILE, console)
+    return {**figures, "seed": args.seed, "robot_seed": robot_seed}
+
+
+def _solve_cells(
+    bench: _Bench, cells: Measurements, out: Path, console: Console
+) -> Mapping[str, object]:
+    result = calibrate_cells(bench.shoe, bench.robot, cells)
+    console.print(cells_table(result, bench.shoe.unit))
+    _write(result.calibration, out, console)
+    return cells_to_json(result)
+
+
+def _solve_shoe(
+    bench: _Bench, first: Calibration, loads: Measurements, out: Path, console: Console
+) -> Mapping[str, object]:
+    result = calibrate_shoe(bench.shoe, bench.robot, first, loads, planned=bench.planned)
+    console.print(manual_table(result))
+    _write(result.calibration, out, console)
+    return manual_to_json(result)
+
+
+def _write(calibration: Calibration, out: Path, console: Console) -> None:
+    """Save it; one with the verdict FAIL is not written."""
+    if calibration.verdict == "FAIL":
+        raise CalibrationFailedError(f"no calibration written: {'; '.join(calibration.reasons)}")
+    save_calibration(calibration, out)
+    told = "" if calibration.verdict != "PASS" else "PASS: "
+    console.print(f"{told}{'; '.join(calibration.reasons)}")
+    console.print(f"{out}")
+
+
+def _shown_cell(shoe: Shoe, load: Load, readings: FloatArray) -> str:
+    return f"{load.place} {readings[shoe.index(load.place)]:.5g} {shoe.unit}"
+
+
+def _shown_force(shoe: Shoe, cells: Calibration, load: Load, readings: FloatArray) -> str:
+    wrench = foot_wrenches(shoe, cells.parameters.outputs(readings))[load.foot]
+    return f"{FEET[load.foot]} shoe {wrench[0]:.2f} N"

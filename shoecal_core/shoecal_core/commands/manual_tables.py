@@ -1,0 +1,86 @@
+"""Results of a manual calibration, for a terminal and for machines."""
+
+from __future__ import annotations
+
+from rich.table import Table
+
+from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.calibration.manual.calibrate import (
+    CellsCalibration,
+    FootResult,
+    ManualCalibration,
+)
+from shoecal_core.calibration.metrics import Mae
+from shoecal_core.commands.tables import new_table
+from shoecal_core.sensing.shoe import FEET
+
+
+def cells_table(result: CellsCalibration, unit: str) -> Table:
+    """One row a cell."""
+    table = new_table("Single cells")
+    for name in ("", f"gain (N/{unit})", "offset (N)", "about its line (N)"):
+        table.add_column(name, justify="right" if name else "left", no_wrap=True)
+    for fit in result.cells:
+        scatter = "-" if len(fit.masses) < 3 else f"{fit.residual_std:.3f}"
+        table.add_row(fit.name, f"{fit.gain:.4f}", f"{fit.offset:.3f}", scatter)
+    return table
+
+
+def manual_table(result: ManualCalibration) -> Table:
+    """One row a shoe: MAE and its standard deviation."""
+    table = new_table("Under known weights")
+    for name in ("", "loads", "GRF (N)", "CoP before (mm)", "CoP after (mm)", "held out (mm)"):
+        table.add_column(name, justify="right" if name else "left", no_wrap=True)
+    for side, foot in zip(FEET, result.feet, strict=True):
+        table.add_row(
+            side,
+            str(len(foot.loads.loads)),
+            _mae(foot.grf, 1.0, 3),
+            *(_mae(mae, 1e3, 2) for mae in (foot.cop_before, foot.cop_after, foot.cop_held_out)),
+        )
+    return table
+
+
+def cells_to_json(result: CellsCalibration) -> dict[str, object]:
+    """Figures of the first step."""
+    figures = _calibration(result.calibration)
+    scatter = {fit.name: fit.residual_std if len(fit.masses) > 2 else None for fit in result.cells}
+    return {**figures, "residual_std_n": scatter}
+
+
+def manual_to_json(result: ManualCalibration) -> dict[str, object]:
+    """Figures of a manual calibration."""
+    feet = {side: _foot(foot) for side, foot in zip(FEET, result.feet, strict=True)}
+    return {**_calibration(result.calibration), "manual": feet}
+
+
+def _calibration(calibration: Calibration) -> dict[str, object]:
+    parameters = calibration.parameters
+    return {
+        "format": 1,
+        "verdict": calibration.verdict,
+        "reasons": list(calibration.reasons),
+        "channels": {
+            name: {"gain": float(gain), "offset_n": float(offset)}
+            for name, gain, offset in zip(
+                calibration.channels, parameters.gain, parameters.offset, strict=True
+            )
+        },
+    }
+
+
+def _foot(foot: FootResult) -> dict[str, object]:
+    figures: dict[str, object] = {
+        "loads": len(foot.loads.loads),
+        "shift_n": foot.shift.tolist(),
+        "grf_mae_n": foot.grf.mean,
+        "grf_std_n": foot.grf.std,
+    }
+    for name in ("before", "after", "held_out"):
+        mae = getattr(foot, f"cop_{name}")
+        figures |= {f"cop_{name}_mm": 1e3 * mae.mean, f"cop_{name}_std_mm": 1e3 * mae.std}
+    return figures
+
+
+def _mae(mae: Mae, scale: float, digits: int) -> str:
+    return f"{mae.mean * scale:.{digits}f} ± {mae.std * scale:.{digits}f}"

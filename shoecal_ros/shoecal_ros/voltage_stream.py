@@ -1,0 +1,106 @@
+"""Voltages as lines of JSON on standard output, for programs without ROS.
+
+    python -m shoecal_ros.voltage_stream --ros-args -p shoe_file:=…
+
+One line an instant: `{"stamp_ns": …, "cells": […], "voltages": […], "status": […]}` with all cells
+of the shoe; null where one gave none. While none come: `{"problem": "…"}`, once for each cause.
+It ends on an interrupt, and when nobody reads its output any more.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import select
+import sys
+import time
+from dataclasses import dataclass
+from typing import Any
+
+from rclpy.executors import ExternalShutdownException
+from shoecal_msgs.msg import ShoeVoltages
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.settings import Settings, setting
+from shoecal_ros import qos
+from shoecal_ros.conversions import voltages_from_ros
+from shoecal_ros.joining import FrameJoiner, Joined
+from shoecal_ros.robot_files import RobotFiles
+from shoecal_ros.runtime import ShoecalNode, run
+from shoecal_ros.voltages import VoltageInput
+
+
+@dataclass(frozen=True)
+class StreamSettings(Settings):
+    """Of the stream alone."""
+
+    stale_s: float = setting(2.0, "s", "without voltages for that long it says so", minimum=0.01)
+    hold_s: float = setting(
+        0.03, "s", "for how long a cell's reading counts beside those of other boards", minimum=1e-3
+    )
+
+
+class VoltageStream(ShoecalNode):
+    """Prints what the driver publishes."""
+
+    def __init__(self) -> None:
+        super().__init__("voltage_stream")
+        settings = self.settings(StreamSettings)
+        shoe = self.settings(RobotFiles).load_shoe()
+        self._cells = list(shoe.names)
+        self._input = VoltageInput(FrameJoiner(shoe.names, settings.hold_s), settings.stale_s)
+        self._patient_until = time.monotonic() + settings.stale_s
+        self._told = ""
+        self._output = select.poll()
+        self._output.register(sys.stdout, 0)  # errors alone: that its reader is gone
+        self.subscribe(ShoeVoltages, "shoe/voltages", self._hear, qos.LIVE)
+
+    def watch(self) -> None:
+        """Tell what is wrong with the voltages; end with who reads them."""
+        if self._output.poll(0):
+            raise ExternalShutdownException
+        problem = self._input.problem
+        if problem != self._told and time.monotonic() > self._patient_until:
+            self._told = problem
+            if problem:
+                _print({"problem": problem})
+        super().watch()
+
+    def _hear(self, messages: list[Any]) -> None:
+        for message in messages:
+            try:
+                frame = voltages_from_ros(message)
+            except ShoecalError as error:
+                _print({"problem": str(error)})
+                continue
+            for joined in self._input.take([frame]):
+                _print(self._line(joined))
+
+    def _line(self, joined: Joined) -> dict[str, object]:
+        return {
+            "stamp_ns": joined.stamp_ns,
+            "cells": self._cells,
+            "voltages": [
+                None if math.isnan(value) else value for value in joined.readings.tolist()
+            ],
+            "status": joined.status.tolist(),
+        }
+
+
+def _print(line: dict[str, object]) -> None:
+    try:
+        print(json.dumps(line, allow_nan=False), flush=True)
+    except BrokenPipeError as error:
+        # The interpreter would flush once more at its end.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise ExternalShutdownException from error
+
+
+def main() -> None:
+    """Run the node."""
+    sys.exit(run(VoltageStream))
+
+
+if __name__ == "__main__":
+    main()
