@@ -7,57 +7,25 @@ A foot's correction is kept only where it predicts runs it was not fitted to bet
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from functools import reduce
+from operator import add
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.correction_equations import CorrectionEquations, CorrectionSums
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.stance import Stance
-from shoecal_core.sensing.correction import CopCorrection, features
-from shoecal_core.sensing.sensing import MINIMUM_FORCE
+from shoecal_core.sensing.correction import CopCorrection
 from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters, cop, foot_wrenches
+from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
-CHOICES: tuple[tuple[int, ...], ...] = ((), (0,), (1,), (0, 1))
+Feet = tuple[int, ...]
+CHOICES: tuple[Feet, ...] = ((), (0,), (1,), (0, 1))
 MINIMUM_GAIN = 0.05
-"""Share by which the error on held-out runs must fall for a foot's correction to be kept."""
-
-
-class _Piece:
-    """One run's samples, with everything the linear problem needs."""
-
-    def __init__(
-        self,
-        shoe: Shoe,
-        parameters: ChannelParameters,
-        time_offset: float,
-        stance: Stance,
-        minimum_force: float,
-    ) -> None:
-        self.duration = stance.duration
-        outputs = parameters.outputs(stance.readings)
-        wrenches = foot_wrenches(shoe, outputs)
-        self.raw = cop(wrenches, minimum_force)
-        keep = np.isfinite(self.raw).all(axis=(1, 2))
-        self.raw = self.raw[keep]
-        force = wrenches[keep, :, 0]
-        share = force / force.sum(axis=1, keepdims=True)
-        rotations = (np.eye(2), stance.support.rotation)
-        places = np.stack((self.raw[:, 0], stance.support.right_to_left(self.raw[:, 1])), axis=1)
-        measured = (share[:, :, None] * places).sum(axis=1)
-        reference = stance.cop[keep] + time_offset * stance.cop_rate[keep]
-        self.error = reference - measured
-        self.outputs = [outputs[keep][:, shoe.of_foot(foot)] for foot in (0, 1)]
-        self.rows = []
-        for foot in (0, 1):
-            in_x, in_y = features(self.raw[:, foot], self.outputs[foot])
-            turned = [
-                np.hstack((rotations[foot][axis, 0] * in_x, rotations[foot][axis, 1] * in_y))
-                for axis in (0, 1)
-            ]
-            self.rows.append(share[:, foot, None, None] * np.stack(turned, axis=1))
+"""Share by which a foot's error on held-out runs must fall for its correction to be kept."""
 
 
 def fit_corrections(
@@ -71,78 +39,56 @@ def fit_corrections(
 
     With fewer than two runs nothing can be held out, so nothing is corrected.
     """
-    pieces: dict[int, list[_Piece]] = {}
+    if settings.correction_std_m == 0.0:
+        return ()
+    equations = CorrectionEquations(shoe, parameters, time_offset)
+    runs: dict[int, list[Stance]] = {}
     for stance in stances:
-        if all(stance.loaded):
-            piece = _Piece(shoe, parameters, time_offset, stance, MINIMUM_FORCE)
-            if len(piece.error):
-                pieces.setdefault(stance.run, []).append(piece)
-    if len(pieces) < 2 or settings.correction_std_m == 0.0:
+        runs.setdefault(stance.run, []).append(stance)
+    sums = {run: equations.sums(group) for run, group in runs.items()}
+    sums = {run: found for run, found in sums.items() if found.samples}
+    if len(sums) < 2:
         return ()
-    everything = [piece for group in pieces.values() for piece in group]
-    errors = {feet: _held_out_error(pieces, feet, settings) for feet in CHOICES}
-    best = min(CHOICES, key=lambda feet: errors[feet])
-    if errors[best] > (1.0 - MINIMUM_GAIN) * errors[()]:
-        return ()
-    solution = _solve(everything, best, settings)
-    return tuple(_correction(everything, foot, solution[foot]) for foot in best)
-
-
-def _held_out_error(
-    pieces: dict[int, list[_Piece]], feet: tuple[int, ...], settings: CalibrationSettings
-) -> float:
-    """Mean CoP error over runs, each predicted from the others [m]."""
     errors = []
-    for run, held_out in pieces.items():
-        others = [piece for other, group in pieces.items() if other != run for piece in group]
-        solution = _solve(others, feet, settings)
-        for piece in held_out:
-            left = piece.error - sum(
-                (piece.rows[foot] @ solution[foot] for foot in feet), np.zeros_like(piece.error)
-            )
-            errors.append(float(np.linalg.norm(left, axis=1).mean()))
-    return float(np.mean(errors))
+    for run in sums:
+        others = reduce(add, (found for other, found in sums.items() if other != run))
+        solutions = [_solve(others, np.isin(equations.foot, feet), settings) for feet in CHOICES]
+        errors.append(equations.errors(runs[run], np.array(solutions)))
+    feet = _best(dict(zip(CHOICES, np.mean(errors, axis=0), strict=True)))
+    total = reduce(add, sums.values())
+    solution = _solve(total, np.isin(equations.foot, feet), settings)
+    return tuple(equations.correction(foot, solution, total) for foot in feet)
+
+
+def _best(errors: Mapping[Feet, FloatArray]) -> Feet:
+    """The feet to correct: each is the better for its correction, and the other no worse.
+
+    Args:
+        errors: (2,) by choice, on held-out runs: while the left foot, the right foot carries [m].
+    """
+
+    def helps(feet: Feet, foot: int) -> bool:
+        found, without = errors[feet], errors[tuple(other for other in feet if other != foot)]
+        lower = found[foot] <= (1.0 - MINIMUM_GAIN) * without[foot]
+        return bool(lower and found[1 - foot] <= without[1 - foot])
+
+    good = [feet for feet in CHOICES if all(helps(feet, foot) for foot in feet)]
+    return min(good, key=lambda feet: float(errors[feet].sum()))
 
 
 def _solve(
-    pieces: Sequence[_Piece], feet: tuple[int, ...], settings: CalibrationSettings
-) -> dict[int, FloatArray]:
-    """Damped least squares: a term of typical size is expected within `correction_std_m`."""
-    if not feet:
-        return {}
-    matrix = np.concatenate(
-        [np.concatenate([piece.rows[foot] for foot in feet], axis=2) for piece in pieces]
-    )
-    target = np.concatenate([piece.error for piece in pieces])
-    matrix = matrix.reshape(-1, matrix.shape[2])
-    size = np.sqrt((matrix**2).mean(axis=0))
+    sums: CorrectionSums, fitted: NDArray[np.bool_], settings: CalibrationSettings
+) -> FloatArray:
+    """Parameters (p,) by damped least squares, zero where they are not `fitted` (p,).
+
+    A term of typical size is expected within `correction_std_m`.
+    """
+    matrix, right = sums.matrix[np.ix_(fitted, fitted)], sums.right[fitted]
+    size = np.sqrt(np.diag(matrix) / (2 * sums.samples))
     size[size == 0.0] = 1.0
-    scaled = matrix / size
-    samples_as_one = max(1.0, len(matrix) / 2 / _independent(pieces, settings))
+    samples_as_one = max(1.0, sums.samples / max(1.0, sums.duration / settings.correlation_s))
     damping = samples_as_one * (settings.cop_std_m / settings.correction_std_m) ** 2
-    solution = (
-        np.linalg.solve(
-            scaled.T @ scaled + damping * np.eye(len(size)), scaled.T @ target.reshape(-1)
-        )
-        / size
-    )
-    widths = np.cumsum([pieces[0].rows[foot].shape[2] for foot in feet])[:-1]
-    return dict(zip(feet, np.split(solution, widths), strict=True))
-
-
-def _independent(pieces: Sequence[_Piece], settings: CalibrationSettings) -> float:
-    """Number of independent samples behind all of them."""
-    return max(1.0, sum(piece.duration for piece in pieces) / settings.correlation_s)
-
-
-def _correction(pieces: Sequence[_Piece], foot: int, solution: FloatArray) -> CopCorrection:
-    raw = np.concatenate([piece.raw[:, foot] for piece in pieces])
-    outputs = np.concatenate([piece.outputs[foot] for piece in pieces])
-    in_x, in_y = np.split(solution, 2)
-    return CopCorrection(
-        foot=foot,
-        x=in_x,
-        y=in_y,
-        cop_range=np.stack((raw.min(axis=0), raw.max(axis=0))),
-        output_range=np.stack((outputs.min(axis=0), outputs.max(axis=0))),
-    )
+    scaled = matrix / np.outer(size, size) + damping * np.eye(len(size))
+    solution = np.zeros(len(fitted))
+    solution[fitted] = np.linalg.solve(scaled, right / size) / size
+    return solution

@@ -1,7 +1,8 @@
 """The CoP correction of one foot (paper, eqs. 4 and 5).
 
 The corrected CoP is p = p0 + (X a', Y b') with, for a raw CoP p0 = (x, y) and outputs f,
-X = (x^2, x, y, 1, f) and Y = (y^2, y, x, 1, f): linear in its parameters.
+X = (x^2, x, y, 1, f) and Y = (y^2, y, x, 1, f): linear in its parameters. The outputs f are those
+of the foot's cells, or its six-axis sensor's vertical force and two moments.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ class CopCorrection:
 
     Attributes:
         foot: index into FEET.
-        x: (4 + k,) a1..a4 and m1..mk of eq. 5.
+        x: (4 + k,) a1..a4 and m1..mk of eq. 5, for the foot's k `corrected_channels`.
         y: (4 + k,) b1..b4 and n1..nk.
         cop_range: (2, 2) lowest and highest raw CoP trained on, sole frame [m].
         output_range: (2, k) lowest and highest channel outputs trained on [N or N m].
@@ -56,11 +57,11 @@ class CopCorrection:
 
     @property
     def channels(self) -> int:
-        """Number k of the foot's channels."""
+        """Number k of channels with a term."""
         return len(self.x) - POLYNOMIAL
 
     def correct(self, raw: FloatArray, outputs: FloatArray) -> FloatArray:
-        """Corrected CoP (..., 2) of a raw CoP (..., 2) and this foot's outputs (..., k)."""
+        """Corrected CoP (..., 2) of a raw CoP (..., 2) and outputs (..., k)."""
         in_x, in_y = features(raw, outputs)
         return raw + np.stack((in_x @ self.x, in_y @ self.y), axis=-1)
 
@@ -75,6 +76,12 @@ class CopCorrection:
         return outside
 
 
+def corrected_channels(shoe: Shoe, foot: int) -> NDArray[np.int64]:
+    """Indices (k,) of a foot's channels that the correction has a term for: no sideways forces."""
+    felt = (shoe.columns[:, 0] != 0.0) | shoe.torque
+    return np.flatnonzero(felt & (shoe.foot == foot))
+
+
 def check_corrections(shoe: Shoe, corrections: Sequence[CopCorrection]) -> None:
     """Refuse corrections that are not of this shoe.
 
@@ -83,7 +90,7 @@ def check_corrections(shoe: Shoe, corrections: Sequence[CopCorrection]) -> None:
         ShoecalError: for two corrections of one foot.
     """
     for index, correction in enumerate(corrections):
-        count = len(shoe.of_foot(correction.foot))
+        count = len(corrected_channels(shoe, correction.foot))
         if correction.channels != count:
             raise ShapeError(
                 f"correction of the {FEET[correction.foot]} foot",

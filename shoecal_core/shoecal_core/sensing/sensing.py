@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.sensing.correction import CopCorrection, check_corrections
+from shoecal_core.sensing.correction import CopCorrection, check_corrections, corrected_channels
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import (
     ChannelParameters,
@@ -95,7 +95,7 @@ class Sensing:
         extrapolating = np.zeros(place.shape[:-1], dtype=bool)
         for correction in self.corrections:
             foot = correction.foot
-            own = outputs[..., self.shoe.of_foot(foot)]
+            own = outputs[..., corrected_channels(self.shoe, foot)]
             extrapolating[..., foot] = correction.extrapolates(place[..., foot, :], own)
             place[..., foot, :] = correction.correct(place[..., foot, :], own)
         return Measured(wrenches[..., 0], place, extrapolating)

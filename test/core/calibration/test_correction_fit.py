@@ -21,6 +21,7 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
+Feet = tuple[float, float]
 FREE = CalibrationSettings(cop_std_m=1e-7, correction_std_m=1.0)
 """Hardly any damping: for samples without error."""
 
@@ -120,6 +121,73 @@ def test_a_little_help_is_not_enough(
     assert fit_corrections(shoe, truth, 0.0, runs, CalibrationSettings()) == ()
     monkeypatch.setattr(module, "MINIMUM_GAIN", 0.0)
     assert fit_corrections(shoe, truth, 0.0, runs, CalibrationSettings()) != ()
+
+
+def by_choice(none: Feet, left: Feet, right: Feet, both: Feet) -> dict[tuple[int, ...], FloatArray]:
+    """Errors [mm] while the left and while the right foot carries."""
+    return dict(zip(module.CHOICES, map(np.array, (none, left, right, both)), strict=True))
+
+
+@pytest.mark.parametrize(
+    ("errors", "chosen"),
+    [
+        # Both help, each its own foot.
+        (by_choice((3.0, 3.0), (2.0, 2.8), (2.8, 2.0), (1.8, 1.8)), (0, 1)),
+        # The right foot's helps the left a lot, but the right foot itself by too little.
+        (by_choice((3.0, 3.0), (2.9, 2.9), (2.0, 2.9), (2.0, 2.9)), ()),
+        # The left foot's worsens the right foot.
+        (by_choice((3.0, 3.0), (1.0, 3.1), (2.9, 2.8), (1.0, 3.0)), (1,)),
+        # Together they are no better than the left foot's alone.
+        (by_choice((3.0, 3.0), (2.0, 2.5), (2.9, 2.8), (2.0, 2.45)), (0,)),
+        # Either helps, but not both: the better one.
+        (by_choice((3.0, 3.0), (2.7, 2.7), (2.5, 2.5), (2.5, 2.5)), (1,)),
+        (by_choice((3.0, 3.0), (3.0, 3.0), (3.0, 3.0), (3.0, 3.0)), ()),
+    ],
+)
+def test_each_foot_must_be_the_better_for_its_own(
+    errors: dict[tuple[int, ...], FloatArray], chosen: tuple[int, ...]
+) -> None:
+    assert module._best(errors) == chosen
+
+
+def test_it_is_the_damped_least_squares_of_all_samples(
+    shoe: Shoe, truth: ChannelParameters, rng: np.random.Generator
+) -> None:
+    """Rows written out and stacked, the damping as further rows."""
+    true = [bent(shoe, 0, rng), bent(shoe, 1, rng)]
+    runs = bent_runs(shoe, truth, true, noise=1e-3)
+    settings = CalibrationSettings()
+    found = fit_corrections(shoe, truth, 0.01, runs, settings)
+    assert len(found) == 2
+    rows, targets = [], []
+    for run in runs:
+        measured = Sensing(shoe, truth).measure(run.readings)
+        share = measured.grf / measured.total_grf[:, None]
+        outputs = truth.outputs(run.readings)
+        parts = []
+        for foot, turn in ((0, np.eye(2)), (1, run.support.rotation)):
+            x, y = measured.cop[:, foot].T
+            f, one = outputs[:, shoe.of_foot(foot)].T, np.ones_like(x)
+            in_x, in_y = np.array([x**2, x, y, one, *f]), np.array([y**2, y, x, one, *f])
+            both = [np.vstack((turn[axis, 0] * in_x, turn[axis, 1] * in_y)) for axis in (0, 1)]
+            parts.append(share[:, foot] * np.array(both))
+        rows.append(np.concatenate(parts, axis=1).transpose(0, 2, 1).reshape(-1, sum(
+            len(part[0]) for part in parts
+        )))  # fmt: skip
+        expected = run.cop + 0.01 * run.cop_rate
+        targets.append((expected - measured.combined_cop(run.support)).T.reshape(-1))
+    matrix, target = np.concatenate(rows), np.concatenate(targets)
+    size = np.sqrt((matrix**2).mean(axis=0))
+    seconds = len(target) / 2 / synthetic.RATE
+    damping = len(target) / 2 / (seconds / settings.correlation_s)
+    damping *= (settings.cop_std_m / settings.correction_std_m) ** 2
+    solution = np.linalg.lstsq(
+        np.vstack((matrix / size, np.sqrt(damping) * np.eye(len(size)))),
+        np.concatenate((target, np.zeros(len(size)))),
+        rcond=None,
+    )[0] / size  # fmt: skip
+    everything = np.concatenate([np.concatenate((one.x, one.y)) for one in found])
+    np.testing.assert_allclose(everything, solution, rtol=1e-6, atol=1e-9)
 
 
 def test_nothing_can_be_held_out_of_one_run(

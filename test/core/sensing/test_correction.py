@@ -9,8 +9,16 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
-from shoecal_core.errors import ShoecalError
-from shoecal_core.sensing.correction import CopCorrection, features
+from core.sensing import shoes
+from shoecal_core.errors import ShapeError, ShoecalError
+from shoecal_core.sensing.correction import (
+    CopCorrection,
+    check_corrections,
+    corrected_channels,
+    features,
+)
+from shoecal_core.sensing.sensing import Sensing
+from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 ANYWHERE = np.array([[-1e9, -1e9], [1e9, 1e9]])
@@ -115,3 +123,28 @@ def test_parts_that_do_not_fit_are_refused(part: str, value: object, named: str)
     CopCorrection(**parts)  # type: ignore[arg-type]
     with pytest.raises(ShoecalError, match=named):
         CopCorrection(**parts | {part: value})  # type: ignore[arg-type]
+
+
+def test_every_cell_has_a_term() -> None:
+    shoe = shoes.shoe("odd_shoe")
+    for foot in (0, 1):
+        np.testing.assert_array_equal(corrected_channels(shoe, foot), shoe.of_foot(foot))
+
+
+def test_a_six_axis_sensor_s_force_and_two_moments_have_a_term() -> None:
+    origin = [0.01, 0.0, 0.1]
+    shoe = shoes.made(shoes.six_axis(0, origin) + shoes.six_axis(1, origin))
+    for foot in (0, 1):
+        names = [shoe.names[i].split("/")[1] for i in corrected_channels(shoe, foot)]
+        assert names == ["fz", "mx", "my"]
+    x, y = np.arange(7.0) * 1e-3, np.zeros(7)
+    one = make(x, y)
+    check_corrections(shoe, [one])
+    with pytest.raises(ShapeError, match="left foot"):
+        check_corrections(shoe, [make(np.zeros(9), np.zeros(9))])
+    # Sideways forces shift the raw CoP by the sensor's height, but have no term of their own.
+    parameters = ChannelParameters(np.ones(10), np.zeros(10))
+    readings = np.array([2.0, -1.0, 30.0, 0.3, -0.2] * 2)
+    raw = Sensing(shoe, parameters).measure(readings).cop[0]
+    found = Sensing(shoe, parameters, [one]).measure(readings).cop[0]
+    np.testing.assert_allclose(found, one.correct(raw, readings[2:5]))
