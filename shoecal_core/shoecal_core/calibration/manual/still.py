@@ -25,7 +25,9 @@ class Outcome(Enum):
     UNDER_WAY = "under way"
     STILL = "still"
     MOVED = "moved while reading: again"
-    UNCHANGED = "nothing has changed since the last reading: is the weight in its place?"
+    UNCHANGED = (
+        "nothing has changed since the last reading: put the weight in its place, then again"
+    )
     SILENT = "not all cells gave readings: check their wiring, then again"
 
 
