@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.chunks import chunks
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.sensing.correction import (
     POLYNOMIAL,
@@ -24,8 +25,6 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, cop, foot_wrenches
 
 FloatArray = NDArray[np.float64]
-CHUNK = 2048
-"""Samples worked on at once: bounds the memory whatever the recording."""
 
 
 @dataclass(frozen=True)
@@ -143,8 +142,8 @@ class CorrectionEquations:
             if not all(stance.loaded) or not len(stance.time):
                 continue
             period = stance.duration / len(stance.time)
-            for start in range(0, len(stance.time), CHUNK):
-                chunk = self._chunk(stance, slice(start, start + CHUNK), period)
+            for part in chunks(len(stance.time)):
+                chunk = self._chunk(stance, part, period)
                 if len(chunk.error):
                     yield chunk
 

@@ -7,16 +7,17 @@ their polarity.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.chunks import chunks
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.errors import ShoecalError
 from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.sensing.wrench import ChannelParameters, at_cop
 
 FloatArray = NDArray[np.float64]
 
@@ -62,17 +63,31 @@ def initial_guess(shoe: Shoe, stances: Sequence[Stance], *, weight_row: bool) ->
     common = ~known
     if not common.any():
         return InitialGuess(ChannelParameters(gain, offset), polarity, np.nan, np.nan)
-    rows, targets = [], []
+    triangle = np.zeros((0, 3))
     for stance in stances:
-        target = stance.reference - stance.base - (stance.readings * gain) @ stance.columns
-        signed = stance.readings[:, common] * polarity[common]
-        columns = stance.columns[common]
-        wanted = (0, 1, 2) if weight_row else (1, 2)
-        for axis in wanted:
-            slope = signed @ columns[:, axis]
-            rows.append(np.stack((slope, np.full_like(slope, columns[:, axis].sum())), axis=1))
-            targets.append(target[:, axis])
-    matrix, target = np.concatenate(rows), np.concatenate(targets)
+        columns = np.where(common[:, None], stance.columns, 0.0)
+        for readings, expected in _samples(stance):
+            target = expected - (readings * gain) @ stance.columns
+            slope = (readings * polarity) @ columns
+            ones = np.broadcast_to(columns.sum(axis=0), slope.shape)
+            rows = np.stack((slope, ones, target), axis=2)[:, 0 if weight_row else 1 :]
+            # The triangle of a QR decomposition says all that the rows before it said.
+            rows = np.concatenate((triangle, rows.reshape(-1, 3)))
+            triangle = np.asarray(np.linalg.qr(rows, mode="r"))
+    c0, d0 = _common_law(triangle[:, :2], triangle[:, 2])
+    gain[common] = c0 * polarity[common]
+    offset[common] = d0
+    return InitialGuess(ChannelParameters(gain, offset), polarity, c0, d0)
+
+
+def _samples(stance: Stance) -> Iterator[tuple[FloatArray, FloatArray]]:
+    """Chunks of readings (m, n) and of the wrench (m, 3) that the channels should make."""
+    for part in chunks(len(stance.time)):
+        yield stance.readings[part], at_cop(stance.force[part], stance.cop[part]) - stance.base
+
+
+def _common_law(matrix: FloatArray, target: FloatArray) -> tuple[float, float]:
+    """c0 and d0 by least squares of rows (k, 2) to a target (k,)."""
     scale = np.linalg.norm(matrix, axis=0)
     if not (scale > 0).all():
         raise ShoecalError("the readings do not change the force: check that the cells are alive")
@@ -83,28 +98,28 @@ def initial_guess(shoe: Shoe, stances: Sequence[Stance], *, weight_row: bool) ->
             "record runs in which the robot moves"
         )
     c0, d0 = solution / scale
-    gain[common] = c0 * polarity[common]
-    offset[common] = d0
-    return InitialGuess(ChannelParameters(gain, offset), polarity, float(c0), float(d0))
+    return float(c0), float(d0)
 
 
 def _polarity(stances: Sequence[Stance]) -> NDArray[np.int64]:
     """Signs of the gains from the data alone.
 
     The same rows with one gain and one offset a channel are linear; what the data leave open
-    is held small by a ridge, and only the signs are used.
+    is held small by a ridge, and only the signs are used. Offsets are taken at the mean readings:
+    converters need not be centred.
     """
+    samples = sum(len(stance.readings) for stance in stances)
+    middle = sum(stance.readings.sum(axis=0) for stance in stances) / max(samples, 1)
     count = 2 * len(stances[0].columns)
     total, right = np.zeros((count, count)), np.zeros(count)
     for stance in stances:
-        target = stance.reference - stance.base
-        for axis in (0, 1, 2):
-            column = stance.columns[:, axis]
-            offsets = np.broadcast_to(column, stance.readings.shape)
-            scale = 1.0 if axis == 0 else 20.0  # a force at 5 cm counts as the force itself
-            rows = scale * np.hstack((stance.readings * column, offsets))
-            total += rows.T @ rows
-            right += scale * (rows.T @ target[:, axis])
+        for readings, expected in _samples(stance):
+            for axis, column in enumerate(stance.columns.T):
+                scale = 1.0 if axis == 0 else 20.0  # a force at 5 cm counts as the force itself
+                offsets = np.broadcast_to(column, readings.shape)
+                rows = scale * np.hstack(((readings - middle) * column, offsets))
+                total += rows.T @ rows
+                right += scale * (rows.T @ expected[:, axis])
     size = np.sqrt(np.diag(total))
     size[size == 0.0] = 1.0
     ridge = 1e-4 * np.eye(count)

@@ -64,18 +64,16 @@ class WrenchMoments:
 
     Args:
         columns: (n, 3) what one unit of each output adds to the wrench.
-        chunk: the most samples that are added at once.
 
     Attributes:
         cost: sum of squared residuals.
     """
 
-    def __init__(self, columns: FloatArray, chunk: int) -> None:
+    def __init__(self, columns: FloatArray) -> None:
         self.cost = 0.0
         self._columns = columns
         rows = len(columns) + 1
-        self._weighted = np.empty((_PRODUCTS * rows + _SLOPES, chunk))
-        self._sums = np.zeros((rows, len(self._weighted)))
+        self._sums = np.zeros((rows, _PRODUCTS * rows + _SLOPES))
         self._late = np.zeros(2)
         self._slice = max(1, _SERIAL // self._sums.size)
 
@@ -83,7 +81,7 @@ class WrenchMoments:
         """Add m samples with S~ (n + 1, m) = `extended`."""
         error, late = residuals.error, residuals.late
         rows, count = extended.shape
-        weighted = self._weighted[:, :count]
+        weighted = np.empty((self._sums.shape[1], count))
         grams = weighted[:-_SLOPES].reshape(_PRODUCTS, rows, count)
         np.multiply(residuals.products()[:, None, :], extended, out=grams)
         weighted[-_SLOPES:-3] = residuals.pulled(error)

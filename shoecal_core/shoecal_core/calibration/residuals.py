@@ -15,14 +15,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.chunks import chunks
 from shoecal_core.calibration.moments import WrenchMoments, WrenchResiduals
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, weight_below
 
 FloatArray = NDArray[np.float64]
-CHUNK = 2048
-"""Samples worked on at once: bounds the memory whatever the recording, and fits a core's cache."""
 
 
 @dataclass(frozen=True)
@@ -204,7 +203,7 @@ class Problem:
         """Its Gauss-Newton model."""
         total = zero_normal(len(vector))
         for term in self.terms:
-            sums = WrenchMoments(term.columns, CHUNK)
+            sums = WrenchMoments(term.columns)
             for extended, chunk in term.chunks(vector, self.weights):
                 sums.add(extended, chunk)
             total += Normal(
@@ -241,15 +240,13 @@ class Term:
     def chunks(
         self, vector: FloatArray, weights: Weights
     ) -> Iterator[tuple[FloatArray, WrenchResiduals]]:
-        """S~ = (S, 1) as (n + 1, m), overwritten by the next, and the residuals there."""
+        """S~ = (S, 1) as (n + 1, m), and the residuals there."""
         parameters, time_offset = unpack(vector)
         constant = parameters.offset @ self.columns + self.base
         law = np.vstack((parameters.gain[:, None] * self.columns, constant)).T
-        buffer = np.ones((law.shape[1], CHUNK))
-        for start in range(0, len(self.stance.time), CHUNK):
-            part = slice(start, start + CHUNK)
+        for part in chunks(len(self.stance.time)):
             readings = self.stance.readings[part]
-            extended = buffer[:, : len(readings)]
+            extended = np.ones((law.shape[1], len(readings)))
             extended[:-1] = readings.T
             wrench = law @ extended
             if self.weight is None:

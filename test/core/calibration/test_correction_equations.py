@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.calibration import synthetic
 from core.sensing import shoes
-from shoecal_core.calibration import correction_equations as module
+from shoecal_core.calibration import chunks
 from shoecal_core.calibration.correction_equations import CorrectionEquations
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.sensing.correction import CopCorrection
@@ -87,7 +87,7 @@ def test_chunks_do_not_change_the_result(
     equations = CorrectionEquations(shoe, truth, TIME_OFFSET)
     solutions = solution_and_corrections(equations, rng)[0][None]
     whole, errors = equations.sums(runs), equations.errors(runs, solutions)
-    monkeypatch.setattr(module, "CHUNK", chunk)
+    monkeypatch.setattr(chunks, "CHUNK", chunk)
     parts = equations.sums(runs)
     np.testing.assert_allclose(parts.matrix, whole.matrix, rtol=1e-9, atol=1e-12)
     np.testing.assert_allclose(parts.right, whole.right, rtol=1e-9, atol=1e-12)

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.calibration import synthetic
 from core.sensing import shoes
+from shoecal_core.calibration import chunks
 from shoecal_core.calibration.initial_guess import initial_guess
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.errors import ShoecalError
@@ -110,6 +111,37 @@ def test_the_rows_are_the_paper_s(rng: np.random.Generator, *, weight_row: bool)
     assert guess.offset == pytest.approx(d0, rel=1e-9)
     np.testing.assert_allclose(guess.parameters.gain, c0)
     np.testing.assert_allclose(guess.parameters.offset, d0)
+
+
+@pytest.mark.parametrize("weight_row", [False, True])
+@pytest.mark.parametrize("chunk", [1, 7, 399])
+def test_chunks_do_not_change_the_result(
+    shoe: Shoe, truth: ChannelParameters, rng: np.random.Generator, monkeypatch: pytest.MonkeyPatch,
+    chunk: int, *, weight_row: bool,
+) -> None:  # fmt: skip
+    runs = synthetic.stances(
+        shoe, truth, rng, synthetic.SUPPORTS[:2], count=400 if chunk > 7 else 40
+    )
+    pair = rated(without_polarity(shoe), {1: 24.0})
+    whole = initial_guess(pair, runs, weight_row=weight_row)
+    monkeypatch.setattr(chunks, "CHUNK", chunk)
+    parts = initial_guess(pair, runs, weight_row=weight_row)
+    np.testing.assert_array_equal(parts.polarity, whole.polarity)
+    assert parts.gain == pytest.approx(whole.gain, rel=1e-10)
+    assert parts.offset == pytest.approx(whole.offset, rel=1e-8)
+
+
+@pytest.mark.parametrize("zero", [1e1, 1e3, 1e5])
+def test_readings_far_off_zero_still_tell_gain_and_offset(
+    shoe: Shoe, rng: np.random.Generator, zero: float
+) -> None:
+    """Counts of a converter that is not centred: what varies is little of what is read."""
+    truth = synthetic.common(shoe, 23.0, -23.0 * zero, np.abs(shoe.polarity))
+    runs = synthetic.stances(shoe, truth, rng)
+    guess = initial_guess(without_polarity(shoe), runs, weight_row=True)
+    assert guess.gain == pytest.approx(23.0, rel=1e-11 * zero)
+    off = [guess.parameters.outputs(r.readings) - truth.outputs(r.readings) for r in runs]
+    np.testing.assert_allclose(off, 0.0, atol=1e-9 * zero)
 
 
 def test_the_weight_row_helps_the_grf(shoe: Shoe, rng: np.random.Generator) -> None:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.calibration import synthetic
 from core.sensing import shoes
-from shoecal_core.calibration import residuals as module
+from shoecal_core.calibration import chunks
 from shoecal_core.calibration.moments import WrenchResiduals
 from shoecal_core.calibration.residuals import (
     Normal,
@@ -124,7 +124,7 @@ def test_the_sums_are_those_of_the_rows(
     weights = Weights(force=0.3, cop=0.0025, correlation=rng.uniform(0.01, 3.0))
     vector = pack(near, late)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "CHUNK", chunk)
+        patch.setattr(chunks, "CHUNK", chunk)
         problem = Problem.of(stances, pair, weights)
         normal = problem.normal(vector)
         assert problem.cost(vector) == pytest.approx(normal.cost, rel=1e-12)

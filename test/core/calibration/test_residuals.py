@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from core.calibration import synthetic
 from core.calibration.derivatives import assert_jacobian
 from core.sensing import shoes
-from shoecal_core.calibration import residuals as module
+from shoecal_core.calibration import chunks
 from shoecal_core.calibration.residuals import (
     Normal,
     Weights,
@@ -205,7 +205,7 @@ def test_chunks_do_not_change_the_result(
     stances = walk(shoe, truth, rng)
     vector = away(truth, rng)
     whole = normal_equations(vector, stances, shoe, WEIGHTS)
-    monkeypatch.setattr(module, "CHUNK", chunk)
+    monkeypatch.setattr(chunks, "CHUNK", chunk)
     parts = normal_equations(vector, stances, shoe, WEIGHTS)
     assert parts.cost == pytest.approx(whole.cost, rel=1e-12)
     np.testing.assert_allclose(parts.gradient, whole.gradient, rtol=1e-9, atol=1e-9)
