@@ -22,6 +22,7 @@ from shoecal_core.sensing.shoe import Shoe
 FloatArray = NDArray[np.float64]
 
 STAMP = "stamp_ns"
+_HUGE = 1e100
 _NOTHING_GIVEN = (2, 3)
 """Statuses of ShoeVoltages whose voltage means nothing: no data, fault."""
 
@@ -123,8 +124,10 @@ class FrameParser:
         for name, value in pairs:
             if isinstance(value, bool) or not isinstance(value, int | float):
                 raise self._error(f"the reading of {name} is no number")
-            readings[self._index(name)] = float(value)
-        readings[~np.isfinite(readings)] = math.nan
+            # Beyond all converters, and perhaps beyond what a float can hold.
+            readings[self._index(name)] = float(value) if abs(value) < _HUGE else math.nan
+        if stamp_ns >= 2**63:
+            raise self._error(f"{STAMP} {stamp_ns} is no time")
         return Frame(readings, stamp_ns)
 
     def _index(self, name: str) -> int:

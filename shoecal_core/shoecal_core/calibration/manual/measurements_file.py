@@ -1,7 +1,8 @@
-"""Measurements as a file: rewritten whole, atomically, after every reading."""
+"""Measurements as a file: rewritten whole after every reading."""
 
 from __future__ import annotations
 
+import json
 import math
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.calibration.manual.loads import CELLS, KINDS, Load
 from shoecal_core.calibration.manual.measurements import Entry, EntryError, Measurements
 from shoecal_core.errors import FileError, NameNotFoundError, ShoecalError
-from shoecal_core.files import Fields, read_yaml, write_yaml
+from shoecal_core.files import Fields, atomic_write, read_yaml
 from shoecal_core.sensing.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]
@@ -19,19 +20,19 @@ FORMAT = 1
 
 
 def save_measurements(measurements: Measurements, path: Path) -> None:
-    """Write measurements, atomically."""
+    """Write measurements, atomically: YAML, one line an entry, quick enough for each reading."""
     shoe = measurements.shoe
-    write_yaml(
-        path,
-        {
-            "format": FORMAT,
-            "kind": measurements.kind,
-            "shoe": shoe.name,
-            "shoe_hash": shoe.digest,
-            "unit": shoe.unit,
-            "entries": [_to_yaml(shoe, entry) for entry in measurements.entries],
-        },
-    )
+    head = {
+        "format": FORMAT,
+        "kind": measurements.kind,
+        "shoe": shoe.name,
+        "shoe_hash": shoe.digest,
+        "unit": shoe.unit,
+    }
+    lines = [f"{key}: {_flow(value)}" for key, value in head.items()]
+    lines.append("entries:" if measurements.entries else "entries: []")
+    lines += [f"- {_flow(_to_yaml(shoe, entry))}" for entry in measurements.entries]
+    atomic_write(path, "\n".join(lines) + "\n")
 
 
 def load_measurements(path: Path, kind: str, shoe: Shoe) -> Measurements:
@@ -73,6 +74,11 @@ def _check_shoe(fields: Fields, shoe: Shoe) -> None:
     unit = fields.text("unit")
     if unit != shoe.unit:
         raise fields.error("unit", f"readings in {unit}, but {shoe.path} has them in {shoe.unit}")
+
+
+def _flow(value: object) -> str:
+    """A value as YAML in one line: JSON is that."""
+    return json.dumps(value, ensure_ascii=False, allow_nan=False)
 
 
 def _to_yaml(shoe: Shoe, entry: Entry) -> dict[str, object]:
