@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-floor lint bench demo-table lock clean
+.PHONY: help setup demo test test-floor lint bench demo-table paper lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -33,10 +33,13 @@ lint: setup  ## ruff and mypy
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 
-bench: demo-table  ## all measurements
+bench: demo-table paper  ## all measurements
 
 demo-table: setup  ## the errors of the demo over ten seeds, into docs/demo.md (ARGS="--seeds 3")
 	$(BIN)/python benchmarks/demo_seeds.py $(ARGS)
+
+paper: setup  ## the paper's evaluation over ten robots, into docs/paper.md (ARGS="--seeds 20")
+	$(BIN)/python benchmarks/paper.py $(ARGS)
 
 lock:  ## resolve both lock files anew (needs uv)
 	$(LOCK) --universal --fork-strategy fewest --python-version 3.11 \

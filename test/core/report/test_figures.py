@@ -20,12 +20,23 @@ from shoecal_core.report.calibration_figures import (
     foot_picture,
     run_pictures,
 )
-from shoecal_core.report.figures.bars import Bar, mae_bars
+from shoecal_core.report.figures.bars import Bar, Mark, mae_bars
 from shoecal_core.report.figures.directions import singular_values
 from shoecal_core.report.figures.intervals import Column, intervals
+from shoecal_core.report.figures.loads import (
+    KnownLoads,
+    cop_under_loads,
+    forces_under_loads,
+)
 from shoecal_core.report.figures.motion import BODY, skeleton, snapshots
 from shoecal_core.report.figures.plane import CopPath, FootShape, cop_plane, cop_under_feet
-from shoecal_core.report.figures.series import Line, cop_and_grf, errors_in_time, joined
+from shoecal_core.report.figures.series import (
+    Line,
+    cop_and_grf,
+    errors_in_time,
+    grf_in_time,
+    joined,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -160,6 +171,47 @@ def test_many_bars_go_without_figures() -> None:
     mae = Mae(0.351, 0.2, 10)
     bars = [Bar(str(n), palette.MEASURED, "best", n > 9, mae, mae) for n in range(20)]
     assert "0.35" not in list(read_svg(mae_bars(bars)).itertext())
+
+
+def test_a_mark_says_what_a_test_found() -> None:
+    mae = Mae(0.35, 0.5, 10)
+    bars = [Bar("best", palette.MEASURED, "best", test, mae, mae) for test in (False, True)]
+    root = read_svg(mae_bars(bars, [Mark(0, 1, "n.s., p = 0.4", "differ, p = 0.01")]))
+    assert {"n.s., p = 0.4", "differ, p = 0.01"} <= set(root.itertext())
+    assert "Bars 1 and 2: GRF n.s., p = 0.4, CoP differ, p = 0.01." in root.attrib["aria-label"]
+
+
+def test_grf_of_several_runs_around_the_weight() -> None:
+    lines = [Line(f"run {n}", palette.MEASURED, series(start=n)) for n in range(3)]
+    root = read_svg(grf_in_time(lines, 53.9))
+    assert {"run 0", "run 2", "weight", "GRF (N)"} <= set(root.itertext())
+    assert "around 53.90 N" in root.attrib["aria-label"]
+
+
+def known_loads(masses: FloatArray) -> KnownLoads:
+    """Each weight in each of six holes, 3 mm off before the correction and 1 mm after."""
+    shape = 1e-2 * np.array([[0, 0], [4, 0], [4, 6], [0, 6]])
+    holes = 1e-2 * np.array([[x, y] for x in (1, 2, 3) for y in (2, 4)])
+    places = np.tile(holes, (len(masses), 1))
+    each = np.repeat(masses, len(holes))
+    return KnownLoads(
+        FootShape("left", shape, shape, shape), each, 9.81 * each + 0.02, 9.81 * each, places,
+        places + np.array([3e-3, 0.0]), places + np.array([0.0, 1e-3]),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("masses", [[2.0], [1.0, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0]])
+def test_loads_of_a_shoe(masses: list[float]) -> None:
+    loads = known_loads(np.array(masses))
+    root = read_svg(forces_under_loads(loads))
+    assert "mean absolute error 0.020 N" in root.attrib["aria-label"]
+    assert {"GRF (N)", "Δ GRF (mN)"} <= set(root.itertext())
+    for corrected, error in ((False, "3.00 mm"), (True, "1.00 mm")):
+        root = read_svg(cop_under_loads(loads, corrected=corrected))
+        assert error in root.attrib["aria-label"]
+        assert {f"{masses[-1]:g} kg", "hole"} <= set(root.itertext())
+    with pytest.raises(ShapeError, match=r"loads\.corrected"):
+        replace(loads, corrected=loads.corrected[1:])
 
 
 @pytest.mark.parametrize("count", [3, 12])

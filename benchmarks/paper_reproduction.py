@@ -1,0 +1,126 @@
+"""One simulated robot goes through the paper's whole evaluation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from population import Member
+from shoecal_core.calibration.evaluate import Errors
+from shoecal_core.calibration.evaluation import MEASURED, MODELLED, REFERENCE, compare_data
+from shoecal_core.calibration.manual.calibrate import ManualCalibration, calibrate_manually
+from shoecal_core.calibration.pipeline import Outcome, calibrate_session
+from shoecal_core.calibration.run_errors import (
+    ComparedRun,
+    errors_by_set,
+    errors_of,
+    train_against_test,
+)
+from shoecal_core.calibration.significance import Difference
+from shoecal_core.commands.simulated_manual import simulate_manual
+from shoecal_core.model.robot import Robot
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.recording.session import Session
+from shoecal_core.sensing.sensing import Sensing
+from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.workspace import config_dir
+
+GUESS, LEAST_SQUARES = "guess", "least squares"
+STAGES = {
+    "initial_guess": GUESS,
+    "least_squares": LEAST_SQUARES,
+    "self_calibration": MEASURED,
+}
+"""Of a self-calibration (paper, section VI), by their names in result files."""
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """One robot.
+
+    Attributes:
+        member: its seeds.
+        manual: calibration of its shoes on the loading rig: the reference.
+        outcome: of its self-calibration.
+        runs: what guess, calibration, model, reference and truth tell of each, training first.
+    """
+
+    member: Member
+    manual: ManualCalibration
+    outcome: Outcome
+    runs: tuple[ComparedRun, ...]
+
+    @property
+    def in_order(self) -> list[ComparedRun]:
+        """Runs as they were recorded."""
+        return sorted(self.runs, key=lambda run: run.run)
+
+    def assumption(self, run: ComparedRun) -> Errors:
+        """Weight and modelled CoP of a run against the reference (paper, Table II)."""
+        return errors_of([run], MODELLED, REFERENCE)
+
+
+def reproduce(member: Member, session: Session) -> Reproduction:
+    """Calibrate the shoes by hand, the robot by itself, and compare.
+
+    The shoes are loaded as the configuration describes them today; a session may have been
+    recorded with an older version of the same file.
+    """
+    shoe, robot = shoe_and_robot()
+    reality = load_reality(config_dir() / "realities" / "default.yaml")
+    cells, loads = simulate_manual(shoe, reality, member.robot_seed, member.seed)
+    manual = calibrate_manually(shoe, robot, cells, loads)
+    outcome = calibrate_session(session, member.train, member.test)
+    data, stages = outcome.data, outcome.stages
+    runs = compare_data(
+        session,
+        data,
+        {"train": outcome.train, "test": outcome.test},
+        {
+            GUESS: Sensing(data.shoe, stages.guess.parameters),
+            LEAST_SQUARES: Sensing(data.shoe, outcome.calibration.parameters),
+            MEASURED: outcome.calibration.sensing(data.shoe),
+            REFERENCE: manual.calibration.sensing(data.shoe),
+        },
+    )
+    return Reproduction(member, manual, outcome, tuple(runs))
+
+
+def shoe_and_robot() -> tuple[Shoe, Robot]:
+    """The NAO and its shoes, as configured."""
+    shoe = load_shoe(config_dir() / "shoes" / "nao_shoe.yaml")
+    return shoe, load_robot(config_dir() / "robots" / "nao.yaml", shoe)
+
+
+@dataclass(frozen=True)
+class Paper:
+    """All robots; the first one stands for the paper's one.
+
+    Attributes:
+        robots: in the order of their seeds.
+    """
+
+    robots: Sequence[Reproduction]
+
+    @property
+    def first(self) -> Reproduction:
+        """The robot whose tables and figures stand beside the paper's."""
+        return self.robots[0]
+
+    @property
+    def runs(self) -> list[ComparedRun]:
+        """Of all robots."""
+        return [run for robot in self.robots for run in robot.runs]
+
+    def stage(self, stage: str, reference: str = REFERENCE) -> dict[str, Errors]:
+        """Errors of one stage by set, over all robots."""
+        return errors_by_set(self.runs, STAGES[stage], reference)
+
+    def difference(self, stage: str, reference: str = REFERENCE) -> dict[str, Difference]:
+        """Train against test over all robots, runs being the unit."""
+        return train_against_test(
+            self.runs, STAGES[stage], reference, np.random.default_rng(self.first.member.seed)
+        )
