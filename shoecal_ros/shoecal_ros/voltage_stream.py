@@ -13,6 +13,7 @@ import json
 import math
 import os
 import select
+import string
 import sys
 import time
 from dataclasses import dataclass
@@ -29,6 +30,8 @@ from shoecal_ros.joining import FrameJoiner, Joined
 from shoecal_ros.robot_files import RobotFiles
 from shoecal_ros.runtime import ShoecalNode, run
 from shoecal_ros.voltages import VoltageInput
+
+_NO_DIGITS = str.maketrans("", "", string.digits)
 
 
 @dataclass(frozen=True)
@@ -61,8 +64,10 @@ class VoltageStream(ShoecalNode):
         if self._output.poll(0):
             raise ExternalShutdownException
         problem = self._input.problem
-        if problem != self._told and time.monotonic() > self._patient_until:
-            self._told = problem
+        # For how many seconds already is no news.
+        cause = problem.translate(_NO_DIGITS)
+        if cause != self._told and time.monotonic() > self._patient_until:
+            self._told = cause
             if problem:
                 _print({"problem": problem})
         super().watch()

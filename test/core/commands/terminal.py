@@ -46,6 +46,12 @@ class Terminal:
             preexec_fn=lambda: fcntl.ioctl(0, termios.TIOCSCTTY, 0),  # noqa: PLW1509
         )
 
+    def shows(self, pattern: str) -> bool:
+        """Whether a text has come behind the one that was waited for; does not wait."""
+        while self._receive(0.0):
+            pass
+        return re.compile(pattern).search(self.seen, self._at) is not None
+
     def until(self, pattern: str) -> re.Match[str]:
         """Wait for a text behind the one that was waited for before."""
         deadline = time.monotonic() + TIMEOUT_S
