@@ -43,6 +43,7 @@ from shoecal_core.commands.tables import (
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.recording.session import Session
 
+NAMES = {MODELLED: "model", REFERENCE: "reference", TRUTH: "truth"}
 SEED = 0
 """Of the splits that the test draws where there are too many: the same answer every time."""
 
@@ -96,7 +97,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         reference: train_against_test(runs, MEASURED, reference, generator)
         for reference in _references(runs, MEASURED)
     }
-    _print(runs, compared[_best(runs)], console)
+    _print(runs, compared, console)
     return {
         "format": 1,
         "calibrations": [one.id for one in calibrations if one is not None],
@@ -170,16 +171,18 @@ def _run_to_json(run: ComparedRun) -> dict[str, object]:
 
 
 def _print(
-    runs: Sequence[ComparedRun], compared: Mapping[str, Difference], console: Console
+    runs: Sequence[ComparedRun],
+    compared: Mapping[str, Mapping[str, Difference]],
+    console: Console,
 ) -> None:
     best = _best(runs)
     sets = {
-        f"against {reference}": errors_by_set(runs, MEASURED, reference)
+        f"against {NAMES[reference]}": errors_by_set(runs, MEASURED, reference)
         for reference in _references(runs, MEASURED)
     }
     console.print(errors_table("Calibration", stages_rows(sets)))
     others = {
-        f"{source} against {reference}": errors_by_set(runs, source, reference)
+        f"{NAMES[source]} against {NAMES[reference]}": errors_by_set(runs, source, reference)
         for source in (MODELLED, REFERENCE)
         for reference in _references(runs, source)
     }
@@ -190,6 +193,12 @@ def _print(
     for one in runs:
         where = f"{Path(one.session).name}, " if several else ""
         rows.append((f"{where}run {one.run}, {one.set}", errors_of([one], MEASURED, best)))
-    console.print(errors_table(f"Calibration against {best}, run by run", rows))
-    for line in (*difference_lines(compared), *left_out_lines(rows)):
+    console.print(errors_table(f"Calibration against {NAMES[best]}, run by run", rows))
+    # The model is what was fitted to: it speaks only where nothing better is known.
+    better = [name for name in compared if name != MODELLED] or [MODELLED]
+    for name in better:
+        console.print(f"Training against test runs, by their errors against {NAMES[name]}:")
+        for line in difference_lines(compared[name]):
+            console.print(f"  {line}", markup=False)
+    for line in left_out_lines(rows):
         console.print(line, markup=False)

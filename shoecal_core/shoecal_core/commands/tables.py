@@ -12,6 +12,7 @@ from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.calibration.metrics import Mae
 from shoecal_core.calibration.run_errors import COMPARED
 from shoecal_core.calibration.significance import LEVEL, Difference
+from shoecal_core.sensing.shoe import FEET
 
 WRITTEN = {"grf": ("GRF", "N", 3), "cop": ("CoP", "mm", 2)}
 """Quantities, their units and decimals of a small difference, by their names in result files."""
@@ -23,18 +24,19 @@ def new_table(title: str) -> Table:
 
 
 def errors_table(title: str, rows: Sequence[tuple[str, Errors]]) -> Table:
-    """GRF and CoP errors, combined and of each foot: MAE and its standard deviation.
+    """GRF and CoP errors: MAE and its standard deviation; each foot below both together.
 
-    A column that no row has a figure for is left out.
+    A foot that nothing is known of has no line.
     """
     table = new_table(title)
     table.add_column("", no_wrap=True)
-    figures = [found.figures() for _, found in rows]
-    shown = [name for name in figures[0] if any(row[name][0].count for row in figures)]
-    for name in shown:
-        table.add_column(_heading(name), justify="right")
-    for (label, _), row in zip(rows, figures, strict=True):
-        table.add_row(label, *(_mae(row[name][0], row[name][1]) for name in shown))
+    for name in WRITTEN:
+        table.add_column(_heading(name), justify="right", no_wrap=True)
+    for label, found in rows:
+        table.add_row(label, _mae(found.grf, 1.0), _mae(found.cop, 1e3))
+        for foot, grf, cop in zip(FEET, found.foot_grf, found.foot_cop, strict=True):
+            if grf.count or cop.count:
+                table.add_row(f"  {foot} foot", _mae(grf, 1.0), _mae(cop, 1e3), style="dim")
     return table
 
 
@@ -42,7 +44,7 @@ def left_out_lines(rows: Sequence[tuple[str, Errors]]) -> list[str]:
     """Where samples had to be left out of a figure, so that nobody takes it for the whole."""
     return [
         f"{label}: {_heading(name)} counts {mae.count} of {mae.count + mae.left_out} samples; in "
-        "the others nothing stood on the foot, or nothing is known of it"
+        "the others the foot was not loaded, or nothing is known of it"
         for label, found in rows
         for name, (mae, _, _) in found.figures().items()
         if mae.count and mae.left_out
@@ -52,7 +54,7 @@ def left_out_lines(rows: Sequence[tuple[str, Errors]]) -> list[str]:
 def difference_lines(compared: Mapping[str, Difference]) -> list[str]:
     """Train against test in words: the difference, its interval, and what it is worth."""
     if not compared:
-        return ["Training against test runs: no session has both, so nothing can be compared."]
+        return ["no session has both, so nothing can be compared"]
     lines = []
     for name, found in compared.items():
         scale, _ = COMPARED[name]
