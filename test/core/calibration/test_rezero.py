@@ -1,85 +1,67 @@
-"""Offsets corrected from one standstill."""
+"""Offsets corrected from standstills."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
 from core.calibration import synthetic
+from core.calibration.standing import (
+    BOTH,
+    TOLERANCE,
+    WEIGHT,
+    Standing,
+    calibration,
+    corrections,
+    drifted,
+    spread,
+    stand,
+)
+from core.sensing import shoes
 from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.rezero import RezeroError, rezero
+from shoecal_core.calibration.drift import check_drift
+from shoecal_core.calibration.rezero import Rezeroed, RezeroError, rezero
 from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import BodyStates
-from shoecal_core.sensing.correction import CopCorrection
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import (
-    ChannelParameters,
-    at_cop,
-    combined,
-    foot_wrenches,
-    weight_below,
-)
+from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.sensing.wrench import ChannelParameters, foot_wrenches
 
 FloatArray = NDArray[np.float64]
-SUPPORT = synthetic.SUPPORTS[1]
-WEIGHT = 54.0
-HEIGHT = 0.25
-COPS = np.array([[0.02, 0.005], [0.03, -0.01]])
-"""True CoP of left, right, each in its own sole's frame [m]."""
+HOUR_NS = 3600 * 10**9
+STANCES = [BOTH, (WEIGHT, 0.0), (0.0, WEIGHT), (0.0, 0.0)]
 
 
-def calibration(
+def rezeroed(
+    old: Calibration,
     shoe: Shoe,
-    parameters: ChannelParameters,
-    corrections: tuple[CopCorrection, ...] = (),
-    covariance: FloatArray | None = None,
-) -> Calibration:
-    return Calibration(
-        "old", "self", 1, "robot", shoe.name, "r", "s", shoe.names, parameters, covariance,
-        corrections, WEIGHT, 0.0, float("nan"), "PASS", ("fine",),
+    truth: ChannelParameters,
+    standing: Standing,
+    *,
+    after_ns: int = HOUR_NS,
+    largest: float = 50.0,
+    temperature: float = float("nan"),
+) -> Rezeroed:
+    return rezero(
+        old, shoe, standing.readings(truth), standing.body, TOLERANCE,
+        largest=largest, made_ns=old.made_ns + after_ns, temperature=temperature,
     )  # fmt: skip
 
 
-def outputs(shoe: Shoe, forces: tuple[float, float]) -> FloatArray:
-    """(n,) outputs of channels that feel these forces [N] at COPS."""
-    found = np.zeros(len(shoe.names))
-    for foot in (0, 1):
-        own = shoe.of_foot(foot)
-        wanted = at_cop(np.array(forces[foot]), COPS[foot]) - weight_below(shoe)[foot]
-        found[own] = np.linalg.lstsq(shoe.columns[own].T, wanted, rcond=None)[0]
+def off_truth(fresh: Calibration, truth: ChannelParameters) -> FloatArray:
+    """(n,) by which the offsets are wrong [N]."""
+    found: FloatArray = fresh.parameters.offset - truth.offset
     return found
 
 
-def body(cop_left: FloatArray, support: DoubleSupport = SUPPORT) -> BodyStates:
-    """A body whose CoM is above a place of the left sole's frame [m]."""
-    rotation = np.eye(3)
-    rotation[:2, :2] = support.rotation
-    places = np.stack([cop_left, support.left_to_right(cop_left)])
-    com = np.column_stack([places, [HEIGHT, HEIGHT]])
-    return BodyStates(
-        com=com[None],
-        rotation=rotation[None],
-        translation=np.array([[support.dx, support.dy, 0.0]]),
-        left_rotation=np.eye(3)[None],
-        left_translation=np.zeros((1, 3)),
-    )
-
-
-def standing(forces: tuple[float, float]) -> FloatArray:
-    """(2,) CoP of both feet in the left sole's frame [m]."""
-    right = SUPPORT.right_to_left(COPS[1])
-    found: FloatArray = (forces[0] * COPS[0] + forces[1] * right) / sum(forces)
-    return found
-
-
-def drifted(truth: ChannelParameters, drift: FloatArray) -> ChannelParameters:
-    return ChannelParameters(truth.gain, truth.offset + drift)
-
-
-def readings(truth: ChannelParameters, felt: FloatArray) -> FloatArray:
-    found: FloatArray = (felt - truth.offset) / truth.gain
+def offset_stds(fresh: Calibration, slopes: FloatArray) -> FloatArray:
+    """(k,) standard deviations of sums of offsets."""
+    assert fresh.covariance is not None
+    count = len(fresh.channels)
+    found: FloatArray = np.sqrt(np.diag(slopes @ fresh.covariance[count:, count:] @ slopes.T))
     return found
 
 
@@ -88,93 +70,232 @@ def drift(shoe: Shoe, rng: np.random.Generator) -> FloatArray:
     return rng.uniform(-1.0, 1.0, len(shoe.names))
 
 
-def test_standing_on_both_feet(shoe: Shoe, truth: ChannelParameters, drift: FloatArray) -> None:
-    forces = (30.0, WEIGHT - 30.0)
-    raw = readings(truth, outputs(shoe, forces))
-    old = calibration(shoe, drifted(truth, drift))
-    fresh, change = rezero(old, shoe, raw, body(standing(forces)), largest=5.0, made_ns=9)
-    total = combined(foot_wrenches(shoe, fresh.parameters.outputs(raw)), SUPPORT)
-    np.testing.assert_allclose(total, at_cop(np.array(WEIGHT), standing(forces)), atol=1e-9)
+@pytest.mark.parametrize("forces", STANCES)
+@pytest.mark.parametrize("known", [False, True])
+def test_measured_becomes_modelled(
+    shoe: Shoe, truth: ChannelParameters, drift: FloatArray, forces: tuple[float, float],
+    known: bool,
+) -> None:  # fmt: skip
+    standing = stand(shoe, forces)
+    covariance = spread(shoe, np.random.default_rng(1)) if known else None
+    old = calibration(shoe, drifted(truth, drift), covariance=covariance)
+    found = rezeroed(old, shoe, truth, standing)
+    fresh = found.calibration
+    wrenches = foot_wrenches(shoe, fresh.parameters.outputs(standing.readings(truth)))
+    expected = foot_wrenches(shoe, standing.felt)
+    hanging = [foot for foot in (0, 1) if not forces[foot]]
+    np.testing.assert_allclose(wrenches[hanging], 0.0, atol=1e-9)
+    if hanging:
+        np.testing.assert_allclose(wrenches, expected, atol=1e-6)
+    if any(forces):
+        assert found.before is not None
+        assert found.after is not None
+        assert abs(found.after.grf_error) < 1e-9
+        assert found.after.cop_error < 1e-9
+        assert not found.after.beyond
+    else:
+        assert found.before is None
+    assert found.directions == (6 if hanging else 3)
     np.testing.assert_array_equal(fresh.parameters.gain, old.parameters.gain)
-    np.testing.assert_allclose(fresh.parameters.offset - old.parameters.offset, change)
-    assert (fresh.source, fresh.made_ns) == ("rezero", 9)
-    assert fresh.id != old.id
-    # No change does it with less.
-    assert np.linalg.norm(change) <= np.linalg.norm(drift) + 1e-9
+    np.testing.assert_allclose(fresh.parameters.offset - old.parameters.offset, found.change)
+    if known:
+        assert fresh.covariance is not None
+        np.testing.assert_allclose(fresh.covariance, fresh.covariance.T)
+        assert np.linalg.eigvalsh(fresh.covariance).min() > -1e-9
+    else:
+        assert fresh.covariance is None
+        # No change does it with less.
+        assert (
+            np.linalg.norm(found.change) <= np.linalg.norm(drift) * (1.0 + 1e-6)
+            or shoe.torque.any()
+        )
+
+
+@given(arrays(np.float64, 8, elements=st.floats(-1.0, 1.0)), st.sampled_from(STANCES))
+def test_what_the_standstill_cannot_tell_stays(
+    drift: FloatArray, forces: tuple[float, float]
+) -> None:
+    shoe = shoes.shoe("nao_shoe")
+    truth = synthetic.truth(shoe, np.random.default_rng(2))
+    old = calibration(shoe, drifted(truth, drift))
+    once = rezeroed(old, shoe, truth, stand(shoe, forces)).calibration
+    twice = rezeroed(once, shoe, truth, stand(shoe, forces)).calibration
+    np.testing.assert_allclose(twice.parameters.offset, once.parameters.offset, atol=1e-7)
+    # + - - + of one foot changes neither its force nor its CoP.
+    pattern = np.linalg.svd(shoe.columns[:4].T)[2][-1]
+    before, after = (off_truth(one, truth)[:4] @ pattern for one in (old, once))
+    assert after == pytest.approx(before, abs=1e-6)
 
 
 def test_uncertain_offsets_change_most(
     shoe: Shoe, truth: ChannelParameters, rng: np.random.Generator
 ) -> None:
     count = len(shoe.names)
-    spread = np.full(count, 1e-3)
-    spread[:3] = 3.0  # one foot's cells, enough for every wrench
-    covariance = np.diag(np.concatenate([np.ones(count), spread**2]))
-    forces = (30.0, WEIGHT - 30.0)
-    raw = readings(truth, outputs(shoe, forces))
-    old = calibration(shoe, drifted(truth, rng.uniform(0.2, 0.8, count)), covariance=covariance)
-    _, change = rezero(old, shoe, raw, body(standing(forces)), largest=50.0, made_ns=9)
-    assert np.abs(change[3:]).max() < 0.05 * np.abs(change[:3]).max()
-
-
-def test_hanging_both_feet_read_zero(
-    shoe: Shoe, truth: ChannelParameters, drift: FloatArray
-) -> None:
-    raw = readings(truth, outputs(shoe, (0.0, 0.0)))
-    old = calibration(shoe, drifted(truth, drift))
-    fresh, _ = rezero(old, shoe, raw, body(np.zeros(2)), largest=5.0, made_ns=9)
-    wrenches = foot_wrenches(shoe, fresh.parameters.outputs(raw))
-    np.testing.assert_allclose(wrenches, 0.0, atol=1e-9)
-
-
-@pytest.mark.parametrize("foot", [0, 1])
-def test_on_one_foot_the_other_reads_zero(
-    shoe: Shoe, truth: ChannelParameters, drift: FloatArray, foot: int
-) -> None:
-    forces = (WEIGHT, 0.0) if foot == 0 else (0.0, WEIGHT)
-    place = COPS[0] if foot == 0 else SUPPORT.right_to_left(COPS[1])
-    raw = readings(truth, outputs(shoe, forces))
-    old = calibration(shoe, drifted(truth, drift))
-    fresh, _ = rezero(old, shoe, raw, body(place), largest=5.0, made_ns=9)
-    wrenches = foot_wrenches(shoe, fresh.parameters.outputs(raw))
-    expected = at_cop(np.array(WEIGHT), COPS[foot])
-    np.testing.assert_allclose(wrenches[foot], expected, atol=1e-9)
-    np.testing.assert_allclose(wrenches[1 - foot], 0.0, atol=1e-9)
+    own = np.full(count, 1e-3)
+    own[:3] = 3.0  # one foot's cells, enough for every wrench
+    covariance = np.diag(np.concatenate([np.full(count, 1e-9), own**2]))
+    old = calibration(shoe, drifted(truth, np.full(count, 0.01)), covariance=covariance)
+    found = rezeroed(old, shoe, truth, stand(shoe), after_ns=1)
+    assert np.abs(found.change[3:]).max() < 0.05 * np.abs(found.change[:3]).max()
 
 
 def test_the_corrected_cop_is_the_one_that_counts(
     shoe: Shoe, truth: ChannelParameters, drift: FloatArray, rng: np.random.Generator
 ) -> None:
-    corrections = tuple(
-        CopCorrection(
-            foot,
-            x=np.concatenate([[0.3, 0.02, 0.01, 1e-3], rng.normal(0.0, 1e-5, count)]),
-            y=np.concatenate([[0.3, 0.02, 0.01, 1e-3], rng.normal(0.0, 1e-5, count)]),
-            cop_range=np.array([[-1.0, -1.0], [1.0, 1.0]]),
-            output_range=np.array([np.full(count, -99.0), np.full(count, 99.0)]),
-        )
-        for foot in (0, 1)
-        for count in [len(shoe.of_foot(foot))]
-    )
-    forces = (30.0, WEIGHT - 30.0)
-    raw = readings(truth, outputs(shoe, forces))
-    old = calibration(shoe, drifted(truth, drift), corrections)
-    fresh, _ = rezero(old, shoe, raw, body(standing(forces)), largest=9.0, made_ns=9)
-    measured = fresh.sensing(shoe).measure(raw)
+    standing = stand(shoe)
+    old = calibration(shoe, drifted(truth, drift), corrections=corrections(shoe, rng))
+    fresh = rezeroed(old, shoe, truth, standing).calibration
+    measured = fresh.sensing(shoe).measure(standing.readings(truth))
     np.testing.assert_allclose(measured.total_grf, WEIGHT, atol=1e-6)
-    np.testing.assert_allclose(measured.combined_cop(SUPPORT), standing(forces), atol=1e-8)
+    np.testing.assert_allclose(
+        measured.combined_cop(standing.body.support()), standing.body.cop[0, 0], atol=1e-7
+    )
+
+
+# What is known afterwards
+
+
+def test_what_was_corrected_is_known_as_well_as_weight_and_model(
+    shoe: Shoe, truth: ChannelParameters, drift: FloatArray
+) -> None:
+    standing = stand(shoe)
+    covariance = spread(shoe, np.random.default_rng(1))
+    old = calibration(shoe, drifted(truth, drift), covariance=covariance)
+    fresh = rezeroed(old, shoe, truth, standing).calibration
+    for again in (fresh, rezeroed(fresh, shoe, truth, standing).calibration):
+        # Weight and model are as wrong the second time as they were the first.
+        told = check_drift(again, shoe, standing.readings(truth), standing.body, TOLERANCE)
+        assert told.grf_limit == pytest.approx(2.968 * TOLERANCE.force, rel=1e-3)
+        assert told.cop_limit == pytest.approx(2.410 * 2**0.5 * TOLERANCE.cop, rel=1e-3)
+
+
+def test_the_rest_is_as_uncertain_as_the_drift_was_large(
+    shoe: Shoe, truth: ChannelParameters
+) -> None:
+    count = len(shoe.names)
+    covariance = np.zeros((2 * count, 2 * count))
+    left = np.where(shoe.foot == 0, shoe.columns[:, 0], 0.0)[None]
+    stds = []
+    for size in (0.0, 1.0, 2.0):
+        drift = np.where(shoe.torque, 0.0, size)
+        old = calibration(shoe, drifted(truth, drift), covariance=covariance)
+        fresh = rezeroed(old, shoe, truth, stand(shoe)).calibration
+        stds.append(offset_stds(fresh, left)[0])
+    assert 0.05 < stds[0] < stds[1] < stds[2]
+
+
+def test_errors_lie_within_what_is_stated(shoe: Shoe, truth: ChannelParameters) -> None:
+    rng, count = np.random.default_rng(7), len(shoe.names)
+    old = calibration(shoe, truth, covariance=np.zeros((2 * count, 2 * count)))
+    left = np.where(shoe.foot == 0, shoe.columns[:, 0], 0.0)[None]
+    ratios = []
+    for _ in range(200):
+        drift = rng.normal(0.0, 0.5, count) * np.where(shoe.torque, 0.1, 1.0)
+        standing = stand(shoe, off=rng.normal(0.0, TOLERANCE.cop, 2))
+        now = drifted(truth, -drift)
+        fresh = rezeroed(old, shoe, now, standing).calibration
+        error = left @ off_truth(fresh, now)
+        ratios.append((error / offset_stds(fresh, left))[0])
+    assert 0.6 < np.std(ratios) < 1.3
+
+
+def test_other_stances_add_what_one_cannot_tell(shoe: Shoe, truth: ChannelParameters) -> None:
+    rng, count = np.random.default_rng(3), len(shoe.names)
+    left = np.where(shoe.foot == 0, shoe.columns[:, 0], 0.0)[None]
+    errors: list[list[float]] = []
+    stated: list[list[float]] = []
+    for _ in range(20):
+        drift = rng.normal(0.0, 0.5, count) * np.where(shoe.torque, 0.1, 1.0)
+        old = calibration(shoe, drifted(truth, drift), covariance=np.zeros((2 * count, 2 * count)))
+        errors.append([])
+        stated.append([])
+        for forces in (BOTH, (WEIGHT, 0.0), (0.0, WEIGHT)):
+            old = rezeroed(old, shoe, truth, stand(shoe, forces), after_ns=10**9).calibration
+            errors[-1].append(abs(float((left @ off_truth(old, truth))[0])))
+            stated[-1].append(float(offset_stds(old, left)[0]))
+    first, *later = np.mean(errors, axis=0)
+    assert max(later) < 0.2 * first
+    first, *later = np.mean(stated, axis=0)
+    assert max(later) < first
+
+
+def test_two_supports_tell_more_than_one() -> None:
+    shoe = shoes.shoe("nao_shoe")
+    truth = synthetic.truth(shoe, np.random.default_rng(2))
+    drift = np.random.default_rng(4).normal(0.0, 0.5, 8)
+    old = calibration(shoe, drifted(truth, drift), covariance=np.zeros((16, 16)))
+    sizes = [np.linalg.norm(drift)]
+    for support in (DoubleSupport(0.06, -0.12, -0.4), DoubleSupport(-0.03, -0.14, 0.5)):
+        old = rezeroed(old, shoe, truth, stand(shoe, support=support), after_ns=10**9).calibration
+        sizes.append(np.linalg.norm(off_truth(old, truth)))
+    assert sizes[2] < sizes[1] < sizes[0]
+
+
+# Other sources
+
+
+def test_a_manual_calibration_is_not_spoilt_by_the_model(
+    shoe: Shoe, truth: ChannelParameters
+) -> None:
+    standing = stand(shoe, off=np.array([0.004, 0.0]))
+    good = calibration(shoe, truth, source="manual")
+    found = rezeroed(good, shoe, truth, standing)
+    assert found.calibration is good
+    assert (found.directions, np.abs(found.change).max()) == (0, 0.0)
+    assert "no more than weight and model may be off" in found.summary
+    drift = np.where(shoe.torque, 0.0, 0.5)
+    heavy = rezeroed(
+        calibration(shoe, drifted(truth, drift), source="manual"), shoe, truth, standing
+    )
+    assert heavy.directions == 1
+    assert heavy.after is not None
+    assert heavy.after.grf_error == pytest.approx(0.0, abs=1e-9)
+    assert heavy.after.cop_error > 0.002
+
+
+def test_verdict_and_reasons_stay_however_often(shoe: Shoe, truth: ChannelParameters) -> None:
+    old = calibration(shoe, truth, verdict="WARN", reasons=("WARN: odd",), fitted_runs=("ab",))
+    fresh, identities = old, set()
+    for count in range(4):
+        law = drifted(truth, np.full(len(shoe.names), 0.01 * count))
+        fresh = rezeroed(fresh, shoe, law, stand(shoe), temperature=30.0 + count).calibration
+        identities.add(fresh.id)
+    assert len(identities) == 4
+    assert all(identity.startswith("rezero-") and len(identity) == 19 for identity in identities)
+    assert fresh.verdict == "WARN"
+    assert fresh.reasons == ("WARN: odd", "offsets of 'old' corrected at standstills since")
+    assert (fresh.source, fresh.temperature, fresh.fitted_runs) == ("rezero", 33.0, ("ab",))
+    assert fresh.made_ns == old.made_ns + 4 * HOUR_NS
+    unknown = rezeroed(fresh, shoe, truth, stand(shoe)).calibration
+    assert unknown.temperature == 33.0
+
+
+def test_it_says_what_it_could_do(shoe: Shoe, truth: ChannelParameters) -> None:
+    count = len(shoe.names)
+    old = calibration(shoe, drifted(truth, np.where(shoe.torque, 0.0, 0.5)))
+    both = rezeroed(old, shoe, truth, stand(shoe))
+    assert f"from one double support 3 of {count} directions" in both.summary
+    assert both.before is not None
+    assert f"GRF by {abs(both.before.grf_error):.2f} N" in both.summary
+    for foot in (0, 1):
+        forces = (0.0, WEIGHT) if foot == 0 else (WEIGHT, 0.0)
+        lifted = rezeroed(old, shoe, truth, stand(shoe, forces))
+        assert f"{FEET[foot]} foot lifted 6 of {count} directions" in lifted.summary
+    air = rezeroed(old, shoe, truth, stand(shoe, (0.0, 0.0)))
+    assert "the feet in the air read zero again; from both feet in the air" in air.summary
+
+
+# Refusals
 
 
 def test_what_is_no_drift_is_refused(shoe: Shoe, truth: ChannelParameters) -> None:
-    forces = (30.0, WEIGHT - 30.0)
-    raw = readings(truth, outputs(shoe, forces))
     old = calibration(shoe, drifted(truth, np.full(len(shoe.names), 8.0)))
     with pytest.raises(RezeroError, match="calibrate anew"):
-        rezero(old, shoe, raw, body(standing(forces)), largest=5.0, made_ns=9)
+        rezeroed(old, shoe, truth, stand(shoe), largest=5.0)
 
 
 def test_a_cell_that_tells_nothing_is_refused(shoe: Shoe, truth: ChannelParameters) -> None:
-    raw = readings(truth, outputs(shoe, (30.0, 24.0)))
-    raw[0] = np.nan
+    standing = stand(shoe)
+    standing.felt[0] = np.nan
     with pytest.raises(ShapeError):
-        rezero(calibration(shoe, truth), shoe, raw, body(np.zeros(2)), largest=5.0, made_ns=9)
+        rezeroed(calibration(shoe, truth), shoe, truth, standing)
