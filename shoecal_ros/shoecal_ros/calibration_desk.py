@@ -2,36 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
-from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.parameter import Parameter
 from shoecal_msgs.action import Calibrate
 from shoecal_msgs.msg import ShoeCalibration
-from shoecal_msgs.srv import GetCalibration, Rezero, SetCalibration
+from shoecal_msgs.srv import GetCalibration, SetCalibration
 from std_srvs.srv import Trigger
 
 from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.rezero import RezeroError, rezero
 from shoecal_core.errors import ShoecalError
 from shoecal_ros import qos
-from shoecal_ros.calibration_store import CalibrationStore, NotApplicableError
+from shoecal_ros.calibration_store import CalibrationStore
 from shoecal_ros.conversions import calibration_from_ros, calibration_to_ros, time_to_ros
-from shoecal_ros.joining import Joined
-from shoecal_ros.joints import JointBatch
+from shoecal_ros.in_force import UNCALIBRATED, InForce
 from shoecal_ros.refusal import RefusedError
-from shoecal_ros.rezeroing import Standstill
-from shoecal_ros.runtime import until
 
 if TYPE_CHECKING:
     from shoecal_ros.nodes.calibrator import Calibrator
 
 MIRROR = "in_force."
 """Prefix of the parameters that mirror the calibration in force."""
-STILL_PATIENCE = 15.0
-"""How many times the time of standing still is waited for it, by the wall clock."""
 
 
 class CalibrationDesk:
@@ -39,27 +31,30 @@ class CalibrationDesk:
 
     Attributes:
         store: what is in force, and the files.
-        problem: what of the files could not be taken, empty when all is well.
+        problem: what of the files could not be taken, or why the last self-calibration ended
+            without a result; empty when all is well, and once a calibration comes in force.
     """
 
     def __init__(self, node: Calibrator, store: CalibrationStore) -> None:
         self.store = store
-        self.problem = store.load()
+        self.problem = store.load(node.now_ns, warned=node.job_settings.apply_warned)
         self._node = node
-        self._standstill: Standstill | None = None
-        self._since_ns = 0
         self._mirroring = False
         self._publisher = node.create_publisher(ShoeCalibration, "shoe/calibration", qos.LATCHED)
         node.create_service(GetCalibration, "shoe/get_calibration", self._get)
         node.create_service(SetCalibration, "shoe/set_calibration", self._set)
         node.create_service(Trigger, "shoe/rollback", self._rollback)
-        # It takes a while, in which everything else must go on.
-        node.create_service(
-            Rezero, "shoe/rezero", self._rezero, callback_group=ReentrantCallbackGroup()
-        )
         node.add_on_set_parameters_callback(self._guard)
         if store.current is not None:
             self._put_in_force(store.current)
+
+    @property
+    def in_force(self) -> InForce | None:
+        """What is in force, None while uncalibrated."""
+        current = self.store.current
+        if current is None:
+            return None
+        return InForce(current, self.store.since_ns, self._node.voltages.temperature)
 
     def apply_found(self, calibration: Calibration, *, warned: bool) -> None:
         """Apply what a self-calibration found.
@@ -76,15 +71,13 @@ class CalibrationDesk:
         except ShoecalError as error:
             raise RefusedError(Calibrate.Result.NOT_APPLIED, f"not applied: {error}") from error
 
-    def take_readings(self, joined: Sequence[Joined]) -> None:
-        """Readings for a correction of offsets under way."""
-        if self._standstill is not None:
-            self._standstill.take_readings(joined)
+    def apply_corrected(self, calibration: Calibration) -> None:
+        """Apply the one in force with corrected offsets, whatever its checks said.
 
-    def take_joints(self, batch: JointBatch) -> None:
-        """Joint angles likewise."""
-        if self._standstill is not None:
-            self._standstill.take_joints(batch)
+        Raises:
+            ShoecalError: with the cure.
+        """
+        self._apply(calibration, force=True)
 
     # Applying
 
@@ -96,21 +89,15 @@ class CalibrationDesk:
         Raises:
             ShoecalError: with the cure.
         """
-        self.store.check(calibration, force=force)
-        if calibration.verdict == "WARN" and not (force or warned):
-            raise NotApplicableError(
-                f"the checks of calibration '{calibration.id}' warn "
-                f"({'; '.join(calibration.reasons)}); follow them and calibrate anew, or set it "
-                "with force"
-            )
-        self.store.apply(calibration)
+        self.store.check(calibration, force=force, warned=warned)
+        self.store.apply(calibration, self._node.now_ns)
         self.problem = ""
         self._put_in_force(calibration)
 
     def _put_in_force(self, calibration: Calibration) -> None:
         node = self._node
         node.live.sensing = calibration.sensing(node.shoe)
-        self._since_ns = node.now_ns
+        node.drift.begin()
         self._publisher.publish(calibration_to_ros(calibration))
         self._mirror(calibration)
 
@@ -153,11 +140,14 @@ class CalibrationDesk:
         self, request: GetCalibration.Request, response: GetCalibration.Response
     ) -> GetCalibration.Response:
         del request
-        current = self.store.current
-        if current is not None:
+        found = self.in_force
+        response.temperature = self._node.voltages.temperature
+        response.message = UNCALIBRATED
+        if found is not None:
             response.calibrated = True
-            response.calibration = calibration_to_ros(current)
-            response.since = time_to_ros(self._since_ns)
+            response.calibration = calibration_to_ros(found.calibration)
+            response.since = time_to_ros(found.since_ns)
+            response.message = found.sentence
         return response
 
     def _set(
@@ -167,71 +157,31 @@ class CalibrationDesk:
             calibration = calibration_from_ros(request.calibration)
             self._apply(calibration, force=request.force)
         except ShoecalError as error:
-            response.message = str(error)
+            response.message = self._refused(error)
         else:
-            response.success, response.message = True, f"'{calibration.id}' in force"
+            response.success, response.message = True, self._accepted()
         return response
 
     def _rollback(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         del request
         try:
-            calibration = self.store.rollback()
+            calibration = self.store.rollback(self._node.now_ns)
         except ShoecalError as error:
-            response.message = str(error)
+            response.message = self._refused(error)
         else:
+            self.problem = ""
             self._put_in_force(calibration)
-            response.success, response.message = True, f"'{calibration.id}' in force again"
+            response.success, response.message = True, self._accepted()
         return response
 
-    async def _rezero(self, request: Rezero.Request, response: Rezero.Response) -> Rezero.Response:
-        del request
-        try:
-            await self._correct_offsets(response)
-        except ShoecalError as error:
-            response.message = str(error)
-        finally:
-            self._standstill = None
-        return response
+    def _accepted(self) -> str:
+        """What is in force now, in words."""
+        found = self.in_force
+        assert found is not None
+        reasons = "; ".join(found.calibration.reasons)
+        return f"{found.sentence}: {reasons}" if reasons else found.sentence
 
-    async def _correct_offsets(self, response: Rezero.Response) -> None:
-        node, current = self._node, self.store.current
-        if current is None:
-            raise NotApplicableError("uncalibrated: there are no offsets; calibrate first")
-        if node.calibrating or self._standstill is not None:
-            raise NotApplicableError("a calibration or a correction is under way; wait for it")
-        if problem := node.input_problem():
-            raise NotApplicableError(problem)
-        standstill = await self._observe()
-        body = node.kinematics.states(standstill.angles[None])
-        fresh, change = rezero(
-            current, node.shoe, standstill.readings, body,
-            largest=node.node_settings.rezero_limit, made_ns=node.now_ns,
-        )  # fmt: skip
-        # Offsets of a calibration in force are corrected whatever its verdict was.
-        self._apply(fresh, force=True)
-        response.success = True
-        response.message = f"'{fresh.id}' in force"
-        response.channel, response.change = list(fresh.channels), change.tolist()
-
-    async def _observe(self) -> Standstill:
-        """A standstill; begun again whenever the robot moves."""
-        node, duration = self._node, self._node.node_settings.rezero_time
-        self._standstill = standstill = Standstill(duration)
-        node.stillness.restart()
-
-        def observed() -> bool:
-            if self._standstill is not None and not node.stillness.still:
-                self._standstill.restart()
-            return standstill.done or bool(node.input_problem())
-
-        came = await until(observed, STILL_PATIENCE * duration)
-        if problem := node.input_problem():
-            raise NotApplicableError(problem)
-        if not came:
-            raise RezeroError(
-                f"the robot did not stand still for {duration:g} s; stop what moves it"
-            )
-        if standstill.bad:
-            bad = ", ".join(node.shoe.names[index] for index in sorted(standstill.bad))
-            raise RezeroError(f"no good readings of {bad}; mend that first")
-        return standstill
+    def _refused(self, error: ShoecalError) -> str:
+        """Why not, on screen too."""
+        self._node.get_logger().warning(f"not in force: {error}")
+        return str(error)

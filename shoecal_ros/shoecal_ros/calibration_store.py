@@ -1,19 +1,47 @@
-"""The calibration in force, the one before it, and their files."""
+"""The calibration in force, the one before it, and their files.
+
+A change is one rename: the new file is laid beside the others and noted in the record, then the
+one in force becomes the one before, then the new one takes its place. Killed at any moment, what
+is loaded next is the old pair or the new one, whole.
+"""
 
 from __future__ import annotations
 
+import contextlib
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
 from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.files import read_yaml, sha256, write_yaml
 from shoecal_core.model.robot import Robot
 from shoecal_core.sensing.shoe import Shoe
 
-CURRENT, BEFORE = "calibration.yaml", "calibration_before.yaml"
+CURRENT, BEFORE, NEXT = "calibration.yaml", "calibration_before.yaml", "calibration_next.yaml"
+RECORD = "in_force.yaml"
+RECORD_FORMAT = 1
+LATEST_NS = (2**31 - 1) * 10**9
+"""Messages hold no later time."""
 
 
 class NotApplicableError(ShoecalError):
     """A calibration that must not be applied here."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """When and where a calibration was put in force.
+
+    Attributes:
+        since_ns: when [ns].
+        robot_hash, shoe_hash: files of robot and shoe that were in use.
+    """
+
+    since_ns: int
+    robot_hash: str
+    shoe_hash: str
 
 
 class CalibrationStore:
@@ -22,49 +50,73 @@ class CalibrationStore:
     Attributes:
         current: in force, None while uncalibrated.
         before: to roll back to, None where there is none.
+        since_ns: when the current one was put in force [ns].
     """
 
     def __init__(self, folder: Path, robot: Robot, shoe: Shoe) -> None:
         self.current: Calibration | None = None
         self.before: Calibration | None = None
+        self.since_ns = 0
         self._folder = folder
         self._robot = robot
         self._shoe = shoe
+        self._record: dict[str, Entry] = {}
 
-    def load(self) -> str:
-        """Take what is in the folder; what could not be taken and its cure, else empty."""
+    def load(self, now_ns: int, *, warned: bool = False) -> str:
+        """Take what is in the folder; what could not be taken and its cure, else empty.
+
+        What was accepted here counts as long as robot and shoe are the same.
+
+        Args:
+            now_ns: since when a file is in force that somebody laid there.
+            warned: take such a file also when its checks warn.
+        """
         problems = []
+        try:
+            self._record = _read_record(self._folder / RECORD)
+            self._recover()
+        except ShoecalError as error:
+            problems.append(str(error))
         for name in (CURRENT, BEFORE):
             path = self._folder / name
             if not path.is_file():
                 continue
             try:
-                calibration = load_calibration(path)
-                self.check(calibration)
+                calibration, digest = load_calibration(path), sha256(path)
+                known = self._record.get(digest)
+                accepted = known is not None and known == self._entry(known.since_ns)
+                self.check(calibration, force=accepted, warned=warned)
             except ShoecalError as error:
                 problems.append(str(error) if isinstance(error, FileError) else f"{path}: {error}")
                 continue
-            if name == CURRENT:
-                self.current = calibration
-            else:
+            if name == BEFORE:
                 self.before = calibration
+                continue
+            self.current = calibration
+            self.since_ns = now_ns if known is None else known.since_ns
+            if not accepted:
+                # A folder that cannot be written is told when something is to be kept in it.
+                with contextlib.suppress(FileError):
+                    self._note(digest, self.since_ns)
         return "; ".join(problems)
 
-    def check(self, calibration: Calibration, *, force: bool = False) -> None:
+    def check(self, calibration: Calibration, *, force: bool = False, warned: bool = False) -> None:
         """Whether a calibration may be applied to this robot and these shoes.
 
         Args:
             calibration: to be applied.
-            force: also one that was made with other versions of the robot or the shoe file.
+            force: also one that was made with other versions of the robot or the shoe file, or
+                whose checks warn.
+            warned: also one whose checks warn.
 
         Raises:
             NotApplicableError, WrongShoeError: with the cure.
         """
         calibration.sensing(self._shoe)
+        reasons = "; ".join(calibration.reasons)
         if calibration.verdict == "FAIL":
             raise NotApplicableError(
-                f"calibration '{calibration.id}' failed its own checks "
-                f"({'; '.join(calibration.reasons)}); calibrate anew"
+                f"calibration '{calibration.id}' failed its own checks ({reasons}); calibrate anew"
             )
         if force:
             return
@@ -77,33 +129,132 @@ class CalibrationStore:
                     f"calibration '{calibration.id}' was made with another {kind} file than the "
                     f"one in use; calibrate anew, or set it with force"
                 )
+        if calibration.verdict == "WARN" and not warned:
+            raise NotApplicableError(
+                f"the checks of calibration '{calibration.id}' warn ({reasons}); follow them and "
+                "calibrate anew, or set it with force"
+            )
 
-    def apply(self, calibration: Calibration) -> None:
+    def apply(self, calibration: Calibration, now_ns: int) -> None:
         """Put a checked calibration in force; the one in force is kept for rollback.
+
+        One that is in force already stays so, and so does the one before it.
+
+        Args:
+            calibration: to apply.
+            now_ns: since when it is in force [ns].
 
         Raises:
             FileError: when it cannot be saved; then nothing has changed.
         """
+        current, before, fresh = (self._folder / name for name in (CURRENT, BEFORE, NEXT))
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise FileError(
                 self._folder, f"cannot be made ({error.strerror}); correct state_dir"
             ) from error
+        save_calibration(calibration, fresh)
+        digest = sha256(fresh)
+        if self.current is not None and current.is_file() and sha256(current) == digest:
+            fresh.unlink()
+            return
+        self._note(digest, now_ns)
         if self.current is not None:
-            save_calibration(self.current, self._folder / BEFORE)
+            # Somebody may have taken the file away; what it held is in force all the same.
+            if not current.is_file():
+                save_calibration(self.current, current)
+            _rename(current, before)
             self.before = self.current
-        save_calibration(calibration, self._folder / CURRENT)
-        self.current = calibration
+        _rename(fresh, current)
+        self.current, self.since_ns = calibration, now_ns
 
-    def rollback(self) -> Calibration:
+    def rollback(self, now_ns: int) -> Calibration:
         """Put the calibration before in force again; the one in force becomes the one before.
+
+        Args:
+            now_ns: since when it is in force [ns].
 
         Raises:
             NotApplicableError: when there is none.
+            FileError: when it cannot be saved; then nothing has changed.
         """
         if self.before is None:
             raise NotApplicableError("there is no calibration before this one to go back to")
         calibration = self.before
-        self.apply(calibration)
+        self.apply(calibration, now_ns)
         return calibration
+
+    # The record
+
+    def _entry(self, since_ns: int) -> Entry:
+        return Entry(since_ns, self._robot.digest, self._shoe.digest)
+
+    def _note(self, digest: str, since_ns: int) -> None:
+        """Note a file that is to be in force, and forget those that are gone."""
+        files = (self._folder / name for name in (CURRENT, BEFORE, NEXT))
+        present = {sha256(path) for path in files if path.is_file()}
+        kept = {known: entry for known, entry in self._record.items() if known in present}
+        record = {**kept, digest: self._entry(since_ns)}
+        _write_record(self._folder / RECORD, record)
+        self._record = record
+
+    def _recover(self) -> None:
+        """End a change that was interrupted: as if it had been made, or never begun."""
+        current, fresh = self._folder / CURRENT, self._folder / NEXT
+        if not fresh.is_file():
+            return
+        if current.is_file() or sha256(fresh) not in self._record:
+            fresh.unlink()
+        else:
+            _rename(fresh, current)
+
+
+def _rename(source: Path, target: Path) -> None:
+    """Rename a file, durably."""
+    try:
+        source.replace(target)
+        folder = os.open(target.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
+    except OSError as error:
+        raise FileError(target, f"cannot be written ({error.strerror})") from error
+
+
+def _read_record(path: Path) -> dict[str, Entry]:
+    """Entries by the SHA-256 of their calibration's file."""
+    if not path.is_file():
+        return {}
+    fields = read_yaml(path)
+    fields.format(RECORD_FORMAT)
+    fields.only("format", "calibrations")
+    record = {}
+    for item in fields.items("calibrations"):
+        item.only("file_hash", "since_ns", "robot_hash", "shoe_hash")
+        since_ns = item.integer("since_ns", minimum=0)
+        if since_ns > LATEST_NS:
+            raise item.error("since_ns", "lies beyond what a stamp holds; delete this file")
+        record[item.text("file_hash")] = Entry(
+            since_ns, item.text("robot_hash"), item.text("shoe_hash")
+        )
+    return record
+
+
+def _write_record(path: Path, record: Mapping[str, Entry]) -> None:
+    write_yaml(
+        path,
+        {
+            "format": RECORD_FORMAT,
+            "calibrations": [
+                {
+                    "file_hash": digest,
+                    "since_ns": entry.since_ns,
+                    "robot_hash": entry.robot_hash,
+                    "shoe_hash": entry.shoe_hash,
+                }
+                for digest, entry in record.items()
+            ],
+        },
+    )

@@ -276,6 +276,7 @@ def calibration_to_ros(calibration: Calibration) -> ShoeCalibration:
         temperature=float(calibration.temperature),
         verdict=calibration.verdict,
         reasons=list(calibration.reasons),
+        fitted_runs=list(calibration.fitted_runs),
     )
 
 
@@ -315,6 +316,7 @@ def calibration_from_ros(message: ShoeCalibration) -> Calibration:
         temperature=message.temperature,
         verdict=message.verdict,
         reasons=tuple(message.reasons),
+        fitted_runs=tuple(message.fitted_runs),
     )
 
 

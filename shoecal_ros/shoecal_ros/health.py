@@ -45,11 +45,19 @@ class Health:
         return self._conditions
 
     def tell(self, subject: str, level: Level, message: str, **values: object) -> None:
-        """Note how a subject fares; other figures in the same words are no news."""
-        condition = Condition(level, message, {key: str(value) for key, value in values.items()})
+        """Note how a subject fares."""
+        told = {key: str(value) for key, value in values.items()}
+        self.note(subject, Condition(level, message, told))
+
+    def note(self, subject: str, condition: Condition) -> None:
+        """The same; other figures in the same words are no news."""
         before = self._conditions.get(subject)
         self._conditions[subject] = condition
-        if before is None or before.level is not level or _words(before) != _words(condition):
+        if (
+            before is None
+            or before.level is not condition.level
+            or _words(before) != _words(condition)
+        ):
             self._fresh[subject] = condition
 
     def news(self) -> dict[str, Condition]:
@@ -58,5 +66,5 @@ class Health:
         return fresh
 
 
-def _words(condition: Condition) -> str:
-    return re.sub(r"\d+(\.\d+)?", "#", condition.message)
+def _words(condition: Condition) -> tuple[Level, str]:
+    return condition.level, re.sub(r"[-+]?\d+(\.\d+)?", "#", condition.message)

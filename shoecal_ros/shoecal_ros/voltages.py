@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterable
 
@@ -16,7 +17,12 @@ REMEMBER_S = 3.0
 
 
 class VoltageInput:
-    """What the devices send."""
+    """What the devices send.
+
+    Attributes:
+        latest: the last instant of all channels, None before there was one.
+        temperature: that a device told last [degC], NaN where none does.
+    """
 
     def __init__(
         self, joiner: FrameJoiner, stale_s: float, clock: Callable[[], float] = time.monotonic
@@ -35,7 +41,13 @@ class VoltageInput:
         self._heard = -np.inf
         self._trouble = ""
         self._troubled = -np.inf
-        self.latest_ns: int | None = None
+        self.latest: Joined | None = None
+        self.temperature = math.nan
+
+    @property
+    def latest_ns(self) -> int | None:
+        """Stamp of the last instant [ns], None before there was one."""
+        return None if self.latest is None else self.latest.stamp_ns
 
     @property
     def age_s(self) -> float:
@@ -54,7 +66,7 @@ class VoltageInput:
         if now - self._troubled < REMEMBER_S:
             return self._trouble
         if not self.fresh:
-            if self.latest_ns is None:
+            if self.latest is None:
                 return "no voltages yet; start shoe_driver"
             return f"no voltages for {now - self._heard:.0f} s; check shoe_driver and its device"
         missing = self._joiner.missing
@@ -76,7 +88,9 @@ class VoltageInput:
                 continue
             if joined is not None:
                 instants.append(joined)
+            if not math.isnan(frame.temperature):
+                self.temperature = frame.temperature
         if instants:
             self._heard = self._clock()
-            self.latest_ns = instants[-1].stamp_ns
+            self.latest = instants[-1]
         return instants

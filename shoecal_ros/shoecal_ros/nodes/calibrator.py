@@ -4,21 +4,21 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable
-from dataclasses import dataclass
-from datetime import UTC, datetime
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from rclpy.action import ActionClient, ActionServer, CancelResponse
-from rclpy.action.server import ServerGoalHandle
+from rclpy.action import ActionClient
 from rclpy.serialization import deserialize_message
+from rclpy.subscription import Subscription
 from sensor_msgs.msg import JointState
-from shoecal_msgs.action import Calibrate, Plan, ReachSupport
+from shoecal_msgs.action import Plan, ReachSupport
 from shoecal_msgs.msg import ShoeState
-from shoecal_msgs.srv import SelfCalibrate
 
+from shoecal_core.calibration.drift import FALSE_ALARM
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.standstill import ModelTolerance
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.settings import PlannerSettings
@@ -26,19 +26,13 @@ from shoecal_core.recording import schemas
 from shoecal_core.settings import Settings, load_settings, setting
 from shoecal_core.workspace import config_dir
 from shoecal_ros import qos
-from shoecal_ros.actions import finish
 from shoecal_ros.armed_input import ArmedInput
 from shoecal_ros.calibration_desk import CalibrationDesk
-from shoecal_ros.calibration_job import (
-    PLAN_ACTION,
-    REACH_ACTION,
-    CalibrationJob,
-    JobSettings,
-    Request,
-)
+from shoecal_ros.calibration_job import PLAN_ACTION, REACH_ACTION, JobSettings
 from shoecal_ros.calibration_store import CalibrationStore
-from shoecal_ros.conversions import calibration_to_ros
-from shoecal_ros.health import Level
+from shoecal_ros.drift_desk import DriftDesk
+from shoecal_ros.health import Condition, Level
+from shoecal_ros.in_force import UNCALIBRATED
 from shoecal_ros.joining import FrameJoiner, Joined
 from shoecal_ros.joints import JointInput
 from shoecal_ros.live import LiveSensing, LowPass
@@ -46,9 +40,10 @@ from shoecal_ros.live_publishers import LivePublishers
 from shoecal_ros.load import LoadSwitch
 from shoecal_ros.raw_topics import RAW_TOPICS, relative
 from shoecal_ros.recorder import Recorder
-from shoecal_ros.refusal import RefusedError
+from shoecal_ros.rezeroing import RezeroDesk
 from shoecal_ros.robot_files import RobotFiles
 from shoecal_ros.runtime import ShoecalNode, run
+from shoecal_ros.self_calibration import SelfCalibrationDesk
 from shoecal_ros.sensor_frames import frame_reader
 from shoecal_ros.stillness import Stillness
 from shoecal_ros.voltages import VoltageInput
@@ -86,6 +81,25 @@ class CalibratorSettings(Settings):
     rezero_limit: float = setting(
         5.0, "N", "largest change of an offset that is still a drift", minimum=0.0
     )
+    drift_time: float = setting(
+        5.0,
+        "s",
+        "of standing still, from which GRF and CoP are compared with the model",
+        minimum=0.1,
+    )
+    drift_false_alarm: float = setting(
+        FALSE_ALARM,
+        "",
+        "chance that such a standstill without drift looks like one",
+        minimum=1e-9,
+        maximum=0.5,
+    )
+    temperature_gap: float = setting(
+        5.0,
+        "degC",
+        "by which the shoes may be warmer or colder than they were calibrated at",
+        minimum=0.0,
+    )
 
 
 class Calibrator(ShoecalNode):
@@ -112,18 +126,16 @@ class Calibrator(ShoecalNode):
             self.shoe.foot, LoadSwitch(settings.load_on_n, settings.load_off_n), self._low_pass
         )
         self._out = LivePublishers(self, self.shoe)
-        self._job: CalibrationJob | None = None
-        self._failure = ""
+        self.tolerance = ModelTolerance.of(self.robot, self.fit_settings)
+        self.drift = DriftDesk(self)
         store = CalibrationStore(Path(settings.state_dir).expanduser(), self.robot, self.shoe)
         self.desk = CalibrationDesk(self, store)
+        self.rezeroing = RezeroDesk(self)
+        self._recorded: list[Subscription] = []
         self._subscribe()
         self.reach_client = ActionClient(self, ReachSupport, REACH_ACTION)
         self.plan_client = ActionClient(self, Plan, PLAN_ACTION)
-        self.create_service(SelfCalibrate, "shoe/self_calibrate", self._self_calibrate)
-        self._server = ActionServer(
-            self, Calibrate, "shoe/calibrate", self._execute,
-            cancel_callback=lambda _: CancelResponse.ACCEPT,
-        )  # fmt: skip
+        self._self_calibration = SelfCalibrationDesk(self)
 
     @property
     def armed(self) -> bool:
@@ -133,7 +145,7 @@ class Calibrator(ShoecalNode):
     @property
     def calibrating(self) -> bool:
         """Whether a self-calibration is under way."""
-        return self._job is not None
+        return self._self_calibration.busy
 
     def input_problem(self) -> str:
         """What is wrong with joint angles or voltages, and its cure; empty when all is well."""
@@ -161,6 +173,7 @@ class Calibrator(ShoecalNode):
                 subject, Level.ERROR if problem else Level.OK, problem or f"{subject} come"
             )
         self._tell_calibration()
+        self.drift.watch()
         self._publish_state()
         super().watch()
 
@@ -183,8 +196,24 @@ class Calibrator(ShoecalNode):
             elif (read := frame_reader(topic, self.shoe)) is not None:
                 callback = partial(self._hear_readings, topic, kind, read)
             else:
-                callback = partial(self.recorder.take, topic)
+                continue
             self.subscribe(kind, relative(topic), callback, qos.RAW, raw=True)
+
+    def listen_for_recording(self) -> None:
+        """Hear also what only a recording needs."""
+        self._recorded = [
+            self.subscribe(
+                kind, relative(topic), partial(self.recorder.take, topic), qos.RAW, raw=True
+            )
+            for topic, kind in RAW_TOPICS.items()
+            if topic != schemas.JOINT_STATES and frame_reader(topic, self.shoe) is None
+        ]
+
+    def listen_live(self) -> None:
+        """Hear only what the live side needs: every message that comes wakes the node."""
+        for subscription in self._recorded:
+            self.destroy_subscription(subscription)
+        self._recorded = []
 
     def _hear_joints(self, serialised: list[bytes]) -> None:
         self.recorder.take(schemas.JOINT_STATES, serialised)
@@ -193,7 +222,7 @@ class Calibrator(ShoecalNode):
             return
         for stamp_ns, angles in zip(batch.stamp_ns.tolist(), batch.angles, strict=True):
             self.stillness.add(stamp_ns, angles)
-        self.desk.take_joints(batch)
+        self.rezeroing.take_joints(batch)
 
     def _hear_readings(
         self, topic: str, kind: type[Any], read: Callable[[Any], Any], serialised: list[bytes]
@@ -201,7 +230,7 @@ class Calibrator(ShoecalNode):
         self.recorder.take(topic, serialised)
         joined = self.voltages.take([read(deserialize_message(one, kind)) for one in serialised])
         self._out.publish(self.live.take(joined, self._support(joined)))
-        self.desk.take_readings(joined)
+        self.rezeroing.take_readings(joined)
 
     def _support(self, joined: list[Joined]) -> DoubleSupport | None:
         """Where the right foot stands, None where nobody knows or needs to."""
@@ -224,101 +253,18 @@ class Calibrator(ShoecalNode):
         )
 
     def _tell_calibration(self) -> None:
-        current, problem = self.desk.store.current, self.desk.problem or self._failure
-        if self._job is not None:
-            state = self._job.state
-            self.health.tell(
-                "calibration", Level.OK, "self-calibration under way",
-                run_id=state.run_id, stage=state.stage,
-                support=f"{state.support} of {state.supports}",
-                progress=f"{state.progress:.2f}",
-            )  # fmt: skip
-        elif problem:
-            self.health.tell("calibration", Level.ERROR, problem)
-        elif current is None:
-            self.health.tell(
-                "calibration", Level.WARN,
-                "uncalibrated: no forces are published; call shoe/self_calibrate",
-            )  # fmt: skip
-        else:
-            self.health.tell(
-                "calibration", Level.OK, f"'{current.id}' in force ({current.verdict})",
-                delay_s=f"{self._low_pass.delay_s:.4f}",
-            )  # fmt: skip
-
-    # Self-calibration
-
-    def _begin(
-        self,
-        goal: Any,
-        feedback: Callable[[Calibrate.Feedback], None],
-        canceled: Callable[[], bool],
-    ) -> CalibrationJob:
-        if self.calibrating:
-            raise RefusedError(
-                Calibrate.Result.BUSY, "a self-calibration is under way; wait for it or cancel it"
+        found, job = self.desk.in_force, self._self_calibration.condition
+        if job is not None:
+            self.health.note("calibration", job)
+            return
+        condition = Condition(Level.WARN, UNCALIBRATED)
+        if found is not None:
+            condition = found.condition(
+                self.node_settings.temperature_gap, delay_s=f"{self._low_pass.delay_s:.4f}"
             )
-        defaults = self.job_settings
-        supports, train = goal.supports or defaults.supports, goal.train or defaults.train
-        if not 2 <= train <= supports:
-            raise RefusedError(
-                Calibrate.Result.BAD_GOAL,
-                f"{train} of {supports} double supports to train with; take at least 2, and at "
-                "most all of them",
-            )
-        seed = goal.seed if goal.seed >= 0 else defaults.seed
-        run_id = datetime.now(UTC).strftime("%Y%m%dT%H%M%S%f")[:-3]
-        self._failure = ""
-        self._job = CalibrationJob(self, Request(run_id, supports, train, seed), feedback, canceled)
-        return self._job
-
-    async def _do(self, job: CalibrationJob, result: Calibrate.Result) -> None:
-        """Run a job to its end, and apply what it found where that may be applied."""
-        try:
-            calibration = await job.run()
-            result.calibration = calibration_to_ros(calibration)
-            job.tell_applying()
-            self.desk.apply_found(calibration, warned=self.job_settings.apply_warned)
-            result.success = True
-            result.message = f"'{calibration.id}' in force: {'; '.join(calibration.reasons)}"
-        finally:
-            result.session = str(job.session or "")
-            self._job = None
-
-    async def _execute(self, goal: ServerGoalHandle) -> Calibrate.Result:
-        result = Calibrate.Result()
-        try:
-            job = self._begin(goal.request, goal.publish_feedback, lambda: goal.is_cancel_requested)
-            result.run_id = job.request.run_id
-            await self._do(job, result)
-        except RefusedError as refusal:
-            result.error_code, result.message = refusal.code, str(refusal)
-        finish(goal, result, canceled=Calibrate.Result.CANCELED)
-        return result
-
-    def _self_calibrate(
-        self, request: SelfCalibrate.Request, response: SelfCalibrate.Response
-    ) -> SelfCalibrate.Response:
-        try:
-            job = self._begin(request, lambda _: None, lambda: False)
-        except RefusedError as refusal:
-            response.message = str(refusal)
-            return response
-        self.start(partial(self._do_alone, job))
-        response.accepted, response.run_id = True, job.request.run_id
-        response.message = (
-            "started; diagnostics tell how far it is; disarm (shoe/arm false) to stop"
-        )
-        return response
-
-    async def _do_alone(self, job: CalibrationJob) -> None:
-        result = Calibrate.Result()
-        try:
-            await self._do(job, result)
-        except RefusedError as refusal:
-            self._failure = f"self-calibration {job.request.run_id} ended: {refusal}"
-        except Exception as error:  # noqa: BLE001 (live forces go on whatever happens here)
-            self._failure = f"self-calibration ended by an internal error: {error!r}"
+        if self.desk.problem:
+            condition = replace(condition, level=Level.ERROR, message=self.desk.problem)
+        self.health.note("calibration", condition)
 
 
 def main() -> None:
