@@ -159,8 +159,8 @@ class _Session:
             self._tell()
             self._count += 1
             if self._count % EVERY == 0:
-                still = f"{guide.gathered} still   " if guide.phase is Phase.READING else ""
-                self._live(still + self._shown(guide.load, found.readings))
+                taken = f"{guide.gathered} samples   " if guide.phase is Phase.READING else ""
+                self._live(taken + self._shown(guide.load, found.readings))
             if not self._wanted or guide.phase is Phase.COMPLETE:
                 break
 

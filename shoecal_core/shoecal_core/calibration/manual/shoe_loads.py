@@ -110,6 +110,12 @@ def _check_weights(loads: Measurements, found: ShoeLoads) -> None:
             f"{FEET[found.foot]} shoe: most loads weigh {ratio:.2f} of what they are; the cells' "
             "calibration is of other cells or of weights in another unit"
         )
+    light = [load for load, place in zip(found.loads, found.cop, strict=True) if np.isnan(place[0])]
+    if light:
+        raise loads.error(
+            f"{light[0]}: too light for a CoP, which needs {MINIMUM_FORCE:g} N on the foot; leave "
+            "it out"
+        )
     if wrong:
         more = f" (and {len(wrong) - 1} more)" if len(wrong) > 1 else ""
         raise loads.error(wrong[0] + more)

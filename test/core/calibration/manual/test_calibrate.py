@@ -251,6 +251,12 @@ def test_weights_of_another_unit_throughout() -> None:
     refused(pounds, "left shoe: most loads weigh 0.4", "weights in another unit")
 
 
+def test_a_weight_too_light_for_a_cop() -> None:
+    shoe = nao_shoe()
+    loads = read_shoe(shoe, some_law(shoe), (0.1, 1.0, 4.0))
+    refused(loads, "left shoe, 0.1 kg in hole a1: too light for a CoP")
+
+
 def test_a_shoe_that_was_not_loaded() -> None:
     shoe = nao_shoe()
     loads = read_shoe(shoe, some_law(shoe))
