@@ -54,8 +54,7 @@ def test_the_papers_table_on_the_simulated_shoe(seed: int) -> None:
         assert len(foot.loads.loads) == 126
         assert foot.grf.mean < 0.03
         assert 3e-3 < foot.cop_before.mean < 5e-3
-        # The weights' own places scatter: over seeds the mean, not each one, is below.
-        assert foot.cop_after.mean < 1.15 * after
+        assert foot.cop_after.mean < after
         assert foot.cop_after.mean < foot.cop_held_out.mean < 1.2 * foot.cop_after.mean
 
 
