@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-CHUNK = 2048
+CHUNK = 4096
 """Samples of one chunk: what is computed from them stays within a core's cache."""
 
 

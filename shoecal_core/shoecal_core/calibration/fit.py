@@ -20,9 +20,10 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
+THINNED = 10
 COARSE_SAMPLES = 20_000
-"""A longer recording is fitted to so many of its samples first, which brings the fit near enough
-to the minimum for two passes over all of them."""
+"""With more samples, every tenth is fitted first: that ends so near the minimum that a step or two
+over all of them are enough."""
 
 
 @dataclass(frozen=True)
@@ -85,25 +86,20 @@ def fit_parameters(
     """Nonlinear least squares over all gains, offsets and the time offset (paper, eq. 18)."""
     weights = Weights(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
     problem = Problem.of(stances, shoe, weights)
-    prior = _prior(shoe, guess, settings)
-    step = problem.samples // COARSE_SAMPLES
-    start = _minimum(problem.thinned(step), prior, settings).vector if step > 1 else None
-    return _minimum(problem, prior, settings, start)
+    return _minimum(problem, prior_of(shoe, guess, settings), settings.max_iterations)
 
 
-def _minimum(
-    problem: Problem, prior: Prior, settings: CalibrationSettings, start: FloatArray | None = None
-) -> Fit:
+def _minimum(problem: Problem, prior: Prior, max_iterations: int) -> Fit:
+    start = None
+    if problem.samples > COARSE_SAMPLES:
+        start = _minimum(problem.thinned(THINNED), prior, max_iterations).vector
     return minimise(
-        problem.normal,
-        prior,
-        max_iterations=settings.max_iterations,
-        cost=problem.cost,
-        start=start,
+        problem.normal, prior, max_iterations=max_iterations, cost=problem.cost, start=start
     )
 
 
-def _prior(shoe: Shoe, guess: InitialGuess, settings: CalibrationSettings) -> Prior:
+def prior_of(shoe: Shoe, guess: InitialGuess, settings: CalibrationSettings) -> Prior:
+    """What is believed of gains, offsets and time offset before any sample of the fit."""
     known = np.array([channel.nominal_gain is not None for channel in shoe.channels])
     gain_std = np.abs(guess.parameters.gain) * np.where(
         known, settings.nominal_gain_std, settings.gain_std

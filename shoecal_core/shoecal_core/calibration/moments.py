@@ -31,32 +31,37 @@ class WrenchResiduals:
         dr/dw = [[1 / s_F, 0, 0], [-p_x, 0, -a], [-p_y, a, 0]]
 
     Attributes:
-        error: (3, m) r.
-        late: (3, m) derivatives by the time offset.
+        rows: (2, 3, m) r, and its derivative by the time offset.
         per_force: 1 / s_F.
         per_moment: (m,) a.
         per_place: (2, m) p.
     """
 
-    error: FloatArray
-    late: FloatArray
+    rows: FloatArray
     per_force: float
     per_moment: FloatArray
     per_place: FloatArray
 
-    def pulled(self, rows: FloatArray) -> FloatArray:
-        """(3, m) (dr/dw)' times rows (3, m)."""
-        force, x, y = rows
+    def pulled(self) -> FloatArray:
+        """(2, 3, m) (dr/dw)' times the rows."""
+        force, x, y = self.rows.transpose(1, 0, 2)
         p_x, p_y = self.per_place
-        return np.stack(
-            (self.per_force * force - p_x * x - p_y * y, self.per_moment * y, -self.per_moment * x)
-        )
+        pulled = np.empty_like(self.rows)
+        pulled[:, 0] = self.per_force * force - p_x * x - p_y * y
+        pulled[:, 1] = self.per_moment * y
+        pulled[:, 2] = -self.per_moment * x
+        return pulled
 
     def products(self) -> FloatArray:
         """(4, m) what is not zero of (dr/dw)' (dr/dw): F F, F Mx, F My, and Mx Mx, as My My."""
         a = self.per_moment
         p_x, p_y = self.per_place
-        return np.stack((self.per_force**2 + p_x * p_x + p_y * p_y, -a * p_y, a * p_x, a * a))
+        products = np.empty((_PRODUCTS, len(a)))
+        products[0] = self.per_force**2 + p_x * p_x + p_y * p_y
+        products[1] = -a * p_y
+        products[2] = a * p_x
+        products[3] = a * a
+        return products
 
 
 class WrenchMoments:
@@ -64,37 +69,36 @@ class WrenchMoments:
 
     Args:
         columns: (n, 3) what one unit of each output adds to the wrench.
-
-    Attributes:
-        cost: sum of squared residuals.
     """
 
     def __init__(self, columns: FloatArray) -> None:
-        self.cost = 0.0
         self._columns = columns
         rows = len(columns) + 1
         self._sums = np.zeros((rows, _PRODUCTS * rows + _SLOPES))
-        self._late = np.zeros(2)
+        self._squares = np.zeros((2, 2))
         self._slice = max(1, _SERIAL // self._sums.size)
 
     def add(self, extended: FloatArray, residuals: WrenchResiduals) -> None:
         """Add m samples with S~ (n + 1, m) = `extended`."""
-        error, late = residuals.error, residuals.late
-        rows, count = extended.shape
+        channels, count = extended.shape
         weighted = np.empty((self._sums.shape[1], count))
-        grams = weighted[:-_SLOPES].reshape(_PRODUCTS, rows, count)
+        grams = weighted[:-_SLOPES].reshape(_PRODUCTS, channels, count)
         np.multiply(residuals.products()[:, None, :], extended, out=grams)
-        weighted[-_SLOPES:-3] = residuals.pulled(error)
-        weighted[-3:] = residuals.pulled(late)
+        weighted[-_SLOPES:] = residuals.pulled().reshape(_SLOPES, count)
         for start in range(0, count, self._slice):
             part = slice(start, start + self._slice)
             self._sums += extended[:, part] @ weighted[:, part].T
-        self.cost += float(np.vdot(error, error))
-        self._late += np.vdot(late, error), np.vdot(late, late)
+        rows = residuals.rows.reshape(2, -1)
+        self._squares += rows @ rows.T
+
+    @property
+    def cost(self) -> float:
+        """Sum of squared residuals."""
+        return float(self._squares[0, 0])
 
     def gradient(self) -> FloatArray:
         """(2n + 1,) J'r by gains, offsets and time offset."""
-        return np.append(self._first(self._sums[:, -_SLOPES:-3]), self._late[0])
+        return np.append(self._first(self._sums[:, -_SLOPES:-3]), self._squares[0, 1])
 
     def hessian(self) -> FloatArray:
         """(2n + 1, 2n + 1) J'J."""
@@ -118,7 +122,7 @@ class WrenchMoments:
             [
                 [gains, mixed, late[:n]],
                 [mixed.T, offsets, late[n:]],
-                [late.T, self._late[1:, None]],
+                [late.T, self._squares[1:, 1:]],
             ]
         )
 

@@ -194,7 +194,7 @@ class Problem:
     def cost(self, vector: FloatArray) -> float:
         """The sum alone: cheaper than `normal`."""
         return sum(
-            term.share * float(np.vdot(chunk.error, chunk.error))
+            term.share * float((chunk.rows[0] ** 2).sum())
             for term in self.terms
             for _, chunk in term.chunks(vector, self.weights)
         )
@@ -261,19 +261,22 @@ def _loaded(
     """Of wrenches (3, m) that should have the model's force and CoP."""
     force, mx, my = wrench
     inverse = 1.0 / (weights.cop * force)
-    place = np.stack((-my, mx)) * inverse
-    late = np.zeros_like(wrench)
+    place = np.empty((2, len(force)))
+    np.multiply(my, -inverse, out=place[0])
+    np.multiply(mx, inverse, out=place[1])
+    rows = np.zeros((2, *wrench.shape))
+    error, late = rows
     np.divide(stance.cop_rate[part].T, -weights.cop, out=late[1:])
-    error = time_offset * late
+    np.multiply(time_offset, late, out=error)
     error[0] = (force - stance.force[part]) / weights.force
     error[1:] += place - stance.cop[part].T / weights.cop
-    return WrenchResiduals(error, late, 1.0 / weights.force, inverse, place / force)
+    return WrenchResiduals(rows, 1.0 / weights.force, inverse, place / force)
 
 
 def _hanging(wrench: FloatArray, weight: float, weights: Weights) -> WrenchResiduals:
     """Of wrenches (3, m) that should be zero; a moment shifts the CoP of `weight` [N]."""
     force, mx, my = wrench
     inverse = np.full_like(force, 1.0 / (weights.cop * weight))
-    error = np.stack((force / weights.force, -my * inverse, mx * inverse))
-    none = np.zeros_like(wrench)
-    return WrenchResiduals(error, none, 1.0 / weights.force, inverse, none[1:])
+    rows = np.zeros((2, *wrench.shape))
+    rows[0] = force / weights.force, -my * inverse, mx * inverse
+    return WrenchResiduals(rows, 1.0 / weights.force, inverse, np.zeros((2, len(force))))

@@ -150,8 +150,7 @@ def test_products_and_pulled_rows_by_the_matrix() -> None:
     """Against dr/dw written out, sample by sample."""
     rng = np.random.default_rng(3)
     local = WrenchResiduals(
-        error=rng.normal(size=(3, 5)),
-        late=rng.normal(size=(3, 5)),
+        rows=rng.normal(size=(2, 3, 5)),
         per_force=rng.normal(),
         per_moment=rng.normal(size=5),
         per_place=rng.normal(size=(2, 5)),
@@ -165,8 +164,7 @@ def test_products_and_pulled_rows_by_the_matrix() -> None:
         )
         assert product[2, 2] == pytest.approx(product[1, 1])
         assert product[1, 2] == pytest.approx(0.0)
-        np.testing.assert_allclose(local.pulled(local.error)[:, k], matrix.T @ local.error[:, k])
-        np.testing.assert_allclose(local.pulled(local.late)[:, k], matrix.T @ local.late[:, k])
+        np.testing.assert_allclose(local.pulled()[:, :, k], local.rows[:, :, k] @ matrix)
 
 
 @given(step=st.sampled_from([2, 7, 39, 50]), seed=st.integers(0, 2**32 - 1))
