@@ -20,6 +20,8 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
+TOLERANCE = 1e-9
+"""Share of the cost; where a further step promises to save less, the fit ends."""
 THINNED = 10
 COARSE_SAMPLES = 20_000
 """With more samples, every tenth is fitted first: that ends so near the minimum that a step or two
@@ -94,7 +96,12 @@ def _minimum(problem: Problem, prior: Prior, max_iterations: int) -> Fit:
     if problem.samples > COARSE_SAMPLES:
         start = _minimum(problem.thinned(THINNED), prior, max_iterations).vector
     return minimise(
-        problem.normal, prior, max_iterations=max_iterations, cost=problem.cost, start=start
+        problem.normal,
+        prior,
+        max_iterations=max_iterations,
+        tolerance=TOLERANCE,
+        cost=problem.cost,
+        start=start,
     )
 
 

@@ -69,7 +69,7 @@ def minimise(
     prior: Prior,
     *,
     max_iterations: int,
-    tolerance: float = 1e-9,
+    tolerance: float = 1e-10,
     cost: Callable[[FloatArray], float] | None = None,
     start: FloatArray | None = None,
 ) -> Fit:
