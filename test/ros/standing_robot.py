@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 from sensor_msgs.msg import JointState
@@ -12,12 +14,14 @@ from ros.world import World
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.posture import stance
+from shoecal_core.sensing.load_cases import double_support_outputs
 from shoecal_core.sensing.wrench import at_cop, weight_below
 from shoecal_ros import qos
 from shoecal_ros.conversions import JointSample, VoltageFrame, joints_to_ros, voltages_to_ros
 
 FloatArray = NDArray[np.float64]
 PERIOD_NS = 20_000_000
+ARMS = ("LShoulderPitch", "LShoulderRoll", "RShoulderPitch", "RShoulderRoll")
 
 
 class StandingRobot:
@@ -31,7 +35,12 @@ class StandingRobot:
         status: of cells that are not good.
         tells_joints, tells_voltages: whether it does.
         speed: of its left knee [rad/s].
+        stamp_ns: of the last sample [ns].
         ahead_ns: by which the shoes' clock is ahead of the robot's [ns].
+        temperature: that its shoes tell [degC].
+        waving: whether it moves its arms.
+        pace: its own seconds in one of the wall clock's.
+        modelled: whether the cells feel what the model expects, in place of `forces`.
     """
 
     def __init__(self, world: World, support: DoubleSupport) -> None:
@@ -44,6 +53,11 @@ class StandingRobot:
         self.tells_joints = self.tells_voltages = True
         self.speed = 0.0
         self.ahead_ns = 0
+        self.temperature = math.nan
+        self.waving = self.modelled = False
+        self._kinematics = Kinematics(nao())
+        self.pace = 1
+        self.stamp_ns = 10**9
         self._count = 0
         self._joints = world.node.create_publisher(JointState, "joint_states", qos.RAW)
         self._voltages = world.node.create_publisher(ShoeVoltages, "shoe/voltages", qos.RAW)
@@ -61,14 +75,21 @@ class StandingRobot:
         self.forces = ((1.0 - share) * nao().weight, share * nao().weight)
         self.places = np.stack([left, right])
 
-    @property
-    def stamp_ns(self) -> int:
-        """Of the last sample [ns]."""
-        return 10**9 + self._count * PERIOD_NS
+    def step_to(self, support: DoubleSupport) -> None:
+        """Stand at another double support."""
+        self.support = support
+        self.angles = nao().from_legs(stance(nao(), support))
 
     def _tell(self) -> None:
         self._count += 1
-        self.angles[nao().joint("LKneePitch")] += self.speed * PERIOD_NS / 1e9
+        period_s = self.pace * PERIOD_NS / 1e9
+        self.stamp_ns += self.pace * PERIOD_NS
+        self.angles[nao().joint("LKneePitch")] += self.speed * period_s
+        if self.waving:
+            for number, joint in enumerate(ARMS):
+                swing = 2.0 * np.pi * (0.05 + 0.02 * number)
+                speed = 0.4 * swing * np.sin(swing * self.stamp_ns / 1e9)
+                self.angles[nao().joint(joint)] += speed * period_s
         if self.tells_joints:
             sample = JointSample(self.stamp_ns, nao().joint_names, self.angles)
             self._joints.publish(joints_to_ros(sample))
@@ -77,14 +98,8 @@ class StandingRobot:
 
     def _frame(self) -> VoltageFrame:
         shoe = nao_shoe()
-        outputs = self.drift.copy()
-        for foot in (0, 1):
-            own = shoe.of_foot(foot)
-            wanted = at_cop(np.array(self.forces[foot]), self.places[foot])
-            felt = wanted - weight_below(shoe)[foot]
-            outputs[own] += np.linalg.lstsq(shoe.columns[own].T, felt, rcond=None)[0]
+        voltage = readings(shoe, parameters(shoe), self._felt())
         status = np.array([self.status.get(name, 0) for name in shoe.names], dtype=np.uint8)
-        voltage = readings(shoe, parameters(shoe), outputs)
         voltage[status == ShoeVoltages.NO_DATA] = np.nan
         return VoltageFrame(
             self.stamp_ns + self.ahead_ns,
@@ -93,4 +108,20 @@ class StandingRobot:
             shoe.names,
             voltage,
             status,
+            self.temperature,
         )
+
+    def _felt(self) -> FloatArray:
+        """(n,) outputs of the cells [N]."""
+        shoe = nao_shoe()
+        outputs = self.drift.copy()
+        if self.modelled:
+            place = self._kinematics.states(self.angles[None]).cop[:, 0]
+            outputs += double_support_outputs(shoe, self.support, nao().weight, place)[0]
+            return outputs
+        for foot in (0, 1):
+            own = shoe.of_foot(foot)
+            wanted = at_cop(np.array(self.forces[foot]), self.places[foot])
+            felt = wanted - weight_below(shoe)[foot]
+            outputs[own] += np.linalg.lstsq(shoe.columns[own].T, felt, rcond=None)[0]
+        return outputs

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
@@ -17,12 +18,21 @@ from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 
 from ros.bodies import calibration, nao, nao_shoe
+from ros.obliging_robot import ObligingRobot
 from ros.standing_robot import StandingRobot
 from ros.world import Goal, Heard, World
+from shoecal_core.calibration.calibration import load_calibration
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.recording.session import Session
 from shoecal_ros import qos
-from shoecal_ros.conversions import calibration_to_ros, point_from_ros, wrench_from_ros
+from shoecal_ros.conversions import (
+    calibration_from_ros,
+    calibration_to_ros,
+    point_from_ros,
+    wrench_from_ros,
+)
+from shoecal_ros.health import Level
 
 SUPPORT = DoubleSupport(0.0, -0.112, 0.0)
 PATIENT = {"stale_s": 3.0}
@@ -351,3 +361,135 @@ def test_joints_of_another_robot_are_named(world: World) -> None:
     publisher.publish(odd)
     status = world.until_told("calibrator", "joints", "needs joint(s)")
     assert "elbow" in status.message
+
+
+# What is in force
+
+
+def got(world: World) -> Any:
+    return world.call(GetCalibration, "shoe/get_calibration", GetCalibration.Request())
+
+
+def test_reasons_of_a_refusal_come_back(live: World) -> None:
+    for verdict, told in (("WARN", "with force"), ("FAIL", "calibrate anew")):
+        refused = set_calibration(live, identity="made-2", verdict=verdict, reasons=("a", "b"))
+        assert not refused.success
+        assert "(a; b)" in refused.message
+        assert told in refused.message
+    warned = set_calibration(live, identity="made-2", verdict="WARN", reasons=("a",), force=True)
+    assert warned.success
+    status = live.until_told("calibrator", "calibration", "'made-2' in force (WARN): a")
+    assert status.level == bytes([Level.WARN])
+    values = {value.key: value.value for value in status.values}
+    assert values["id"] == "made-2"
+    assert values["verdict"] == "WARN"
+    assert (values["robot"], values["shoe"]) == ("nao", "nao_shoe")
+
+
+def test_since_when_survives_whatever_ends_the_node(live: World) -> None:
+    assert set_calibration(live, identity="made-2", verdict="WARN", force=True).success
+    since = got(live).since
+    assert since.sec > 0
+    assert live.stop("calibrator") == 0
+    start(live)
+    found = got(live)
+    assert found.calibration.id == "made-2"
+    assert found.since == since
+    for part in ("'made-2' (self, WARN)", "robot 'nao'", "shoe 'nao_shoe'"):
+        assert part in found.message
+    assert live.call(Trigger, "shoe/rollback", Trigger.Request()).success
+    back = got(live)
+    assert back.calibration.id == "made-1"
+    assert (back.since.sec, back.since.nanosec) > (since.sec, since.nanosec)
+    killed = live.processes.pop("calibrator")
+    killed.kill()
+    killed.wait()
+    start(live)
+    latched = live.hear(ShoeCalibration, "shoe/calibration", qos.LATCHED)
+    live.until(lambda: len(latched))
+    assert latched.last.id == "made-1"
+
+
+def test_another_temperature_asks_for_a_rezero(world: World, robot: StandingRobot) -> None:
+    start(world, rezero_time=0.3)
+    robot.stand_as_modelled()
+    robot.temperature = 31.25
+    assert set_calibration(world, temperature=22.0).success
+    told = world.until_told("calibrator", "calibration", "calibrated at 22 degC, now 31")
+    assert told.level == bytes([Level.WARN])
+    found = got(world)
+    assert (found.calibration.temperature, found.temperature) == (22.0, 31.25)
+    assert world.call(Rezero, "shoe/rezero", Rezero.Request()).success
+    world.until_told("calibrator", "calibration", "' in force (PASS)")
+    assert got(world).calibration.temperature == 31.25
+
+
+# Drift
+
+
+def test_drift_is_told_and_cured(world: World, robot: StandingRobot) -> None:
+    start(world, drift_time=0.5, rezero_time=0.5)
+    robot.stand_as_modelled()
+    world.until_told("calibrator", "drift", "no calibration")
+    covariance = 1e-4 * np.eye(2 * len(robot.drift))
+    assert set_calibration(world, covariance=covariance, fitted_runs=("ab",)).success
+    told = world.until_told("calibrator", "drift", "as calibrated: GRF is")
+    assert told.level == bytes([Level.OK])
+    robot.drift[2] = 1.0
+    told = world.until_told("calibrator", "drift", "drifted: GRF is +1.00 N off the weight")
+    assert told.level == bytes([Level.WARN])
+    assert "call shoe/rezero" in told.message
+    assert {value.key for value in told.values} >= {"grf_error_n", "grf_limit_n", "cop_error_mm"}
+    answer = world.call(Rezero, "shoe/rezero", Rezero.Request())
+    assert answer.success, answer.message
+    assert (answer.directions, answer.channels) == (3, 8)
+    assert answer.grf_before == pytest.approx(1.0, abs=1e-6)
+    assert answer.grf_after == pytest.approx(0.0, abs=1e-6)
+    assert answer.cop_after < 1e-6 < answer.cop_before
+    assert 0.0 < answer.grf_left < 1.0
+    assert 0.0 < answer.cop_left < 0.02
+    assert "corrected GRF by 1.00 N" in answer.message
+    assert "3 of 8 directions" in answer.message
+    assert "lift each foot once" in answer.message
+    told = world.until_told("calibrator", "drift", "as calibrated: GRF is")
+    assert told.level == bytes([Level.OK])
+
+
+def test_somebody_who_touches_the_robot_is_no_drift(world: World, robot: StandingRobot) -> None:
+    start(world, rezero_time=0.5)
+    robot.stand_as_modelled()
+    assert set_calibration(world).success
+    (left, right), pushes = robot.forces, cycle((-3.0, 3.0))
+
+    def push() -> None:
+        robot.forces = (left + next(pushes), right)
+
+    world.node.create_timer(0.06, push)
+    refused = world.call(Rezero, "shoe/rezero", Rezero.Request())
+    assert not refused.success
+    assert "nothing touches" in refused.message
+
+
+# A whole job whose result must not be applied
+
+
+def test_a_refused_result_comes_back_whole(world: World) -> None:
+    ObligingRobot(world, SUPPORT)
+    start(world)
+    world.until_told("calibrator", "voltages", "come")
+    world.until_told("calibrator", "joints", "come")
+    result = calibrate(world, supports=2, train=2).result(300.0)
+    assert result.error_code == Calibrate.Result.NOT_APPLIED, result.message
+    assert not result.success
+    found = calibration_from_ros(result.calibration)
+    assert found.verdict in {"WARN", "FAIL"}
+    for reason in found.reasons:
+        assert reason in result.message
+    kept = load_calibration(Path(result.session) / "calibration.yaml")
+    assert (kept.id, kept.verdict, kept.reasons) == (found.id, found.verdict, found.reasons)
+    np.testing.assert_array_equal(kept.parameters.gain, found.parameters.gain)
+    assert in_force(world) == ""
+    assert found.reasons[0] in world.output("calibrator")
+    # What only a recording needs was heard while it lasted.
+    session = Session.open(Path(result.session))
+    assert [len(session.read(entry.run).commanded) for entry in session.runs] == [1, 1]

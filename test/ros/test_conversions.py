@@ -163,10 +163,12 @@ def test_calibrations_come_back(feet: tuple[int, ...], known: bool) -> None:
         temperature=21.5 if known else math.nan,
         verdict="WARN",
         reasons=("one", "two"),
+        fitted_runs=("ab", "cd"),
     )
     found = conversions.calibration_from_ros(sent(conversions.calibration_to_ros(original)))
     for name in ("id", "source", "made_ns", "robot", "shoe", "robot_hash", "shoe_hash",
-                 "channels", "weight", "time_offset", "verdict", "reasons"):  # fmt: skip
+                 "channels", "weight", "time_offset", "verdict", "reasons",
+                 "fitted_runs"):  # fmt: skip
         assert getattr(found, name) == getattr(original, name)
     np.testing.assert_equal(found.temperature, original.temperature)
     np.testing.assert_array_equal(found.parameters.gain, original.parameters.gain)

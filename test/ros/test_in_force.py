@@ -12,7 +12,7 @@ SINCE_NS = 1_700_000_000 * 10**9
 
 
 def in_force(now: float = math.nan, **changes: object) -> InForce:
-    return InForce(calibration(nao(), nao_shoe(), **changes), SINCE_NS, now)
+    return InForce(calibration(nao(), nao_shoe(), "made-1", **changes), SINCE_NS, now)
 
 
 def test_a_sentence_names_it_all() -> None:

@@ -1,0 +1,60 @@
+"""A robot that offers all that a self-calibration needs, and waves its arms for a motion."""
+
+from __future__ import annotations
+
+from builtin_interfaces.msg import Duration
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+from shoecal_msgs.action import Plan, ReachSupport
+from std_msgs.msg import Bool
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
+
+from ros.standing_robot import StandingRobot
+from ros.world import World
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_ros import qos
+from shoecal_ros.calibration_job import PLAN_ACTION, REACH_ACTION
+
+WAVE_S = 3.0
+
+
+class ObligingRobot(StandingRobot):
+    """Arms itself, reaches every support, and does one motion."""
+
+    def __init__(self, world: World, support: DoubleSupport) -> None:
+        super().__init__(world, support)
+        self.modelled = True
+        self.pace = 4
+        self._node = world.node
+        self._armed = world.node.create_publisher(Bool, "shoe/armed", qos.LATCHED)
+        self._armed.publish(Bool(data=True))
+        self._commands = world.node.create_publisher(JointTrajectory, "joint_trajectory", 10)
+        self._servers = [
+            ActionServer(
+                world.node, kind, name, do, cancel_callback=lambda _: CancelResponse.ACCEPT
+            )
+            for kind, name, do in (
+                (ReachSupport, REACH_ACTION, self._reach),
+                (Plan, PLAN_ACTION, self._move),
+            )
+        ]
+
+    def _reach(self, goal: ServerGoalHandle) -> ReachSupport.Result:
+        support = goal.request.support
+        self.step_to(DoubleSupport(support.dx, support.dy, support.dtheta))
+        goal.succeed()
+        return ReachSupport.Result(success=True)
+
+    async def _move(self, goal: ServerGoalHandle) -> Plan.Result:
+        point = JointTrajectoryPoint(positions=[0.0], time_from_start=Duration(sec=1))
+        self._commands.publish(JointTrajectory(joint_names=["LShoulderPitch"], points=[point]))
+        goal.publish_feedback(Plan.Feedback(phase="moving"))
+        self.waving = True
+        done: Future = Future()
+        timer = self._node.create_timer(WAVE_S, lambda: done.set_result(None))
+        await done
+        self._node.destroy_timer(timer)
+        self.waving = False
+        goal.succeed()
+        return Plan.Result(success=True)
