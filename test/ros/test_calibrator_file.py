@@ -1,0 +1,39 @@
+from __future__ import annotations
+
+import pytest
+
+from ros.bodies import ROOT
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.files import Fields, read_yaml
+from shoecal_core.settings import Settings, describe
+from shoecal_ros.calibration_job import JobSettings
+from shoecal_ros.nodes.calibrator import CalibratorSettings
+from shoecal_ros.robot_files import RobotFiles
+
+PATH = ROOT / "config/nodes/calibrator.yaml"
+NODE = (RobotFiles, CalibratorSettings, JobSettings)
+
+
+def parameters() -> Fields:
+    return read_yaml(PATH).mapping("calibrator").mapping("ros__parameters")
+
+
+def test_the_file_holds_every_parameter_and_no_other() -> None:
+    block = parameters()
+    names = [entry.name for settings in NODE for entry in describe(settings)]
+    assert sorted(block.keys()) == sorted([*names, "calibration"])
+    fit = [entry.name for entry in describe(CalibrationSettings)]
+    assert sorted(block.mapping("calibration").keys()) == sorted(fit)
+
+
+@pytest.mark.parametrize("settings", [*NODE, CalibrationSettings])
+def test_each_stands_at_its_default_with_unit_and_meaning(settings: type[Settings]) -> None:
+    block, indent = parameters(), " " * 4
+    if settings is CalibrationSettings:
+        block, indent = block.mapping("calibration"), " " * 6
+    lines = PATH.read_text().splitlines()
+    for entry in describe(settings):
+        assert entry.checked(block.value(entry.name)) == entry.default
+        line = next(line for line in lines if line.startswith(f"{indent}{entry.name}: "))
+        assert entry.doc in line
+        assert not entry.unit or f"[{entry.unit}]" in line
