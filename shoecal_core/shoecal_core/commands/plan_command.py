@@ -5,23 +5,36 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from rich.console import Console
 
 from shoecal_core.commands.arguments import add_planning, planner_settings
+from shoecal_core.commands.forecast_lines import addition_lines, forecast_table, weak_lines
 from shoecal_core.commands.progress import shown_progress
 from shoecal_core.errors import FileError
 from shoecal_core.files import atomic_write
+from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.check import check_motion
+from shoecal_core.planning.forecast import (
+    best_additions,
+    forecast_visits,
+    total_information,
+    worst_part,
+)
 from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.observability import Visit
 from shoecal_core.planning.planner import MENU, Planner
-from shoecal_core.planning.supports import draw_supports
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports import draw_supports, trained_supports
+from shoecal_core.sensing.shoe import Shoe, load_shoe
 from shoecal_core.workspace import config_dir
+
+ADDITIONS = 2
+"""Double supports that are recommended beyond the planned ones."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -34,7 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
-    """Plan each motion, check it by an independent computation, write it as CSV."""
+    """Plan each motion, check it by an independent computation, write it as CSV; forecast."""
     settings = planner_settings(args)
     shoe = load_shoe(args.shoe or config_dir() / "shoes" / "nao_shoe.yaml")
     robot = load_robot(args.robot, shoe)
@@ -42,6 +55,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     planner = Planner(robot, settings)
     _make_folder(args.out)
     rows: list[dict[str, object]] = []
+    motions: list[Motion] = []
     with shown_progress() as progress:
         for index, support in enumerate(supports):
             progress(f"planning {index + 1} of {len(supports)}", index / len(supports))
@@ -50,31 +64,64 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             seconds = time.perf_counter() - begin
             file = args.out / f"motion_{index + 1:03d}.csv"
             atomic_write(file, _csv(motion))
-            findings = check_motion(planner.legs, motion, settings).findings
-            rows.append(
-                {
-                    "file": file.name,
-                    "support": [support.dx, support.dy, support.dtheta],
-                    "duration_s": motion.duration,
-                    "planning_s": seconds,
-                    "landmark_distance_mm": (1e3 * motion.path.nearest).tolist(),
-                    "worst": {
-                        found.constraint: {
-                            "value": found.value,
-                            "limit": found.limit,
-                            "unit": found.unit,
-                        }
-                        for found in findings
-                    },
-                }
-            )
+            motions.append(motion)
+            rows.append(_row(planner, motion, file, seconds))
             console.print(
                 f"{file}: {motion.duration:.1f} s, landmarks within "
                 f"{1e3 * float(np.max(motion.path.nearest)):.1f} mm, planned in {seconds:.1f} s"
             )
-    figures: dict[str, object] = {"robot": robot.name, "seed": args.seed, "motions": rows}
+        progress("looking for the best double supports to add", 1.0)
+        told = _forecast(robot, shoe, motions, settings, console)
+    figures: dict[str, object] = {
+        "robot": robot.name,
+        "seed": args.seed,
+        "motions": rows,
+        "forecast": told,
+    }
     atomic_write(args.out / "plan.json", json.dumps(figures, indent=1, allow_nan=False) + "\n")
     return figures
+
+
+def _row(planner: Planner, motion: Motion, file: Path, seconds: float) -> dict[str, object]:
+    support = motion.support
+    return {
+        "file": file.name,
+        "support": [support.dx, support.dy, support.dtheta],
+        "duration_s": motion.duration,
+        "planning_s": seconds,
+        "landmark_distance_mm": (1e3 * motion.path.nearest).tolist(),
+        "worst": {
+            found.constraint: {"value": found.value, "limit": found.limit, "unit": found.unit}
+            for found in check_motion(planner.legs, motion, planner.settings).findings
+        },
+    }
+
+
+def _forecast(
+    robot: Robot,
+    shoe: Shoe,
+    motions: Sequence[Motion],
+    settings: PlannerSettings,
+    console: Console,
+) -> dict[str, object]:
+    """Print and return what the planned motions will tell, and what more would."""
+    visits = [Visit.of(motion, settings) for motion in motions]
+    whole = forecast_visits(robot, shoe, visits, settings)
+    rows = [(f"all {len(visits)}", whole)]
+    told: dict[str, object] = {"all": whole.to_json()}
+    trained = trained_supports(len(visits), settings)
+    if trained < len(visits):
+        indices, worst = worst_part(robot, shoe, visits, trained, settings)
+        runs = [index + 1 for index in indices]
+        rows.append((f"at worst {trained} of them ({', '.join(map(str, runs))})", worst))
+        told["worst_training"] = {"motions": runs, **worst.to_json()}
+    known = total_information(robot, shoe, visits, settings)
+    additions = best_additions(robot, shoe, known, settings, ADDITIONS)
+    told["best_additions"] = [addition.to_json() for addition in additions]
+    console.print(forecast_table(rows))
+    for line in (*weak_lines(rows[-1][1]), *addition_lines(whole, additions)):
+        console.print(line)
+    return told
 
 
 def _make_folder(folder: Path) -> None:
