@@ -16,6 +16,7 @@ nominal_gain_std and offset_std_n.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import shapely
@@ -30,7 +31,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.sensing.expected_error import wrench_slopes
 from shoecal_core.sensing.load_cases import double_support_outputs
 from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import at_cop, columns_in_left
+from shoecal_core.sensing.wrench import ChannelParameters, at_cop, columns_in_left
 
 FloatArray = NDArray[np.float64]
 
@@ -125,15 +126,43 @@ def prior_information(robot: Robot, shoe: Shoe, settings: PlannerSettings) -> Fl
     return np.diag((parameter_scale(robot, shoe) / expected) ** 2)
 
 
+def relative_information(
+    robot: Robot, shoe: Shoe, parameters: ChannelParameters, fitted: FloatArray
+) -> FloatArray:
+    """(2n, 2n) information of a fit in the units and meaning of `information`.
+
+    Args:
+        robot, shoe: whose n channels these are.
+        parameters: the fitted gains and offsets.
+        fitted: (2n, 2n) information of [gains, offsets].
+    """
+    count = len(shoe.channels)
+    turn = np.diag(parameter_scale(robot, shoe))
+    turn[:count, :count] = np.diag(parameters.gain)
+    turn[count:, :count] = np.diag(parameters.offset)
+    relative: FloatArray = turn.T @ fitted @ turn
+    return relative
+
+
 def uncertainties(total: FloatArray) -> FloatArray:
     """(2n,) standard deviations along the parameters' principal directions, smallest first.
 
     Directions that nothing fixes come out as infinite.
     """
     values = np.linalg.eigvalsh(total)[::-1]
-    rounding = values[0] * len(values) * np.finfo(float).eps
-    seen = values > rounding
+    seen = values > _rounding(values)
     return np.where(seen, 1.0 / np.sqrt(np.where(seen, values, 1.0)), np.inf)
+
+
+def observable(total: FloatArray) -> FloatArray:
+    """(2n, r) orthonormal directions on which the information says anything at all."""
+    values, vectors = np.linalg.eigh(total)
+    return np.asarray(vectors[:, values > _rounding(values)])
+
+
+def _rounding(eigenvalues: NDArray[np.floating[Any]]) -> float:
+    """Eigenvalues up to this are zero."""
+    return float(eigenvalues.max() * len(eigenvalues) * np.finfo(float).eps)
 
 
 def rank(total: FloatArray, settings: PlannerSettings) -> int:

@@ -17,8 +17,8 @@ from shoecal_core.planning.observability import (
     Visit,
     best_rank,
     information,
-    parameter_scale,
     rank,
+    relative_information,
     residual_jacobian,
     uncertainties,
 )
@@ -105,14 +105,12 @@ def test_information_is_that_of_the_fit(body: Body) -> None:
     fit = CalibrationSettings()
     weights = Weights(fit.force_std_n, fit.cop_std_m, fit.correlation_s)
     found = normal_equations(pack(parameters, 0.0), [stance], shoe, weights).hessian
-    # Gains to relative ones, and offsets as they act beside the whole output.
-    turn = np.diag(np.concatenate((parameters.gain, parameter_scale(robot, shoe)[count:])))
-    turn[count:, :count] = np.diag(parameters.offset)
+    expected = information(robot, shoe, visit, SETTINGS)
     np.testing.assert_allclose(
-        turn.T @ found[: 2 * count, : 2 * count] @ turn,
-        information(robot, shoe, visit, SETTINGS),
+        relative_information(robot, shoe, parameters, found[: 2 * count, : 2 * count]),
+        expected,
         rtol=1e-6,
-        atol=1e-6 * np.abs(found).max(),
+        atol=1e-9 * np.abs(expected).max(),
     )
 
 

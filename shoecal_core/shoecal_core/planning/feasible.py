@@ -1,0 +1,109 @@
+"""Which double supports a robot can be asked to visit (paper, section IV-A)."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.robot import Robot
+from shoecal_core.planning.landmarks import Contour
+from shoecal_core.planning.legs import Legs
+from shoecal_core.planning.posture import StanceSolver, UnreachableError
+from shoecal_core.planning.settings import PlannerSettings
+
+FloatArray = NDArray[np.float64]
+
+
+class SupportRangeError(ShoecalError):
+    """A range that does not hold the double supports that are wanted."""
+
+    def __init__(self, robot: str, found: int, wanted: int) -> None:
+        super().__init__(
+            f"robot '{robot}': {found} of {wanted} double supports found where the feet "
+            "neither collide nor are out of reach; widen support_range, or lower distance_min, "
+            "foot_clearance, stance_margin or landmarks_in_reach"
+        )
+
+
+def feet_distance(
+    way: FloatArray, yaw: FloatArray | float, settings: PlannerSettings
+) -> FloatArray:
+    """The paper's distance d = w_d |(dx, dy)| + w_o |dtheta|.
+
+    Args:
+        way: (..., 2) [m].
+        yaw: (...) [rad].
+        settings: the weights.
+    """
+    length: FloatArray = np.linalg.norm(way, axis=-1)
+    turn = settings.orientation_weight * np.abs(yaw)
+    return settings.distance_weight * length + turn
+
+
+def feet_gap(robot: Robot, support: DoubleSupport) -> float:
+    """Gap between the outlines of the two feet, zero where they touch or overlap [m]."""
+    left, right = (foot.outline for foot in robot.feet)
+    gap = shapely.Polygon(left).distance(shapely.Polygon(support.right_to_left(right)))
+    return float(gap)
+
+
+def support_grid(robot: Robot) -> FloatArray:
+    """(g, 3) every dx, dy, dtheta of the robot's discretised range [m, m, rad]."""
+    span = robot.support_range
+    axes = [
+        low + step * np.arange(np.floor((high - low) / step + 1e-9) + 1)
+        for low, high, step in zip(span.lower, span.upper, span.step, strict=True)
+    ]
+    # Rounded, so that 0.1 + 0.1 + 0.1 is written as 0.3.
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3).round(9)
+
+
+class Feasible:
+    """The double supports of one robot that pass all checks which concern one alone.
+
+    They are points of its discretised range where the feet do not collide and are far enough
+    apart (paper's distance d), and where the robot can stand, above most landmarks too.
+    """
+
+    def __init__(self, robot: Robot, settings: PlannerSettings) -> None:
+        self.robot, self.settings = robot, settings
+        self._stance = StanceSolver(Legs(robot), settings)
+
+    def draw(self, generator: np.random.Generator) -> Iterator[DoubleSupport]:
+        """All of them in random order: the paper's draws."""
+        order = generator.permutation(support_grid(self.robot))
+        return (support for support in self._apart(order) if self.can_stand(support))
+
+    def apart(self) -> list[DoubleSupport]:
+        """All whose feet neither collide nor are too near; not in each the robot can stand."""
+        return list(self._apart(support_grid(self.robot)))
+
+    def can_stand(self, support: DoubleSupport) -> bool:
+        """Whether the robot can stand there, and above enough landmarks."""
+        if not self._stands(support, None):
+            return False
+        landmarks = Contour.of(self.robot, support).corners
+        # As soon as too many are out of reach, the others need no look.
+        spare = len(landmarks) - self.settings.landmarks_in_reach
+        failed = (landmark for landmark in landmarks if not self._stands(support, landmark))
+        return len(list(itertools.islice(failed, spare + 1))) <= spare
+
+    def _apart(self, grid: FloatArray) -> Iterator[DoubleSupport]:
+        distances = feet_distance(grid[:, :2], grid[:, 2], self.settings)
+        for point in grid[distances > self.settings.distance_min]:
+            support = DoubleSupport(*(float(value) for value in point))
+            if feet_gap(self.robot, support) >= self.settings.foot_clearance:
+                yield support
+
+    def _stands(self, support: DoubleSupport, cop: FloatArray | None) -> bool:
+        try:
+            self._stance.solve(support, cop)
+        except UnreachableError:
+            return False
+        return True
