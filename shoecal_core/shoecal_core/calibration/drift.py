@@ -23,6 +23,8 @@ FALSE_ALARM = 0.003
 """Chance that GRF or CoP looks drifted while it is not, where the stated deviations hold."""
 SOURCES_OF_MODEL = ("self",)
 """Calibrations that took weight and model for the truth."""
+LEFT_SHARE = 0.5
+"""Most of the model's error that a fit to it leaves in the difference at one standstill."""
 
 
 class UnloadedError(ShoecalError):
@@ -88,7 +90,7 @@ class Drift:
 def shares_model(calibration: Calibration) -> bool:
     """Whether a calibration took weight and model for the truth, as self-calibrations do.
 
-    Their errors are then on both sides of every comparison, and do not add up.
+    Their errors are then on both sides of every comparison.
     """
     return calibration.source in SOURCES_OF_MODEL or bool(calibration.fitted_runs)
 
@@ -132,8 +134,7 @@ def drift_of(
 ) -> Drift:
     """What a comparison of a loaded robot tells; arguments as `check_drift`."""
     own = np.diag(found.variance(readings, calibration.covariance))
-    joined = np.maximum if shares_model(calibration) else np.add
-    variance = joined(own[:3], found.tolerance[:3] ** 2)
+    variance = _expected(own[:3], found.tolerance[:3], shared=shares_model(calibration))
     normal = NormalDist().inv_cdf(1.0 - false_alarm / 2.0)
     # The length of an error that is normal and alike along x and y follows Rayleigh's law.
     rayleigh = float(np.sqrt(-np.log(false_alarm)))
@@ -152,3 +153,18 @@ def drift_of(
         hanging="" if foot is None else FEET[foot],
         covered=calibration.covariance is not None,
     )
+
+
+def _expected(own: FloatArray, tolerance: FloatArray, *, shared: bool) -> FloatArray:
+    """(3,) variance of the differences in GRF and CoP without drift.
+
+    Args:
+        own: variance by the calibration.
+        tolerance: standard deviations of weight and modelled CoP.
+        shared: the calibration took both for the truth: the weight's error, all of it in `own`,
+            cancels, and so does most of the model's.
+    """
+    if not shared:
+        return own + tolerance**2
+    cancelled = np.array([tolerance[0] ** 2, 0.0, 0.0])
+    return np.asarray(np.maximum(own - cancelled, (LEFT_SHARE * tolerance) ** 2))

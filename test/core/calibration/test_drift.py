@@ -53,8 +53,8 @@ def test_errors_are_those_of_the_sum(force: float, cop: float, drift: FloatArray
     tolerance = ModelTolerance(force, 0.0025)
     found = check_drift(old, shoe, standing.readings(truth), standing.body, tolerance)
     assert found.grf_error == pytest.approx(drift.sum(), abs=1e-9)
-    # 99.7 % of a normal error are within 2.968 standard deviations.
-    assert found.grf_limit == pytest.approx(2.968 * force, rel=1e-3)
+    # 99.7 % of a normal error are within 2.968 standard deviations; half of the weight's counts.
+    assert found.grf_limit == pytest.approx(0.5 * 2.968 * force, rel=1e-3)
     assert found.beyond == (found.grf_beyond or found.cop_beyond)
     assert f"{found.grf_error:+.2f} N" in found.reason
     assert "states no uncertainty" in found.reason

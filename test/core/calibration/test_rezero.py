@@ -23,8 +23,8 @@ from core.calibration.standing import (
 )
 from core.sensing import shoes
 from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.drift import check_drift
 from shoecal_core.calibration.rezero import Rezeroed, RezeroError, rezero
+from shoecal_core.calibration.standstill import compare
 from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.sensing.shoe import FEET, Shoe
@@ -164,9 +164,10 @@ def test_what_was_corrected_is_known_as_well_as_weight_and_model(
     fresh = rezeroed(old, shoe, truth, standing).calibration
     for again in (fresh, rezeroed(fresh, shoe, truth, standing).calibration):
         # Weight and model are as wrong the second time as they were the first.
-        told = check_drift(again, shoe, standing.readings(truth), standing.body, TOLERANCE)
-        assert told.grf_limit == pytest.approx(2.968 * TOLERANCE.force, rel=1e-3)
-        assert told.cop_limit == pytest.approx(2.410 * 2**0.5 * TOLERANCE.cop, rel=1e-3)
+        readings = standing.readings(truth)
+        told = compare(again, shoe, readings, standing.body, (False, False), TOLERANCE)
+        own = np.diag(told.variance(readings, again.covariance))
+        np.testing.assert_allclose(np.sqrt(own), told.tolerance, rtol=1e-3)
 
 
 def test_the_rest_is_as_uncertain_as_the_drift_was_large(
