@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,13 @@ class Aligned:
     joint_angles: FloatArray
     states: BodyStates
 
+    def part(self, part: NDArray[np.bool_]) -> Aligned:
+        """Some of the samples."""
+        states = BodyStates(
+            **{field.name: getattr(self.states, field.name)[part] for field in fields(BodyStates)}
+        )
+        return Aligned(self.time[part], self.readings[part], self.joint_angles[part], states)
+
 
 def align(run: Run, shoe: Shoe, kinematics: Kinematics) -> Aligned:
     """Joint angles interpolated to the readings; what has no partner is left out.
@@ -54,12 +61,22 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics) -> Aligned:
         raise FileError(
             run.path,
             f"only {int(covered.sum())} samples have both good readings of all {len(shoe.names)} "
-            "channels and joint angles; check that both were recorded, with stamps of one clock",
+            f"channels and joint angles; {_cure(run)}",
         )
     angles = angles[covered]
     return Aligned(
         time[covered], run.readings.value[good][covered], angles, kinematics.states(angles)
     )
+
+
+def _cure(run: Run) -> str:
+    """What to look at: a channel that hardly ever reads well, else the clocks."""
+    readings = run.readings
+    bad = ~np.isfinite(readings.value) | (readings.status != GOOD)
+    silent = np.array(readings.names)[bad.mean(axis=0) > 0.5]
+    if len(silent):
+        return f"{', '.join(silent)} gave none or bad ones most of the time: check its cable"
+    return "check that both were recorded, with stamps of one clock"
 
 
 def _told_joints(run: Run, robot: Robot) -> list[str]:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from shoecal_core.calibration.initial_guess import InitialGuess
+from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 
@@ -17,17 +17,19 @@ GAIN_RATIO = 5.0
 """Cells of one kind differ by less than this factor in gain."""
 WARN_STDS, FAIL_STDS = 4.0, 12.0
 """Residual MAE, in the settings' standard deviations."""
-SATURATED_SHARE = 0.01
 NOMINAL_SHARE = 0.05
 """Data sheets of gains are right to this share."""
+MAX_TIME_OFFSET_S = 0.05
+"""Clocks of joints and readings that are further apart need mending."""
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One thing found: how bad, and a line for a person."""
+    """One thing found: how bad, a line for a person, and its kind where it is a known fault."""
 
     verdict: str
     reason: str
+    fault: Fault | None = None
 
 
 @dataclass(frozen=True)
@@ -44,31 +46,6 @@ def judge(findings: Sequence[Finding]) -> Verdict:
         if any(finding.verdict == level for finding in findings):
             return Verdict(level, tuple(f"{f.verdict}: {f.reason}" for f in findings))
     return Verdict("PASS", ("every check passed",))
-
-
-def check_readings(shoe: Shoe, stances: Sequence[Stance]) -> list[Finding]:
-    """Cells that are dead or at the end of their range, before any fit."""
-    readings = np.concatenate([stance.readings for stance in stances])
-    findings = []
-    for index, channel in enumerate(shoe.channels):
-        values = readings[:, index]
-        span = channel.highest - channel.lowest
-        if np.ptp(values) < 1e-6 * span:
-            findings.append(
-                Finding(
-                    "FAIL", f"{channel.name} never changes: check its wiring, then record again"
-                )
-            )
-        ends = (values <= channel.lowest + 1e-6 * span) | (values >= channel.highest - 1e-6 * span)
-        if ends.mean() > SATURATED_SHARE:
-            findings.append(
-                Finding(
-                    "FAIL",
-                    f"{channel.name} is at the end of its range in {ends.mean():.0%} of the "
-                    "samples: lower its amplification or check its wiring",
-                )
-            )
-    return findings
 
 
 def check_gains(shoe: Shoe, guess: InitialGuess, parameters: ChannelParameters) -> list[Finding]:
@@ -144,6 +121,21 @@ def check_nominal(shoe: Shoe, parameters: ChannelParameters) -> list[Finding]:
             "WARN",
             f"the vertical gains are {common:.2f} of their data sheets': the robot's weight may be "
             "wrong by that, which only a scale or a known load tells",
+        )
+    ]
+
+
+def check_time_offset(time_offset: float) -> list[Finding]:
+    """Joints and readings that are far apart in time; the fit has corrected it."""
+    if abs(time_offset) <= MAX_TIME_OFFSET_S:
+        return []
+    return [
+        Finding(
+            "WARN",
+            f"joints are {'late' if time_offset > 0.0 else 'early'} by "
+            f"{1e3 * abs(time_offset):.0f} ms against the readings, which the fit has corrected: "
+            "let both be stamped when they are sampled, by one clock",
+            Fault.LATE,
         )
     ]
 

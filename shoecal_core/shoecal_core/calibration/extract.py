@@ -7,8 +7,10 @@ finds the stances.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from shoecal_core.calibration.aligned import Aligned, align
+from shoecal_core.calibration.aligned import Aligned
+from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.stance import Stance, make_stance
 from shoecal_core.calibration.walking import in_world, walking_stances
 from shoecal_core.errors import FileError
@@ -20,11 +22,30 @@ MAX_FOOT_DRIFT_M = 0.01
 """In a double support the feet's distance, as the joints tell it, stays within this."""
 
 
-def stances_of(run: Run, shoe: Shoe, kinematics: Kinematics) -> list[Stance]:
-    """Every stance of a run: one where it names its double support, else those found."""
-    aligned = align(run, shoe, kinematics)
+def stances_of(
+    run: Run,
+    aligned: Aligned,
+    shoe: Shoe,
+    kinematics: Kinematics,
+    screening: Screening | None = None,
+) -> list[Stance]:
+    """Every stance of a run: one where it names its double support, else those found.
+
+    Args:
+        run: recorded.
+        aligned: the same with the model's values.
+        screening: leaves out what it found at fault; a run of which nothing is left has no
+            stance.
+    """
     if run.info.support is not None:
-        return [double_support_stance(run, aligned, shoe, kinematics)]
+        everything = np.ones(len(aligned.time), dtype=bool)
+        kept = standing = everything
+        if screening is not None:
+            kept = screening.kept.get(run.info.run, everything)
+            standing = screening.standing.get(run.info.run, everything)
+        if not kept.any():
+            return []
+        return [double_support_stance(run, aligned, standing, shoe, kinematics).part(kept)]
     if run.base_pose is None or len(run.base_pose.time) < 2:
         raise FileError(
             run.path,
@@ -35,13 +56,23 @@ def stances_of(run: Run, shoe: Shoe, kinematics: Kinematics) -> list[Stance]:
     return walking_stances(run.info.run, aligned, world, shoe, kinematics.robot.mass)
 
 
-def double_support_stance(run: Run, aligned: Aligned, shoe: Shoe, kinematics: Kinematics) -> Stance:
+def double_support_stance(
+    run: Run,
+    aligned: Aligned,
+    standing: NDArray[np.bool_],
+    shoe: Shoe,
+    kinematics: Kinematics,
+) -> Stance:
     """The one stance of a quasi-static run in double support.
+
+    Args:
+        standing: (T,) samples that tell where the feet stand.
 
     Raises:
         FileError: when the feet moved against each other.
     """
-    places = aligned.states.translation[:, :2]
+    states = aligned.part(standing).states
+    places = states.translation[:, :2]
     drift = np.linalg.norm(places - np.median(places, axis=0), axis=1).max()
     if drift > MAX_FOOT_DRIFT_M:
         raise FileError(
@@ -53,7 +84,7 @@ def double_support_stance(run: Run, aligned: Aligned, shoe: Shoe, kinematics: Ki
     return make_stance(
         run.info.run,
         shoe,
-        aligned.states.support(),
+        states.support(),
         (True, True),
         aligned.time,
         aligned.readings,

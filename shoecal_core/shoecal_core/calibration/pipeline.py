@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.aligned import align
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.checks import (
     Finding,
@@ -17,13 +18,15 @@ from shoecal_core.calibration.checks import (
     check_missing,
     check_nominal,
     check_rank,
-    check_readings,
     check_residuals,
+    check_time_offset,
     judge,
 )
 from shoecal_core.calibration.evaluate import Errors, errors, measured_series, modelled_series
 from shoecal_core.calibration.extract import stances_of
 from shoecal_core.calibration.fit import SelfCalibration, self_calibrate
+from shoecal_core.calibration.screening.result import Screening
+from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.errors import FileError, ShoecalError
@@ -54,6 +57,7 @@ class SessionData:
         start_ns: stamp that each run's times count from [ns since the epoch].
         end_ns: stamp of the last sample of all [ns since the epoch].
         temperature: mean of what the device told [degC], NaN where it told none.
+        screening: what was found in it before the fit, and left out.
     """
 
     robot: Robot
@@ -62,6 +66,7 @@ class SessionData:
     start_ns: dict[int, int]
     end_ns: int
     temperature: float
+    screening: Screening = field(default_factory=Screening)
 
     def of(self, runs: Sequence[int]) -> list[Stance]:
         """Stances of some runs."""
@@ -76,7 +81,7 @@ class Outcome:
         calibration: to apply, verdict included.
         stages: how it was found.
         data: what it was found from.
-        train, test: numbers of the runs.
+        train, test: numbers of the runs; those that were left out are in neither.
         modelled: errors against the model, by stage (`initial_guess`, `self_calibration`) and
             set (`train`, `test`); a set without runs is left out.
     """
@@ -88,26 +93,49 @@ class Outcome:
     test: tuple[int, ...]
     modelled: dict[str, dict[str, Errors]]
 
+    @property
+    def screening(self) -> Screening:
+        """What was found in the recording before the fit, and left out."""
+        return self.data.screening
 
-def load_data(session: Session, runs: Sequence[int] | None = None) -> SessionData:
-    """Read runs of a session (all of them by default) and align them with the model."""
+
+def load_data(
+    session: Session,
+    runs: Sequence[int] | None = None,
+    settings: CalibrationSettings | None = None,
+) -> SessionData:
+    """Read runs of a session (all of them by default) and align them with the model.
+
+    Args:
+        session: recorded.
+        runs: numbers.
+        settings: for a screening, which leaves out what is at fault; None: all is kept.
+    """
     shoe = session.shoe
     robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf)
     kinematics = Kinematics(robot)
     numbers = [entry.run for entry in session.runs] if runs is None else list(runs)
-    recorded = [session.read(number) for number in numbers]
-    temperatures = [run.readings.temperature for run in recorded]
+    recorded = {number: session.read(number) for number in numbers}
+    aligned = {number: align(run, shoe, kinematics) for number, run in recorded.items()}
+    screening = Screening()
+    if settings is not None:
+        screening = screen(recorded, aligned, shoe, robot.weight, settings)
+    temperatures = [run.readings.temperature for run in recorded.values()]
     told = [values[np.isfinite(values)] for values in temperatures]
     return SessionData(
         robot=robot,
         shoe=shoe,
-        stances={run.info.run: tuple(stances_of(run, shoe, kinematics)) for run in recorded},
-        start_ns={run.info.run: run.start_ns for run in recorded},
+        stances={
+            number: tuple(stances_of(run, aligned[number], shoe, kinematics, screening))
+            for number, run in recorded.items()
+        },
+        start_ns={number: run.start_ns for number, run in recorded.items()},
         end_ns=max(
-            (run.start_ns + round(1e9 * float(run.readings.time[-1])) for run in recorded),
+            (run.start_ns + round(1e9 * float(run.readings.time[-1])) for run in recorded.values()),
             default=0,
         ),
         temperature=float(np.mean(np.concatenate(told))) if any(map(len, told)) else float("nan"),
+        screening=screening,
     )
 
 
@@ -164,12 +192,13 @@ def calibrate_session(
     """
     settings = CalibrationSettings() if settings is None else settings
     train, test = split_runs(session, train, test)
-    data = load_data(session, (*train, *test))
+    data = load_data(session, (*train, *test), settings)
+    found = [*data.screening.findings, *check_missing(session.missing)]
+    if data.screening.fails:
+        raise FileError(session.folder, "; ".join(finding.reason for finding in found))
+    train, test = (tuple(run for run in runs if data.stances[run]) for runs in (train, test))
     training, testing = data.of(train), data.of(test)
-    _require_supports(session, training)
-    readings = check_readings(data.shoe, training) + check_missing(session.missing)
-    if any(finding.verdict == "FAIL" for finding in readings):
-        raise FileError(session.folder, "; ".join(finding.reason for finding in readings))
+    _require_supports(session, training, found)
     stages = self_calibrate(data.shoe, training, settings)
     guessed = Sensing(data.shoe, stages.guess.parameters)
     sets = {name: part for name, part in (("train", training), ("test", testing)) if part}
@@ -177,7 +206,7 @@ def calibrate_session(
         stage: {name: _against_model(sensing, part) for name, part in sets.items()}
         for stage, sensing in (("initial_guess", guessed), ("self_calibration", stages.sensing))
     }
-    verdict = _verdict(data, stages, modelled["self_calibration"], settings, readings, training)
+    verdict = _verdict(data, stages, modelled["self_calibration"], settings, found, training)
     return Outcome(
         calibration=replace(
             _calibration(data, stages, verdict, source, made_ns),
@@ -191,17 +220,20 @@ def calibrate_session(
     )
 
 
-def _require_supports(session: Session, stances: Sequence[Stance]) -> None:
+def _require_supports(
+    session: Session, stances: Sequence[Stance], found: Sequence[Finding]
+) -> None:
     """Refuse what cannot fix the parameters whatever the noise."""
     double = [stance for stance in stances if all(stance.loaded)]
     if len(double) < len(stances):
         return
     distinct = {tuple(np.round((s.support.dx, s.support.dy, s.support.dtheta), 2)) for s in double}
     if len(distinct) < DISTINCT_SUPPORTS:
+        told = "".join(f"; {finding.reason}" for finding in found)
         raise FileError(
             session.folder,
             f"{len(distinct)} double support among the training runs; record at least "
-            f"{DISTINCT_SUPPORTS} that differ in yaw (3 or more are better)",
+            f"{DISTINCT_SUPPORTS} that differ in yaw (3 or more are better){told}",
         )
 
 
@@ -221,6 +253,7 @@ def _verdict(
 ) -> Verdict:
     findings = findings + check_gains(data.shoe, stages.guess, stages.parameters)
     findings += check_nominal(data.shoe, stages.parameters)
+    findings += check_time_offset(stages.time_offset)
     for name, error in modelled.items():
         findings += check_residuals(name, error.grf.mean, error.cop.mean, settings)
     if all(all(stance.loaded) for stance in training):

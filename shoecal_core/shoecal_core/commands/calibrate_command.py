@@ -12,6 +12,7 @@ from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.arguments import add_sets, require_folder
+from shoecal_core.commands.screening_table import screening_table
 from shoecal_core.commands.tables import errors_table, stages_rows
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.session import Session
@@ -47,6 +48,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     outcome = calibrate_session(session, args.train, args.test, settings)
     console.print(errors_table("Measured against modelled", stages_rows(outcome.modelled)))
     _print_channels(outcome, console)
+    if outcome.screening.left_out:
+        console.print(screening_table(outcome.screening))
     calibration = outcome.calibration
     if calibration.verdict != "FAIL":
         save_calibration(calibration, args.out)
@@ -81,6 +84,7 @@ def to_json(outcome: Outcome) -> dict[str, object]:
                 strict=True,
             )
         },
+        "screening": outcome.screening.to_json(),
         "time_offset_s": calibration.time_offset,
         "initial_guess": {
             "cop_rows": {

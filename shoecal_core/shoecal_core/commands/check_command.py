@@ -8,14 +8,21 @@ from pathlib import Path
 
 import numpy as np
 from rich.console import Console
+from rich.table import Table
 
-from shoecal_core.calibration.checks import check_readings
-from shoecal_core.calibration.pipeline import load_data
+from shoecal_core.calibration.aligned import Aligned, align
+from shoecal_core.calibration.extract import stances_of
+from shoecal_core.calibration.screening.result import Screening
+from shoecal_core.calibration.screening.screen import screen
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.commands.screening_table import screening_table
 from shoecal_core.commands.tables import new_table
 from shoecal_core.errors import ShoecalError
+from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
+from shoecal_core.settings import load_settings
 
 
 class UnfitSessionError(ShoecalError):
@@ -25,40 +32,82 @@ class UnfitSessionError(ShoecalError):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
     parser.add_argument("session", type=Path, help="folder of the recorded session")
+    parser.add_argument(
+        "--settings", type=Path, help="parameter file of the calibrator node, for its weights"
+    )
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Read every run, say what is in it, and name whatever is in the way of a calibration."""
+    settings = (
+        load_settings(CalibrationSettings, args.settings, "calibrator", "calibration")
+        if args.settings
+        else CalibrationSettings()
+    )
     session = Session.open(args.session)
     problems = [
         f"{path.name} was not finished: rescue it with `shoecal recover {path}`"
         for path in session.unfinished
     ] + [f"run {run} was begun but its file is gone: put it back" for run in session.missing]
     # A robot or shoe file that cannot be used is told as itself, not as another file's hash.
-    load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
+    robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
+    read = _Read(Kinematics(robot), session, problems)
+    screening = screen(read.runs, read.aligned, session.shoe, robot.weight, settings)
+    read.find_stances(screening)
+    console.print(_table(session, read))
+    if not read.runs:
+        problems.append(f"{session.folder}: no run can be read; record some")
+    problems += [found.reason for found in screening.findings if found.verdict == "FAIL"]
+    warnings = [found.reason for found in screening.findings if found.verdict == "WARN"]
+    if screening.left_out:
+        console.print(screening_table(screening))
+    for line in (*problems, *warnings):
+        console.print(f"- {line}", markup=False, soft_wrap=True)
+    if problems:
+        raise UnfitSessionError(f"{len(problems)} problem(s) in {session.folder}, listed above")
+    console.print("fit for use" if not warnings else "fit for use, with the warnings above")
+    return {
+        "robot": session.robot,
+        "shoe": session.shoe_name,
+        "runs": [_figures(entry, read.runs[entry.run]) for entry in read.entries],
+        "problems": problems,
+        "warnings": warnings,
+        "screening": screening.to_json(),
+    }
+
+
+class _Read:
+    """The runs that can be read; what is wrong with the others goes to the problems."""
+
+    def __init__(self, kinematics: Kinematics, session: Session, problems: list[str]) -> None:
+        self.runs: dict[int, Run] = {}
+        self.aligned: dict[int, Aligned] = {}
+        self._kinematics, self._shoe, self._problems = kinematics, session.shoe, problems
+        for entry in session.runs:
+            try:
+                recorded = session.read(entry.run)
+                self.aligned[entry.run] = align(recorded, session.shoe, kinematics)
+                self.runs[entry.run] = recorded
+            except ShoecalError as error:
+                problems.append(str(error))
+        self.entries = [entry for entry in session.runs if entry.run in self.runs]
+
+    def find_stances(self, screening: Screening) -> None:
+        """See whether every run has stances to calibrate from."""
+        for number, run in self.runs.items():
+            try:
+                stances_of(run, self.aligned[number], self._shoe, self._kinematics, screening)
+            except ShoecalError as error:
+                self._problems.append(str(error))
+
+
+def _table(session: Session, read: _Read) -> Table:
     table = new_table(f"{session.robot} on {session.shoe_name}")
     for name in ("run", "set", "motion", "dx dy dtheta", "s", "joints Hz", "readings Hz", "notes"):
         table.add_column(name)
-    rows = []
-    for entry in session.runs:
-        try:
-            recorded = session.read(entry.run)
-            findings = check_readings(session.shoe, load_data(session, [entry.run]).of([entry.run]))
-            problems += [f"run {entry.run}: {finding.reason}" for finding in findings]
-        except ShoecalError as error:
-            problems.append(str(error))
-            continue
-        rows.append(_figures(entry, recorded))
-        table.add_row(*_cells(entry, recorded))
-    console.print(table)
-    if not rows:
-        problems.append(f"{session.folder}: no run can be read; record some")
-    for problem in problems:
-        console.print(f"- {problem}", markup=False, soft_wrap=True)
-    if problems:
-        raise UnfitSessionError(f"{len(problems)} problem(s) in {session.folder}, listed above")
-    console.print("fit for use")
-    return {"robot": session.robot, "shoe": session.shoe_name, "runs": rows, "problems": problems}
+    for entry in read.entries:
+        table.add_row(*_cells(entry, read.runs[entry.run]))
+    return table
 
 
 def _figures(entry: RunEntry, run: Run) -> dict[str, object]:

@@ -67,6 +67,7 @@ float64 temperature    # degC, NaN where there is no sensor
 """ShoeVoltages.msg: recordings are written where shoecal_msgs is not installed."""
 
 GOOD = 0
+SATURATED = 1
 NO_DATA = 2
 FAULT = 3
 """Constants of ShoeVoltages that readings of other sources need too."""

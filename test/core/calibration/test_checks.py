@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -18,8 +15,8 @@ from shoecal_core.calibration.checks import (
     Finding,
     check_gains,
     check_rank,
-    check_readings,
     check_residuals,
+    check_time_offset,
     judge,
 )
 from shoecal_core.calibration.fit import self_calibrate
@@ -38,58 +35,16 @@ def runs(shoe: Shoe, truth: ChannelParameters, rng: np.random.Generator) -> list
     return synthetic.stances(shoe, truth, rng)
 
 
-def respoken(
-    runs: list[Stance], channel: int, change: Callable[[FloatArray], FloatArray | float]
-) -> list[Stance]:
-    """The same runs with other readings of one channel."""
-    changed = []
-    for run in runs:
-        readings = run.readings.copy()
-        readings[:, channel] = change(readings[:, channel])
-        changed.append(replace(run, readings=readings))
-    return changed
-
-
 def test_clean_data_pass_every_check(shoe: Shoe, runs: list[Stance]) -> None:
     stages = self_calibrate(shoe, runs, SETTINGS)
     findings = [
-        *check_readings(shoe, runs),
+        *check_time_offset(0.049),
         *check_gains(shoe, stages.guess, stages.parameters),
         *check_residuals("training", 0.2, 0.002, SETTINGS),
         *check_rank(14, 14),
     ]
     assert findings == []
     assert judge(findings).verdict == "PASS"
-
-
-# ---- readings ---------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("value", [0.0, 0.731])
-def test_a_dead_cell(shoe: Shoe, runs: list[Stance], value: float) -> None:
-    for channel, name in enumerate(shoe.names):
-        (finding,) = check_readings(shoe, respoken(runs, channel, lambda _: value))
-        assert finding.verdict == "FAIL"
-        assert finding.reason.startswith(f"{name} never changes")
-
-
-@pytest.mark.parametrize("end", [-5.0, 5.0])
-def test_a_cell_at_the_end_of_its_range(shoe: Shoe, runs: list[Stance], end: float) -> None:
-    def clipped(share: float) -> list[Stance]:
-        def clip(values: FloatArray) -> FloatArray:
-            return np.where(np.arange(len(values)) < share * len(values), end, values)
-
-        return respoken(runs, 2, clip)
-
-    assert check_readings(shoe, clipped(0.005)) == []
-    (finding,) = check_readings(shoe, clipped(0.25))
-    assert finding.verdict == "FAIL"
-    assert finding.reason.startswith(f"{shoe.names[2]} is at the end of its range in 25%")
-
-
-def test_a_cell_stuck_at_the_end_is_told_as_both(shoe: Shoe, runs: list[Stance]) -> None:
-    findings = check_readings(shoe, respoken(runs, 0, lambda _: 5.0))
-    assert [finding.verdict for finding in findings] == ["FAIL", "FAIL"]
 
 
 # ---- gains ------------------------------------------------------------------------------------
@@ -177,6 +132,14 @@ def test_residuals_are_told_in_newtons_and_millimetres() -> None:
     assert place.reason.startswith(
         "CoP is 12.30 mm off its model on training runs (limit 10.00 mm)"
     )
+
+
+@pytest.mark.parametrize(("offset", "told"), [(0.06, "late by 60 ms"), (-0.12, "early by 120 ms")])
+def test_clocks_that_are_far_apart(offset: float, told: str) -> None:
+    (finding,) = check_time_offset(offset)
+    assert finding.verdict == "WARN"
+    assert told in finding.reason
+    assert "one clock" in finding.reason
 
 
 # ---- rank and verdict -------------------------------------------------------------------------

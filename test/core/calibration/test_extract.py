@@ -13,6 +13,7 @@ from core.model import robots
 from core.sensing import shoes
 from shoecal_core.calibration.aligned import MIN_SAMPLES, align
 from shoecal_core.calibration.extract import MAX_FOOT_DRIFT_M, stances_of
+from shoecal_core.calibration.stance import Stance
 from shoecal_core.errors import FileError
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import JointsMissingError
@@ -56,6 +57,10 @@ def run() -> Run:
     )  # fmt: skip
 
 
+def found_in(run: Run) -> list[Stance]:
+    return stances_of(run, align(run, SHOE, KINEMATICS), SHOE, KINEMATICS)
+
+
 def with_readings(run: Run, **changes: NDArray[np.generic]) -> Run:
     return replace(run, readings=replace(run.readings, **changes))  # type: ignore[arg-type]
 
@@ -65,7 +70,7 @@ def with_joints(run: Run, **changes: object) -> Run:
 
 
 def test_the_stance_is_the_model_at_the_times_of_the_readings(run: Run) -> None:
-    (stance,) = stances_of(run, SHOE, KINEMATICS)
+    (stance,) = found_in(run)
     np.testing.assert_array_equal(stance.time, run.readings.time)
     np.testing.assert_array_equal(stance.readings, run.readings.value)
     expected = KINEMATICS.states(angles_at(stance.time))
@@ -83,7 +88,7 @@ def test_readings_that_are_missing_or_bad_are_left_out(run: Run) -> None:
     value, status = run.readings.value.copy(), run.readings.status.copy()
     value[10:20, 4] = np.nan
     status[30:35, 0] = 2
-    (stance,) = stances_of(with_readings(run, value=value, status=status), SHOE, KINEMATICS)
+    (stance,) = found_in(with_readings(run, value=value, status=status))
     left = np.setdiff1d(np.arange(len(run.readings.time)), [*range(10, 20), *range(30, 35)])
     np.testing.assert_array_equal(stance.time, run.readings.time[left])
 
@@ -92,7 +97,7 @@ def test_readings_without_joint_angles_near_are_left_out(run: Run) -> None:
     told = run.joints.time
     kept = (told < 1.0) | (told > 1.5)
     cut = with_joints(run, time=told[kept], position=run.joints.position[kept])
-    (stance,) = stances_of(cut, SHOE, KINEMATICS)
+    (stance,) = found_in(cut)
     assert not ((stance.time > 1.0) & (stance.time < 1.5)).any()
     assert len(stance.time) > 0.8 * len(run.readings.time)
 
@@ -100,8 +105,8 @@ def test_readings_without_joint_angles_near_are_left_out(run: Run) -> None:
 def test_joints_in_another_order_beside_strangers(run: Run) -> None:
     names = ("Wheel", *reversed(ROBOT.joint_names))
     position = np.column_stack((np.full(len(run.joints.time), 7.0), run.joints.position[:, ::-1]))
-    (stance,) = stances_of(with_joints(run, names=names, position=position), SHOE, KINEMATICS)
-    (expected,) = stances_of(run, SHOE, KINEMATICS)
+    (stance,) = found_in(with_joints(run, names=names, position=position))
+    (expected,) = found_in(run)
     np.testing.assert_array_equal(stance.cop, expected.cop)
 
 
@@ -123,30 +128,30 @@ def test_optional_joints_that_are_never_told_stand_in_their_posture(run: Run) ->
 def test_joints_of_another_robot(run: Run) -> None:
     names = tuple(f"other_{name}" for name in ROBOT.joint_names)
     with pytest.raises(JointsMissingError, match="check the robot file's joint names"):
-        stances_of(with_joints(run, names=names), SHOE, KINEMATICS)
+        found_in(with_joints(run, names=names))
 
 
 def test_too_little_that_fits_together(run: Run) -> None:
     value = run.readings.value.copy()
     value[MIN_SAMPLES - 1 :] = np.nan
     with pytest.raises(FileError, match=f"only {MIN_SAMPLES - 1} samples") as caught:
-        stances_of(with_readings(run, value=value), SHOE, KINEMATICS)
+        found_in(with_readings(run, value=value))
     assert caught.value.path == run.path
     apart = with_joints(run, time=run.joints.time + 100.0)
     with pytest.raises(FileError, match="stamps of one clock"):
-        stances_of(apart, SHOE, KINEMATICS)
+        found_in(apart)
 
 
 def test_a_foot_that_slips_is_told(run: Run) -> None:
     position = run.joints.position.copy()
     position[-20:, ROBOT.joint("left_hip_roll")] += 0.2
     with pytest.raises(FileError, match=r"the feet moved [0-9.]+ mm") as caught:
-        stances_of(with_joints(run, position=position), SHOE, KINEMATICS)
+        found_in(with_joints(run, position=position))
     assert caught.value.path == run.path
     # Play in the joints is no slip.
     position = run.joints.position.copy()
     position[-20:, ROBOT.joint("left_hip_roll")] += 0.1 * MAX_FOOT_DRIFT_M / 0.3
-    assert stances_of(with_joints(run, position=position), SHOE, KINEMATICS)
+    assert found_in(with_joints(run, position=position))
 
 
 def test_a_run_that_does_not_say_where_its_feet_are(run: Run) -> None:
@@ -154,7 +159,7 @@ def test_a_run_that_does_not_say_where_its_feet_are(run: Run) -> None:
     once = PoseSamples(np.zeros(1), np.zeros((1, 3)), np.array([[0.0, 0.0, 0.0, 1.0]]))
     for pose in (None, once):
         with pytest.raises(FileError, match="names no double support and has no /base_pose"):
-            stances_of(replace(walked, base_pose=pose), SHOE, KINEMATICS)
+            found_in(replace(walked, base_pose=pose))
 
 
 def test_with_the_pose_of_the_base_a_standing_robot_is_found_standing(run: Run) -> None:
@@ -174,7 +179,7 @@ def test_with_the_pose_of_the_base_a_standing_robot_is_found_standing(run: Run) 
         info=replace(run.info, support=None),
         base_pose=base,
     )
-    both = [stance for stance in stances_of(walked, SHOE, KINEMATICS) if all(stance.loaded)]
+    both = [stance for stance in found_in(walked) if all(stance.loaded)]
     assert both
     for stance in both:
         np.testing.assert_allclose(stance.force, ROBOT.weight, rtol=1e-9)

@@ -20,7 +20,7 @@ from shoecal_core.sensing.wrench import at_cop, columns_in_left, combined, weigh
 FloatArray = NDArray[np.float64]
 
 START_NS = 10**9
-STEP_NS = 25_000_000
+STEP_NS = 100_000_000
 SPREADS = (0.06, 0.12)
 """How far the legs are spread in each run [rad]."""
 
@@ -62,7 +62,7 @@ def joint_angles(spread: float, count: int = 120) -> FloatArray:
     for index, name in enumerate(robot.joint_names):
         side = {"L": 1.0, "R": -1.0}.get(name[0], 0.0)
         sign = {"HipRoll": 1.0, "AnkleRoll": -1.0}.get(name[1:], 0.0)
-        angles[:, index] += sign * (side * spread + 0.12 * np.sin(phase))
+        angles[:, index] += sign * (side * spread + 0.06 * np.sin(phase))
         lean = {"HipPitch": 1.0, "AnklePitch": -1.0}.get(name[1:], 0.0)
         angles[:, index] += 0.06 * lean * np.cos(1.5 * phase)
     return angles

@@ -1,0 +1,71 @@
+"""A run in short blocks: medians that single bad samples do not move."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.calibration.aligned import Aligned
+from shoecal_core.calibration.screening.noise import noise
+from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.sensing.wrench import columns_in_left, combined, weight_below
+
+FloatArray = NDArray[np.float64]
+
+BLOCK_S = 0.2
+"""A slow robot hardly moves in so short a time."""
+
+
+@dataclass(frozen=True)
+class Blocks:
+    """B blocks of one run in double support; vectors are in the left sole's frame.
+
+    Attributes:
+        time: (B,) of their middles [s].
+        readings: (B, n) medians.
+        cop: (B, 2) modelled CoP, means [m].
+        noise: (n,) standard deviation of a block's reading.
+        columns: (n, 3) what one unit of each output adds to the total wrench.
+        base: (3,) wrench of the parts below the channels.
+    """
+
+    time: FloatArray
+    readings: FloatArray
+    cop: FloatArray
+    noise: FloatArray
+    columns: FloatArray
+    base: FloatArray
+
+    @property
+    def period(self) -> float:
+        """Time from one block to the next [s]."""
+        return float(np.median(np.diff(self.time))) if len(self.time) > 1 else BLOCK_S
+
+
+def blocks(aligned: Aligned, shoe: Shoe) -> Blocks:
+    """Blocks of a run whose feet stand where the joint angles mostly say."""
+    support = aligned.states.support()
+    size = block_size(aligned.time)
+    # The median of a sample is less sharp than its mean.
+    sharper = np.sqrt(np.pi / 2.0 / size) if size > 2 else 1.0 / np.sqrt(size)
+    return Blocks(
+        time=in_blocks(aligned.time, size).mean(axis=1),
+        readings=np.median(in_blocks(aligned.readings, size), axis=1),
+        cop=in_blocks(aligned.states.cop[:, 0], size).mean(axis=1),
+        noise=noise(aligned.readings) * sharper,
+        columns=columns_in_left(shoe, support),
+        base=combined(weight_below(shoe), support),
+    )
+
+
+def block_size(time: FloatArray) -> int:
+    """Samples of one block."""
+    return max(1, round(BLOCK_S / float(np.median(np.diff(time)))))
+
+
+def in_blocks(values: FloatArray, size: int) -> FloatArray:
+    """(B, size, ...) of samples (T, ...); the rest at the end is left out."""
+    count = len(values) // size
+    return values[: count * size].reshape(count, size, *values.shape[1:])

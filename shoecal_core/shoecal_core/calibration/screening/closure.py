@@ -1,0 +1,132 @@
+"""Do both feet stand where they stood? What the joints tell of one sole seen from the other.
+
+Play and compliance let that wander a little. A foot that was lifted shows in height and tilt; one
+that slipped shows as a step that stays, at a moment at which the load on the cells steps too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter1d
+
+from shoecal_core.calibration.aligned import Aligned
+from shoecal_core.model.kinematics import BodyStates
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+LIFT_M, LIFT_RAD = 0.003, 0.03
+"""A foot that is this much higher or more tilted than it mostly is does not stand."""
+
+GAP_S, WINDOW_S = 0.5, 1.0
+"""A step is the mean of one window after a gap less that of one before it."""
+LOAD_GAP_S, LOAD_WINDOW_S = 0.3, 0.5
+"""The same for the readings, which change faster; both windows then have one common slope."""
+CLOSURE_STEP, LOAD_STEP = 5.5, 16.0
+"""A slip's steps, in standard deviations of the steps that the session otherwise has."""
+LEAST_M, LEAST_RAD, LEAST_SHARE = 5e-5, 5e-4, 1e-3
+"""Added to those standard deviations: a robot without play, or one that hardly moves, is no
+reason for alarm. The last is a share of a channel's whole range."""
+USUAL = 0.98
+"""Part of a session's steps that are usual."""
+
+
+@dataclass(frozen=True)
+class Slipped:
+    """A step of one foot against the other.
+
+    Attributes:
+        time: since the run's start [s].
+        shift: (3,) how far the joints tell it: dx, dy [m], dtheta [rad].
+    """
+
+    time: float
+    shift: FloatArray
+
+
+def lifted(states: BodyStates) -> BoolArray:
+    """(T,) one foot is in the air or on an edge."""
+    pose = _pose(states)[:, 2:5]
+    off = np.abs(pose - np.median(pose, axis=0))
+    high: BoolArray = np.any(off > (LIFT_M, LIFT_RAD, LIFT_RAD), axis=1)
+    return high
+
+
+def slips(runs: Mapping[int, Aligned]) -> dict[int, Slipped]:
+    """The first slip of every run that has one; samples with a lifted foot are left out before."""
+    runs = {run: one for run, one in runs.items() if len(one.time) > 1}
+    if not runs:
+        return {}
+    closure = {run: _steps(_pose(one.states), one.time) for run, one in runs.items()}
+    load = {run: _kinks(one.readings, one.time) for run, one in runs.items()}
+    least = np.array([LEAST_M] * 3 + [LEAST_RAD] * 3)
+    closure_size = _in_usual(closure, least)
+    ranges = np.ptp(np.concatenate([one.readings for one in runs.values()]), axis=0)
+    load_size = _in_usual(load, LEAST_SHARE * ranges)
+    found = {}
+    for run, one in runs.items():
+        period = float(np.median(np.diff(one.time)))
+        near = maximum_filter1d(load_size[run], 2 * round(GAP_S / 2.0 / period) + 1)
+        here = (closure_size[run] > CLOSURE_STEP) & (near > LOAD_STEP)
+        if here.any():
+            first = int(np.argmax(here))
+            reach = round((GAP_S + WINDOW_S) / period)
+            at = first + int(np.argmax(closure_size[run][first : first + reach]))
+            found[run] = Slipped(float(one.time[at]), closure[run][at, [0, 1, 5]])
+    return found
+
+
+def _in_usual(steps: Mapping[int, FloatArray], least: FloatArray) -> dict[int, FloatArray]:
+    """(T,) length of each run's steps (T, k), in the session's usual standard deviations."""
+    everything = np.concatenate(list(steps.values()))
+    length = np.zeros(len(everything))
+    for _ in range(3):
+        usual = everything[length <= np.quantile(length, USUAL)]
+        covariance = usual.T @ usual / len(usual) + np.diag(least**2)
+        inverse = np.linalg.inv(covariance)
+        length = np.sqrt(np.einsum("ti,ij,tj->t", everything, inverse, everything))
+    ends = np.cumsum([len(one) for one in steps.values()])[:-1]
+    return dict(zip(steps, np.split(length, ends), strict=True))
+
+
+def _pose(states: BodyStates) -> FloatArray:
+    """(T, 6) of the right sole in the left's frame: x, y, z, tilt about x and y, yaw."""
+    turn = states.rotation
+    tilt = np.stack((turn[:, 2, 1], -turn[:, 2, 0]), axis=1)
+    return np.concatenate((states.translation, tilt, states.yaw[:, None]), axis=1)
+
+
+def _steps(values: FloatArray, time: FloatArray) -> FloatArray:
+    """(T, k) mean after each instant less mean before it; 0 where a window does not fit."""
+    period = float(np.median(np.diff(time)))
+    gap, size = round(GAP_S / 2.0 / period), max(1, round(WINDOW_S / period))
+    sums = np.concatenate((np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)))
+    steps = np.zeros_like(values)
+    at = np.arange(gap + size, len(values) - gap - size)
+    after = sums[at + gap + size] - sums[at + gap]
+    before = sums[at - gap] - sums[at - gap - size]
+    steps[at] = (after - before) / size
+    return steps
+
+
+def _kinks(values: FloatArray, time: FloatArray) -> FloatArray:
+    """(T, k) steps over and above one slope through both windows; 0 where they do not fit."""
+    period = float(np.median(np.diff(time)))
+    gap, size = round(LOAD_GAP_S / 2.0 / period), max(2, round(LOAD_WINDOW_S / period))
+    side = np.arange(gap + 1, gap + size + 1, dtype=np.float64)
+    places = np.concatenate((-side[::-1], side))
+    rows = np.stack((np.ones_like(places), places, (places > 0.0).astype(float)), axis=1)
+    weights = np.zeros(2 * (gap + size) + 1)
+    weights[(places + gap + size).astype(int)] = np.linalg.pinv(rows)[2]
+    kinks = np.zeros_like(values)
+    reach = gap + size
+    if len(values) > 2 * reach:
+        for column in range(values.shape[1]):
+            kinks[reach : len(values) - reach, column] = np.convolve(
+                values[:, column], weights[::-1], "valid"
+            )
+    return kinks

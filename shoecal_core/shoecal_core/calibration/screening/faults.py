@@ -1,0 +1,24 @@
+"""The faults that are looked for."""
+
+from __future__ import annotations
+
+from enum import Enum
+
+
+class Fault(Enum):
+    """A kind of fault; its value is its name in result files."""
+
+    UNREADABLE = "unreadable"
+    DEAD = "dead"
+    STUCK = "stuck"
+    SATURATED = "saturated"
+    INVERTED = "inverted"
+    SWAPPED = "swapped"
+    WRONG_WEIGHT = "wrong_weight"
+    SPIKE = "spike"
+    TOO_FAST = "too_fast"
+    JOLTED = "jolted"
+    LIFTED = "lifted"
+    SLIPPED = "slipped"
+    TOO_LITTLE = "too_little"
+    LATE = "late"

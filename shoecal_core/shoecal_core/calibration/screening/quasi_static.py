@@ -1,0 +1,48 @@
+"""Does the robot move slowly enough, as its joints tell?
+
+A body that accelerates has its CoP not below its CoM but, as the zero-moment point, off by
+z a / g: height of the CoM times horizontal acceleration over gravity.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import savgol_coeffs, savgol_filter
+
+from shoecal_core.calibration.aligned import Aligned
+from shoecal_core.calibration.screening.noise import noise
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.model.robot import GRAVITY
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+SMOOTHING_S = 0.3
+"""Window of the local cubic that accelerations are taken from."""
+NOISE_STDS = 6.0
+"""Of the accelerations that encoder steps alone make."""
+
+
+def zmp_shift(aligned: Aligned) -> tuple[FloatArray, float]:
+    """(T,) how far the zero-moment point is off the modelled CoP, and its noise [m]."""
+    time = aligned.time
+    period = float(np.median(np.diff(time)))
+    window = max(5, 2 * round(SMOOTHING_S / period / 2.0) + 1)
+    even = np.arange(time[0], time[-1] + period / 2.0, period)
+    if len(even) < window:
+        return np.zeros(len(time)), 0.0
+    com = aligned.states.com[:, 0]
+    placed = np.stack([np.interp(even, time, axis) for axis in com[:, :2].T], axis=1)
+    curved = savgol_filter(placed, window, 3, deriv=2, delta=period, axis=0)
+    fall = com[:, 2] / GRAVITY
+    shift: FloatArray = fall * np.interp(time, even, np.linalg.norm(curved, axis=1))
+    trembling = np.linalg.norm(savgol_coeffs(window, 3, deriv=2, delta=period))
+    return shift, float(np.median(fall) * trembling * np.linalg.norm(noise(com[:, :2])))
+
+
+def too_fast(aligned: Aligned, settings: CalibrationSettings) -> BoolArray:
+    """(T,) the acceleration shifts the CoP by more than the model's own error."""
+    shift, trembling = zmp_shift(aligned)
+    fast: BoolArray = shift > max(settings.cop_std_m, NOISE_STDS * trembling)
+    return fast

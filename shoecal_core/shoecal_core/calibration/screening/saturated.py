@@ -1,0 +1,92 @@
+"""Cells with flat tops, be it below the end of their converter's range.
+
+A cell that stays at its own extreme while force is missing there, in the direction in which it
+would have gone on, has reached an end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.calibration.screening.blocks import Blocks
+from shoecal_core.recording.run import Readings
+from shoecal_core.recording.schemas import SATURATED
+from shoecal_core.sensing.shoe import Shoe
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+END_SHARE = 1e-6
+"""Readings this near to an end of the range, as a share of it, are at the end."""
+AT_END_STDS = 4.0
+"""A reading is at its extreme when it is within this many standard deviations of it."""
+LEAST_S = 0.6
+"""Time at the extreme from which missing force tells something [s]."""
+
+
+@dataclass(frozen=True)
+class Saturated:
+    """A channel that has an end.
+
+    Attributes:
+        channel: index.
+        level: the end, as it reads.
+        missing: force that is typically missing there [N].
+        share: of all blocks.
+    """
+
+    channel: int
+    level: float
+    missing: float
+    share: float
+
+
+def at_ends(shoe: Shoe, values: FloatArray) -> BoolArray:
+    """(T, n) readings (T, n) at an end of their converter's range."""
+    low, high = (
+        np.array([getattr(c, end) for c in shoe.channels]) for end in ("lowest", "highest")
+    )
+    slack = END_SHARE * (high - low)
+    ends: BoolArray = (values <= low + slack) | (values >= high - slack)
+    return ends
+
+
+def told_at_ends(shoe: Shoe, readings: Readings) -> BoolArray:
+    """(T, n) the same, and those of which the device says so."""
+    ends: BoolArray = at_ends(shoe, readings.value) | (readings.status == SATURATED)
+    return ends
+
+
+def saturated(
+    runs: Mapping[int, Blocks],
+    force_error: Mapping[int, FloatArray],
+    gain: FloatArray,
+    least: float,
+) -> list[Saturated]:
+    """Every channel with a flat top or bottom.
+
+    Args:
+        force_error: (B,) measured less expected force of each run's blocks [N].
+        gain: (n,) of each channel, roughly.
+        least: less missing force is no sign of an end [N].
+    """
+    readings = np.concatenate([blocks.readings for blocks in runs.values()])
+    noise = np.max([blocks.noise for blocks in runs.values()], axis=0)
+    # A run under another weight is off all the time.
+    error = np.concatenate([force_error[run] - np.median(force_error[run]) for run in runs])
+    period = float(np.median([blocks.period for blocks in runs.values()]))
+    found = []
+    for channel, values in enumerate(readings.T):
+        for side in (1.0, -1.0):
+            level = side * float(np.max(side * values))
+            there = np.abs(values - level) <= AT_END_STDS * noise[channel]
+            if there.sum() * period < LEAST_S:
+                continue
+            missing = -float(np.sign(gain[channel]) * side * np.median(error[there]))
+            if missing > least:
+                found.append(Saturated(channel, level, missing, float(there.mean())))
+    return found

@@ -1,0 +1,198 @@
+"""Screening of runs in double support: what statics and the model of the body tell of them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.calibration.aligned import Aligned
+from shoecal_core.calibration.screening import findings as words
+from shoecal_core.calibration.screening.blocks import Blocks, blocks
+from shoecal_core.calibration.screening.closure import Slipped, lifted, slips
+from shoecal_core.calibration.screening.disturbed import disturbed
+from shoecal_core.calibration.screening.faults import Fault
+from shoecal_core.calibration.screening.noise import noise
+from shoecal_core.calibration.screening.quasi_static import too_fast
+from shoecal_core.calibration.screening.result import LeftOut, Screening
+from shoecal_core.calibration.screening.rough_fit import equations, prior, reweighed, solve
+from shoecal_core.calibration.screening.saturated import (
+    AT_END_STDS,
+    Saturated,
+    at_ends,
+    saturated,
+)
+from shoecal_core.calibration.screening.spikes import find_leaps
+from shoecal_core.calibration.screening.stretches import JOIN_S, stretches, widened
+from shoecal_core.calibration.screening.weights import wrong_weights
+from shoecal_core.calibration.screening.wiring import check_wiring
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.sensing.sensing import MINIMUM_FORCE
+from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.sensing.wrench import ChannelParameters, cop
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+MARGIN_S = 0.15
+"""Also left out around what moved, pushed or lifted the robot: it still sways."""
+HIT_MARGIN_S = 0.03
+"""The same around a hit that is over at once."""
+SLIP_MARGIN_S = 0.5
+"""Left out before a slip: when it began is known no better."""
+LEAST_SHARE = 0.4
+"""A run of which less is usable is left out."""
+LEAST_LEAP_STDS = 1.0
+"""Smaller leaps do no harm, in the settings' standard deviations of the force."""
+
+
+def screen_standing(
+    found: Screening,
+    aligned: Mapping[int, Aligned],
+    shoe: Shoe,
+    weight: float,
+    settings: CalibrationSettings,
+) -> Screening:
+    """What was found so far, and what is found in these runs.
+
+    Args:
+        aligned: runs in double support, by number.
+        weight: of robot and shoes [N].
+    """
+    parts = {run: blocks(one, shoe) for run, one in aligned.items()}
+    information = prior(shoe, parts, weight, settings)
+    several = len(aligned) > 1
+    if several:
+        wiring = check_wiring(shoe, parts, information, weight, settings)
+        found = found.adding(words.of_wiring(shoe, wiring))
+    if found.fails:
+        return found
+    rows = {run: equations(one, weight, settings) for run, one in parts.items()}
+    fit = solve(reweighed(rows, information), information)
+    missing = {run: settings.force_std_n * one.off(fit.vector)[0] for run, one in rows.items()}
+    ended = saturated(parts, missing, fit.parameters.gain, settings.force_std_n)
+    wrong = wrong_weights(rows, information, settings) if several else []
+    found = found.adding([*words.of_saturated(shoe, ended), *words.of_weights(wrong)])
+    if found.fails:
+        return found
+    fitting = {run: one for run, one in rows.items() if run not in {one.run for one in wrong}}
+    parameters = solve(reweighed(fitting, information), information).parameters
+    watch = _Watch(shoe, parameters, weight, settings, ended)
+    moments = {run: watch.moments(aligned[run], parts[run]) for run in fitting}
+    slipped = slips({run: one.calm for run, one in moments.items()})
+    found = found.adding(words.of_slips(slipped))
+    for run, one in aligned.items():
+        if run in moments:
+            found = _leaving_out(found, run, one, moments[run], slipped.get(run), shoe)
+        else:
+            found = _leaving_out_all(found, run, one)
+    return found
+
+
+@dataclass(frozen=True)
+class _Moments:
+    """What happened in one run, and when.
+
+    Attributes:
+        marked: (T,) by fault, the gravest first.
+        spikes: (T, n).
+        calm: samples while both feet stand, their readings without leaps.
+    """
+
+    marked: Mapping[Fault, BoolArray]
+    spikes: BoolArray
+    calm: Aligned
+
+
+@dataclass(frozen=True)
+class _Watch:
+    """Finds moments that break the assumptions."""
+
+    shoe: Shoe
+    parameters: ChannelParameters
+    weight: float
+    settings: CalibrationSettings
+    ended: Sequence[Saturated]
+
+    def moments(self, aligned: Aligned, part: Blocks) -> _Moments:
+        time, settings = aligned.time, self.settings
+        trembling = noise(aligned.readings)
+        least = LEAST_LEAP_STDS * settings.force_std_n
+        leaps = find_leaps(self.shoe, aligned.readings, trembling, self.parameters.gain, least)
+        wrench = self.parameters.outputs(leaps.calm) @ part.columns + part.base
+        place = cop(wrench, MINIMUM_FORCE) - aligned.states.cop[:, 0]
+        nowhere = ~np.isfinite(place).all(axis=1)
+        place[nowhere] = 0.0
+        pushed = disturbed(time, wrench[:, 0] - self.weight, place, settings) | nowhere
+        up = widened(lifted(aligned.states), time, MARGIN_S)
+        calm = replace(aligned, readings=leaps.calm).part(~up)
+        marked = {
+            Fault.SATURATED: self._at_end(aligned.readings, trembling),
+            Fault.LIFTED: up,
+            Fault.TOO_FAST: widened(too_fast(aligned, settings), time, MARGIN_S),
+            Fault.JOLTED: widened(pushed, time, MARGIN_S) | widened(leaps.hits, time, HIT_MARGIN_S),
+            Fault.SPIKE: np.asarray(leaps.spikes.any(axis=1)),
+        }
+        return _Moments(marked, leaps.spikes, calm)
+
+    def _at_end(self, readings: FloatArray, trembling: FloatArray) -> BoolArray:
+        there = at_ends(self.shoe, readings).any(axis=1)
+        for one in self.ended:
+            off = np.abs(readings[:, one.channel] - one.level)
+            there |= off <= AT_END_STDS * trembling[one.channel]
+        return np.asarray(there)
+
+
+def _leaving_out(
+    found: Screening,
+    run: int,
+    aligned: Aligned,
+    moments: _Moments,
+    slip: Slipped | None,
+    shoe: Shoe,
+) -> Screening:
+    """Leave out what was marked, and what came after a slip."""
+    time = aligned.time
+    before = time < (np.inf if slip is None else slip.time - SLIP_MARGIN_S)
+    kept, lost = before.copy(), []
+    if slip is not None:
+        lost.append(_lost(found, run, Fault.SLIPPED, ~before, time))
+    for fault, marked in moments.marked.items():
+        fresh = marked & kept
+        kept &= ~marked
+        if fresh.any():
+            one = _lost(found, run, fault, fresh, time)
+            if fault is Fault.SPIKE:
+                at_fault = np.flatnonzero(np.any(moments.spikes[fresh], axis=0))
+                one = replace(one, channels=tuple(shoe.names[index] for index in at_fault))
+            lost.append(one)
+    if kept.sum() < LEAST_SHARE * found.samples[run]:
+        lost.append(_lost(found, run, Fault.TOO_LITTLE, kept, time))
+        kept = np.zeros_like(kept)
+    standing = before & ~moments.marked[Fault.LIFTED]
+    return replace(
+        found.adding(words.of_left_out(lost)),
+        left_out=(*found.left_out, *lost),
+        kept={**found.kept, run: kept},
+        standing={**found.standing, run: standing},
+    )
+
+
+def _leaving_out_all(found: Screening, run: int, aligned: Aligned) -> Screening:
+    """Leave out a run under another weight."""
+    everything = np.ones(len(aligned.time), dtype=bool)
+    lost = _lost(found, run, Fault.WRONG_WEIGHT, everything, aligned.time)
+    return replace(
+        found,
+        left_out=(*found.left_out, lost),
+        kept={**found.kept, run: ~everything},
+        standing={**found.standing, run: everything},
+    )
+
+
+def _lost(found: Screening, run: int, fault: Fault, marked: BoolArray, time: FloatArray) -> LeftOut:
+    count = int(marked.sum())
+    times = stretches(marked, time, JOIN_S)
+    return LeftOut(run, fault, count, count / found.samples[run], times)

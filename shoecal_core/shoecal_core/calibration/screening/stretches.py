@@ -1,0 +1,53 @@
+"""Stretches of time: marked samples put together, widened, and told to a person."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+Stretch = tuple[float, float]
+
+JOIN_S = 1.0
+"""Stretches no farther apart are told as one [s]."""
+TOLD = 3
+"""So many stretches are named by their times; the others are counted."""
+
+
+def stretches(mask: BoolArray, time: FloatArray, join_s: float = 0.0) -> tuple[Stretch, ...]:
+    """First and last time of every stretch of marked samples, (T,) both.
+
+    Args:
+        join_s: stretches no farther apart than this are one [s].
+    """
+    marked = np.flatnonzero(mask)
+    if not len(marked):
+        return ()
+    apart = (np.diff(marked) > 1) & (np.diff(time[marked]) > join_s)
+    first = marked[np.concatenate(([True], apart))]
+    last = marked[np.concatenate((apart, [True]))]
+    return tuple((float(time[a]), float(time[b])) for a, b in zip(first, last, strict=True))
+
+
+def widened(mask: BoolArray, time: FloatArray, margin_s: float) -> BoolArray:
+    """Also marked: what is within `margin_s` of a marked sample."""
+    wide = mask.copy()
+    for start, end in stretches(mask, time):
+        first, last = np.searchsorted(time, (start - margin_s, end + margin_s))
+        wide[first : last + 1] = True
+    return wide
+
+
+def told(found: Sequence[Stretch]) -> str:
+    """When it was, the longest stretches: `at 3.2 s, 7.0 to 8.5 s`; empty without any."""
+    longest = sorted(found, key=lambda one: one[0] - one[1])[:TOLD]
+    parts = [
+        f"{start:.1f} s" if end - start < 0.05 else f"{start:.1f} to {end:.1f} s"
+        for start, end in sorted(longest)
+    ]
+    if len(found) > TOLD:
+        parts.append(f"{len(found) - TOLD} more times")
+    return f"at {', '.join(parts)}" if parts else ""

@@ -1,0 +1,94 @@
+"""Cables: cells that are wired upside down, and cells that are connected at each other's place.
+
+Signs come from a fit that asks for none. Exchanged cells are found by trying: for every pair the
+equations are solved again with the two at each other's place, and the one exchange that makes the
+readings fit much better than all else is named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.calibration.screening.blocks import Blocks
+from shoecal_core.calibration.screening.rough_fit import RoughFit, equations, solve
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.sensing.shoe import Shoe
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+SURE_STDS = 5.0
+"""A gain has its sign when it is this many standard deviations off zero."""
+BETTER = 25.0
+"""An exchange counts when it lowers the sum of squares by this much, in units of the mean square
+of what the best one leaves, or of the settings' where that is more."""
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """What is wrong with the cables.
+
+    Attributes:
+        inverted: channels whose sign is against the shoe file.
+        swapped: pairs of channels that are connected at each other's place.
+    """
+
+    inverted: tuple[int, ...]
+    swapped: tuple[tuple[int, int], ...]
+
+
+def check_wiring(
+    shoe: Shoe,
+    runs: Mapping[int, Blocks],
+    information: FloatArray,
+    weight: float,
+    settings: CalibrationSettings,
+) -> Wiring:
+    """Compare the cables as they should be with every exchange of two cells, or of both feet.
+
+    Args:
+        information: (2n,) prior; see `rough_fit.prior`.
+        weight: of robot and shoes [N].
+    """
+
+    def fit(place: IntArray) -> RoughFit:
+        placed = {run: replace(one, columns=one.columns[place]) for run, one in runs.items()}
+        rows = {run: equations(one, weight, settings) for run, one in placed.items()}
+        return solve(rows, information)
+
+    right = np.arange(len(shoe.names))
+    as_told = fit(right)
+    count = sum(3.0 * equations(one, weight, settings).weight.sum() for one in runs.values())
+    best, place = as_told, right
+    for exchange in exchanges(shoe):
+        tried = right.copy()
+        for one, other in exchange:
+            tried[[one, other]] = other, one
+        found = fit(tried)
+        if found.cost < best.cost:
+            best, place = found, tried
+    unit = max(1.0, best.cost / count)
+    if as_told.cost - best.cost < BETTER * unit:
+        best, place = as_told, right
+    gain, std = best.parameters.gain, np.sqrt(np.diag(best.covariance))[: len(right)]
+    against = shoe.polarity[place] * gain < -SURE_STDS * std
+    return Wiring(
+        inverted=tuple(np.flatnonzero(against).tolist()),
+        swapped=tuple((int(k), int(place[k])) for k in np.flatnonzero(place > right)),
+    )
+
+
+def exchanges(shoe: Shoe) -> list[list[tuple[int, int]]]:
+    """Pairs of one-axis cells, and all cells of one foot for the other's where they are alike."""
+    cells = [i for i, channel in enumerate(shoe.channels) if channel.column[0] == 1.0]
+    pairs = [[pair] for pair in combinations(cells, 2)]
+    left, right = ([i for i in cells if shoe.foot[i] == foot] for foot in (0, 1))
+    names = [[shoe.names[i].split("/", 1)[1] for i in own] for own in (left, right)]
+    if names[0] == names[1]:
+        pairs.append(list(zip(left, right, strict=True)))
+    return pairs
