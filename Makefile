@@ -35,6 +35,7 @@ lint: setup  ## ruff and mypy
 
 bench: solve-speed demo-table paper  ## all measurements
 
+solve-speed: export OPENBLAS_NUM_THREADS := 1
 solve-speed: setup  ## the least squares beside scipy's, into docs/performance.md
 	$(BIN)/python benchmarks/solve_speed.py $(ARGS)
 
