@@ -119,7 +119,7 @@ def _assumptions(robot: Reproduction) -> list[list[Part]]:
     parts = [
         Part(
             "GRF by the manual calibration, and the weight",
-            grf_in_time(lines, robot.outcome.data.robot.weight, least=3.0),
+            grf_in_time(lines, robot.data.robot.weight, least=3.0),
             (
                 "Bursts, which the floor feels too: at the start, and where a foot carries little.",
                 "Between them the scale's error, which the simulated robot has by its file.",
@@ -141,7 +141,7 @@ def _assumptions(robot: Reproduction) -> list[list[Part]]:
 
 def _runs(robot: Reproduction, runs: Sequence[ComparedRun]) -> list[list[Part]]:
     """A column a run: motion, CoP, GRF."""
-    weight = robot.outcome.data.robot.weight
+    weight = robot.data.robot.weight
     columns = []
     for run in runs:
         lines = [Line(*LOOKS[name], run.sources[name][0]) for name in LOOKS]
@@ -156,10 +156,10 @@ def _runs(robot: Reproduction, runs: Sequence[ComparedRun]) -> list[list[Part]]:
 
 
 def _motion(robot: Reproduction, run: ComparedRun) -> str:
-    (stance,) = robot.outcome.data.stances[run.run]
+    (stance,) = robot.data.stances[run.run]
     assert stance.angles is not None
     shown = np.linspace(0, len(stance.time) - 1, SNAPSHOTS).round().astype(int)
-    bodies = [skeleton(robot.outcome.data.robot, stance.angles[index]) for index in shown]
+    bodies = [skeleton(robot.data.robot, stance.angles[index]) for index in shown]
     return snapshots(bodies, stance.time[shown].tolist())
 
 
@@ -169,13 +169,13 @@ def _plane(
     looks: dict[str, tuple[str, Look]],
     names: Sequence[str],
 ) -> str:
-    support = robot.outcome.data.stances[run.run][0].support
+    support = robot.data.stances[run.run][0].support
     feet = [_foot(robot, 0, None), _foot(robot, 1, support)]
     return cop_plane(feet, [CopPath(*looks[name], run.sources[name][0].cop) for name in names])
 
 
 def _foot(robot: Reproduction, foot: int, support: DoubleSupport | None) -> FootShape:
-    data = robot.outcome.data
+    data = robot.data
     shape = data.robot.feet[foot]
     cells = data.shoe.positions[data.shoe.of_foot(foot)]
     here = support.right_to_left if support is not None else np.asarray

@@ -11,7 +11,7 @@ from population import Member
 from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.calibration.evaluation import MEASURED, MODELLED, REFERENCE, compare_data
 from shoecal_core.calibration.manual.calibrate import ManualCalibration, calibrate_manually
-from shoecal_core.calibration.pipeline import Outcome, calibrate_session
+from shoecal_core.calibration.pipeline import Outcome, SessionData, calibrate_session, load_data
 from shoecal_core.calibration.run_errors import (
     ComparedRun,
     errors_by_set,
@@ -45,12 +45,14 @@ class Reproduction:
         member: its seeds.
         manual: calibration of its shoes on the loading rig: the reference.
         outcome: of its self-calibration.
+        data: of its session, with every sample: what the calibration left out counts here, too.
         runs: what guess, calibration, model, reference and truth tell of each, training first.
     """
 
     member: Member
     manual: ManualCalibration
     outcome: Outcome
+    data: SessionData
     runs: tuple[ComparedRun, ...]
 
     @property
@@ -74,11 +76,11 @@ def reproduce(member: Member, session: Session) -> Reproduction:
     cells, loads = simulate_manual(shoe, reality, member.robot_seed, member.seed)
     manual = calibrate_manually(shoe, robot, cells, loads)
     outcome = calibrate_session(session, member.train, member.test)
-    data, stages = outcome.data, outcome.stages
+    data, stages = load_data(session, (*member.train, *member.test)), outcome.stages
     runs = compare_data(
         session,
         data,
-        {"train": outcome.train, "test": outcome.test},
+        {"train": member.train, "test": member.test},
         {
             GUESS: Sensing(data.shoe, stages.guess.parameters),
             LEAST_SQUARES: Sensing(data.shoe, outcome.calibration.parameters),
@@ -86,7 +88,7 @@ def reproduce(member: Member, session: Session) -> Reproduction:
             REFERENCE: manual.calibration.sensing(data.shoe),
         },
     )
-    return Reproduction(member, manual, outcome, tuple(runs))
+    return Reproduction(member, manual, outcome, data, tuple(runs))
 
 
 def shoe_and_robot() -> tuple[Shoe, Robot]:
