@@ -1,6 +1,6 @@
-"""docs/trust.md and out/trust.json: what several benchmarks say of a calibration's trust.
+"""Pages that several benchmarks write: docs/performance.md, docs/trust.md with out/trust.json.
 
-Each benchmark owns one section of the page, between `<!-- name -->` and `<!-- /name -->`, and one
+Each benchmark owns one section of a page, between `<!-- name -->` and `<!-- /name -->`, and one
 key of the file; it replaces its own and leaves the others' as they are.
 """
 
@@ -13,6 +13,13 @@ import bench_json
 from shoecal_core.files import atomic_write
 
 ROOT = Path(__file__).resolve().parents[1]
+PERFORMANCE = ROOT / "docs" / "performance.md"
+PERFORMANCE_HEAD = """\
+# How fast it is, and how much memory it takes
+
+Every section is made by the command that it names; `make bench` runs them all. The figures are
+those of the machine they were last made on: what counts is how they compare.
+"""
 PAGE = ROOT / "docs" / "trust.md"
 FIGURES = ROOT / "out" / "trust.json"
 HEAD = """\
@@ -35,7 +42,17 @@ def write_trust(
         file: JSON.
     """
     bench_json.record(name, figures, file)
-    text = page.read_text() if page.is_file() else HEAD
+    write_section(name, body, page, HEAD)
+
+
+def write_performance(name: str, body: str, page: Path = PERFORMANCE) -> None:
+    """Write one benchmark's section, Markdown with its own heading, on time and memory."""
+    write_section(name, body, page, PERFORMANCE_HEAD)
+
+
+def write_section(name: str, body: str, page: Path, head: str) -> None:
+    """Write a section in its place, or behind the others; a new page begins with `head`."""
+    text = page.read_text() if page.is_file() else head
     begin, end = f"<!-- {name} -->", f"<!-- /{name} -->"
     before, found, rest = text.partition(begin)
     after = rest.partition(end)[2] if found else "\n"

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 import bench_json
-import performance_page
+import pages
 from population import OUT, different_robots, sessions
 from shoecal_core.calibration.fit import fit_parameters, prior_of
 from shoecal_core.calibration.initial_guess import InitialGuess, initial_guess
@@ -208,6 +208,10 @@ def compare(task: Task) -> dict[str, float]:
 
 
 BODY = """\
+## Least squares of {millions:.3g} million samples
+
+Made by `{command}`.
+
 {samples:.0f} samples of a simulated NAO's session, repeated with fresh noise; gains and offsets of
 eight cells and the time offset; the same weights, prior and start for both.
 
@@ -244,9 +248,11 @@ def body(figures: dict[str, float], memory: dict[str, float]) -> str:
     return BODY.format(
         **figures,
         **memory,
-        table=performance_page.table(
-            ["solver", "time [s]", "processor time [s]", "extra memory [MB]"], rows
+        table=pages.table(
+            [["solver", "time [s]", "processor time [s]", "extra memory [MB]"], *rows]
         ),
+        millions=figures["samples"] / 1e6,
+        command=COMMAND,
         ours=OURS,
         scipy=SCIPY,
         cores=os.cpu_count(),
@@ -275,12 +281,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     memory: dict[str, float] = json.loads(told.splitlines()[-1])
     figures = compare(task) | {"extra_mb": max(memory.values())}
     bench_json.record("calibration", figures)
-    performance_page.write_section(
-        "solve",
-        f"Least squares of {task.samples / 1e6:.3g} million samples",
-        COMMAND,
-        body(figures, memory),
-    )
+    pages.write_performance("solve", body(figures, memory))
     print(json.dumps(figures, indent=1))
     met = {
         f"at least {FASTER:g} times faster": figures["vs_scipy_fd"] >= FASTER,
