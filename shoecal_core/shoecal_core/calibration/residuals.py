@@ -81,16 +81,19 @@ def unpack(vector: FloatArray) -> tuple[ChannelParameters, float]:
     )
 
 
+def errors(vector: FloatArray, stance: Stance, weights: Weights) -> FloatArray:
+    """Residuals (3T,): all r_F, then all r_Cx, then all r_Cy."""
+    force, place = _measured(vector, stance)
+    off = place - stance.cop - vector[-1] * stance.cop_rate
+    return np.concatenate(((force - stance.force) / weights.force, *(off / weights.cop).T))
+
+
 def residuals(
     vector: FloatArray, stance: Stance, weights: Weights
 ) -> tuple[FloatArray, FloatArray]:
-    """Residuals (3T,) and Jacobian (3T, 2n + 1): all r_F, then all r_Cx, then all r_Cy."""
-    parameters, time_offset = unpack(vector)
+    """`errors` (3T,) and their Jacobian (3T, 2n + 1)."""
     columns = stance.columns
-    wrench = parameters.outputs(stance.readings) @ columns + stance.base
-    force = wrench[:, 0]
-    place = np.stack((-wrench[:, 2], wrench[:, 1]), axis=1) / force[:, None]
-    off = place - stance.cop - time_offset * stance.cop_rate
+    force, place = _measured(vector, stance)
     slopes = [
         np.broadcast_to(columns[:, 0] / weights.force, stance.readings.shape),
         (-columns[:, 2] - np.outer(place[:, 0], columns[:, 0])) / (force[:, None] * weights.cop),
@@ -103,10 +106,14 @@ def residuals(
             for slope, column in zip(slopes, late, strict=True)
         ]
     )
-    error = np.concatenate(
-        ((force - stance.force) / weights.force, off[:, 0] / weights.cop, off[:, 1] / weights.cop)
-    )
-    return error, jacobian
+    return errors(vector, stance, weights), jacobian
+
+
+def _measured(vector: FloatArray, stance: Stance) -> tuple[FloatArray, FloatArray]:
+    """Force (T,) and CoP (T, 2) by the readings."""
+    parameters, _ = unpack(vector)
+    force, mx, my = (parameters.outputs(stance.readings) @ stance.columns + stance.base).T
+    return force, np.stack((-my, mx), axis=1) / force[:, None]
 
 
 def hanging_residuals(
