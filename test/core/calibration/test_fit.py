@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -354,6 +355,20 @@ def test_all_stages_together(
         return cop_mae(np.concatenate(found), np.concatenate([run.cop for run in runs])).mean
 
     assert off(stages.sensing) < 0.1 * off(Sensing(shoe, stages.guess.parameters))
+
+
+def test_a_long_recording_is_never_worked_on_as_a_whole(rng: np.random.Generator) -> None:
+    """Guess, fit and corrections of 50 s at 1 kHz a run take a fraction of one Jacobian."""
+    shoe = shoes.shoe("nao_shoe")
+    truth = synthetic.truth(shoe, rng)
+    three = synthetic.SUPPORTS[:3]
+    runs = synthetic.stances(shoe, truth, rng, three, rate=1e3, count=50_000, noise=0.02)
+    tracemalloc.start()
+    self_calibrate(shoe, runs, CalibrationSettings())
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    samples = sum(len(run.time) for run in runs)
+    assert peak < 12e6 < samples * 3 * 17 * 8 / 5
 
 
 def test_the_weight_below_the_cells_is_not_taken_for_an_offset(rng: np.random.Generator) -> None:
