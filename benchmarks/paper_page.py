@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from paper_published import ASSUMPTIONS, CALIBRATED, GUESS, MANUAL
+from paper_reproduction import GUESS as GUESSED
 from paper_reproduction import STAGES, Paper, Reproduction
 from paper_results import Quantity, missed, quantities
 from shoecal_core.calibration.evaluate import Errors
@@ -129,7 +130,8 @@ made with (1 kg) it extrapolates. The self-calibrated CoP of both feet is as goo
 it was fitted to. A single foot's is worse: in double support the shares of the feet are fixed by
 the yaw between them alone, and what is wrong in one foot cancels in the other.
 
-Samples in which a foot carries less than 2 N have no CoP there; they are left out and counted:
+Samples in which a foot seems to carry less than 2 N have no CoP there. They are left out of that
+foot's CoP, and counted; of robot 1
 {left_out}.
 
 ## Not reproduced
@@ -332,12 +334,12 @@ def _foot_mae(paper: Paper, source: str, low: float, high: float) -> Mae:
 
 
 def _left_out(paper: Paper) -> str:
-    found = errors_of(paper.first.runs, REFERENCE, TRUTH)
-    told = [
-        f"{mae.left_out} of {mae.count + mae.left_out} under the {foot} foot"
-        for foot, mae in zip(FEET, found.foot_cop, strict=True)
-    ]
-    return f"{' and '.join(told)} of robot 1"
+    told = []
+    for source, label in ((REFERENCE, "the manual calibration"), (GUESSED, "the initial guess")):
+        found = errors_of(paper.first.runs, source, TRUTH).foot_cop
+        left, right = (f"{mae.left_out} of {mae.count + mae.left_out}" for mae in found)
+        told.append(f"by {label} {left} on the left and {right} on the right")
+    return ",\n".join(told)
 
 
 def _all(paper: Paper) -> str:
