@@ -1,0 +1,128 @@
+"""What the data could tell about a calibration, and what they could not."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.calibration.expected import ErrorModel, Spread
+from shoecal_core.calibration.fit import SelfCalibration
+from shoecal_core.calibration.residuals import Weights
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.stance import Stance
+from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
+from shoecal_core.calibration.uncertainty import Uncertainty, estimate_uncertainty
+from shoecal_core.model.robot import Robot
+from shoecal_core.planning.forecast import Addition, Forecast, best_additions, forecast
+from shoecal_core.planning.observability import relative_information
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.sensing.shoe import FEET, Shoe
+
+FloatArray = NDArray[np.float64]
+NORMAL_95 = 1.96
+"""Half the width of a 95 % interval, in standard deviations."""
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """What is known of a calibration's n channels besides their numbers.
+
+    Attributes:
+        uncertainty: of gains, offsets and time offset.
+        both, left, right: expected errors over the sensing polygons: see `ErrorModel`.
+        told: what the data told by themselves: rank, singular values, weak directions.
+        additions: double supports that would fix weak directions best; none where none is weak.
+        load_range: (2, n) lowest and highest output that each channel was fitted at [N or N m].
+    """
+
+    uncertainty: Uncertainty
+    both: Spread
+    left: Spread
+    right: Spread
+    told: Forecast
+    additions: tuple[Addition, ...]
+    load_range: FloatArray
+
+    @property
+    def feet(self) -> tuple[Spread, Spread]:
+        """Left and right."""
+        return self.left, self.right
+
+    def interval(self) -> FloatArray:
+        """(2n + 1,) half widths of 95 % intervals of gains, offsets, time offset."""
+        width: FloatArray = NORMAL_95 * np.sqrt(np.diag(self.uncertainty.covariance))
+        return width
+
+    def to_json(self, shoe: Shoe) -> dict[str, object]:
+        """Figures for result files [N, mm]."""
+        width, count = self.interval(), len(shoe.names)
+        expected = {}
+        for name, spread in zip(("both", *FEET), (self.both, *self.feet), strict=True):
+            expected[name] = {
+                "grf_std_n": _rms(spread.grf),
+                "cop_std_mm": 1e3 * _rms(spread.cop_length),
+                "cop_worst_mm": 1e3 * float(np.nanmax(spread.cop_length)),
+            }
+        told = self.told
+        return {
+            "gain_ci95": dict(zip(shoe.names, width[:count].tolist(), strict=True)),
+            "offset_ci95_n": dict(zip(shoe.names, width[count : 2 * count].tolist(), strict=True)),
+            "time_offset_ci95_s": float(width[-1]),
+            "expected_error": expected,
+            "rank": told.rank,
+            "possible_rank": told.possible,
+            "singular_values": told.singular_values.tolist(),
+            "weak_directions": [weak.words for weak in told.weak],
+            "supports_to_add": [addition.to_json() for addition in self.additions],
+            "load_range_n": dict(zip(shoe.names, self.load_range.T.tolist(), strict=True)),
+        }
+
+
+def assess(
+    robot: Robot,
+    stages: SelfCalibration,
+    stances: Sequence[Stance],
+    settings: CalibrationSettings,
+    tolerances: Tolerances,
+) -> Assessment:
+    """What a fit's data told.
+
+    Args:
+        robot: that moved.
+        stages: the self-calibration.
+        stances: it was fitted to.
+        settings: its weights.
+        tolerances: of robot and shoes.
+    """
+    shoe, parameters = stages.shoe, stages.parameters
+    count = len(shoe.names)
+    model = ModelTolerances(robot, shoe, tolerances)
+    weights = Weights(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
+    uncertainty = estimate_uncertainty(stages.fit, stances, weights, model)
+    both, left, right = ErrorModel(parameters, uncertainty, model).over_polygons()
+    planning = PlannerSettings(fixed_below=settings.fixed_below)
+    information = stages.fit.information[: 2 * count, : 2 * count]
+    known = relative_information(robot, shoe, parameters, information)
+    told = forecast(robot, shoe, known, planning)
+    missing = best_additions(robot, shoe, known, planning) if told.weak else []
+    # A gain may be negative: which reading is the lowest load is not known before.
+    ends = [
+        parameters.outputs(np.stack((each.readings.min(axis=0), each.readings.max(axis=0))))
+        for each in stances
+    ]
+    return Assessment(
+        uncertainty=uncertainty,
+        both=both,
+        left=left,
+        right=right,
+        told=told,
+        additions=tuple(missing),
+        load_range=np.stack((np.min(ends, axis=(0, 1)), np.max(ends, axis=(0, 1)))),
+    )
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.nanmean(values**2)))
