@@ -3,9 +3,10 @@
 Measured GRF and CoP are compared with the robot's weight and CoM. A relative gain error g_i
 and an offset error o_i of channel i, whose output is f_i, act together as f_i g_i + o_i. So the
 residuals' Jacobian can be predicted from outputs alone, before anything has been recorded: they
-are taken as those of a rigid body on equal springs under all channels. (In a fit, where
-f_i = c_i S_i + d_i, a relative gain error acts on c_i S_i alone. Its offset error is o_i + d_i g_i
-in terms of those here.)
+are taken as those of a rigid body on equal springs under all channels, give or take the setting
+uneven_share, without which a real robot would tell more of its gains than foretold. (In a fit,
+where f_i = c_i S_i + d_i, a relative gain error acts on c_i S_i alone. Its offset error is
+o_i + d_i g_i in terms of those here.)
 
 Errors of the model stay alike for a while, so samples within one correlation time count as one,
 as in the fit. The settings' grf_noise, cop_noise, correlation_time, gain_prior,
@@ -37,6 +38,8 @@ FloatArray = NDArray[np.float64]
 
 _REFERENCE = ((0.0, -0.02, 0.4), (0.05, -0.03, -0.4), (-0.03, -0.02, 0.0), (0.02, -0.04, 0.2))
 """m, m, rad beside the neutral stance: far apart, whatever the robot's range."""
+TORQUE_LEVER = 0.1
+"""m; a torque is expected as large as the force at this lever."""
 
 
 @dataclass(frozen=True)
@@ -100,12 +103,32 @@ def information(robot: Robot, shoe: Shoe, visit: Visit, settings: PlannerSetting
 
     The parameters are relative: gains to one, offsets to a channel's even share of the weight.
     """
-    jacobian = residual_jacobian(shoe, visit.support, robot.weight, visit.places)
-    jacobian = jacobian * parameter_scale(robot, shoe)
-    jacobian /= np.array([settings.grf_noise, settings.cop_noise, settings.cop_noise])[:, None]
-    rows = jacobian.reshape(-1, jacobian.shape[2])
+    count = len(shoe.channels)
+    noise = np.array([settings.grf_noise, settings.cop_noise, settings.cop_noise])
+    jacobian = residual_jacobian(shoe, visit.support, robot.weight, visit.places) / noise[:, None]
+    rows = jacobian.reshape(-1, 2 * count)
+    total = rows.T @ rows
+    # A gain's column is the offset's times the output, so the mean square counts.
+    slopes = rows[:, count:]
+    total[:count, :count] += (slopes.T @ slopes) * uneven_share(robot, shoe, visit, settings)
     independent = visit.duration / settings.correlation_time
-    return rows.T @ rows * (independent / len(visit.places))
+    scale = parameter_scale(robot, shoe)
+    weighted: FloatArray = total * np.outer(scale, scale) * (independent / len(visit.places))
+    return weighted
+
+
+def uneven_share(robot: Robot, shoe: Shoe, visit: Visit, settings: PlannerSettings) -> FloatArray:
+    """(n, n) covariance of the outputs around those of a rigid body on equal springs.
+
+    Whatever gives (legs, gears, plates) shifts load between channels without changing the sum of
+    forces and moments.
+    """
+    size = np.full(len(shoe.channels), settings.uneven_share * robot.weight / len(shoe.channels))
+    size[shoe.torque] *= TORQUE_LEVER
+    columns = columns_in_left(shoe, visit.support) * size[:, None]
+    internal = np.eye(len(size)) - columns @ np.linalg.pinv(columns)
+    covariance: FloatArray = internal * np.outer(size, size)
+    return covariance
 
 
 def parameter_scale(robot: Robot, shoe: Shoe) -> FloatArray:
@@ -120,8 +143,7 @@ def prior_information(robot: Robot, shoe: Shoe, settings: PlannerSettings) -> Fl
     known = [channel.nominal_gain is not None for channel in shoe.channels]
     gains = np.where(known, settings.nominal_gain_prior, settings.gain_prior)
     offsets = np.full(count, settings.offset_prior)
-    # A torque's offset is expected as large as the force's at a lever of 10 cm.
-    offsets[shoe.torque] *= 0.1
+    offsets[shoe.torque] *= TORQUE_LEVER
     expected = np.concatenate((gains, offsets))
     return np.diag((parameter_scale(robot, shoe) / expected) ** 2)
 

@@ -21,6 +21,7 @@ from shoecal_core.planning.observability import (
     relative_information,
     residual_jacobian,
     uncertainties,
+    uneven_share,
 )
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.sensing.load_cases import double_support_outputs
@@ -77,6 +78,28 @@ def test_twice_the_time_tells_twice_as_much(body: Body) -> None:
     np.testing.assert_allclose(information(body.robot, body.shoe, longer, SETTINGS), 2.0 * one)
 
 
+def test_uneven_shares_are_counted_in_the_mean(body: Body) -> None:
+    """Against outputs drawn at random, of which none changes force or moment."""
+    robot, shoe = body.robot, body.shoe
+    visit = Visit.expected(robot, TURNED, dataclasses.replace(SETTINGS, places=3))
+    uneven = uneven_share(robot, shoe, visit, SETTINGS)
+    columns = columns_in_left(shoe, TURNED)
+    np.testing.assert_allclose(uneven @ columns, 0.0, atol=1e-12)
+    assert np.sqrt(np.diag(uneven).max()) <= 0.1 * robot.weight / len(shoe.channels)
+    count, draws = len(shoe.channels), 20000
+    slopes = residual_jacobian(shoe, TURNED, robot.weight, visit.places)[..., count:]
+    slopes /= np.array([SETTINGS.grf_noise, SETTINGS.cop_noise, SETTINGS.cop_noise])[:, None]
+    outputs = double_support_outputs(shoe, TURNED, robot.weight, visit.places)
+    generator = np.random.default_rng(0)
+    moved = generator.multivariate_normal(np.zeros(count), uneven, draws)
+    total = np.zeros((count, count))
+    for place, output in zip(slopes, outputs, strict=True):
+        total += (place.T @ place) * ((output + moved).T @ (output + moved)) / draws
+    found = information(robot, shoe, visit, SETTINGS)[:count, :count]
+    independent = visit.duration / SETTINGS.correlation_time / len(visit.places)
+    np.testing.assert_allclose(found, independent * total, atol=0.02 * np.abs(found).max())
+
+
 def test_settings_are_the_fits_own() -> None:
     fit = CalibrationSettings()
     assert (SETTINGS.grf_noise, SETTINGS.cop_noise) == (fit.force_std_n, fit.cop_std_m)
@@ -105,7 +128,8 @@ def test_information_is_that_of_the_fit(body: Body) -> None:
     fit = CalibrationSettings()
     weights = Weights(fit.force_std_n, fit.cop_std_m, fit.correlation_s)
     found = normal_equations(pack(parameters, 0.0), [stance], shoe, weights).hessian
-    expected = information(robot, shoe, visit, SETTINGS)
+    even = dataclasses.replace(SETTINGS, uneven_share=0.0)
+    expected = information(robot, shoe, visit, even)
     np.testing.assert_allclose(
         relative_information(robot, shoe, parameters, found[: 2 * count, : 2 * count]),
         expected,
