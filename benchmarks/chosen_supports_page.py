@@ -1,0 +1,270 @@
+"""What the trials of chosen double supports say: figures, comparisons, and the page's section."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.stats import spearmanr, wilcoxon
+
+from chosen_supports_results import Result
+from pages import table
+from shoecal_core.calibration.evaluate import Errors
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Measure:
+    """One column of the tables."""
+
+    title: str
+    unit: str
+    decimals: int
+
+    @property
+    def head(self) -> str:
+        """Title with unit."""
+        return f"{self.title} [{self.unit}]"
+
+
+MEASURES: Mapping[str, Measure] = {
+    "gain": Measure("gains", "%", 2),
+    "foot_grf": Measure("GRF of a foot", "N", 3),
+    "foot_cop": Measure("CoP of a foot", "mm", 2),
+    "worse_foot_cop": Measure("CoP of the worse foot", "mm", 2),
+    "grf": Measure("GRF", "N", 3),
+    "cop": Measure("CoP", "mm", 2),
+}
+PROMISES = {
+    "gain": ("promised_gain", "stated_gain"),
+    "foot_grf": ("promised_foot_grf", "stated_foot_grf"),
+}
+BASES = ("random", "spread")
+"""Ways that the others are compared with."""
+PAGE = """\
+## Double supports: chosen against random
+
+Made by `make chosen-supports`. {robots} robots, each with other masses, joints and cells; each
+calibrates itself from three double supports (all fitted), chosen in four ways: random as in the
+paper; `spread`, far from each other and drawn again until everything observable is fixed;
+`d_optimal` and `e_optimal`, the ones that promise the least uncertainty of all directions together
+and of the worst one. Every calibration of a robot is measured on the same five further runs against
+the truth of contact forces. Mean absolute errors; the mean over robots, and in brackets the worst
+robot. Gains: root mean square of their relative errors. A foot: the mean of both.
+
+{errors}
+
+Compared robot by robot (Wilcoxon's signed-rank test, two-sided): the mean change of the error
+against {base_words}, in how many of {robots} robots it fell, and p.
+
+{paired}
+
+{reading}
+
+What was promised before anything moved, what the information in the recordings then stated by the
+same reckoning, and what came out (medians over robots). The promise holds errors of the model as
+independent every two seconds; it knows nothing of cells that are not where the shoe's file says.
+
+{promises}
+"""
+
+
+@dataclass(frozen=True)
+class Figures:
+    """One error over all robots."""
+
+    mean: float
+    median: float
+    worst: float
+
+
+@dataclass(frozen=True)
+class Paired:
+    """One error in one way against another way, robot by robot."""
+
+    mean_difference: float
+    better_in: int
+    p_value: float
+
+    @classmethod
+    def of(cls, base: FloatArray, other: FloatArray) -> Paired:
+        """Of errors (robots,) each."""
+        test = wilcoxon(other, base)
+        return cls(float(np.mean(other - base)), int(np.sum(other < base)), float(test.pvalue))
+
+
+@dataclass(frozen=True)
+class Promise:
+    """One error as promised, as the recordings state it, and as it came out: medians by way.
+
+    Attributes:
+        rank_correlation: Spearman's, of promise and outcome over all trials.
+    """
+
+    promised: dict[str, float]
+    stated: dict[str, float]
+    outcome: dict[str, float]
+    rank_correlation: float
+
+
+@dataclass(frozen=True)
+class Summary:
+    """Everything that the trials say.
+
+    Attributes:
+        robots: number of them.
+        ways: errors by way and measure.
+        full_rank: in how many robots the recordings fixed every observable direction, by way.
+        paired: by base, way and measure.
+        promises: by measure.
+        true_cop_mm, true_foot_cop_mm: mean errors under the true gains and offsets.
+    """
+
+    robots: int
+    ways: dict[str, dict[str, Figures]]
+    full_rank: dict[str, int]
+    paired: dict[str, dict[str, dict[str, Paired]]]
+    promises: dict[str, Promise]
+    true_cop_mm: float
+    true_foot_cop_mm: float
+
+
+def summarise(results: Sequence[Result], floor: Sequence[Errors], ways: Sequence[str]) -> Summary:
+    """Figures of all trials.
+
+    Args:
+        results: of every robot in every way.
+        floor: errors under each robot's true gains and offsets.
+        ways: their names.
+    """
+
+    def values(way: str, name: str) -> FloatArray:
+        own = sorted((one for one in results if one.way == way), key=lambda one: one.seed)
+        return np.array([getattr(one, name) for one in own])
+
+    def medians(name: str) -> dict[str, float]:
+        return {way: float(np.median(values(way, name))) for way in ways}
+
+    def everywhere(name: str) -> FloatArray:
+        return np.concatenate([values(way, name) for way in ways])
+
+    possible = max(one.rank for one in results)
+    return Summary(
+        robots=len(floor),
+        ways={
+            way: {
+                name: Figures(
+                    float(np.mean(values(way, name))),
+                    float(np.median(values(way, name))),
+                    float(np.max(values(way, name))),
+                )
+                for name in MEASURES
+            }
+            for way in ways
+        },
+        full_rank={way: int(np.sum(values(way, "rank") == possible)) for way in ways},
+        paired={
+            base: {
+                way: {name: Paired.of(values(base, name), values(way, name)) for name in MEASURES}
+                for way in ways
+                if way != base
+            }
+            for base in BASES
+        },
+        promises={
+            name: Promise(
+                medians(promised),
+                medians(stated),
+                medians(name),
+                float(spearmanr(everywhere(promised), everywhere(name)).statistic),
+            )
+            for name, (promised, stated) in PROMISES.items()
+        },
+        true_cop_mm=float(np.mean([1e3 * one.cop.mean for one in floor])),
+        true_foot_cop_mm=float(np.mean([1e3 * f.mean for one in floor for f in one.foot_cop])),
+    )
+
+
+def page_body(summary: Summary) -> str:
+    """The section of docs/trust.md."""
+    return PAGE.format(
+        robots=summary.robots,
+        errors=_errors(summary),
+        base_words="random ones",
+        paired=_paired(summary, "random"),
+        reading=_reading(summary),
+        promises=_promises(summary),
+    )
+
+
+def _errors(summary: Summary) -> str:
+    head = ["chosen", *(measure.head for measure in MEASURES.values()), "all directions fixed"]
+    rows = [
+        [
+            _words(way),
+            *(
+                f"{figures[name].mean:.{measure.decimals}f} "
+                f"({figures[name].worst:.{measure.decimals}f})"
+                for name, measure in MEASURES.items()
+            ),
+            f"{summary.full_rank[way]} of {summary.robots}",
+        ]
+        for way, figures in summary.ways.items()
+    ]
+    return table([head, *rows])
+
+
+def _paired(summary: Summary, base: str) -> str:
+    head = ["chosen", *(measure.head for measure in MEASURES.values())]
+    rows = [
+        [
+            _words(way),
+            *(
+                f"{found[name].mean_difference:+.{measure.decimals}f}, "
+                f"{found[name].better_in}, p = {found[name].p_value:.2g}"
+                for name, measure in MEASURES.items()
+            ),
+        ]
+        for way, found in summary.paired[base].items()
+    ]
+    return table([head, *rows])
+
+
+def _reading(summary: Summary) -> str:
+    return (
+        "How each foot's CoP comes out is bounded by the shoe, not by the supports: with the true "
+        f"gains and offsets of each robot, its error is {summary.true_foot_cop_mm:.2f} mm (and "
+        f"{summary.true_cop_mm:.2f} mm of both feet together), as cells are not where the file "
+        "says and plates carry some of the moment past them."
+    )
+
+
+def _promises(summary: Summary) -> str:
+    rows = [["error", "chosen", "promised", "stated by the recording", "came out"]]
+    for name, promise in summary.promises.items():
+        measure = MEASURES[name]
+        rows += [
+            [
+                measure.head,
+                _words(way),
+                *(
+                    f"{figure[way]:.{measure.decimals}f}"
+                    for figure in (promise.promised, promise.stated, promise.outcome)
+                ),
+            ]
+            for way in promise.promised
+        ]
+    correlations = ", ".join(
+        f"{MEASURES[name].title} {promise.rank_correlation:.2f}"
+        for name, promise in summary.promises.items()
+    )
+    return (
+        f"{table(rows)}\n\nRank correlation of promise and outcome over all trials: {correlations}."
+    )
+
+
+def _words(way: str) -> str:
+    return "random, as the paper" if way == "random" else f"`{way}`"
