@@ -10,6 +10,7 @@ import numpy as np
 from shoecal_core.calibration.initial_guess import InitialGuess
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.planning.forecast import Addition, Forecast
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 
@@ -147,14 +148,17 @@ def check_missing(runs: Sequence[int]) -> list[Finding]:
     ]
 
 
-def check_rank(rank: int, possible: int) -> list[Finding]:
+def check_directions(told: Forecast, additions: Sequence[Addition]) -> list[Finding]:
     """Directions that only the prior has fixed though other supports could fix them."""
-    if rank >= possible:
+    if not told.weak:
         return []
+    cure = "record more double supports with other yaws between the feet"
+    if additions:
+        cure = f"add a double support: {additions[0].words}"
+    listed = "; ".join(weak.words for weak in told.weak)
     return [
         Finding(
             "WARN",
-            f"the data fixed {rank} of {possible} directions: add a double support with "
-            "another yaw between the feet",
+            f"the data fixed {told.rank} of {told.possible} directions, but not: {listed}; {cure}",
         )
     ]

@@ -10,14 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.aligned import align
+from shoecal_core.calibration.assessment import Assessment, assess
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.checks import (
     Finding,
     Verdict,
+    check_directions,
     check_gains,
     check_missing,
     check_nominal,
-    check_rank,
     check_residuals,
     check_time_offset,
     judge,
@@ -29,13 +30,12 @@ from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.stance import Stance
+from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.files import sha256
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
-from shoecal_core.planning.observability import best_rank, uncertainties
-from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
@@ -43,8 +43,6 @@ from shoecal_core.sensing.shoe import Shoe
 FloatArray = NDArray[np.float64]
 DISTINCT_SUPPORTS = 2
 """Gains and offsets of two feet cannot be told apart in fewer double supports."""
-TELLING_SUPPORTS = 3
-"""Two still leave open how the feet share one sum of offsets; three of other yaw do not."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +79,7 @@ class Outcome:
         calibration: to apply, verdict included.
         stages: how it was found.
         data: what it was found from.
+        assessment: what its data could tell and what not.
         train, test: numbers of the runs; those that were left out are in neither.
         modelled: errors against the model, by stage (`initial_guess`, `self_calibration`) and
             set (`train`, `test`); a set without runs is left out.
@@ -89,6 +88,7 @@ class Outcome:
     calibration: Calibration
     stages: SelfCalibration
     data: SessionData
+    assessment: Assessment
     train: tuple[int, ...]
     test: tuple[int, ...]
     modelled: dict[str, dict[str, Errors]]
@@ -173,6 +173,7 @@ def calibrate_session(
     train: Sequence[int] = (),
     test: Sequence[int] = (),
     settings: CalibrationSettings | None = None,
+    tolerances: Tolerances | None = None,
     *,
     source: str = "self",
     made_ns: int = 0,
@@ -183,6 +184,7 @@ def calibrate_session(
         session: recorded.
         train, test: runs; see `split_runs`.
         settings: weights of the fit.
+        tolerances: of what the files of robot and shoes say.
         source: kept in the calibration.
         made_ns: time stamp of the calibration [ns since the epoch]; 0: that of the last run.
 
@@ -191,6 +193,7 @@ def calibrate_session(
             that was found but must not be used comes back with the verdict FAIL.
     """
     settings = CalibrationSettings() if settings is None else settings
+    tolerances = Tolerances() if tolerances is None else tolerances
     train, test = split_runs(session, train, test)
     data = load_data(session, (*train, *test), settings)
     found = [*data.screening.findings, *check_missing(session.missing)]
@@ -206,14 +209,16 @@ def calibrate_session(
         stage: {name: _against_model(sensing, part) for name, part in sets.items()}
         for stage, sensing in (("initial_guess", guessed), ("self_calibration", stages.sensing))
     }
-    verdict = _verdict(data, stages, modelled["self_calibration"], settings, found, training)
+    assessment = assess(data.robot, stages, training, settings, tolerances)
+    verdict = _verdict(data, stages, modelled["self_calibration"], settings, found, assessment)
     return Outcome(
         calibration=replace(
-            _calibration(data, stages, verdict, source, made_ns),
+            _calibration(data, stages, assessment, verdict, source, made_ns),
             fitted_runs=tuple(sha256(entry.path) for entry in session.runs if entry.run in train),
         ),
         stages=stages,
         data=data,
+        assessment=assessment,
         train=train,
         test=test,
         modelled=modelled,
@@ -249,33 +254,21 @@ def _verdict(
     modelled: dict[str, Errors],
     settings: CalibrationSettings,
     findings: list[Finding],
-    training: Sequence[Stance],
+    assessment: Assessment,
 ) -> Verdict:
     findings = findings + check_gains(data.shoe, stages.guess, stages.parameters)
     findings += check_nominal(data.shoe, stages.parameters)
     findings += check_time_offset(stages.time_offset)
     for name, error in modelled.items():
         findings += check_residuals(name, error.grf.mean, error.cop.mean, settings)
-    if all(all(stance.loaded) for stance in training):
-        supports = max(TELLING_SUPPORTS, len({stance.run for stance in training}))
-        possible = best_rank(data.robot, data.shoe, supports, PlannerSettings())
-        spread = uncertainties(_relative_information(data, stages))
-        findings += check_rank(int(np.sum(spread < settings.fixed_below)), possible)
+    findings += check_directions(assessment.told, assessment.additions)
     return judge(findings)
-
-
-def _relative_information(data: SessionData, stages: SelfCalibration) -> FloatArray:
-    """The data's information in the forecast's units: gains to one, offsets to the even share."""
-    count = len(data.shoe.names)
-    share = np.full(count, data.robot.weight / count)
-    scale = np.concatenate((stages.parameters.gain, share))
-    relative: FloatArray = stages.fit.information[: 2 * count, : 2 * count] * np.outer(scale, scale)
-    return relative
 
 
 def _calibration(
     data: SessionData,
     stages: SelfCalibration,
+    assessment: Assessment,
     verdict: Verdict,
     source: str,
     made_ns: int,
@@ -293,7 +286,7 @@ def _calibration(
         shoe_hash=data.shoe.digest,
         channels=data.shoe.names,
         parameters=stages.parameters,
-        covariance=stages.fit.covariance[: 2 * count, : 2 * count],
+        covariance=assessment.uncertainty.covariance[: 2 * count, : 2 * count],
         corrections=stages.corrections,
         weight=data.robot.weight,
         time_offset=stages.time_offset,
