@@ -218,17 +218,19 @@ eight cells and the time offset; the same weights, prior and start for both.
 {table}
 
 That is **{vs_scipy_fd:.0f} times** faster by the clock and {vs_scipy_fd_cpu:.0f} times by the
-processor's time: the median of {ours} runs against that of {scipy}, in turns, in one process, with
-one thread of linear algebra. The costs differ by {cost_difference:.1e} of their size. The data
-take {data_mb:.0f} MB. The extra memory is the peak while solving, less what was held before, in a
-process that solves nothing else: {resident:.1f} MB resident as the kernel counts, {traced:.1f} MB
-allocated as Python counts; the larger one is given.
+processor's time: the median of {ours} runs against that of {scipy}, in turns, in one process. The
+costs differ by {cost_difference:.1e} of their size.
+
+The data take {data_mb:.0f} MB. The extra memory is the peak while solving, less what was held
+before, in a process that solves nothing else: {resident:.1f} MB resident as the kernel counts,
+{traced:.1f} MB allocated as Python counts; the larger one is given.
 
 Normal equations are sums of weighted moments of the readings, taken in chunks, so that no Jacobian
 is ever written down; fits to a hundredth and a tenth of the samples leave two or three passes over
 all of them.
 
-Measured on {cores} cores ({machine}) with Python {python}, numpy {numpy}, scipy {scipy_version}.
+Measured on {cores} cores ({machine}), OPENBLAS_NUM_THREADS {threads}, with Python {python}, numpy
+{numpy}, scipy {scipy_version}.
 """
 
 
@@ -257,6 +259,7 @@ def body(figures: dict[str, float], memory: dict[str, float]) -> str:
         scipy=SCIPY,
         cores=os.cpu_count(),
         machine=platform.machine(),
+        threads=os.environ.get("OPENBLAS_NUM_THREADS", "not set"),
         python=platform.python_version(),
         numpy=np.__version__,
         scipy_version=scipy.__version__,
