@@ -16,7 +16,8 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_ros import qos
 from shoecal_ros.calibration_job import PLAN_ACTION, REACH_ACTION
 
-WAVE_S = 3.0
+WAVE_S = 12.0
+"""Of its own time."""
 
 
 class ObligingRobot(StandingRobot):
@@ -26,7 +27,8 @@ class ObligingRobot(StandingRobot):
         super().__init__(world, support)
         self.modelled = True
         self.pace = 4
-        self._node = world.node
+        self._done = Future()
+        self._end_ns = 0
         self._armed = world.node.create_publisher(Bool, "shoe/armed", qos.LATCHED)
         self._armed.publish(Bool(data=True))
         self._commands = world.node.create_publisher(JointTrajectory, "joint_trajectory", 10)
@@ -40,6 +42,11 @@ class ObligingRobot(StandingRobot):
             )
         ]
 
+    def _tell(self) -> None:
+        super()._tell()
+        if self.waving and self.stamp_ns >= self._end_ns and not self._done.done():
+            self._done.set_result(None)
+
     def _reach(self, goal: ServerGoalHandle) -> ReachSupport.Result:
         support = goal.request.support
         self.step_to(DoubleSupport(support.dx, support.dy, support.dtheta))
@@ -51,10 +58,9 @@ class ObligingRobot(StandingRobot):
         self._commands.publish(JointTrajectory(joint_names=["LShoulderPitch"], points=[point]))
         goal.publish_feedback(Plan.Feedback(phase="moving"))
         self.waving = True
-        done: Future = Future()
-        timer = self._node.create_timer(WAVE_S, lambda: done.set_result(None))
-        await done
-        self._node.destroy_timer(timer)
+        self._done = Future()
+        self._end_ns = self.stamp_ns + round(WAVE_S * 1e9)
+        await self._done
         self.waving = False
         goal.succeed()
         return Plan.Result(success=True)
