@@ -98,7 +98,7 @@ def test_yaw_that_never_differs_is_refused(body: Body, choice: str) -> None:
     )
     with pytest.raises(UnobservableError, match="dtheta_rad") as caught:
         draw_supports(flat, body.shoe, dataclasses.replace(QUICK, support_choice=choice), 5, 0)
-    assert caught.value.rank < caught.value.possible == 14
+    assert caught.value.rank < caught.value.possible
 
 
 def test_ranges_too_small_are_refused(nao: Body) -> None:
