@@ -22,7 +22,7 @@ class CalibrationSettings(Settings):
     )
     correlation_s: float = setting(2.0, "s", "for how long those errors stay alike", minimum=1e-3)
     gain_std: float = setting(
-        0.4, "", "how far gains are off their initial guess, as a share of it", minimum=1e-6
+        1.0, "", "how far gains are off their initial guess, as a share of it", minimum=1e-6
     )
     nominal_gain_std: float = setting(
         0.1, "", "the same for channels whose data sheet gives a gain", minimum=1e-6

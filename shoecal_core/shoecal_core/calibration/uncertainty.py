@@ -24,7 +24,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.optimize import brentq
 
 from shoecal_core.calibration.least_squares import Fit
-from shoecal_core.calibration.residuals import Weights, residuals, unpack
+from shoecal_core.calibration.residuals import Weights, errors, residuals, unpack
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.calibration.tolerances import ModelTolerances
 
@@ -60,7 +60,8 @@ class Uncertainty:
     @property
     def covariance(self) -> FloatArray:
         """(p, p) all three parts."""
-        return self.noise + self.model + self.prior
+        total = self.noise + self.model + self.prior
+        return 0.5 * (total + total.T)
 
 
 @dataclass(frozen=True)
@@ -145,7 +146,7 @@ def _blocks(
     fit: Fit, stance: Stance, few: Stance, effects: FloatArray, weights: Weights
 ) -> _Blocks:
     samples, count = _samples_a_block(stance), len(few.time)
-    error, _ = residuals(fit.vector, stance, weights)
+    error = errors(fit.vector, stance, weights)
     _, jacobian = residuals(fit.vector, few, weights)
     kept = error.reshape(3, -1)[:, : samples * count]
     return _Blocks(
@@ -224,10 +225,8 @@ def _noise_scores(blocks: Sequence[_Blocks], fit: Fit, weights: Weights) -> Floa
     covariance = total / np.maximum(pairs, 1.0)
     independent = max(3.0 * pairs[0] * step / weights.correlation, fit.rank + 1.0)
     spent = independent / (independent - fit.rank)
-    taper = 1.0 - np.arange(lags + 1) / (lags + 1)
-    passing = (
-        spent * taper * np.clip(covariance - np.clip(covariance[:, -1:], 0.0, None), 0.0, None)
-    )
+    lasting = np.clip(covariance[:, -1:], 0.0, None)
+    passing = spent * np.clip(covariance - lasting, 0.0, None)
     scores = np.zeros((size, size))
     for one in blocks:
         for axis in range(3):
@@ -236,4 +235,7 @@ def _noise_scores(blocks: Sequence[_Blocks], fit: Fit, weights: Weights) -> Floa
                 part = rows[: count - lag].T @ rows[lag:]
                 twice = part if lag == 0 else part + part.T
                 scores += one.weight**2 * passing[axis, lag] * twice
-    return scores
+    # A covariance in time that was estimated need not be one: nothing is less than certain.
+    values, vectors = np.linalg.eigh(scores)
+    certain: FloatArray = (vectors * np.clip(values, 0.0, None)) @ vectors.T
+    return certain
