@@ -110,24 +110,38 @@ def information(robot: Robot, shoe: Shoe, visit: Visit, settings: PlannerSetting
     total = rows.T @ rows
     # A gain's column is the offset's times the output, so the mean square counts.
     slopes = rows[:, count:]
-    total[:count, :count] += (slopes.T @ slopes) * uneven_share(robot, shoe, visit, settings)
+    uneven = uneven_share(robot, shoe, visit.support, settings.uneven_share)
+    total[:count, :count] += (slopes.T @ slopes) * uneven
     independent = visit.duration / settings.correlation_time
     scale = parameter_scale(robot, shoe)
     weighted: FloatArray = total * np.outer(scale, scale) * (independent / len(visit.places))
     return weighted
 
 
-def uneven_share(robot: Robot, shoe: Shoe, visit: Visit, settings: PlannerSettings) -> FloatArray:
+def uneven_share(robot: Robot, shoe: Shoe, support: DoubleSupport, part: float) -> FloatArray:
     """(n, n) covariance of the outputs around those of a rigid body on equal springs.
 
-    Whatever gives (legs, gears, plates) shifts load between channels without changing the sum of
-    forces and moments.
+    Legs and gears give, so the feet share force and moments otherwise; the sum stays. Each foot's
+    plate is stiff: its channels share what the foot carries as equal springs do.
+
+    Args:
+        robot, shoe: on n channels.
+        support: where the right foot is.
+        part: standard deviation along each such pattern, over an even share of the weight.
     """
-    size = np.full(len(shoe.channels), settings.uneven_share * robot.weight / len(shoe.channels))
+    count = len(shoe.channels)
+    size = np.full(count, part * robot.weight / count)
     size[shoe.torque] *= TORQUE_LEVER
-    columns = columns_in_left(shoe, visit.support) * size[:, None]
-    internal = np.eye(len(size)) - columns @ np.linalg.pinv(columns)
-    covariance: FloatArray = internal * np.outer(size, size)
+    by_foot = np.zeros((count, 6))
+    for foot in (0, 1):
+        own = shoe.of_foot(foot)
+        basis, _ = np.linalg.qr(shoe.columns[own] * size[own, None])
+        by_foot[own, 3 * foot : 3 * foot + 3] = basis
+    total = (columns_in_left(shoe, support) * size[:, None]).T @ by_foot
+    # Of the feet's six forces and moments, those without a sum: what the three rows of it leave.
+    internal = np.eye(6) - np.linalg.pinv(total) @ total
+    patterns = size[:, None] * by_foot
+    covariance: FloatArray = patterns @ internal @ patterns.T
     return covariance
 
 

@@ -73,11 +73,11 @@ class PlannerSettings(Settings):
         2.0, "s", "for how long those errors stay alike (correlation_s)", minimum=1e-3
     )
     uneven_share: float = setting(
-        0.1, "", "how far channels share the load otherwise than equal springs, over an even share "
+        0.3, "", "how far the feet share the load otherwise than equal springs, over an even share "
         "of the weight", minimum=0.0,
     )  # fmt: skip
     gain_prior: float = setting(
-        0.4, "", "how far gains are off their initial guess, as a share of it (gain_std)",
+        1.0, "", "how far gains are off their initial guess, as a share of it (gain_std)",
         minimum=1e-6,
     )  # fmt: skip
     nominal_gain_prior: float = setting(

@@ -78,14 +78,25 @@ def test_twice_the_time_tells_twice_as_much(body: Body) -> None:
     np.testing.assert_allclose(information(body.robot, body.shoe, longer, SETTINGS), 2.0 * one)
 
 
+def test_each_foot_stands_on_a_stiff_plate(nao: Body) -> None:
+    uneven = uneven_share(nao.robot, nao.shoe, TURNED, 0.3)
+    for foot in (0, 1):
+        twist = np.zeros(8)
+        twist[nao.shoe.of_foot(foot)] = (1.0, -1.0, -1.0, 1.0)
+        np.testing.assert_allclose(uneven @ twist, 0.0, atol=1e-12)
+
+
 def test_uneven_shares_are_counted_in_the_mean(body: Body) -> None:
     """Against outputs drawn at random, of which none changes force or moment."""
     robot, shoe = body.robot, body.shoe
     visit = Visit.expected(robot, TURNED, dataclasses.replace(SETTINGS, places=3))
-    uneven = uneven_share(robot, shoe, visit, SETTINGS)
+    uneven = uneven_share(robot, shoe, TURNED, SETTINGS.uneven_share)
     columns = columns_in_left(shoe, TURNED)
     np.testing.assert_allclose(uneven @ columns, 0.0, atol=1e-12)
-    assert np.sqrt(np.diag(uneven).max()) <= 0.1 * robot.weight / len(shoe.channels)
+    even = robot.weight / len(shoe.channels)
+    variances = np.linalg.eigvalsh(uneven)
+    np.testing.assert_allclose(variances[-3:], (SETTINGS.uneven_share * even) ** 2)
+    np.testing.assert_allclose(variances[:-3], 0.0, atol=1e-9)
     count, draws = len(shoe.channels), 20000
     slopes = residual_jacobian(shoe, TURNED, robot.weight, visit.places)[..., count:]
     slopes /= np.array([SETTINGS.grf_noise, SETTINGS.cop_noise, SETTINGS.cop_noise])[:, None]
