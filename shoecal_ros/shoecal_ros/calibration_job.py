@@ -15,6 +15,7 @@ from shoecal_msgs.action import Calibrate, Plan, ReachSupport
 
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
@@ -88,6 +89,7 @@ class Site(Protocol):
     shoe: Shoe
     job_settings: JobSettings
     fit_settings: CalibrationSettings
+    tolerances: Tolerances
     planning: PlannerSettings
     recorder: Recorder
     stillness: Stillness
@@ -177,7 +179,13 @@ class CalibrationJob:
                 await self._record(session, support, "train" if index in training else "test")
             self._tell("solving", 1.0 - SOLVE_SHARE, "finding gains and offsets")
             self.calibration = await self._worked(
-                worker.do(solving_work.solve, session.folder, site.fit_settings, site.now_ns),
+                worker.do(
+                    solving_work.solve,
+                    session.folder,
+                    site.fit_settings,
+                    site.tolerances,
+                    site.now_ns,
+                ),
                 Calibrate.Result.SOLVE_FAILED,
                 moving=False,
             )

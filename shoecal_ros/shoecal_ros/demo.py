@@ -20,6 +20,7 @@ from rich.console import Console
 from shoecal_msgs.action import Calibrate
 
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.commands.progress import shown_progress
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, read_bytes, write_yaml
@@ -94,8 +95,11 @@ def run(options: Options) -> Mapping[str, object]:
     split_truth(folder, session)
     atomic_write(folder.calibration, read_bytes(folder.state / "calibration.yaml"))
     weights = config_dir() / "nodes" / "calibrator.yaml"
-    fit = load_settings(CalibrationSettings, weights, "calibrator", "calibration")
-    found = evaluate(folder, fit)
+    found = evaluate(
+        folder,
+        load_settings(CalibrationSettings, weights, "calibrator", "calibration"),
+        load_settings(Tolerances, weights, "calibrator", "tolerances"),
+    )
     watch.lap("evaluate")
     figures = write_results(folder, options, found, watch.timing)
     shutil.rmtree(folder.work)

@@ -7,6 +7,7 @@ from pathlib import Path
 from shoecal_core.calibration.calibration import Calibration, save_calibration
 from shoecal_core.calibration.pipeline import calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports import draw_supports
@@ -25,11 +26,17 @@ def draw(
     return draw_supports(files.load_robot(), files.load_shoe(), settings, count, seed)
 
 
-def solve(link: Link, folder: Path, settings: CalibrationSettings, made_ns: int) -> Calibration:
+def solve(
+    link: Link,
+    folder: Path,
+    settings: CalibrationSettings,
+    tolerances: Tolerances,
+    made_ns: int,
+) -> Calibration:
     """The calibration that a session gives; it is kept in the session's folder, too."""
     del link
     calibration = calibrate_session(
-        Session.open(folder), settings=settings, made_ns=made_ns
+        Session.open(folder), settings=settings, tolerances=tolerances, made_ns=made_ns
     ).calibration
     save_calibration(calibration, folder / CALIBRATION)
     return calibration

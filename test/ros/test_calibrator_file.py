@@ -4,6 +4,7 @@ import pytest
 
 from ros.bodies import ROOT
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.settings import Settings, describe
 from shoecal_ros.calibration_job import JobSettings
@@ -12,6 +13,10 @@ from shoecal_ros.robot_files import RobotFiles
 
 PATH = ROOT / "config/nodes/calibrator.yaml"
 NODE = (RobotFiles, CalibratorSettings, JobSettings)
+SECTIONS: dict[type[Settings], str] = {
+    CalibrationSettings: "calibration",
+    Tolerances: "tolerances",
+}
 
 
 def parameters() -> Fields:
@@ -21,16 +26,17 @@ def parameters() -> Fields:
 def test_the_file_holds_every_parameter_and_no_other() -> None:
     block = parameters()
     names = [entry.name for settings in NODE for entry in describe(settings)]
-    assert sorted(block.keys()) == sorted([*names, "calibration"])
-    fit = [entry.name for entry in describe(CalibrationSettings)]
-    assert sorted(block.mapping("calibration").keys()) == sorted(fit)
+    assert sorted(block.keys()) == sorted([*names, *SECTIONS.values()])
+    for settings, section in SECTIONS.items():
+        own = [entry.name for entry in describe(settings)]
+        assert sorted(block.mapping(section).keys()) == sorted(own)
 
 
-@pytest.mark.parametrize("settings", [*NODE, CalibrationSettings])
+@pytest.mark.parametrize("settings", [*NODE, *SECTIONS])
 def test_each_stands_at_its_default_with_unit_and_meaning(settings: type[Settings]) -> None:
     block, indent = parameters(), " " * 4
-    if settings is CalibrationSettings:
-        block, indent = block.mapping("calibration"), " " * 6
+    if settings in SECTIONS:
+        block, indent = block.mapping(SECTIONS[settings]), " " * 6
     lines = PATH.read_text().splitlines()
     for entry in describe(settings):
         assert entry.checked(block.value(entry.name)) == entry.default

@@ -13,6 +13,7 @@ from shoecal_core.calibration.comparison import Comparison, compare, read_truths
 from shoecal_core.calibration.evaluate import Errors, errors
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.commands.tables import errors_table, stages_rows
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, read_bytes
@@ -62,7 +63,7 @@ def split_truth(folder: Folder, session: Session) -> None:
     atomic_write(session.truth_path(1).parent / "reality.yaml", read_bytes(drawn))
 
 
-def evaluate(folder: Folder, settings: CalibrationSettings) -> Found:
+def evaluate(folder: Folder, settings: CalibrationSettings, tolerances: Tolerances) -> Found:
     """Solve the recording again and hold everything against the truth.
 
     Raises:
@@ -70,7 +71,9 @@ def evaluate(folder: Folder, settings: CalibrationSettings) -> Found:
     """
     session = Session.open(folder.session)
     applied = load_calibration(folder.calibration)
-    outcome = calibrate_session(session, settings=settings, made_ns=applied.made_ns)
+    outcome = calibrate_session(
+        session, settings=settings, tolerances=tolerances, made_ns=applied.made_ns
+    )
     if outcome.calibration.id != applied.id:
         raise ShoecalError(
             f"{folder.session}: solved again it gives '{outcome.calibration.id}', the nodes found "

@@ -19,6 +19,7 @@ from shoecal_msgs.msg import ShoeState
 from shoecal_core.calibration.drift import FALSE_ALARM
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.standstill import ModelTolerance
+from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.settings import PlannerSettings
@@ -110,6 +111,7 @@ class Calibrator(ShoecalNode):
         self.files = self.settings(RobotFiles)
         self.job_settings = self.settings(JobSettings)
         self.fit_settings = self.settings(CalibrationSettings, "calibration.")
+        self.tolerances = self.settings(Tolerances, "tolerances.")
         self.node_settings = settings = self.settings(CalibratorSettings)
         self.planning = self._load_planning()
         self.robot, self.shoe = self.files.load_robot(), self.files.load_shoe()
