@@ -9,12 +9,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.assessment import NORMAL_95
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.comparison import Comparison, stage_errors
 from shoecal_core.calibration.evaluate import Errors, Series, errors
 from shoecal_core.calibration.fit import SelfCalibration
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.model.robot import Robot
+from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.figures.series import joined
 from shoecal_core.sensing.shoe import Shoe
 
@@ -85,6 +87,7 @@ class CalibrationReport:
         robot, shoe: what was calibrated.
         calibration: with its verdict.
         stages: how it was found; None where it was not found from these runs.
+        told: what the data told of it and what not; None likewise.
         runs: training runs first.
         timing: seconds by stage, for example `plan`, `record`, `solve`, `total`.
         provenance: lines that say where this is from; what is simulated and what is real.
@@ -95,6 +98,7 @@ class CalibrationReport:
     calibration: Calibration
     stages: SelfCalibration | None
     runs: tuple[RunReport, ...]
+    told: Told | None = None
     timing: Mapping[str, float] = field(default_factory=dict)
     provenance: tuple[str, ...] = ()
 
@@ -113,6 +117,18 @@ class CalibrationReport:
     def errors(self) -> dict[str, dict[str, Errors]]:
         """Errors against the reference by stage and set."""
         return stage_errors([one for run in self.runs for one in run.stances])
+
+    @property
+    def half_widths(self) -> FloatArray:
+        """(2n,) half widths of the 95 % intervals of gains and offsets, NaN where unknown."""
+        count = 2 * len(self.shoe.names)
+        if self.told is not None:
+            return self.told.assessment.interval()[:count]
+        covariance = self.calibration.covariance
+        if covariance is None:
+            return np.full(count, np.nan)
+        width: FloatArray = NORMAL_95 * np.sqrt(np.diag(covariance))
+        return width
 
     @property
     def has_truth(self) -> bool:

@@ -6,15 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.evaluate import Series
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.report import palette
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport, channel_units
 from shoecal_core.report.figures.bars import Bar, mae_bars
-from shoecal_core.report.figures.directions import singular_values
 from shoecal_core.report.figures.intervals import Column, intervals
 from shoecal_core.report.figures.motion import skeleton, snapshots
-from shoecal_core.report.figures.plane import CopPath, FootShape, cop_plane, cop_under_feet
+from shoecal_core.report.figures.plane import CopPath, cop_plane, cop_under_feet
 from shoecal_core.report.figures.series import Line, cop_and_grf, errors_in_time
+from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.page import Picture
 from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import mean_error
@@ -22,8 +21,6 @@ from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 
-NORMAL_95 = 1.96
-"""Half width of a 95 % interval in standard deviations."""
 GUESS, MEASURED, MODELLED = "initial guess", "calibrated", "model"
 
 
@@ -77,12 +74,10 @@ def run_label(run: RunReport, content: CalibrationReport) -> str:
 
 
 def channel_pictures(content: CalibrationReport) -> tuple[Picture, ...]:
-    """Gains and offsets by kind of channel, and the directions that the data fixed."""
+    """Gains and offsets by kind of channel."""
     shoe, calibration = content.shoe, content.calibration
     count = len(shoe.names)
-    std = np.full(2 * count, np.nan)
-    if calibration.covariance is not None:
-        std = np.sqrt(np.diag(calibration.covariance))
+    half = content.half_widths
     parameters = calibration.parameters
     unknown = np.full(count, np.nan)
     start_gain, start_offset = unknown, unknown
@@ -97,9 +92,9 @@ def channel_pictures(content: CalibrationReport) -> tuple[Picture, ...]:
             continue
         columns = [
             Column(f"|gain| ({gain_unit})", np.abs(parameters.gain[chosen]),
-                   NORMAL_95 * std[:count][chosen], np.abs(start_gain[chosen])),
+                   half[:count][chosen], np.abs(start_gain[chosen])),
             Column(f"offset ({unit})", parameters.offset[chosen],
-                   NORMAL_95 * std[count:][chosen], start_offset[chosen]),
+                   half[count:][chosen], start_offset[chosen]),
         ]  # fmt: skip
         names = [
             shoe.names[index] + (" (−)" if parameters.gain[index] < 0.0 else "") for index in chosen
@@ -109,18 +104,7 @@ def channel_pictures(content: CalibrationReport) -> tuple[Picture, ...]:
         pictures.append(
             Picture(f"Gains and offsets, {kind} channels", intervals(names, columns), caption)
         )
-    if content.stages is not None:
-        pictures.append(_directions(content.stages.fit.singular_values, content.stages.fit.rank))
     return tuple(pictures)
-
-
-def _directions(values: FloatArray, rank: int) -> Picture:
-    return Picture(
-        f"What the data fixed: {rank} of {len(values)} directions",
-        singular_values(values),
-        "Each direction is a pattern of gains and offsets. Above 1 the data say more about it "
-        "than was believed before; below 1 it keeps what the initial guess says.",
-    )
 
 
 def run_pictures(content: CalibrationReport, run: RunReport) -> tuple[Picture, ...]:
@@ -141,7 +125,10 @@ def run_pictures(content: CalibrationReport, run: RunReport) -> tuple[Picture, .
     ]
     if run.double_support:
         support = run.stances[0].stance.support
-        feet = [_foot(content, 0, None), _foot(content, 1, support)]
+        feet = [
+            foot_shape(content.robot, content.shoe, 0),
+            foot_shape(content.robot, content.shoe, 1, support),
+        ]
         paths = [CopPath(line.label, line.look, line.series.cop) for line in lines]
         pictures.append(Picture("CoP between the feet", cop_plane(feet, paths)))
     return tuple(pictures)
@@ -165,7 +152,7 @@ def foot_picture(content: CalibrationReport, run: RunReport) -> Picture:
     panels = []
     for foot in (0, 1):
         paths = [CopPath(label, look, one.foot_cop[:, foot]) for one, label, look in series]
-        panels.append((_foot(content, foot, None), paths))
+        panels.append((foot_shape(content.robot, content.shoe, foot), paths))
     caption = ""
     if content.has_truth:
         found = run.errors("measured").foot_cop
@@ -201,13 +188,3 @@ def _compared(lines: list[Line], content: CalibrationReport) -> list[Line]:
 
 def _known(series: Series) -> bool:
     return bool(np.isfinite(series.grf).any())
-
-
-def _foot(content: CalibrationReport, foot: int, support: DoubleSupport | None) -> FootShape:
-    shape, shoe = content.robot.feet[foot], content.shoe
-    cells = np.unique(shoe.positions[shoe.of_foot(foot)], axis=0)
-    places = (shape.outline, shape.sensing_polygon, cells)
-    outline, polygon, cells = (
-        places if support is None else (support.right_to_left(points) for points in places)
-    )
-    return FootShape(FEET[foot], outline, polygon, cells)

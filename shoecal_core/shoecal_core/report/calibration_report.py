@@ -7,6 +7,11 @@ from pathlib import Path
 
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.evaluate import Errors
+from shoecal_core.report.assessment_section import (
+    assessment_section,
+    expected_keys,
+    time_offset_text,
+)
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_figures import (
     accuracy_pictures,
@@ -22,9 +27,7 @@ from shoecal_core.report.calibration_tables import (
     runs_table,
     stages_table,
     support_text,
-    time_offset,
     timing_table,
-    weak_directions_table,
     weight_std,
 )
 from shoecal_core.report.html import write_page
@@ -58,8 +61,8 @@ def calibration_page(content: CalibrationReport) -> Page:
         subtitle=subtitle(content),
         verdict=verdict_of(content.calibration),
         key_figures=_key_figures(content),
-        sections=(_accuracy(content), _channels(content), _runs(content), _feet(content),
-                  _details(content)),
+        sections=(_accuracy(content), *_told(content), _channels(content), _runs(content),
+                  _feet(content), _details(content)),
         provenance=content.provenance,
     )  # fmt: skip
 
@@ -103,15 +106,17 @@ def _key_figures(content: CalibrationReport) -> tuple[KeyFigure, ...]:
     ]  # fmt: skip
     if content.has_truth:
         keys += _foot_keys(found, where)
+    told = content.told
+    if told is not None:
+        late = time_offset_text(told, content.calibration.time_offset)
+        keys += [
+            *expected_keys(told),
+            KeyFigure("fixed by the data", f"{told.assessment.told.rank} of {told.possible}",
+                      "directions of gains and offsets"),
+            KeyFigure("joints late by", late, "against the readings; 95 % interval"),
+        ]  # fmt: skip
     weight = uncertain(content.calibration.weight, weight_std(content), "N")
     keys.append(KeyFigure("weight it rests on", weight, "robot and shoes, ± standard uncertainty"))
-    if stages is not None:
-        count = len(stages.fit.singular_values)
-        keys += [
-            KeyFigure("fixed by the data", f"{stages.fit.rank} of {count}",
-                      "directions of the parameters"),
-            KeyFigure("joints late by", time_offset(stages), "against the readings"),
-        ]  # fmt: skip
     return tuple(keys)
 
 
@@ -143,12 +148,13 @@ def _accuracy(content: CalibrationReport) -> Section:
     return Section("Accuracy", (group,), text)
 
 
+def _told(content: CalibrationReport) -> tuple[Section, ...]:
+    return () if content.told is None else (assessment_section(content, content.told),)
+
+
 def _channels(content: CalibrationReport) -> Section:
-    tables = [channels_table(content)]
-    if content.stages is not None:
-        weak = weak_directions_table(content, content.stages)
-        tables += [] if weak is None else [weak]
-    return Section("Channels", (Group(pictures=channel_pictures(content), tables=tuple(tables)),))
+    group = Group(pictures=channel_pictures(content), tables=(channels_table(content),))
+    return Section("Channels", (group,))
 
 
 def _runs(content: CalibrationReport) -> Section:

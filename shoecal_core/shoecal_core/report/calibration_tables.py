@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from shoecal_core.calibration.fit import SelfCalibration
 from shoecal_core.calibration.metrics import Mae
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport, channel_units
-from shoecal_core.report.calibration_figures import NORMAL_95, set_name
+from shoecal_core.report.calibration_figures import set_name
 from shoecal_core.report.page import Table
 from shoecal_core.report.quantities import (
-    UNKNOWN,
     mean_error,
     number,
     quantity,
@@ -25,9 +22,9 @@ STAGES = {
     "self_calibration": "calibrated",
     "modelled": "model",
 }
+WRENCH = 3
+"""Force and two moments: more channels than these have patterns that sum to nothing."""
 SETS = {"train": "training runs", "test": "test runs"}
-SIGNIFICANT = 0.2
-"""Parameters with a smaller part in a direction are not listed with it."""
 
 
 def errors_table(content: CalibrationReport) -> Table:
@@ -88,10 +85,7 @@ def support_text(run: RunReport) -> str:
 def channels_table(content: CalibrationReport) -> Table:
     """Gain and offset of every channel with their 95 % intervals."""
     shoe, calibration = content.shoe, content.calibration
-    count = len(shoe.names)
-    half = np.full(2 * count, np.nan)
-    if calibration.covariance is not None:
-        half = NORMAL_95 * np.sqrt(np.diag(calibration.covariance))
+    count, half = len(shoe.names), content.half_widths
     guess = None if content.stages is None else content.stages.guess.parameters
     rows = []
     for index, name in enumerate(shoe.names):
@@ -113,48 +107,12 @@ def channels_table(content: CalibrationReport) -> Table:
     note = "Output = gain · reading + offset; ± is half of the 95 % interval."
     if calibration.covariance is None:
         note = "Output = gain · reading + offset. This calibration came without uncertainties."
-    elif content.stages is not None and content.stages.fit.rank < len(
-        content.stages.fit.singular_values
-    ):
+    elif any(len(shoe.of_foot(foot)) > WRENCH for foot in (0, 1)):
         note += (
-            " It also holds what the data left to the prior: patterns on which GRF and CoP in "
-            "runs like these hardly depend."
+            " Single offsets look uncertain: patterns over a foot's channels, such as + − − + over "
+            "four cells, change neither force nor CoP, so no data fix them."
         )
     return Table("Channels", tuple(header), tuple(rows), note)
-
-
-def weak_directions_table(content: CalibrationReport, stages: SelfCalibration) -> Table | None:
-    """What the data did not fix; None where they fixed everything."""
-    values, directions = stages.fit.singular_values, stages.fit.directions
-    weak = np.flatnonzero(values <= 1.0)
-    if not len(weak):
-        return None
-    names = content.shoe.names
-    labels = [f"{name} gain" for name in names] + [f"{name} offset" for name in names]
-    labels.append("time offset")
-    # In units of what was believed before, every direction has the length 1.
-    scale = np.linalg.norm(directions, axis=0)
-    parts = directions / np.where(scale == 0.0, 1.0, scale)
-    rows = []
-    for index in weak:
-        strongest = np.argsort(-np.abs(parts[index]), kind="stable")
-        listed = [
-            f"{labels[k]} {'+' if parts[index, k] > 0 else ''}{number(parts[index, k], 2)}"
-            for k in strongest
-            if abs(parts[index, k]) >= SIGNIFICANT
-        ]
-        rows.append((str(index + 1), _small(values[index]), ", ".join(listed) or UNKNOWN))
-    return Table(
-        "Directions left to the prior",
-        ("direction", "singular value", "parameters that change together"),
-        tuple(rows),
-        "In units of each parameter's prior standard deviation; smaller parts than "
-        f"{SIGNIFICANT:g} are left out.",
-    )
-
-
-def _small(value: float) -> str:
-    return f"{value:.2f}" if value >= 0.01 else "below 0.01"
 
 
 def stages_table(content: CalibrationReport, stages: SelfCalibration) -> Table:
@@ -173,16 +131,9 @@ def stages_table(content: CalibrationReport, stages: SelfCalibration) -> Table:
             "nonlinear least squares",
             f"{fit.iterations} iterations, cost {fit.initial_cost:.4g} → {fit.cost:.4g}",
         ),
-        ("joints late against the readings", time_offset(stages)),
         ("CoP correction", _corrected(stages)),
     ]
     return Table("How it was found", ("stage", "result"), tuple(rows))
-
-
-def time_offset(stages: SelfCalibration) -> str:
-    """Time offset with its standard deviation."""
-    std = math.sqrt(stages.fit.covariance[-1, -1])
-    return uncertain(1e3 * stages.time_offset, 1e3 * std, "ms")
 
 
 def _corrected(stages: SelfCalibration) -> str:

@@ -44,7 +44,19 @@ STEPS = (
 )
 """Of things in an order: runs, weights."""
 
-COLOURS = (INK, MUTED, RULE, PAPER, CARD, SOLE, TEAL, BLUE, RED, SLATE, PASS, WARN, FAIL, *STEPS)
+SIZES = (
+    Colour("size1", "#fbe9bb", "#46353c"),
+    Colour("size2", "#f8cb7d", "#733f49"),
+    Colour("size3", "#f0a24f", "#a34c45"),
+    Colour("size4", "#de7038", "#d1713f"),
+    Colour("size5", "#b93f3a", "#efa456"),
+    Colour("size6", "#7f1e40", "#fbdd9c"),
+)
+"""Of one quantity from small to large: ever further from the ground, light or dark."""
+
+COLOURS = (
+    INK, MUTED, RULE, PAPER, CARD, SOLE, TEAL, BLUE, RED, SLATE, PASS, WARN, FAIL, *STEPS, *SIZES,
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

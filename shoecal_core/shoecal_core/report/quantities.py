@@ -41,6 +41,14 @@ def uncertain(value: float, uncertainty: float, unit: str) -> str:
     return _with_unit(f"{number(value, decimals)}{spread}", unit)
 
 
+def size(value: float, unit: str) -> str:
+    """A standard deviation or the like, to two digits."""
+    if not math.isfinite(value):
+        return UNKNOWN
+    decimals = 0 if value <= 0.0 else max(0, 1 - math.floor(math.log10(value)))
+    return _with_unit(number(value, decimals), unit)
+
+
 def mean_error(mae: Mae, unit: str, scale: float = 1.0) -> str:
     """MAE ± the standard deviation of the absolute error, in a unit of 1/`scale`."""
     if not mae.count:

@@ -10,9 +10,12 @@ import numpy as np
 from shoecal_core.calibration.aligned import align
 from shoecal_core.calibration.comparison import Comparison, compare
 from shoecal_core.calibration.pipeline import Outcome
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import Truth
+from shoecal_core.report.assessment_content import told_by
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_report import calibration_report
 
@@ -24,6 +27,8 @@ def write_session_report(
     session: Session,
     outcome: Outcome,
     *,
+    settings: CalibrationSettings | None = None,
+    tolerances: Tolerances | None = None,
     truths: Mapping[int, Truth] | None = None,
     timing: Mapping[str, float] | None = None,
     provenance: Sequence[str] = (),
@@ -34,6 +39,7 @@ def write_session_report(
         path: of the HTML file.
         session: that the calibration was found from.
         outcome: of the calibration.
+        settings, tolerances: that the calibration was made with; None: the usual ones.
         truths: of simulated runs, to be compared with; of no use unless every run has one.
         timing: seconds by stage.
         provenance: further lines on where this is from.
@@ -43,14 +49,19 @@ def write_session_report(
     """
     calibration_report(
         path,
-        session_content(session, outcome, truths=truths, timing=timing, provenance=provenance),
-    )
+        session_content(
+            session, outcome, settings=settings, tolerances=tolerances, truths=truths,
+            timing=timing, provenance=provenance,
+        ),
+    )  # fmt: skip
 
 
 def session_content(
     session: Session,
     outcome: Outcome,
     *,
+    settings: CalibrationSettings | None = None,
+    tolerances: Tolerances | None = None,
     truths: Mapping[int, Truth] | None = None,
     timing: Mapping[str, float] | None = None,
     provenance: Sequence[str] = (),
@@ -68,6 +79,7 @@ def session_content(
         calibration=outcome.calibration,
         stages=outcome.stages,
         runs=tuple(_run(session, outcome, kinematics, stances) for stances in by_run.values()),
+        told=told_by(outcome, settings, tolerances),
         timing=timing or {},
         provenance=(*_origin(session, outcome), *provenance),
     )

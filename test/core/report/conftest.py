@@ -4,10 +4,25 @@ import pytest
 
 from core.report import samples
 from core.report.pages import read
+from core.report.sessions import swaying_session
 from core.sensing import shoes
+from shoecal_core.calibration.pipeline import Outcome, calibrate_session
+from shoecal_core.recording.session import Session
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_report import calibration_page
 from shoecal_core.report.html import render
+
+
+@pytest.fixture(scope="session")
+def session(tmp_path_factory: pytest.TempPathFactory) -> Session:
+    """Two training runs and a test, with joint angles."""
+    return swaying_session(tmp_path_factory.mktemp("session") / "recorded")
+
+
+@pytest.fixture(scope="session")
+def outcome(session: Session) -> Outcome:
+    """Its calibration."""
+    return calibrate_session(session)
 
 
 @pytest.fixture(scope="session")

@@ -2,24 +2,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
 from core.report.pages import read
-from core.report.sessions import swaying_session
 from shoecal_core.calibration.comparison import read_truths
-from shoecal_core.calibration.pipeline import Outcome, calibrate_session
+from shoecal_core.calibration.pipeline import Outcome
 from shoecal_core.recording.session import Session
 from shoecal_core.report.session_report import session_content, write_session_report
-
-
-@pytest.fixture(scope="module")
-def session(tmp_path_factory: pytest.TempPathFactory) -> Session:
-    return swaying_session(tmp_path_factory.mktemp("session") / "recorded")
-
-
-@pytest.fixture(scope="module")
-def outcome(session: Session) -> Outcome:
-    return calibrate_session(session)
 
 
 def test_a_session_is_reported_against_its_model(

@@ -160,10 +160,14 @@ def _draw(
 
 def _legends(page: Canvas, paths: Sequence[CopPath]) -> None:
     page.legend([line_key(path.look, path.label) for path in paths], left=LEFT - 6.0)
-    shapes: list[Artist] = [
+    page.legend(shape_keys(), left=LEFT - 6.0, top=18.0)
+
+
+def shape_keys() -> list[Artist]:
+    """Legend entries of what belongs to a foot."""
+    return [
         Patch(facecolor=SOLE.light, edgecolor="none", label="sole"),
         Patch(facecolor="none", edgecolor=MUTED.light, linewidth=0.9, label="sensing polygon"),
         Line2D([], [], linestyle="", marker="o", markersize=5.0, markerfacecolor="none",
                color=INK.light, label="cell"),
     ]  # fmt: skip
-    page.legend(shapes, left=LEFT - 6.0, top=18.0)

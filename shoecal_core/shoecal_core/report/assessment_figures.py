@@ -1,0 +1,183 @@
+"""The figures of what the data told."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shoecal_core.calibration.expected import Spread
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.report.assessment_content import Told
+from shoecal_core.report.calibration_content import CalibrationReport, channel_units
+from shoecal_core.report.figures.directions import singular_values
+from shoecal_core.report.figures.error_map import ErrorMap, common_levels, error_map
+from shoecal_core.report.figures.left_out import RunSpan, left_out_in_time
+from shoecal_core.report.figures.sources import Whole, largest_causes, shares
+from shoecal_core.report.figures.spans import spans
+from shoecal_core.report.foot_shapes import foot_shape
+from shoecal_core.report.page import Picture
+from shoecal_core.report.quantities import number, size
+from shoecal_core.sensing.shoe import FEET
+
+PARTS = ("noise", "tolerances", "left open")
+
+
+def rms(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
+    """Root mean square of what is known."""
+    return float(np.sqrt(np.nanmean(values**2)))
+
+
+def error_pictures(content: CalibrationReport, told: Told) -> tuple[Picture, ...]:
+    """Maps of the CoP's expected error, both feet together and each."""
+    robot, shoe, found = content.robot, content.shoe, told.assessment
+    neutral = DoubleSupport(*(float(value) for value in robot.support_range.neutral))
+    own = [foot_shape(robot, shoe, foot) for foot in (0, 1)]
+    both = ErrorMap(
+        "both feet together",
+        (own[0], foot_shape(robot, shoe, 1, neutral)),
+        found.both.places,
+        found.both.cop_length,
+    )
+    each = [
+        ErrorMap(f"{side} foot", (shape,), spread.places, spread.cop_length)
+        for side, shape, spread in zip(FEET, own, found.feet, strict=True)
+    ]
+    levels = common_levels([both, *each])
+    title = told.error_name[0].upper() + told.error_name[1:]
+    listed = "; ".join(
+        f"{side} {_summary(spread)}" for side, spread in zip(FEET, found.feet, strict=True)
+    )
+    return (
+        Picture(
+            f"{title}, both feet",
+            error_map([both], levels),
+            f"Where the CoP is, and by how much it may be off: {_summary(found.both)}.",
+            tall=True,
+        ),
+        Picture(
+            f"{title}, each foot",
+            error_map(each, levels),
+            f"Each under half the weight, in the same colours: {listed}.",
+            tall=True,
+        ),
+    )
+
+
+def _summary(spread: Spread) -> str:
+    lengths = 1e3 * spread.cop_length
+    known = lengths[np.isfinite(lengths)]
+    if not len(known):
+        return "not known"
+    along = [size(1e3 * rms(spread.cop[:, axis]), "mm") for axis in (0, 1)]
+    return (
+        f"{size(rms(known), 'mm')} ({along[0]} along x, {along[1]} along y; at worst "
+        f"{size(float(known.max()), 'mm')})"
+    )
+
+
+def source_pictures(told: Told) -> tuple[Picture, ...]:
+    """Kinds of causes of expected errors, and the largest by name."""
+    sources = told.sources
+    wholes = [
+        Whole(label, tuple(1e3 * float(part[index]) for part in parts))
+        for index, label in enumerate(("both feet", *(f"{side} foot" for side in FEET)))
+        for parts in [(sources.noise, sources.model, sources.prior)]
+    ]
+    explained = (
+        "Noise: what passes within seconds. Tolerances: what the files of robot and shoes may be "
+        "wrong by. Left open: what no run of these fixed."
+    )
+    if not told.carried:
+        explained = (
+            "Noise: what passes within seconds. Left open: what no run of these fixed. "
+            "Tolerances of robot and shoes are not counted here."
+        )
+    pictures = [Picture("Where it comes from", shares(PARTS, wholes, "mm"), explained)]
+    if sources.causes:
+        pictures.append(
+            Picture(
+                "Largest causes by name",
+                largest_causes(
+                    [cause.name for cause in sources.causes],
+                    [1e3 * sources.saved(cause) for cause in sources.causes],
+                    "mm",
+                    "part in each foot's error",
+                ),
+                "Taken away in squares if it were known exactly: a tolerance that the residuals "
+                "have not ruled out.",
+            )
+        )
+    return tuple(pictures)
+
+
+def direction_picture(told: Told) -> Picture:
+    """Singular values."""
+    found = told.assessment.told
+    return Picture(
+        f"What the data fixed: {found.rank} of {told.possible} directions",
+        singular_values(found.singular_values, 1.0 / told.fixed_below),
+        "Each direction is a pattern of gains and offsets. One over its value is what the data "
+        "leave of it: 100 is 1 % of the gains, or of each channel's even share of the weight.",
+    )
+
+
+def load_pictures(content: CalibrationReport, told: Told) -> tuple[Picture, ...]:
+    """How far each channel was loaded, forces apart from torques."""
+    shoe, ends = content.shoe, told.assessment.load_range
+    pictures = []
+    for torque, kind in ((False, "force"), (True, "torque")):
+        chosen = np.flatnonzero(shoe.torque == torque)
+        if not len(chosen):
+            continue
+        unit, _ = channel_units(shoe, torque=torque)
+        alike = bool((shoe.columns[chosen, 0] == 1.0).all())
+        share = content.calibration.weight / len(shoe.names) if alike and not torque else None
+        names = [shoe.names[index] for index in chosen]
+        pictures.append(
+            Picture(
+                f"Loads seen, {kind} channels",
+                spans(names, ends[:, chosen], unit, share),
+                "Lowest and highest output in the training runs; beyond them the calibration "
+                "extrapolates.",
+            )
+        )
+    return tuple(pictures)
+
+
+def left_out_picture(content: CalibrationReport, told: Told) -> Picture | None:
+    """When samples were left out; None where every one counts."""
+    screening = told.screening
+    if not screening.left_out:
+        return None
+    ends: dict[int, float] = {
+        run.run: max(float(one.stance.time[-1]) for one in run.stances) for run in content.runs
+    }
+    lost: dict[int, dict[str, list[tuple[float, float]]]] = {}
+    for one in screening.left_out:
+        found = lost.setdefault(one.run, {}).setdefault(cause_name(one.fault.value), [])
+        found.extend(one.stretches)
+    runs = []
+    for run in screening.samples:
+        own = lost.get(run, {})
+        last = [end for found in own.values() for _, end in found]
+        runs.append(RunSpan(f"run {run}", 0.0, max([ends.get(run, 0.0), *last]), own))
+    shown = [run for run in runs if run.end > 0.0]
+    if not shown:
+        return None
+    return Picture("Samples left out, in time", left_out_in_time(shown))
+
+
+def cause_name(value: str) -> str:
+    """A fault's name for a person."""
+    return value.replace("_", " ")
+
+
+def expected_text(spread: Spread) -> tuple[str, str]:
+    """Expected CoP error over a polygon, and a note with the worst place and the GRF."""
+    worst = 1e3 * spread.cop_length
+    known = worst[np.isfinite(worst)]
+    if not len(known):
+        return number(float("nan"), 0), ""
+    return (
+        size(rms(known), "mm"),
+        f"worst place {size(float(known.max()), 'mm')}; GRF {size(rms(spread.grf), 'N')}",
+    )

@@ -1,0 +1,120 @@
+"""The section on what the data could tell, and its key figures."""
+
+from __future__ import annotations
+
+from shoecal_core.report.assessment_content import Told
+from shoecal_core.report.assessment_figures import (
+    direction_picture,
+    error_pictures,
+    expected_text,
+    left_out_picture,
+    load_pictures,
+    source_pictures,
+)
+from shoecal_core.report.assessment_tables import (
+    additions_table,
+    expected_table,
+    findings_table,
+    helps_table,
+    left_out_table,
+    weak_table,
+)
+from shoecal_core.report.calibration_content import CalibrationReport
+from shoecal_core.report.page import Group, KeyFigure, Section, Table
+from shoecal_core.report.quantities import uncertain
+from shoecal_core.sensing.shoe import FEET
+
+UNCOUNTED = (
+    "For these runs (walking, or without joint angles) the model's own errors are not carried: "
+    "the true errors are larger than what is told here, by how much is not known."
+)
+
+
+def assessment_section(content: CalibrationReport, told: Told) -> Section:
+    """Expected errors, their causes, what was fixed, what was left out."""
+    text = (
+        "How far GRF and CoP by this calibration may be off, without asking any truth: from the "
+        "noise of this recording, from what the files of robot and shoes may be wrong by, and from "
+        "what the data left open."
+    )
+    if not told.carried:
+        text += f" {UNCOUNTED}"
+    return Section(
+        "What the data could tell",
+        (_expected(content, told), _fixed(content, told), _left_out(content, told)),
+        text,
+    )
+
+
+def expected_keys(told: Told) -> list[KeyFigure]:
+    """Expected CoP error of both feet and of each."""
+    found = told.assessment
+    keys = []
+    for label, spread in zip(("both feet", *(f"{side} foot" for side in FEET)),
+                             (found.both, *found.feet), strict=True):  # fmt: skip
+        value, note = expected_text(spread)
+        if not told.carried:
+            note = "the model's own errors come on top"
+        keys.append(KeyFigure(f"{told.error_name}, {label}", value, note))
+    return keys
+
+
+def time_offset_text(told: Told, time_offset: float) -> str:
+    """Time offset with half of its 95 % interval."""
+    return uncertain(1e3 * time_offset, 1e3 * float(told.assessment.interval()[-1]), "ms")
+
+
+def _expected(content: CalibrationReport, told: Told) -> Group:
+    text = ""
+    if told.sources.mostly_open:
+        text = (
+            "Most of what a single foot may be off comes from what the data left open: a further "
+            "double support helps most, see below."
+        )
+    return Group(
+        title="Expected error",
+        pictures=(*error_pictures(content, told), *source_pictures(told)),
+        text=text,
+        tables=_known(expected_table(told), helps_table(told)),
+    )
+
+
+def _fixed(content: CalibrationReport, told: Told) -> Group:
+    found = told.assessment.told
+    if found.weak:
+        text = (
+            "What is left open keeps what the initial guess says. It changes GRF and CoP, so "
+            "expected errors above hold it."
+        )
+    else:
+        text = "The data fixed every direction of gains and offsets that GRF and CoP depend on."
+    return Group(
+        title="What was fixed",
+        text=text,
+        pictures=(direction_picture(told), *load_pictures(content, told)),
+        tables=_known(weak_table(told), additions_table(told)),
+    )
+
+
+def _left_out(content: CalibrationReport, told: Told) -> Group:
+    picture = left_out_picture(content, told)
+    counted = sum(told.screening.samples.values())
+    lost = sum(one.samples for one in told.screening.left_out)
+    if not counted:
+        text = "The recording was not screened."
+    elif lost:
+        text = f"{lost} of {counted} samples do not count ({100.0 * lost / counted:.1f} %)."
+    else:
+        text = f"Nothing: all {counted} samples count."
+    late = time_offset_text(told, content.calibration.time_offset)
+    return Group(
+        title="What was left out before the fit",
+        text=f"{text} Joints late against the readings: {late} (95\N{NO-BREAK SPACE}% interval), "
+        "which the fit has corrected.",
+        pictures=() if picture is None else (picture,),
+        tables=_known(left_out_table(told), findings_table(told)),
+    )
+
+
+def _known(*tables: Table | None) -> tuple[Table, ...]:
+    return tuple(table for table in tables if table is not None)

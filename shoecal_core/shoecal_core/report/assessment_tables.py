@@ -1,0 +1,165 @@
+"""The tables of what the data told."""
+
+from __future__ import annotations
+
+import math
+
+from shoecal_core.calibration.screening.faults import Fault
+from shoecal_core.planning.forecast import Forecast
+from shoecal_core.report.assessment_content import Told
+from shoecal_core.report.assessment_figures import cause_name, rms
+from shoecal_core.report.page import Table
+from shoecal_core.report.quantities import UNKNOWN, number, size
+from shoecal_core.sensing.shoe import FEET
+
+CURES = (
+    ("zero of", "measure this joint's zero, or calibrate the robot's joints"),
+    ("mass of", "weigh this link"),
+    ("CoM of", "find this link's balance point"),
+    ("sag", "measure how far the joints give under load"),
+    ("place of", "measure where this cell stands"),
+    ("plates", "load the shoe with known weights: manual calibration"),
+    ("weight", "weigh robot and shoes"),
+)
+
+
+def expected_table(told: Told) -> Table:
+    """Expected errors of GRF and CoP."""
+    found = told.assessment
+    rows = []
+    for label, spread in zip(
+        ("both feet", *(f"{side} foot" for side in FEET)),
+        (found.both, *found.feet),
+        strict=True,
+    ):
+        lengths = spread.cop_length[~(spread.cop_length != spread.cop_length)]
+        rows.append(
+            (
+                label,
+                size(rms(spread.grf), "N"),
+                size(1e3 * rms(lengths), "mm") if len(lengths) else UNKNOWN,
+                *(size(1e3 * rms(spread.cop[:, axis]), "mm") for axis in (0, 1)),
+                size(1e3 * float(lengths.max()), "mm") if len(lengths) else UNKNOWN,
+            )
+        )
+    return Table(
+        "Expected errors",
+        ("", "GRF", "CoP", "CoP along x", "CoP along y", "CoP at its worst place"),
+        tuple(rows),
+        "One standard deviation; root mean square over the sensing polygons. Both feet: in the "
+        "neutral double support, CoP anywhere between them. One foot: under half the weight.",
+    )
+
+
+def helps_table(told: Told) -> Table | None:
+    """Causes by name; None where none is known, or all of them are beside the point."""
+    sources = told.sources
+    if not sources.causes or sources.mostly_open:
+        return None
+    rows = tuple(
+        (
+            cause.name,
+            *(
+                _falls(float(now), float(then))
+                for now, then in zip(sources.total, cause.without, strict=True)
+            ),
+            next((cure for start, cure in CURES if cause.name.startswith(start)), UNKNOWN),
+        )
+        for cause in sources.causes
+    )
+    return Table(
+        "What would help",
+        ("if known exactly", "both feet", *(f"{side} foot" for side in FEET), "how"),
+        rows,
+        "Expected CoP error now and then. The tolerances are those set for robot and shoes, as far "
+        "as the residuals allow them.",
+    )
+
+
+def _falls(now: float, then: float) -> str:
+    """Both in mm; a dash where nothing changes."""
+    decimals = 1 if now < 0.01 else 0
+    before, after = (number(1e3 * value, decimals) for value in (now, then))
+    return UNKNOWN if before == after else f"{before} → {after} mm"
+
+
+def weak_table(told: Told) -> Table | None:
+    """Directions that the data left open; None without any."""
+    weak = told.assessment.told.weak
+    if not weak:
+        return None
+    rows = tuple((one.words, _known_to(one.uncertainty)) for one in weak)
+    return Table("Left open by the data", ("direction", "what the data tell of it"), rows)
+
+
+def _known_to(uncertainty: float) -> str:
+    if not math.isfinite(uncertainty):
+        return "nothing"
+    return f"uncertain by {100.0 * uncertainty:.0f} %"
+
+
+def additions_table(told: Told) -> Table | None:
+    """Double supports that would fix them; None where none is needed or known."""
+    found, additions = told.assessment.told, told.assessment.additions
+    if not additions:
+        return None
+    rows = [("now", *_promise(found))]
+    rows += [(f"with {one.words}", *_promise(one.forecast)) for one in additions]
+    return Table(
+        "Double support to add",
+        ("", "fixed", "both feet", *(f"{side} foot" for side in FEET)),
+        tuple(rows),
+        "Expected CoP error as forecast for planned supports; it leaves out the tolerances that "
+        "all runs share.",
+    )
+
+
+def _promise(found: Forecast) -> tuple[str, ...]:
+    error = found.error
+    return (
+        f"{found.rank} of {max(found.rank, found.possible)}",
+        *(size(1e3 * one.rms, "mm") for one in (error.cop, *error.foot_cop)),
+    )
+
+
+def left_out_table(told: Told) -> Table | None:
+    """Samples that do not count, by run and cause; None without any."""
+    screening = told.screening
+    if not screening.left_out:
+        return None
+    lost = {(one.run, one.fault): one for one in screening.left_out}
+    faults = [fault for fault in Fault if any(fault is other for _, other in lost)]
+    rows = []
+    for run, count in screening.samples.items():
+        own = [lost.get((run, fault)) for fault in faults]
+        if not any(own):
+            continue
+        rows.append(
+            (
+                f"run {run}" + (" (all of it)" if run in screening.runs_left_out else ""),
+                str(count),
+                *(f"{one.samples} ({_percent(one.share)})" if one else UNKNOWN for one in own),
+            )
+        )
+    return Table(
+        "Samples left out",
+        ("", "samples", *(cause_name(fault.value) for fault in faults)),
+        tuple(rows),
+        "Each counts for the first cause that was found of it.",
+    )
+
+
+def _percent(share: float) -> str:
+    return f"{100.0 * share:.1f} %" if share >= 0.001 else "below 0.1 %"
+
+
+def findings_table(told: Told) -> Table | None:
+    """What was found before the fit; None where nothing was."""
+    findings = told.screening.findings
+    if not findings:
+        return None
+    rows = tuple(
+        (cause_name(one.fault.value) if one.fault else "other", one.verdict, one.reason)
+        for one in findings
+    )
+    return Table("Found before the fit", ("", "verdict", "finding"), rows)

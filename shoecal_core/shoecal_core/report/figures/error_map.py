@@ -1,0 +1,195 @@
+"""Expected error of the CoP, place by place, as a map seen from above."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from matplotlib.axes import Axes
+from matplotlib.patches import Polygon
+from matplotlib.ticker import MaxNLocator
+from numpy.typing import NDArray
+
+from shoecal_core.errors import ShapeError
+from shoecal_core.report.figures.plane import FootShape, shape_keys
+from shoecal_core.report.palette import INK, MUTED, SIZES, SOLE
+from shoecal_core.report.svg import SMALL, TEXT, WIDTH, Canvas, canvas, readable
+
+FloatArray = NDArray[np.float64]
+
+LEFT, RIGHT, TOP, BOTTOM, GAP = 50.0, 8.0, 66.0, 36.0, 30.0
+TITLE = 16.0
+MARGIN_MM = 8.0
+HIGHEST = 250.0
+RASTER = 61
+"""Points of the drawn map along each axis."""
+LEAST_SPAN_MM = 0.5
+"""Errors that differ by less have one colour."""
+
+
+@dataclass(frozen=True)
+class ErrorMap:
+    """Errors over one polygon.
+
+    Attributes:
+        label: of the map.
+        feet: the soles below it, in its frame.
+        places: (p, 2) of the CoP [m]; NaN where there is none.
+        length: (p,) expected length of its error there [m].
+    """
+
+    label: str
+    feet: tuple[FootShape, ...]
+    places: FloatArray
+    length: FloatArray
+
+    def __post_init__(self) -> None:
+        if self.places.shape != (len(self.length), 2):
+            raise ShapeError("map.places", f"({len(self.length)}, 2)", self.places.shape)
+
+    @property
+    def known(self) -> FloatArray:
+        """(k, 3) place and length where both are finite [mm]."""
+        rows = 1e3 * np.column_stack((self.places, self.length))
+        finite: FloatArray = rows[np.isfinite(rows).all(axis=1)]
+        return finite
+
+
+def common_levels(maps: Sequence[ErrorMap]) -> FloatArray:
+    """(2 to 7,) round borders of the colours [mm], so that all maps can be compared."""
+    lengths = np.concatenate([one.known[:, 2] for one in maps])
+    if not len(lengths):
+        return np.array([0.0, 1.0])
+    low, high = float(lengths.min()), float(lengths.max())
+    middle, half = (low + high) / 2.0, max(high - low, LEAST_SPAN_MM) / 2.0
+    low, high = max(0.0, middle - half), middle + half
+    for most in range(len(SIZES), 1, -1):
+        ticks = np.asarray(MaxNLocator(nbins=most, min_n_ticks=2).tick_values(low, high))
+        # One more than needed may stand at either end.
+        first = max(0, int(np.searchsorted(ticks, low, side="right")) - 1)
+        last = int(np.searchsorted(ticks, high, side="left"))
+        levels: FloatArray = ticks[first : last + 1]
+        if len(levels) <= len(SIZES) + 1:
+            break
+    return levels
+
+
+def error_map(maps: Sequence[ErrorMap], levels: FloatArray) -> str:
+    """Maps side by side in the same colours and to the same scale.
+
+    Args:
+        maps: one a panel.
+        levels: borders of the colours; see `common_levels` [mm].
+    """
+    extents = [_extent(one) for one in maps]
+    span = np.max([high - low for low, high in extents], axis=0)
+    width = (WIDTH - LEFT - RIGHT - GAP * (len(maps) - 1)) / len(maps)
+    scale = min(width / span[1], HIGHEST / span[0])
+    height = scale * span[0]
+    with canvas(TOP + TITLE + height + BOTTOM) as page:
+        page.legend(shape_keys(), left=LEFT - 6.0)
+        _colour_bar(page, levels)
+        for index, (one, (low, high)) in enumerate(zip(maps, extents, strict=True)):
+            left = LEFT + index * (width + GAP)
+            axes = page.panel(TOP + TITLE, height, left=left, right=left + width)
+            _draw(axes, one, levels)
+            middle, half = (low + high) / 2.0, np.array([height, width]) / scale / 2.0
+            axes.set_ylim(middle[0] - half[0], middle[0] + half[0])
+            axes.set_xlim(middle[1] + half[1], middle[1] - half[1])
+            axes.locator_params(nbins=5)
+            axes.set_title(readable(one.label, 36), pad=4.0, fontsize=TEXT)
+            axes.set_xlabel("y, to the left (mm)" if len(maps) == 1 else "y (mm)")
+            if index == 0:
+                axes.set_ylabel("x, forward (mm)")
+                axes.yaxis.set_label_coords(-38.0 / width, 0.5)
+        return page.svg(f"Expected error of the CoP seen from above. {_told(maps)}.")
+
+
+def _told(maps: Sequence[ErrorMap]) -> str:
+    parts = []
+    for one in maps:
+        lengths = one.known[:, 2]
+        found = f"{lengths.min():.1f} to {lengths.max():.1f} mm" if len(lengths) else "none known"
+        parts.append(f"{readable(one.label, 36)}: {found}")
+    return "; ".join(parts)
+
+
+def _extent(one: ErrorMap) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest (x, y) of soles and places [mm]."""
+    points = np.vstack(
+        [1e3 * foot.outline for foot in one.feet]
+        + [1e3 * foot.cells for foot in one.feet]
+        + [one.known[:, :2]]
+    )
+    return points.min(axis=0) - MARGIN_MM, points.max(axis=0) + MARGIN_MM
+
+
+def _colour_bar(page: Canvas, levels: FloatArray) -> None:
+    """What the colours mean."""
+    colours = _colours(levels)
+    page.write(LEFT, 32.0, "CoP error (mm)", fontsize=SMALL, va="center")
+    bar = page.panel(27.0, 10.0, left=LEFT + 88.0, right=WIDTH - RIGHT - 10.0)
+    for index, colour in enumerate(colours):
+        bar.axvspan(index, index + 1, facecolor=colour, edgecolor="none", linewidth=0.0)
+    bar.set_xlim(0.0, len(colours))
+    bar.set_ylim(0.0, 1.0)
+    bar.set_yticks([])
+    bar.set_xticks(range(len(levels)), [f"{level:.4g}" for level in levels])
+    bar.tick_params(axis="x", length=0.0, pad=2.0, labelcolor=INK.light)
+    bar.grid(visible=False)
+    for side in bar.spines.values():
+        side.set_visible(False)
+
+
+def _colours(levels: FloatArray) -> list[str]:
+    """One for each stretch between two levels; few stretches keep well apart."""
+    count = len(levels) - 1
+    chosen = np.linspace(0.0, len(SIZES) - 1.0, count + 2).round().astype(int)[1:-1]
+    if count > len(SIZES) - 2:
+        chosen = np.arange(count)
+    return [SIZES[index].light for index in chosen]
+
+
+def _draw(axes: Axes, one: ErrorMap, levels: FloatArray) -> None:
+    axes.grid(visible=False)
+    for foot in one.feet:
+        axes.add_patch(Polygon(1e3 * foot.outline[:, ::-1], facecolor=SOLE.light, edgecolor="none"))
+    if len(one.known):
+        x, y, length = _raster(one.known)
+        drawn = axes.contourf(
+            y, x, np.clip(length, levels[0], levels[-1]), levels=levels, colors=_colours(levels)
+        )
+        around = shapely.MultiPoint(one.known[:, 1::-1]).convex_hull
+        drawn.set_clip_path(Polygon(shapely.get_coordinates(around), transform=axes.transData))
+    for foot in one.feet:
+        axes.add_patch(
+            Polygon(1e3 * foot.sensing_polygon[:, ::-1], facecolor="none", edgecolor=MUTED.light,
+                    linewidth=0.9)
+        )  # fmt: skip
+        x, y = 1e3 * foot.cells.T
+        axes.plot(y, x, "o", markersize=5.0, markerfacecolor="none", color=INK.light)
+
+
+def _raster(known: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Axes (r,) and lengths (r, r) over the box around places and lengths (k, 3) [mm].
+
+    As long as all feet are loaded, the square of the length is a polynomial of the place: readings
+    and the slopes of the CoP are both linear in it. Few places therefore tell all of it.
+    """
+    low, high = known[:, :2].min(axis=0), known[:, :2].max(axis=0)
+    half = np.maximum((high - low) / 2.0, 1e-9)
+    degree = next((d for d in (4, 2, 1) if len(known) > (d + 1) * (d + 2)), 0)
+    powers = [(i, j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+
+    def terms(x: FloatArray, y: FloatArray) -> FloatArray:
+        return np.stack([x**i * y**j for i, j in powers], axis=-1)
+
+    scaled = (known[:, :2] - low) / half - 1.0
+    factors, *_ = np.linalg.lstsq(terms(*scaled.T), known[:, 2] ** 2, rcond=None)
+    unit = np.linspace(-1.0, 1.0, RASTER)
+    squares = terms(*np.meshgrid(unit, unit, indexing="ij")) @ factors
+    lengths: FloatArray = np.sqrt(np.clip(squares, 0.0, None))
+    x, y = low[:, None] + half[:, None] * (unit + 1.0)[None, :]
+    return x, y, lengths

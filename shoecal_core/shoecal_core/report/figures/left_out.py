@@ -1,0 +1,77 @@
+"""When samples were left out, run by run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from matplotlib.patches import Patch
+
+from shoecal_core.report.palette import INK, RULE, STEPS
+from shoecal_core.report.svg import canvas, readable
+
+ROW, LINE, BOTTOM = 20.0, 17.0, 34.0
+PER_LINE = 3
+"""Entries in one line of the legend."""
+APART = 3
+"""Steps between the colours of two causes that follow each other."""
+LEAST_SHOWN = 0.004
+"""Part of the width that even the shortest stretch gets."""
+
+
+@dataclass(frozen=True)
+class RunSpan:
+    """One run.
+
+    Attributes:
+        label: of it.
+        start, end: of its samples [s].
+        stretches: first and last time of what was left out, by cause [s].
+    """
+
+    label: str
+    start: float
+    end: float
+    stretches: Mapping[str, Sequence[tuple[float, float]]]
+
+
+def left_out_in_time(runs: Sequence[RunSpan]) -> str:
+    """One line a run: what counts, and what was left out for which cause."""
+    causes = list(dict.fromkeys(cause for run in runs for cause in run.stretches))
+    colours = {cause: STEPS[APART * index % len(STEPS)].light for index, cause in enumerate(causes)}
+    keys = [Patch(facecolor=RULE.light, edgecolor="none", label="counts")]
+    keys += [
+        Patch(facecolor=colour, edgecolor="none", label=readable(cause))
+        for cause, colour in colours.items()
+    ]
+    lines = [keys[start : start + PER_LINE] for start in range(0, len(keys), PER_LINE)]
+    top = LINE * len(lines) + 8.0
+    height = ROW * len(runs)
+    left = 14.0 + 5.6 * max(len(run.label) for run in runs)
+    low, high = min(run.start for run in runs), max(run.end for run in runs)
+    with canvas(top + height + BOTTOM) as page:
+        for index, line in enumerate(lines):
+            page.legend(line, left=left - 6.0, top=LINE * index)
+        axes = page.panel(top, height, left=left)
+        axes.grid(visible=False, axis="y")
+        least = LEAST_SHOWN * (high - low)
+        for row, run in enumerate(runs):
+            axes.barh(row, run.end - run.start, 0.5, left=run.start, color=RULE.light,
+                      edgecolor="none")  # fmt: skip
+            for cause, found in run.stretches.items():
+                axes.broken_barh(
+                    [(start, max(end - start, least)) for start, end in found],
+                    (row - 0.25, 0.5), facecolors=colours[cause], edgecolor="none",
+                )  # fmt: skip
+        axes.set_xlim(low, high)
+        axes.set_ylim(len(runs) - 0.4, -0.6)
+        axes.set_yticks(range(len(runs)), [readable(run.label) for run in runs])
+        axes.tick_params(axis="y", length=0.0, labelcolor=INK.light)
+        axes.set_xlabel("time since the run's start (s)")
+        told = "; ".join(
+            f"{run.label}: "
+            + (", ".join(f"{cause} {len(found)} times" for cause, found in run.stretches.items())
+               or "nothing")
+            for run in runs
+        )  # fmt: skip
+        return page.svg(f"When samples were left out. {told}.")

@@ -1,0 +1,131 @@
+"""What the data could tell, as a person reads it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core.report import samples
+from shoecal_core.calibration.checks import Finding
+from shoecal_core.calibration.pipeline import Outcome
+from shoecal_core.calibration.screening.faults import Fault
+from shoecal_core.calibration.screening.result import LeftOut, Screening
+from shoecal_core.recording.session import Session
+from shoecal_core.report.assessment_content import Told
+from shoecal_core.report.assessment_figures import rms
+from shoecal_core.report.assessment_section import assessment_section, expected_keys
+from shoecal_core.report.calibration_content import CalibrationReport
+from shoecal_core.report.calibration_tables import channels_table
+from shoecal_core.report.page import Group, Section
+from shoecal_core.report.quantities import size
+from shoecal_core.report.session_report import session_content
+
+
+@pytest.fixture(scope="module")
+def swaying(session: Session, outcome: Outcome) -> CalibrationReport:
+    """Two training runs with joint angles, so tolerances are carried."""
+    return session_content(session, outcome)
+
+
+def told_of(content: CalibrationReport) -> Told:
+    assert content.told is not None
+    return content.told
+
+
+def words(section: Section) -> str:
+    """All texts of a section."""
+    return " ".join([section.text, *(_words(group) for group in section.groups)])
+
+
+def _words(group: Group) -> str:
+    parts = [group.title, group.text]
+    for picture in group.pictures:
+        parts += [picture.title, picture.caption]
+    for table in group.tables:
+        parts += [table.title, *table.header, table.note, *(" ".join(row) for row in table.rows)]
+    return " ".join(parts)
+
+
+def test_expected_errors_are_told(swaying: CalibrationReport) -> None:
+    told = told_of(swaying)
+    told_words = words(assessment_section(swaying, told))
+    found = told.assessment
+    for spread in (found.both, *found.feet):
+        assert size(1e3 * rms(spread.cop_length), "mm") in told_words
+        assert size(rms(spread.grf), "N") in told_words
+    values = [key.value for key in expected_keys(told)]
+    assert values[0] == size(1e3 * rms(found.both.cop_length), "mm")
+    assert "expected CoP error, left foot" in [key.label for key in expected_keys(told)]
+
+
+def test_causes_and_cures_are_named(swaying: CalibrationReport) -> None:
+    told = told_of(swaying)
+    assert told.carried
+    told_words = words(assessment_section(swaying, told))
+    assert ("What would help" in told_words) == (not told.sources.mostly_open)
+    for cause in told.sources.causes:
+        assert told.sources.mostly_open or cause.name in told_words
+
+
+def test_where_tolerances_are_not_carried_it_is_said(content: CalibrationReport) -> None:
+    told = told_of(content)
+    assert not told.carried
+    told_words = words(assessment_section(content, told))
+    assert "the true errors are larger" in told_words
+    assert "What would help" not in told_words
+    assert "expected CoP error" not in told_words
+    assert all("by noise alone" in key.label for key in expected_keys(told))
+
+
+def test_what_was_left_open_and_what_to_add(content: CalibrationReport) -> None:
+    """One training run alone leaves much open."""
+    told = told_of(content)
+    found = told.assessment
+    assert found.told.weak
+    told_words = words(assessment_section(content, told))
+    for weak in found.told.weak:
+        assert weak.words in told_words
+    assert found.additions[0].words in told_words
+    assert f"{found.told.rank} of {told.possible} directions" in told_words
+
+
+def test_where_nothing_is_left_open(content: CalibrationReport) -> None:
+    told = told_of(content)
+    found = told.assessment
+    whole = replace(found, told=replace(found.told, weak=()), additions=())
+    told_words = words(assessment_section(content, replace(told, assessment=whole)))
+    assert "fixed every direction" in told_words
+    assert "Left open by the data" not in told_words
+    assert "Double support to add" not in told_words
+
+
+def test_samples_left_out_are_counted_and_named(content: CalibrationReport) -> None:
+    screening = Screening(
+        findings=(Finding("WARN", "left/a gave spikes", Fault.SPIKE),),
+        left_out=(
+            LeftOut(1, Fault.SPIKE, 3, 0.0075, ((1.0, 1.0), (2.0, 2.1)), ("left/a",)),
+            LeftOut(4, Fault.TOO_LITTLE, 400, 1.0, ((0.0, 9.0),)),
+        ),
+        samples={1: 400, 2: 400, 4: 400},
+        kept={4: np.zeros(400, dtype=bool)},
+    )
+    told = replace(told_of(content), screening=screening)
+    told_words = words(assessment_section(content, told))
+    assert "403 of 1200 samples do not count (33.6 %)" in told_words
+    assert "run 1 400 3 (0.8 %)" in told_words
+    assert "run 4 (all of it)" in told_words
+    assert "spike WARN left/a gave spikes" in told_words
+    assert "Samples left out, in time" in told_words
+    clean = replace(told, screening=Screening(samples={1: 400}))
+    assert "Nothing: all 400 samples count" in words(assessment_section(content, clean))
+
+
+def test_offsets_that_look_uncertain_are_explained(text: str, swaying: CalibrationReport) -> None:
+    assert "such as + − − + over four cells" in text
+    three = samples.content(samples.shoe_of(3), runs=1)
+    assert "such as + − − +" not in channels_table(three).note
+    np.testing.assert_array_equal(
+        swaying.half_widths, told_of(swaying).assessment.interval()[: len(swaying.half_widths)]
+    )
