@@ -103,7 +103,7 @@ class Candidates:
 def design(
     candidates: Candidates, count: int, trained: int, generator: np.random.Generator
 ) -> list[DoubleSupport]:
-    """The best `count` of the candidates that exchanges find.
+    """The best `count` of the candidates that exchanges find, in the candidates' order.
 
     Args:
         candidates: to choose from, at least `count`.
@@ -117,7 +117,7 @@ def design(
         for _ in range(_RESTARTS)
     ]
     best = max((_exchanged(candidates, start, judged) for start in starts), key=lambda one: one[0])
-    return [candidates.supports[index] for index in best[1]]
+    return [candidates.supports[index] for index in sorted(best[1])]
 
 
 def _exchanged(candidates: Candidates, members: list[int], trained: int) -> tuple[float, list[int]]:
