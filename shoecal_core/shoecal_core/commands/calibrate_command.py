@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
 from rich.console import Console
 
 from shoecal_core.calibration.calibration import save_calibration
+from shoecal_core.calibration.initial_guess import InitialGuess
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.arguments import add_sets, require_folder
+from shoecal_core.commands.assessment_table import expected_table, trust_lines
 from shoecal_core.commands.screening_table import screening_table
 from shoecal_core.commands.tables import errors_table, stages_rows
 from shoecal_core.errors import ShoecalError
@@ -48,16 +51,19 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     outcome = calibrate_session(session, args.train, args.test, settings)
     console.print(errors_table("Measured against modelled", stages_rows(outcome.modelled)))
     _print_channels(outcome, console)
-    if outcome.screening.left_out:
-        console.print(screening_table(outcome.screening))
+    _print_trust(outcome, console)
     calibration = outcome.calibration
     if calibration.verdict != "FAIL":
         save_calibration(calibration, args.out)
     if args.report is not None:
-        write_session_report(args.report, session, outcome)
+        write_session_report(args.report, session, outcome, settings=settings)
     if calibration.verdict == "FAIL":
         raise CalibrationFailedError(f"no calibration written: {'; '.join(calibration.reasons)}")
-    console.print(f"{calibration.verdict}: {'; '.join(calibration.reasons)}")
+    for reason in calibration.reasons:
+        told = reason.startswith(("WARN: ", "FAIL: "))
+        console.print(
+            reason if told else f"{calibration.verdict}: {reason}", markup=False, soft_wrap=True
+        )
     console.print(f"{args.out}")
     return to_json(outcome)
 
@@ -84,23 +90,36 @@ def to_json(outcome: Outcome) -> dict[str, object]:
                 strict=True,
             )
         },
+        "assessment": outcome.assessment.to_json(outcome.data.shoe),
         "screening": outcome.screening.to_json(),
         "time_offset_s": calibration.time_offset,
         "initial_guess": {
-            "cop_rows": {
-                "gain": outcome.stages.guess.gain,
-                "offset_n": outcome.stages.guess.offset,
-            },
-            "cop_and_weight_rows": {
-                "gain": outcome.stages.guess_with_weight.gain,
-                "offset_n": outcome.stages.guess_with_weight.offset,
-            },
+            "cop_rows": _guess(outcome.stages.guess),
+            "cop_and_weight_rows": _guess(outcome.stages.guess_with_weight),
         },
         "rank": fit.rank,
         "singular_values": fit.singular_values.tolist(),
         "cost": fit.cost,
         "gradient_norm": fit.gradient_norm,
     }
+
+
+def _guess(guess: InitialGuess) -> dict[str, float | None]:
+    """Its common gain and offset; null where each channel has its own."""
+    return {
+        name: value if math.isfinite(value) else None
+        for name, value in (("gain", guess.gain), ("offset_n", guess.offset))
+    }
+
+
+def _print_trust(outcome: Outcome, console: Console) -> None:
+    console.print()
+    console.print(expected_table(outcome.assessment))
+    for line in trust_lines(outcome.assessment, outcome.screening):
+        console.print(f"  {line}", markup=False)
+    if outcome.screening.left_out and outcome.screening.findings:
+        console.print()
+        console.print(screening_table(outcome.screening))
 
 
 def _print_channels(outcome: Outcome, console: Console) -> None:

@@ -40,6 +40,38 @@ def test_a_session_is_found_fit_for_use(shoecal: Run, simulated: Path) -> None:
     assert "fit for use" in out
 
 
+def test_how_far_it_can_be_trusted(shoecal: Run, simulated: Path, tmp_path: Path) -> None:
+    figures = tmp_path / "figures.json"
+    code, out, error = shoecal(
+        "calibrate", simulated, "--train", "1,2", "--test", "3",
+        "--out", tmp_path / "c.yaml", "--json", figures,
+    )  # fmt: skip
+    assert code == 0, error
+    found = json.loads(figures.read_text())
+    told = found["assessment"]
+    for foot, label in (("both", "both feet"), ("left", "left foot"), ("right", "right foot")):
+        expected = told["expected_error"][foot]
+        (line,) = [line.split() for line in out.splitlines() if line.strip().startswith(label)]
+        assert line[2:] == [
+            f"{expected['grf_std_n']:.2f}",
+            f"{expected['cop_std_mm']:.1f}",
+            f"{expected['cop_worst_mm']:.1f}",
+        ]
+    assert f"the data fixed {told['rank']} of {told['possible_rank']} directions" in out
+    for words in told["weak_directions"]:
+        assert f"left open: {words}" in out
+    lost = sum(one["samples"] for one in found["screening"]["left_out"])
+    assert (
+        f"left out before the fit: {lost} of {sum(found['screening']['samples'].values())}" in out
+    )
+    # The verdict's reasons come last, each in a line of its own, and say their level once.
+    last = out.splitlines()[-1 - len(found["reasons"]) : -1]
+    assert last == [
+        reason if ": " in reason[:6] else f"{found['verdict']}: {reason}"
+        for reason in found["reasons"]
+    ]
+
+
 def test_held_out_errors_against_the_truth(
     shoecal: Run, simulated: Path, calibrated: Path, tmp_path: Path
 ) -> None:

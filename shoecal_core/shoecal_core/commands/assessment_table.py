@@ -1,0 +1,60 @@
+"""How far a calibration can be trusted, for a terminal."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.table import Table
+
+from shoecal_core.calibration.assessment import Assessment
+from shoecal_core.calibration.screening.result import Screening
+from shoecal_core.commands.forecast_lines import weak_lines
+from shoecal_core.commands.tables import new_table
+from shoecal_core.sensing.shoe import FEET
+
+FloatArray = NDArray[np.float64]
+
+
+def expected_table(assessment: Assessment) -> Table:
+    """Expected errors of GRF and CoP: one standard deviation over the sensing polygons."""
+    carried = bool(assessment.uncertainty.causes)
+    table = new_table("Expected errors" if carried else "Errors by noise alone")
+    table.add_column("", no_wrap=True)
+    for name in ("GRF (N)", "CoP (mm)", "at worst (mm)"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for label, spread in zip(
+        ("both feet", *(f"{side} foot" for side in FEET)),
+        (assessment.both, *assessment.feet),
+        strict=True,
+    ):
+        lengths = 1e3 * spread.cop_length[np.isfinite(spread.cop_length)]
+        table.add_row(
+            label,
+            f"{_rms(spread.grf):.2f}",
+            f"{_rms(lengths):.1f}" if len(lengths) else "-",
+            f"{lengths.max():.1f}" if len(lengths) else "-",
+        )
+    return table
+
+
+def trust_lines(assessment: Assessment, screening: Screening) -> list[str]:
+    """What was fixed, what stays open, what was left out."""
+    told = assessment.told
+    lines = []
+    if not assessment.uncertainty.causes:
+        lines.append("the model's own errors come on top: for walking they are not known")
+    possible = max(told.possible, told.rank)
+    lines += [f"the data fixed {told.rank} of {possible} directions", *weak_lines(told)]
+    count = sum(screening.samples.values())
+    lost = sum(one.samples for one in screening.left_out)
+    if lost:
+        causes = dict.fromkeys(one.fault.value.replace("_", " ") for one in screening.left_out)
+        lines.append(
+            f"left out before the fit: {lost} of {count} samples ({lost / count:.1%}): "
+            + ", ".join(causes)
+        )
+    return lines
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))
