@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
@@ -14,7 +14,14 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
-from shoecal_core.calibration.manual.calibrate import calibrate_cells, calibrate_shoe
+from shoecal_core.calibration.manual.calibrate import (
+    CellsCalibration,
+    FootResult,
+    ManualCalibration,
+    calibrate_cells,
+    calibrate_shoe,
+)
+from shoecal_core.calibration.manual.cells import CellFit
 from shoecal_core.calibration.manual.guide import Check, Guide
 from shoecal_core.calibration.manual.live_checks import cell_check, shoe_check
 from shoecal_core.calibration.manual.loads import CELLS, SHOE, Load, planned_loads
@@ -34,6 +41,8 @@ from shoecal_core.commands.simulated_manual import simulate_manual
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
+from shoecal_core.report.manual_content import ManualReport
+from shoecal_core.report.manual_report import manual_report
 from shoecal_core.sensing.shoe import FEET, Shoe, load_shoe
 from shoecal_core.sensing.wrench import foot_wrenches
 from shoecal_core.simulation.reality_file import load_reality
@@ -44,6 +53,8 @@ FloatArray = NDArray[np.float64]
 CELLS_DATA, SHOE_DATA = "cells_data.yaml", "shoe_data.yaml"
 CELLS_FILE, CALIBRATION_FILE = "cells.yaml", "calibration.yaml"
 """Files of a folder that `simulate` makes; CELLS_FILE is also looked for beside the data."""
+
+SIMULATED = "Shoes, weights and the bench are simulated."
 
 
 class CalibrationFailedError(ShoecalError):
@@ -103,6 +114,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         task.add_argument(
             "--settings", type=Path, help="weights and samples (default: manual.yaml)"
         )
+        task.add_argument("--report", type=Path, help="also write an HTML report")
         # As `shoecal manual` itself has it; what stands there must not be undone here.
         task.add_argument(
             "--json",
@@ -122,18 +134,24 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         load_robot(args.robot or config / "robots" / "nao.yaml", shoe),
         load_manual_settings(args.settings or config / "manual.yaml"),
     )
-    if args.json is not None:
-        require_folder(args.json)
+    for path in filter(None, (args.json, args.report)):
+        require_folder(path)
     if args.task == "simulate":
         return _simulate(args, bench, console)
     require_folder(args.out)
     if args.task == CELLS:
         cells = _measured(args, bench, console, cell_check, partial(_shown_cell, shoe))
-        return _solve_cells(bench, cells, args.out, console)
+        result = _solve_cells(bench, cells, console)
+        _report(args.report, bench, result.calibration, result.cells, (), ())
+        _write(result.calibration, args.out, console)
+        return cells_to_json(result)
     first = _first_step(args)
     first.sensing(shoe)
     loads = _measured(args, bench, console, shoe_check(first), partial(_shown_force, shoe, first))
-    return _solve_shoe(bench, first, loads, args.out, console)
+    found = _solve_shoe(bench, first, loads, (), console)
+    _report(args.report, bench, found.calibration, (), found.feet, ())
+    _write(found.calibration, args.out, console)
+    return manual_to_json(found)
 
 
 def _measured(
@@ -189,28 +207,46 @@ def _simulate(args: argparse.Namespace, bench: _Bench, console: Console) -> Mapp
         raise FileError(folder, f"cannot be made ({error.strerror})") from error
     save_measurements(cells, folder / CELLS_DATA)
     save_measurements(loads, folder / SHOE_DATA)
-    _solve_cells(bench, cells, folder / CELLS_FILE, console)
-    first = load_calibration(folder / CELLS_FILE)
-    figures = _solve_shoe(bench, first, loads, folder / CALIBRATION_FILE, console)
-    return {**figures, "seed": args.seed, "robot_seed": robot_seed}
+    first = _solve_cells(bench, cells, console)
+    _write(first.calibration, folder / CELLS_FILE, console)
+    saved = load_calibration(folder / CELLS_FILE)
+    found = _solve_shoe(bench, saved, loads, first.cells, console)
+    _report(args.report, bench, found.calibration, found.cells, found.feet, (SIMULATED,))
+    _write(found.calibration, folder / CALIBRATION_FILE, console)
+    return {**manual_to_json(found), "seed": args.seed, "robot_seed": robot_seed}
 
 
-def _solve_cells(
-    bench: _Bench, cells: Measurements, out: Path, console: Console
-) -> Mapping[str, object]:
+def _solve_cells(bench: _Bench, cells: Measurements, console: Console) -> CellsCalibration:
     result = calibrate_cells(bench.shoe, bench.robot, cells)
     console.print(cells_table(result, bench.shoe.unit))
-    _write(result.calibration, out, console)
-    return cells_to_json(result)
+    return result
 
 
 def _solve_shoe(
-    bench: _Bench, first: Calibration, loads: Measurements, out: Path, console: Console
-) -> Mapping[str, object]:
-    result = calibrate_shoe(bench.shoe, bench.robot, first, loads, planned=bench.planned)
+    bench: _Bench,
+    first: Calibration,
+    loads: Measurements,
+    fits: tuple[CellFit, ...],
+    console: Console,
+) -> ManualCalibration:
+    result = calibrate_shoe(bench.shoe, bench.robot, first, loads, fits=fits, planned=bench.planned)
     console.print(manual_table(result))
-    _write(result.calibration, out, console)
-    return manual_to_json(result)
+    return result
+
+
+def _report(
+    path: Path | None,
+    bench: _Bench,
+    calibration: Calibration,
+    cells: Sequence[CellFit],
+    feet: Sequence[FootResult],
+    provenance: tuple[str, ...],
+) -> None:
+    """Write it where one is asked for; of a calibration that must not be used, too."""
+    if path is not None:
+        manual_report(
+            path, ManualReport(bench.robot, bench.shoe, calibration, cells, feet, provenance)
+        )
 
 
 def _write(calibration: Calibration, out: Path, console: Console) -> None:

@@ -21,9 +21,9 @@ from shoecal_core.report.calibration_figures import (
     set_name,
 )
 from shoecal_core.report.calibration_tables import (
+    belongs_to,
     channels_table,
     errors_table,
-    origin_table,
     runs_table,
     stages_table,
     support_text,
@@ -79,13 +79,18 @@ def verdict_of(calibration: Calibration) -> Verdict:
 def subtitle(content: CalibrationReport) -> str:
     """How, when and from how much."""
     calibration = content.calibration
-    parts = [SOURCES.get(calibration.source, calibration.source)]
-    if calibration.made_ns >= EPOCH_NS:
-        made = datetime.fromtimestamp(calibration.made_ns // 10**9, UTC)
-        parts.append(made.strftime("%Y-%m-%d %H:%M UTC"))
+    parts = [SOURCES.get(calibration.source, calibration.source), *made(calibration)]
     train = sum(not run.test for run in content.runs)
     parts.append(f"training runs: {train}, test runs: {len(content.runs) - train}")
     return " · ".join(parts)
+
+
+def made(calibration: Calibration) -> list[str]:
+    """When it was made; nothing where its clock names no day."""
+    if calibration.made_ns < EPOCH_NS:
+        return []
+    moment = datetime.fromtimestamp(calibration.made_ns // 10**9, UTC)
+    return [moment.strftime("%Y-%m-%d %H:%M UTC")]
 
 
 def _reason(text: str, verdict: str) -> Reason:
@@ -115,7 +120,7 @@ def _key_figures(content: CalibrationReport) -> tuple[KeyFigure, ...]:
                       "directions of gains and offsets"),
             KeyFigure("joints late by", late, "against the readings; 95 % interval"),
         ]  # fmt: skip
-    weight = uncertain(content.calibration.weight, weight_std(content), "N")
+    weight = uncertain(content.calibration.weight, weight_std(content.robot), "N")
     keys.append(KeyFigure("weight it rests on", weight, "robot and shoes, ± standard uncertainty"))
     return tuple(keys)
 
@@ -187,7 +192,7 @@ def _details(content: CalibrationReport) -> Section:
     tables = [runs_table(content)]
     if content.stages is not None:
         tables.append(stages_table(content, content.stages))
-    tables.append(origin_table(content))
+    tables.append(belongs_to(content.calibration, content.robot))
     if content.timing:
         tables.append(timing_table(content))
     return Section("Details", (Group(tables=tuple(tables)),))

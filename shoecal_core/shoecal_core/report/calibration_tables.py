@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 
+from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.fit import SelfCalibration
 from shoecal_core.calibration.metrics import Mae
+from shoecal_core.model.robot import Robot
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport, channel_units
 from shoecal_core.report.calibration_figures import set_name
 from shoecal_core.report.page import Table
@@ -155,22 +157,20 @@ def timing_table(content: CalibrationReport) -> Table:
     return Table("Time taken", ("stage", "time"), rows)
 
 
-def origin_table(content: CalibrationReport) -> Table:
+def belongs_to(calibration: Calibration, robot: Robot) -> Table:
     """Which calibration of what this is."""
-    calibration, robot = content.calibration, content.robot
     rows = (
         ("calibration", calibration.id),
         ("robot", f"{robot.name}, file {_short(calibration.robot_hash)}"),
         ("shoe", f"{calibration.shoe}, file {_short(calibration.shoe_hash)}"),
-        ("weight of robot and shoes", uncertain(calibration.weight, weight_std(content), "N")),
+        ("weight of robot and shoes", uncertain(calibration.weight, weight_std(robot), "N")),
         ("temperature", quantity(calibration.temperature, "°C", 1)),
     )
     return Table("What it belongs to", ("", ""), rows)
 
 
-def weight_std(content: CalibrationReport) -> float:
+def weight_std(robot: Robot) -> float:
     """Standard uncertainty of the weight [N]."""
-    robot = content.robot
     return robot.mass_std * robot.weight / robot.mass
 
 

@@ -25,8 +25,9 @@ def simulated_bench(shoecal: Run, folder: Path) -> Path:
     """A simulated bench's files, made once."""
     if not (folder / "calibration.yaml").exists():
         code, out, error = shoecal(
-            "manual", "simulate", "--seed", 3, "--out", folder, "--json", folder / "figures.json"
-        )
+            "manual", "simulate", "--seed", 3, "--out", folder, "--json", folder / "figures.json",
+            "--report", folder / "report.html",
+        )  # fmt: skip
         assert code == 0, error
         assert "PASS: every check passed" in out
     return folder
@@ -41,6 +42,7 @@ def test_the_bench_leaves_readings_and_both_calibrations(simulated_bench: Path) 
         assert foot["grf_mae_n"] < 0.03
         assert 3.0 < foot["cop_before_mm"] < 5.0
         assert foot["cop_after_mm"] < foot["cop_held_out_mm"] < 1.0
+    assert "the bench are simulated" in (simulated_bench / "report.html").read_text()
     assert load_calibration(simulated_bench / "cells.yaml").corrections == ()
     final = load_calibration(simulated_bench / "calibration.yaml")
     assert (final.source, final.verdict) == ("manual", "PASS")
@@ -52,9 +54,10 @@ def test_solving_the_files_again_gives_the_same(
     cells, out = tmp_path / "cells.yaml", tmp_path / "calibration.yaml"
     code, told, error = shoecal(
         "manual", "cells", simulated_bench / "cells_data.yaml", "--out", cells,
-        "--json", tmp_path / "cells.json",
+        "--json", tmp_path / "cells.json", "--report", tmp_path / "cells.html",
     )  # fmt: skip
     assert code == 0, error
+    assert "first step of two" in (tmp_path / "cells.html").read_text()
     assert "WARN: single cells only" in told
     assert cells.read_bytes() == (simulated_bench / "cells.yaml").read_bytes()
     figures = json.loads((tmp_path / "cells.json").read_text())
@@ -62,10 +65,12 @@ def test_solving_the_files_again_gives_the_same(
     # Without --cells it is looked for beside the data.
     for words in ((), ("--cells", cells)):
         code, _, error = shoecal(
-            "manual", "shoe", simulated_bench / "shoe_data.yaml", "--out", out, *words
-        )
+            "manual", "shoe", simulated_bench / "shoe_data.yaml", "--out", out,
+            "--report", tmp_path / "shoe.html", *words
+        )  # fmt: skip
         assert code == 0, error
         assert out.read_bytes() == (simulated_bench / "calibration.yaml").read_bytes()
+        assert "Errors under known weights" in (tmp_path / "shoe.html").read_text()
 
 
 def test_the_cells_are_those_of_the_sessions_robot(shoecal: Run, tmp_path: Path) -> None:

@@ -35,8 +35,14 @@ class Column:
     start: FloatArray
 
 
-def intervals(names: Sequence[str], columns: Sequence[Column]) -> str:
-    """One row a channel, one panel a quantity: estimate, 95 % interval, initial guess."""
+def intervals(names: Sequence[str], columns: Sequence[Column], start: str = "initial guess") -> str:
+    """One row a channel, one panel a quantity: estimate, 95 % interval, what it started from.
+
+    Args:
+        names: of the channels.
+        columns: one a panel.
+        start: what the estimates started from, in the legend.
+    """
     labels = [readable(name, 24) for name in names]
     left = 14.0 + 5.6 * max(map(len, labels))
     gap = 14.0
@@ -44,10 +50,10 @@ def intervals(names: Sequence[str], columns: Sequence[Column]) -> str:
     height = ROW * len(names)
     rows = np.arange(len(names))
     with canvas(TOP + height + BOTTOM) as page:
-        page.legend(_keys(columns))
+        page.legend(_keys(columns, start))
         for index, column in enumerate(columns):
-            start = left + index * (width + gap)
-            axes = page.panel(TOP, height, left=start, right=start + width)
+            edge = left + index * (width + gap)
+            axes = page.panel(TOP, height, left=edge, right=edge + width)
             axes.plot(column.start, rows, "|", color=GUESS.colour.light, markersize=9.0,
                       markeredgewidth=1.6)  # fmt: skip
             axes.errorbar(column.value, rows, xerr=np.nan_to_num(column.half_width), fmt="o",
@@ -67,7 +73,7 @@ def intervals(names: Sequence[str], columns: Sequence[Column]) -> str:
         return page.svg(f"Estimates with 95 % intervals. {told}.")
 
 
-def _keys(columns: Sequence[Column]) -> list[Line2D]:
+def _keys(columns: Sequence[Column], start: str) -> list[Line2D]:
     keys = [
         Line2D([], [], color=MEASURED.colour.light, marker="o", markersize=4.5, linewidth=1.5,
                label="estimate, 95 % interval")
@@ -75,6 +81,6 @@ def _keys(columns: Sequence[Column]) -> list[Line2D]:
     if any(np.isfinite(column.start).any() for column in columns):
         keys.append(
             Line2D([], [], linestyle="", color=GUESS.colour.light, marker="|", markersize=9.0,
-                   markeredgewidth=1.6, label="initial guess")
+                   markeredgewidth=1.6, label=start)
         )  # fmt: skip
     return keys
