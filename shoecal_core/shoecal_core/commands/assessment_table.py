@@ -18,7 +18,7 @@ FloatArray = NDArray[np.float64]
 def expected_table(assessment: Assessment) -> Table:
     """Expected errors of GRF and CoP: one standard deviation over the sensing polygons."""
     carried = bool(assessment.uncertainty.causes)
-    table = new_table("Expected errors" if carried else "Errors by noise alone")
+    table = new_table("Expected errors" if carried else "Known part of the errors")
     table.add_column("", no_wrap=True)
     for name in ("GRF (N)", "CoP (mm)", "at worst (mm)"):
         table.add_column(name, justify="right", no_wrap=True)

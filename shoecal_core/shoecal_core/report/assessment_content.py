@@ -41,7 +41,7 @@ class Told:
     @property
     def error_name(self) -> str:
         """What the expected error of the CoP may be called."""
-        return "expected CoP error" if self.carried else "CoP error by noise alone"
+        return "expected CoP error" if self.carried else "known part of the CoP error"
 
     @property
     def possible(self) -> int:

@@ -18,8 +18,6 @@ from shoecal_core.report.page import Picture
 from shoecal_core.report.quantities import number, size
 from shoecal_core.sensing.shoe import FEET
 
-PARTS = ("noise", "tolerances", "left open")
-
 
 def rms(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
     """Root mean square of what is known."""
@@ -77,21 +75,16 @@ def _summary(spread: Spread) -> str:
 def source_pictures(told: Told) -> tuple[Picture, ...]:
     """Kinds of causes of expected errors, and the largest by name."""
     sources = told.sources
+    kinds = {"noise": sources.noise, "left open": sources.prior}
+    explained = "Noise: what passes within seconds. Left open: what no run of these fixed."
+    if told.carried:
+        kinds["tolerances"] = sources.model
+        explained += " Tolerances: what the files of robot and shoes may be wrong by."
     wholes = [
-        Whole(label, tuple(1e3 * float(part[index]) for part in parts))
+        Whole(label, tuple(1e3 * float(part[index]) for part in kinds.values()))
         for index, label in enumerate(("both feet", *(f"{side} foot" for side in FEET)))
-        for parts in [(sources.noise, sources.model, sources.prior)]
     ]
-    explained = (
-        "Noise: what passes within seconds. Tolerances: what the files of robot and shoes may be "
-        "wrong by. Left open: what no run of these fixed."
-    )
-    if not told.carried:
-        explained = (
-            "Noise: what passes within seconds. Left open: what no run of these fixed. "
-            "Tolerances of robot and shoes are not counted here."
-        )
-    pictures = [Picture("Where it comes from", shares(PARTS, wholes, "mm"), explained)]
+    pictures = [Picture("Where it comes from", shares(tuple(kinds), wholes, "mm"), explained)]
     if sources.causes:
         pictures.append(
             Picture(

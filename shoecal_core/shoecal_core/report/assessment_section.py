@@ -24,11 +24,6 @@ from shoecal_core.report.page import Group, KeyFigure, Section, Table
 from shoecal_core.report.quantities import uncertain
 from shoecal_core.sensing.shoe import FEET
 
-UNCOUNTED = (
-    "For these runs (walking, or without joint angles) the model's own errors are not carried: "
-    "the true errors are larger than what is told here, by how much is not known."
-)
-
 
 def assessment_section(content: CalibrationReport, told: Told) -> Section:
     """Expected errors, their causes, what was fixed, what was left out."""
@@ -38,7 +33,11 @@ def assessment_section(content: CalibrationReport, told: Told) -> Section:
         "what the data left open."
     )
     if not told.carried:
-        text += f" {UNCOUNTED}"
+        text = (
+            "What the noise of this recording makes of GRF and CoP, and what the data left open. "
+            "For these runs (walking, or without joint angles) the model's own errors are not "
+            "carried: the true errors are larger than what is told here, by how much is not known."
+        )
     return Section(
         "What the data could tell",
         (_expected(content, told), _fixed(content, told), _left_out(content, told)),
@@ -67,12 +66,13 @@ def time_offset_text(told: Told, time_offset: float) -> str:
 def _expected(content: CalibrationReport, told: Told) -> Group:
     text = ""
     if told.sources.mostly_open:
-        text = (
-            "Most of what a single foot may be off comes from what the data left open: a further "
-            "double support helps most, see below."
+        text = "Most of what a single foot may be off comes from what the data left open: " + (
+            "the double support below helps most."
+            if told.assessment.additions
+            else "loading each cell by itself would tell, see manual calibration."
         )
     return Group(
-        title="Expected error",
+        title="Expected error" if told.carried else "Known part of the error",
         pictures=(*error_pictures(content, told), *source_pictures(told)),
         text=text,
         tables=_known(expected_table(told), helps_table(told)),
@@ -87,7 +87,7 @@ def _fixed(content: CalibrationReport, told: Told) -> Group:
             "expected errors above hold it."
         )
     else:
-        text = "The data fixed every direction of gains and offsets that GRF and CoP depend on."
+        text = "The data fixed every direction of gains and offsets that double supports can fix."
     return Group(
         title="What was fixed",
         text=text,

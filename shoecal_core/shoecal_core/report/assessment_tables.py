@@ -43,8 +43,8 @@ def expected_table(told: Told) -> Table:
             )
         )
     return Table(
-        "Expected errors",
-        ("", "GRF", "CoP", "CoP along x", "CoP along y", "CoP at its worst place"),
+        "Expected errors" if told.carried else "Known part of the errors",
+        ("", "GRF", "CoP", "CoP along x", "CoP along y", "CoP, worst place"),
         tuple(rows),
         "One standard deviation; root mean square over the sensing polygons. Both feet: in the "
         "neutral double support, CoP anywhere between them. One foot: under half the weight.",

@@ -46,4 +46,4 @@ def test_samples_left_out_in_time() -> None:
     root = read_svg(left_out_in_time(runs))
     assert {"counts", "spike", "jolted", "run 2"} <= set(root.itertext())
     label = root.attrib["aria-label"]
-    assert "run 1: spike 2 times, jolted 1 times; run 2: nothing" in label
+    assert "run 1: spike 2 ×, jolted 1 ×; run 2: nothing" in label

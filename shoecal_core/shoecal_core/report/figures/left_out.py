@@ -70,7 +70,7 @@ def left_out_in_time(runs: Sequence[RunSpan]) -> str:
         axes.set_xlabel("time since the run's start (s)")
         told = "; ".join(
             f"{run.label}: "
-            + (", ".join(f"{cause} {len(found)} times" for cause, found in run.stretches.items())
+            + (", ".join(f"{cause} {len(found)} ×" for cause, found in run.stretches.items())
                or "nothing")
             for run in runs
         )  # fmt: skip

@@ -12,7 +12,7 @@ from shoecal_core.report.palette import BLUE, INK, MUTED, RED, TEAL, Colour
 from shoecal_core.report.svg import SMALL, WIDTH, canvas, readable
 
 ROW, TOP, BOTTOM, NUMBERS = 24.0, 24.0, 34.0, 62.0
-PART_COLOURS: tuple[Colour, ...] = (TEAL, RED, BLUE)
+PART_COLOURS: tuple[Colour, ...] = (TEAL, BLUE, RED)
 
 
 @dataclass(frozen=True)
