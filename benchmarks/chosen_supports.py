@@ -22,10 +22,9 @@ from pathlib import Path
 import numpy as np
 
 from chosen_supports_page import page_body, summarise
-from chosen_supports_results import Examination, Result, examine
+from chosen_supports_results import Examination, Floor, Result, examine
 from pages import write_trust
 from population import ROOT, different_robots, make_session, nao, sessions
-from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.feasible import Feasible
 from shoecal_core.planning.settings import CHOICES, PlannerSettings
@@ -81,20 +80,21 @@ def make(trial: Trial) -> Trial:
     return trial
 
 
-def measured(seeds: int, out: Path) -> tuple[list[Result], list[Errors]]:
-    """Results of all trials, and each robot's errors under its true gains and offsets."""
-    results, floor = [], []
+def measured(seeds: int, out: Path) -> tuple[list[Result], Floor]:
+    """Results of all trials, and what no choice can change."""
+    results, floor, sharing = [], [], []
     everything = list(trials(seeds, out))
     for member, session in sessions(different_robots(seeds)):
         examination = Examination.of(member.robot_seed, session)
         floor.append(examination.errors(Sensing(nao()[1], examination.true)))
+        sharing.append(examination.sharing())
         results += [
             examine(Session.open(trial.folder), trial.way, examination)
             for trial in everything
             if trial.seed == member.seed
         ]
         print(f"robot {member.seed}: {len(results)} of {len(everything)} measured", flush=True)
-    return results, floor
+    return results, Floor(tuple(floor), np.array(sharing))
 
 
 def main() -> None:

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import spearmanr, wilcoxon
 
-from chosen_supports_results import Result
+from chosen_supports_results import Floor, Result
 from pages import table
-from shoecal_core.calibration.evaluate import Errors
+from population import nao
 
 FloatArray = NDArray[np.float64]
 
@@ -69,6 +69,12 @@ same reckoning, and what came out (medians over robots). The promise holds error
 independent every two seconds; it knows nothing of cells that are not where the shoe's file says.
 
 {promises}
+
+The promise takes the outputs of the cells as those of a rigid body on equal springs, give or take
+what the feet share otherwise (`uneven_share`). Against the true outputs, root mean square over all
+runs of these robots:
+
+{sharing}
 """
 
 
@@ -121,6 +127,7 @@ class Summary:
         paired: by base, way and measure.
         promises: by measure.
         true_cop_mm, true_foot_cop_mm: mean errors under the true gains and offsets.
+        sharing_n: by channel, see `Examination.sharing`.
     """
 
     robots: int
@@ -130,14 +137,15 @@ class Summary:
     promises: dict[str, Promise]
     true_cop_mm: float
     true_foot_cop_mm: float
+    sharing_n: dict[str, tuple[float, float, float]]
 
 
-def summarise(results: Sequence[Result], floor: Sequence[Errors], ways: Sequence[str]) -> Summary:
+def summarise(results: Sequence[Result], floor: Floor, ways: Sequence[str]) -> Summary:
     """Figures of all trials.
 
     Args:
         results: of every robot in every way.
-        floor: errors under each robot's true gains and offsets.
+        floor: of the robots.
         ways: their names.
     """
 
@@ -153,7 +161,7 @@ def summarise(results: Sequence[Result], floor: Sequence[Errors], ways: Sequence
 
     possible = max(one.rank for one in results)
     return Summary(
-        robots=len(floor),
+        robots=len(floor.errors),
         ways={
             way: {
                 name: Figures(
@@ -183,9 +191,18 @@ def summarise(results: Sequence[Result], floor: Sequence[Errors], ways: Sequence
             )
             for name, (promised, stated) in PROMISES.items()
         },
-        true_cop_mm=float(np.mean([1e3 * one.cop.mean for one in floor])),
-        true_foot_cop_mm=float(np.mean([1e3 * f.mean for one in floor for f in one.foot_cop])),
+        true_cop_mm=float(np.mean([1e3 * one.cop.mean for one in floor.errors])),
+        true_foot_cop_mm=float(np.mean([1e3 * f.mean for e in floor.errors for f in e.foot_cop])),
+        sharing_n=_sharing(floor.sharing),
     )
+
+
+def _sharing(found: FloatArray) -> dict[str, tuple[float, float, float]]:
+    each = np.sqrt(np.mean(found**2, axis=0)).T
+    names = nao()[1].names
+    return {
+        name: (float(a), float(b), float(c)) for name, (a, b, c) in zip(names, each, strict=True)
+    }
 
 
 def page_body(summary: Summary) -> str:
@@ -197,6 +214,7 @@ def page_body(summary: Summary) -> str:
         paired=_paired(summary, "random"),
         reading=_reading(summary),
         promises=_promises(summary),
+        sharing=_sharing_table(summary),
     )
 
 
@@ -264,6 +282,15 @@ def _promises(summary: Summary) -> str:
     return (
         f"{table(rows)}\n\nRank correlation of promise and outcome over all trials: {correlations}."
     )
+
+
+def _sharing_table(summary: Summary) -> str:
+    head = ["cell", "varies by [N]", "that is off by [N]", "mean is off by [N]"]
+    rows = [
+        [name, *(f"{figure:.2f}" for figure in figures)]
+        for name, figures in summary.sharing_n.items()
+    ]
+    return table([head, *rows])
 
 
 def _words(way: str) -> str:

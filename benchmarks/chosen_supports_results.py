@@ -17,6 +17,7 @@ from shoecal_core.planning.forecast import Forecast, forecast, forecast_visits
 from shoecal_core.planning.observability import Visit, relative_information
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording.session import Session
+from shoecal_core.sensing.load_cases import double_support_outputs
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.wrench import ChannelParameters
 
@@ -55,6 +56,19 @@ class Result:
 
 
 @dataclass(frozen=True)
+class Floor:
+    """What no choice of double supports can change, of all robots.
+
+    Attributes:
+        errors: under the true gains and offsets.
+        sharing: (robots, 3, n) of `Examination.sharing` [N].
+    """
+
+    errors: tuple[Errors, ...]
+    sharing: FloatArray
+
+
+@dataclass(frozen=True)
 class Examination:
     """What every calibration of one robot is measured against.
 
@@ -84,6 +98,23 @@ class Examination:
             for stance in stances
         )
         return cls(seed, runs, ChannelParameters(gain, offset))
+
+    def sharing(self) -> FloatArray:
+        """(3, n) of the channels' true outputs, root mean square over the runs [N].
+
+        How they vary within a run, how that is off what a rigid body on equal springs makes of
+        the same CoP, and how far their means are off it.
+        """
+        _, shoe = nao()
+        found = []
+        for stance, truth in self.runs:
+            outputs = self.true.outputs(stance.readings)
+            weight = float(truth.grf.mean())
+            assumed = double_support_outputs(shoe, stance.support, weight, truth.cop)
+            off = outputs - assumed
+            found.append([outputs.std(axis=0), off.std(axis=0), off.mean(axis=0)])
+        rms: FloatArray = np.sqrt(np.mean(np.square(found), axis=0))
+        return rms
 
     def errors(self, sensing: Sensing) -> Errors:
         """Of the measured GRF and CoP."""
