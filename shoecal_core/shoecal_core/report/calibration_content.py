@@ -120,14 +120,16 @@ class CalibrationReport:
 
     @property
     def half_widths(self) -> FloatArray:
-        """(2n,) half widths of the 95 % intervals of gains and offsets, NaN where unknown."""
-        count = 2 * len(self.shoe.names)
-        if self.told is not None:
-            return self.told.assessment.interval()[:count]
+        """(2n,) half widths of the 95 % intervals of gains and offsets, NaN where unknown.
+
+        Where it is known, patterns that no data show are left out of them.
+        """
         covariance = self.calibration.covariance
-        if covariance is None:
-            return np.full(count, np.nan)
-        width: FloatArray = NORMAL_95 * np.sqrt(np.diag(covariance))
+        width: FloatArray = np.full(2 * len(self.shoe.names), np.nan)
+        if self.told is not None:
+            width = self.told.assessment.interval()[: len(width)]
+        elif covariance is not None:
+            width = NORMAL_95 * np.sqrt(np.diag(covariance))
         return width
 
     @property

@@ -110,10 +110,11 @@ def channels_table(content: CalibrationReport) -> Table:
     if calibration.covariance is None:
         note = "Output = gain · reading + offset. This calibration came without uncertainties."
     elif any(len(shoe.of_foot(foot)) > WRENCH for foot in (0, 1)):
-        note += (
-            " Single offsets look uncertain: patterns over a foot's channels, such as + − − + over "
-            "four cells, change neither force nor CoP, so no data fix them."
-        )
+        unseen = "patterns that no double support shows, such as + − − + over four offsets"
+        if content.told is None:
+            note += f" Single offsets look uncertain: it also holds {unseen}."
+        else:
+            note += f" It leaves out {unseen}."
     return Table("Channels", tuple(header), tuple(rows), note)
 
 

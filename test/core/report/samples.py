@@ -109,6 +109,7 @@ def told_by(robot: Robot, shoe: Shoe, stages: SelfCalibration, training: Sequenc
         right=right,
         told=told,
         additions=(Addition(DoubleSupport(0.08, -0.11, 0.5), told),) if told.weak else (),
+        seen_std=np.sqrt(np.diag(uncertainty.covariance)[:size]),
         load_range=np.stack((outputs.min(axis=0), outputs.max(axis=0))),
     )
     sources = error_sources(assessment, parameters, model)
