@@ -48,7 +48,7 @@ paper: setup  ## the paper's evaluation over ten robots, into docs/paper.md (ARG
 trust: chosen-supports  ## what trust in a calibration rests on, into docs/trust.md
 
 chosen-supports: export OPENBLAS_NUM_THREADS := 1
-chosen-supports: setup  ## double supports chosen against random ones (ARGS="--seeds 24")
+chosen-supports: setup  ## double supports chosen against random ones (ARGS="--seeds 40")
 	$(BIN)/python benchmarks/chosen_supports.py $(ARGS)
 
 lock:  ## resolve both lock files anew (needs uv)

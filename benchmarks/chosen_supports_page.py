@@ -57,10 +57,14 @@ robot. Gains: root mean square of their relative errors. A foot: the mean of bot
 
 {errors}
 
-Compared robot by robot (Wilcoxon's signed-rank test, two-sided): the mean change of the error
-against {base_words}, in how many of {robots} robots it fell, and p.
+Compared robot by robot with random ones (Wilcoxon's signed-rank test, two-sided): the mean change
+of the error, in how many of {robots} robots it fell, and p.
 
-{paired}
+{against_random}
+
+The same against `spread`:
+
+{against_spread}
 
 {reading}
 
@@ -210,8 +214,8 @@ def page_body(summary: Summary) -> str:
     return PAGE.format(
         robots=summary.robots,
         errors=_errors(summary),
-        base_words="random ones",
-        paired=_paired(summary, "random"),
+        against_random=_paired(summary, "random"),
+        against_spread=_paired(summary, "spread"),
         reading=_reading(summary),
         promises=_promises(summary),
         sharing=_sharing_table(summary),
@@ -247,17 +251,19 @@ def _paired(summary: Summary, base: str) -> str:
             ),
         ]
         for way, found in summary.paired[base].items()
+        if way not in BASES[: BASES.index(base)]
     ]
     return table([head, *rows])
 
 
 def _reading(summary: Summary) -> str:
-    return (
-        "How each foot's CoP comes out is bounded by the shoe, not by the supports: with the true "
-        f"gains and offsets of each robot, its error is {summary.true_foot_cop_mm:.2f} mm (and "
-        f"{summary.true_cop_mm:.2f} mm of both feet together), as cells are not where the file "
-        "says and plates carry some of the moment past them."
+    lines = (
+        "How each foot's CoP comes out is bounded by the shoe, not by the double supports: with the",
+        f"true gains and offsets of each robot its error is {summary.true_foot_cop_mm:.2f} mm "
+        f"(both feet together {summary.true_cop_mm:.2f} mm),",
+        "as cells are not where the file says and plates carry some of the moment past them.",
     )
+    return "\n".join(lines)
 
 
 def _promises(summary: Summary) -> str:
