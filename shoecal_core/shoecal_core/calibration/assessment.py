@@ -17,7 +17,12 @@ from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
 from shoecal_core.calibration.uncertainty import Uncertainty, estimate_uncertainty
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.forecast import Addition, Forecast, best_additions, forecast
-from shoecal_core.planning.observability import relative_information
+from shoecal_core.planning.observability import (
+    from_relative,
+    observable,
+    reference_information,
+    relative_information,
+)
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.sensing.shoe import FEET, Shoe
 
@@ -35,6 +40,8 @@ class Assessment:
         both, left, right: expected errors over the sensing polygons: see `ErrorModel`.
         told: what the data told by themselves: rank, singular values, weak directions.
         additions: double supports that would fix weak directions best; none where none is weak.
+        seen_std: (2n,) of gains and offsets without the patterns that no data show, as they
+            change neither force nor CoP (+ - - + over the offsets of a foot's four cells).
         load_range: (2, n) lowest and highest output that each channel was fitted at [N or N m].
     """
 
@@ -44,6 +51,7 @@ class Assessment:
     right: Spread
     told: Forecast
     additions: tuple[Addition, ...]
+    seen_std: FloatArray
     load_range: FloatArray
 
     @property
@@ -52,9 +60,9 @@ class Assessment:
         return self.left, self.right
 
     def interval(self) -> FloatArray:
-        """(2n + 1,) half widths of 95 % intervals of gains, offsets, time offset."""
-        width: FloatArray = NORMAL_95 * np.sqrt(np.diag(self.uncertainty.covariance))
-        return width
+        """(2n + 1,) half 95 % intervals: gains and offsets as `seen_std`, time offset."""
+        time_offset_std = np.sqrt(self.uncertainty.covariance[-1, -1])
+        return NORMAL_95 * np.append(self.seen_std, time_offset_std)
 
     def to_json(self, shoe: Shoe) -> dict[str, object]:
         """Figures for result files [N, mm]."""
@@ -69,7 +77,7 @@ class Assessment:
         told = self.told
         return {
             "gain_ci95": dict(zip(shoe.names, width[:count].tolist(), strict=True)),
-            "offset_ci95_n": dict(zip(shoe.names, width[count : 2 * count].tolist(), strict=True)),
+            "offset_ci95_n": dict(zip(shoe.names, width[count:-1].tolist(), strict=True)),
             "time_offset_ci95_s": float(width[-1]),
             "expected_error": expected,
             "rank": told.rank,
@@ -120,8 +128,22 @@ def assess(
         right=right,
         told=told,
         additions=tuple(missing),
+        seen_std=_seen_std(robot, stages, uncertainty, planning),
         load_range=np.stack((np.min(ends, axis=(0, 1)), np.max(ends, axis=(0, 1)))),
     )
+
+
+def _seen_std(
+    robot: Robot, stages: SelfCalibration, uncertainty: Uncertainty, planning: PlannerSettings
+) -> FloatArray:
+    """(2n,) of the parameters' part that some double supports could show."""
+    shoe, supports = stages.shoe, planning.training_supports
+    turn = from_relative(robot, shoe, stages.parameters)
+    seen = observable(reference_information(robot, shoe, supports, planning))
+    kept = turn @ seen @ seen.T @ np.linalg.inv(turn)
+    covariance = kept @ uncertainty.covariance[:-1, :-1] @ kept.T
+    std: FloatArray = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    return std
 
 
 def _rms(values: FloatArray) -> float:

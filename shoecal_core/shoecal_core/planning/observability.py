@@ -172,12 +172,18 @@ def relative_information(
         parameters: the fitted gains and offsets.
         fitted: (2n, 2n) information of [gains, offsets].
     """
+    turn = from_relative(robot, shoe, parameters)
+    relative: FloatArray = turn.T @ fitted @ turn
+    return relative
+
+
+def from_relative(robot: Robot, shoe: Shoe, parameters: ChannelParameters) -> FloatArray:
+    """(2n, 2n) turns errors of relative parameters into errors of [gains, offsets]."""
     count = len(shoe.channels)
     turn = np.diag(parameter_scale(robot, shoe))
     turn[:count, :count] = np.diag(parameters.gain)
     turn[count:, :count] = np.diag(parameters.offset)
-    relative: FloatArray = turn.T @ fitted @ turn
-    return relative
+    return turn
 
 
 def uncertainties(total: FloatArray) -> FloatArray:
