@@ -257,13 +257,12 @@ def _paired(summary: Summary, base: str) -> str:
 
 
 def _reading(summary: Summary) -> str:
-    lines = (
-        "How each foot's CoP comes out is bounded by the shoe, not by the double supports: with the",
-        f"true gains and offsets of each robot its error is {summary.true_foot_cop_mm:.2f} mm "
-        f"(both feet together {summary.true_cop_mm:.2f} mm),",
-        "as cells are not where the file says and plates carry some of the moment past them.",
+    return (
+        "How each foot's CoP comes out is bounded by the shoe, not by the double supports. With\n"
+        f"each robot's true gains and offsets its error is {summary.true_foot_cop_mm:.2f} mm, that "
+        f"of both feet together {summary.true_cop_mm:.2f} mm,\n"
+        "as cells are not where the file says and plates carry some of the moment past them."
     )
-    return "\n".join(lines)
 
 
 def _promises(summary: Summary) -> str:
