@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-floor lint bench solve-speed demo-table paper trust chosen-supports lock clean
+.PHONY: help setup demo test test-floor lint bench solve-speed demo-table paper trust coverage chosen-supports lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -45,7 +45,11 @@ demo-table: setup  ## the errors of the demo over ten seeds, into docs/demo.md (
 paper: setup  ## the paper's evaluation over ten robots, into docs/paper.md (ARGS="--seeds 20")
 	$(BIN)/python benchmarks/paper.py $(ARGS)
 
-trust: chosen-supports  ## what trust in a calibration rests on, into docs/trust.md
+trust: chosen-supports coverage  ## what trust in a calibration rests on, into docs/trust.md
+
+coverage: export OPENBLAS_NUM_THREADS := 1
+coverage: setup  ## do stated uncertainties hold? (ARGS="--count 20")
+	$(BIN)/python benchmarks/coverage.py $(ARGS)
 
 chosen-supports: export OPENBLAS_NUM_THREADS := 1
 chosen-supports: setup  ## double supports chosen against random ones (ARGS="--seeds 40")
