@@ -45,8 +45,13 @@ class Aligned:
         return Aligned(self.time[part], self.readings[part], self.joint_angles[part], states)
 
 
-def align(run: Run, shoe: Shoe, kinematics: Kinematics) -> Aligned:
+def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) -> Aligned:
     """Joint angles interpolated to the readings; what has no partner is left out.
+
+    Args:
+        run: recorded.
+        shoe, kinematics: of what was recorded.
+        late_s: joint stamps are late by this much against those of the readings [s].
 
     Raises:
         JointsMissingError: the run's joints are not the robot's.
@@ -55,7 +60,9 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics) -> Aligned:
     good = np.isfinite(run.readings.value).all(axis=1) & (run.readings.status == GOOD).all(axis=1)
     time = run.readings.time[good]
     names = _told_joints(run, kinematics.robot)
-    measured, covered = interpolate_joints(run.joints, time, MAX_JOINT_GAP_S, names=names)
+    measured, covered = interpolate_joints(
+        run.joints, time, MAX_JOINT_GAP_S, late_s=late_s, names=names
+    )
     angles = kinematics.robot.from_measured(names, measured)
     if covered.sum() < MIN_SAMPLES:
         raise FileError(

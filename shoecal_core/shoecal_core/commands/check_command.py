@@ -10,8 +10,9 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from shoecal_core.calibration.aligned import Aligned, align
+from shoecal_core.calibration.aligned import align
 from shoecal_core.calibration.extract import stances_of
+from shoecal_core.calibration.screening.clocks import put_together
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
@@ -51,8 +52,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     ] + [f"run {run} was begun but its file is gone: put it back" for run in session.missing]
     # A robot or shoe file that cannot be used is told as itself, not as another file's hash.
     robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
-    read = _Read(Kinematics(robot), session, problems)
-    screening = screen(read.runs, read.aligned, session.shoe, robot.weight, settings)
+    read = _Read(Kinematics(robot), session, settings, problems)
+    screening = screen(
+        read.runs, read.aligned, session.shoe, robot.weight, settings, read.time_offset
+    )
     read.find_stances(screening)
     console.print(_table(session, read))
     if not read.runs:
@@ -79,18 +82,24 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
 class _Read:
     """The runs that can be read; what is wrong with the others goes to the problems."""
 
-    def __init__(self, kinematics: Kinematics, session: Session, problems: list[str]) -> None:
+    def __init__(
+        self,
+        kinematics: Kinematics,
+        session: Session,
+        settings: CalibrationSettings,
+        problems: list[str],
+    ) -> None:
         self.runs: dict[int, Run] = {}
-        self.aligned: dict[int, Aligned] = {}
         self._kinematics, self._shoe, self._problems = kinematics, session.shoe, problems
         for entry in session.runs:
             try:
                 recorded = session.read(entry.run)
-                self.aligned[entry.run] = align(recorded, session.shoe, kinematics)
+                align(recorded, session.shoe, kinematics)
                 self.runs[entry.run] = recorded
             except ShoecalError as error:
                 problems.append(str(error))
         self.entries = [entry for entry in session.runs if entry.run in self.runs]
+        self.aligned, self.time_offset = put_together(self.runs, session.shoe, kinematics, settings)
 
     def find_stances(self, screening: Screening) -> None:
         """See whether every run has stances to calibrate from."""

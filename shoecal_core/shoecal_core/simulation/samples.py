@@ -28,6 +28,7 @@ class Samples:
         joints: arrays (T, m).
         readings: arrays (T, n).
         truth: arrays (T, ...).
+        sole_position: (T, 2, 3) of the true left, right sole over the floor [m].
         base_position: (T, 3) of the root link over the floor [m].
         base_orientation: (T, 4) x, y, z, w.
     """
@@ -36,6 +37,7 @@ class Samples:
     joints: JointReadings
     readings: Readings
     truth: FloorTruth
+    sole_position: FloatArray
     base_position: FloatArray
     base_orientation: FloatArray
 
@@ -79,6 +81,7 @@ def run(
         joints=sim.joints(all_),
         readings=sim.readings(all_),
         truth=sim.truth(all_),
+        sole_position=all_.sole_position,
         base_position=all_.base_position,
         base_orientation=all_.base_orientation,
     )

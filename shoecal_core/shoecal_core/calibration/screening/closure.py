@@ -26,8 +26,9 @@ GAP_S, WINDOW_S = 0.5, 1.0
 """A step is the mean of one window after a gap less that of one before it."""
 LOAD_GAP_S, LOAD_WINDOW_S = 0.3, 0.5
 """The same for the readings, which change faster; both windows then have one common slope."""
-CLOSURE_STEP, LOAD_STEP = 5.5, 16.0
-"""A slip's steps, in standard deviations of the steps that the session otherwise has."""
+CLOSURE_STEP, LOAD_STEP, BOTH_STEPS = 4.0, 10.0, 105.0
+"""A slip's steps, in standard deviations of the steps that the session otherwise has: each at
+least, and their product."""
 LEAST_M, LEAST_RAD, LEAST_SHARE = 5e-5, 5e-4, 1e-3
 """Added to those standard deviations: a robot without play, or one that hardly moves, is no
 reason for alarm. The last is a share of a channel's whole range."""
@@ -72,6 +73,7 @@ def slips(runs: Mapping[int, Aligned]) -> dict[int, Slipped]:
         period = float(np.median(np.diff(one.time)))
         near = maximum_filter1d(load_size[run], 2 * round(GAP_S / 2.0 / period) + 1)
         here = (closure_size[run] > CLOSURE_STEP) & (near > LOAD_STEP)
+        here &= closure_size[run] * near > BOTH_STEPS
         if here.any():
             first = int(np.argmax(here))
             reach = round((GAP_S + WINDOW_S) / period)

@@ -104,8 +104,9 @@ def of_saturated(shoe: Shoe, found: Sequence[Saturated]) -> list[Finding]:
         Finding(
             "FAIL" if one.share > USELESS_SHARE else "WARN",
             f"{shoe.names[one.channel]} is saturated: it goes no further than {one.level:.4g} "
-            f"{shoe.unit}, in {one.share:.1%} of the time, with {one.missing:.1f} N missing; lower "
-            "its amplification",
+            f"{shoe.unit}, where it is for {one.share:.1%} of the time"
+            f"{'' if np.isnan(one.missing) else f', with {one.missing:.1f} N missing'}: lower its "
+            "amplification",
             Fault.SATURATED,
         )
         for one in found

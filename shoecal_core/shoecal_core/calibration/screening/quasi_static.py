@@ -18,6 +18,8 @@ from shoecal_core.model.robot import GRAVITY
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+LONGEST_GAP_S = 0.05
+"""Beside longer gaps in the recording nothing can be said."""
 SMOOTHING_S = 0.3
 """Window of the local cubic that accelerations are taken from."""
 NOISE_STDS = 6.0
@@ -35,8 +37,14 @@ def zmp_shift(aligned: Aligned) -> tuple[FloatArray, float]:
     com = aligned.states.com[:, 0]
     placed = np.stack([np.interp(even, time, axis) for axis in com[:, :2].T], axis=1)
     curved = savgol_filter(placed, window, 3, deriv=2, delta=period, axis=0)
+    size = np.linalg.norm(curved, axis=1)
+    # At the ends the cubic is not held from both sides: what comes next to them is taken there.
+    inner = slice(window // 2, len(even) - window // 2)
     fall = com[:, 2] / GRAVITY
-    shift: FloatArray = fall * np.interp(time, even, np.linalg.norm(curved, axis=1))
+    shift: FloatArray = fall * np.interp(time, even[inner], size[inner])
+    for before in np.flatnonzero(np.diff(time) > LONGEST_GAP_S):
+        gap = (time[before] - SMOOTHING_S / 2.0, time[before + 1] + SMOOTHING_S / 2.0)
+        shift[(time >= gap[0]) & (time <= gap[1])] = 0.0
     trembling = np.linalg.norm(savgol_coeffs(window, 3, deriv=2, delta=period))
     return shift, float(np.median(fall) * trembling * np.linalg.norm(noise(com[:, :2])))
 

@@ -57,6 +57,7 @@ class Screening:
         samples: of each run, as recorded.
         kept: (T,) of each run's aligned samples, where it was screened: those that count.
         standing: (T,) of them: those at which both feet stand where they stood at first.
+        time_offset: joints were late by this much against the readings, and are so no more [s].
     """
 
     findings: tuple[Finding, ...] = ()
@@ -64,6 +65,7 @@ class Screening:
     samples: Mapping[int, int] = field(default_factory=dict)
     kept: Mapping[int, BoolArray] = field(default_factory=dict)
     standing: Mapping[int, BoolArray] = field(default_factory=dict)
+    time_offset: float = 0.0
 
     @property
     def runs_left_out(self) -> tuple[int, ...]:
@@ -85,6 +87,7 @@ class Screening:
             "samples": {str(run): count for run, count in self.samples.items()},
             "left_out": [one.to_json() for one in self.left_out],
             "runs_left_out": list(self.runs_left_out),
+            "time_offset_s": self.time_offset,
             "findings": [
                 {
                     "verdict": one.verdict,

@@ -6,13 +6,15 @@ would have gone on, has reached an end.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.screening.blocks import Blocks
+from shoecal_core.calibration.screening.unresponsive import Stuck
+from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.recording.run import Readings
 from shoecal_core.recording.schemas import SATURATED
 from shoecal_core.sensing.shoe import Shoe
@@ -20,10 +22,17 @@ from shoecal_core.sensing.shoe import Shoe
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+VISIT, AWAY_S = 5, 5.0
+"""Blocks of another visit to the same level, and how long before the other it was [s]."""
 END_SHARE = 1e-6
 """Readings this near to an end of the range, as a share of it, are at the end."""
 AT_END_STDS = 4.0
 """A reading is at its extreme when it is within this many standard deviations of it."""
+MISSING_STDS, TREMBLING_STDS = 0.5, 3.0
+"""Less missing force tells nothing, in the settings' standard deviations of the force, and in
+those of the force's noise."""
+MISSING_QUANTILE = 0.25
+"""Where a cell has only just reached its end, hardly any force is missing yet."""
 LEAST_S = 0.6
 """Time at the extreme from which missing force tells something [s]."""
 
@@ -35,7 +44,7 @@ class Saturated:
     Attributes:
         channel: index.
         level: the end, as it reads.
-        missing: force that is typically missing there [N].
+        missing: force that is missing there at times [N].
         share: of all blocks.
     """
 
@@ -61,24 +70,58 @@ def told_at_ends(shoe: Shoe, readings: Readings) -> BoolArray:
     return ends
 
 
+def ended(runs: Mapping[int, Blocks], still: Sequence[Stuck]) -> list[Saturated]:
+    """Of channels that stay where they are: those at an extreme of theirs to which they return.
+
+    Args:
+        still: in the order of their runs.
+    """
+    found = []
+    for channel in sorted({one.channel for one in still}):
+        values = np.concatenate([blocks.readings[:, channel] for blocks in runs.values()])
+        slack = AT_END_STDS * max(float(blocks.noise[channel]) for blocks in runs.values())
+        own = [one for one in still if one.channel == channel]
+        level = own[0].level
+        extreme = min(abs(level - values.min()), abs(level - values.max())) <= slack
+        same = all(abs(one.level - level) <= slack for one in own)
+        if same and extreme and _comes_and_goes(runs, own, slack):
+            share = float(np.mean(np.abs(values - level) <= slack))
+            found.append(Saturated(channel, level, float("nan"), share))
+    return found
+
+
+def _comes_and_goes(runs: Mapping[int, Blocks], still: Sequence[Stuck], slack: float) -> bool:
+    """Whether the channel leaves its level after it stayed there, or had been there before."""
+    first = still[0]
+    before = left = 0
+    for run, blocks in runs.items():
+        there = np.abs(blocks.readings[:, first.channel] - first.level) <= slack
+        early = (run < first.run) | ((run == first.run) & (blocks.time < first.start - AWAY_S))
+        late = (run > first.run) | ((run == first.run) & (blocks.time > first.end))
+        before += int(np.sum(there & early))
+        left += int(np.sum(~there & late))
+    return max(before, left) >= VISIT
+
+
 def saturated(
     runs: Mapping[int, Blocks],
     force_error: Mapping[int, FloatArray],
     gain: FloatArray,
-    least: float,
+    settings: CalibrationSettings,
 ) -> list[Saturated]:
     """Every channel with a flat top or bottom.
 
     Args:
         force_error: (B,) measured less expected force of each run's blocks [N].
         gain: (n,) of each channel, roughly.
-        least: less missing force is no sign of an end [N].
     """
     readings = np.concatenate([blocks.readings for blocks in runs.values()])
     noise = np.max([blocks.noise for blocks in runs.values()], axis=0)
     # A run under another weight is off all the time.
     error = np.concatenate([force_error[run] - np.median(force_error[run]) for run in runs])
     period = float(np.median([blocks.period for blocks in runs.values()]))
+    trembling = float(np.linalg.norm(gain * noise))
+    least = max(MISSING_STDS * settings.force_std_n, TREMBLING_STDS * trembling)
     found = []
     for channel, values in enumerate(readings.T):
         for side in (1.0, -1.0):
@@ -86,7 +129,8 @@ def saturated(
             there = np.abs(values - level) <= AT_END_STDS * noise[channel]
             if there.sum() * period < LEAST_S:
                 continue
-            missing = -float(np.sign(gain[channel]) * side * np.median(error[there]))
+            outwards = np.sign(gain[channel]) * side
+            missing = -float(np.quantile(outwards * error[there], MISSING_QUANTILE))
             if missing > least:
                 found.append(Saturated(channel, level, missing, float(there.mean())))
     return found

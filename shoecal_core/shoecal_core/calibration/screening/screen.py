@@ -11,12 +11,12 @@ from collections.abc import Mapping
 import numpy as np
 
 from shoecal_core.calibration.aligned import Aligned
-from shoecal_core.calibration.checks import Finding
+from shoecal_core.calibration.checks import Finding, check_time_offset
 from shoecal_core.calibration.screening import findings as words
 from shoecal_core.calibration.screening.blocks import blocks
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.screening.result import LeftOut, Screening
-from shoecal_core.calibration.screening.saturated import told_at_ends
+from shoecal_core.calibration.screening.saturated import ended, told_at_ends
 from shoecal_core.calibration.screening.standing import screen_standing
 from shoecal_core.calibration.screening.stretches import JOIN_S, stretches
 from shoecal_core.calibration.screening.unresponsive import dead, stuck
@@ -31,6 +31,7 @@ def screen(
     shoe: Shoe,
     weight: float,
     settings: CalibrationSettings,
+    time_offset: float = 0.0,
 ) -> Screening:
     """Look for every fault.
 
@@ -40,8 +41,12 @@ def screen(
         runs: by number.
         aligned: the same with the model's values.
         weight: of robot and shoes [N].
+        time_offset: by which the joints were late before they were aligned [s].
     """
+    runs, aligned = dict(sorted(runs.items())), dict(sorted(aligned.items()))
     found = Screening(
+        findings=tuple(check_time_offset(time_offset)),
+        time_offset=time_offset,
         samples={number: len(run.readings.time) for number, run in runs.items()},
         left_out=_lost(runs, aligned, shoe),
     )
@@ -90,8 +95,12 @@ def _cells(runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe) 
     parts = {number: blocks(one, shoe) for number, one in aligned.items()}
     silent = dead(shoe, parts)
     alive = [channel for channel in range(len(shoe.names)) if channel not in silent]
+    still = stuck(shoe, parts, alive)
+    at_end = ended(parts, still)
+    still = [one for one in still if one.channel not in {end.channel for end in at_end}]
     return [
         *words.of_dead(shoe, silent),
         *words.of_ends(shoe, ends.mean(axis=0).tolist()),
-        *words.of_stuck(shoe, stuck(shoe, parts, alive)),
+        *words.of_saturated(shoe, at_end),
+        *words.of_stuck(shoe, still),
     ]

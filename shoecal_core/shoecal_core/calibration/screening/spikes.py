@@ -20,7 +20,8 @@ BoolArray = NDArray[np.bool_]
 
 WIDTH = 9
 """Readings in the median: leaps of up to four of them stand out."""
-NOISE_STDS = 8.0
+NOISE_STDS, SURE_STDS = 8.0, 20.0
+"""A leap is this far off in the channel's noise; one of which its companions would show, more."""
 COMPANION_STDS, COMPANION_SHARE = 4.0, 0.1
 """A channel leaps along when it is this far off: in its own noise, and of the largest leap."""
 ALONE = 1
@@ -65,6 +66,7 @@ def find_leaps(
             COMPANION_STDS * noise[own] * scale[own], COMPANION_SHARE * largest
         )
         alone = along.sum(axis=1, keepdims=True) <= ALONE
-        spikes[:, own] = leaping[:, own] & alone
+        sure = off[:, own] > SURE_STDS * (noise[own] * scale[own]).max()
+        spikes[:, own] = leaping[:, own] & sure & alone
     hits: BoolArray = np.any(leaping & ~spikes, axis=1)
     return Leaps(spikes, hits, np.where(leaping, around, readings))

@@ -25,7 +25,7 @@ from shoecal_core.calibration.screening.saturated import (
     saturated,
 )
 from shoecal_core.calibration.screening.spikes import find_leaps
-from shoecal_core.calibration.screening.stretches import JOIN_S, stretches, widened
+from shoecal_core.calibration.screening.stretches import JOIN_S, lasting, stretches, widened
 from shoecal_core.calibration.screening.weights import wrong_weights
 from shoecal_core.calibration.screening.wiring import check_wiring
 from shoecal_core.calibration.settings import CalibrationSettings
@@ -40,6 +40,8 @@ MARGIN_S = 0.15
 """Also left out around what moved, pushed or lifted the robot: it still sways."""
 HIT_MARGIN_S = 0.03
 """The same around a hit that is over at once."""
+LIFT_S = 0.8
+"""A foot that is off the floor for longer, margins included, is in the air: that is no step."""
 SLIP_MARGIN_S = 0.5
 """Left out before a slip: when it began is known no better."""
 LEAST_SHARE = 0.4
@@ -72,7 +74,7 @@ def screen_standing(
     rows = {run: equations(one, weight, settings) for run, one in parts.items()}
     fit = solve(reweighed(rows, information), information)
     missing = {run: settings.force_std_n * one.off(fit.vector)[0] for run, one in rows.items()}
-    ended = saturated(parts, missing, fit.parameters.gain, settings.force_std_n)
+    ended = saturated(parts, missing, fit.parameters.gain, settings)
     wrong = wrong_weights(rows, information, settings) if several else []
     found = found.adding([*words.of_saturated(shoe, ended), *words.of_weights(wrong)])
     if found.fails:
@@ -127,7 +129,7 @@ class _Watch:
         place[nowhere] = 0.0
         pushed = disturbed(time, wrench[:, 0] - self.weight, place, settings) | nowhere
         up = widened(lifted(aligned.states), time, MARGIN_S)
-        calm = replace(aligned, readings=leaps.calm).part(~up)
+        calm = replace(aligned, readings=leaps.calm).part(~lasting(up, time, LIFT_S))
         marked = {
             Fault.SATURATED: self._at_end(aligned.readings, trembling),
             Fault.LIFTED: up,
@@ -156,10 +158,8 @@ def _leaving_out(
     """Leave out what was marked, and what came after a slip."""
     time = aligned.time
     before = time < (np.inf if slip is None else slip.time - SLIP_MARGIN_S)
-    kept, lost = before.copy(), []
-    if slip is not None:
-        lost.append(_lost(found, run, Fault.SLIPPED, ~before, time))
-    for fault, marked in moments.marked.items():
+    kept, lost = np.ones(len(time), dtype=bool), []
+    for fault, marked in {**moments.marked, Fault.SLIPPED: ~before}.items():
         fresh = marked & kept
         kept &= ~marked
         if fresh.any():

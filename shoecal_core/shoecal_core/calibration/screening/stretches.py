@@ -36,9 +36,18 @@ def widened(mask: BoolArray, time: FloatArray, margin_s: float) -> BoolArray:
     """Also marked: what is within `margin_s` of a marked sample."""
     wide = mask.copy()
     for start, end in stretches(mask, time):
-        first, last = np.searchsorted(time, (start - margin_s, end + margin_s))
-        wide[first : last + 1] = True
+        first = np.searchsorted(time, start - margin_s)
+        wide[first : np.searchsorted(time, end + margin_s, side="right")] = True
     return wide
+
+
+def lasting(mask: BoolArray, time: FloatArray, least_s: float) -> BoolArray:
+    """Marked: samples of stretches that last at least `least_s`."""
+    long = np.zeros_like(mask)
+    for start, end in stretches(mask, time):
+        if end - start >= least_s:
+            long |= mask & (time >= start) & (time <= end)
+    return long
 
 
 def told(found: Sequence[Stretch]) -> str:

@@ -23,7 +23,7 @@ BoolArray = NDArray[np.bool_]
 
 DEAD_SHARE = 0.02
 """A channel that moves by less than this share of the others' range is dead."""
-WINDOW_S = 6.0
+WINDOW_S = 8.0
 STUCK_SHARE = 0.03
 """A channel is stuck while it moves by less than this share of what the others do, each measured
 by its own range."""

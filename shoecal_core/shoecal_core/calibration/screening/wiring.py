@@ -21,6 +21,7 @@ from shoecal_core.sensing.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 SURE_STDS = 5.0
 """A gain has its sign when it is this many standard deviations off zero."""
@@ -51,36 +52,56 @@ def check_wiring(
 ) -> Wiring:
     """Compare the cables as they should be with every exchange of two cells, or of both feet.
 
+    A single bad run may fit a wrong exchange better: what is found must hold without any one of
+    the runs, too.
+
     Args:
         information: (2n,) prior; see `rough_fit.prior`.
         weight: of robot and shoes [N].
     """
-
-    def fit(place: IntArray) -> RoughFit:
-        placed = {run: replace(one, columns=one.columns[place]) for run, one in runs.items()}
-        rows = {run: equations(one, weight, settings) for run, one in placed.items()}
-        return solve(rows, information)
-
-    right = np.arange(len(shoe.names))
-    as_told = fit(right)
-    count = sum(3.0 * equations(one, weight, settings).weight.sum() for one in runs.values())
-    best, place = as_told, right
-    for exchange in exchanges(shoe):
-        tried = right.copy()
-        for one, other in exchange:
-            tried[[one, other]] = other, one
-        found = fit(tried)
-        if found.cost < best.cost:
-            best, place = found, tried
-    unit = max(1.0, best.cost / count)
-    if as_told.cost - best.cost < BETTER * unit:
-        best, place = as_told, right
-    gain, std = best.parameters.gain, np.sqrt(np.diag(best.covariance))[: len(right)]
-    against = shoe.polarity[place] * gain < -SURE_STDS * std
+    place = right = np.arange(len(shoe.names))
+    subsets = [list(runs)] + [[one for one in runs if one != run] for run in runs]
+    tried = [right, *(_exchanged(right, pairs) for pairs in exchanges(shoe))]
+    rows = [
+        {
+            run: equations(replace(one, columns=one.columns[order]), weight, settings)
+            for run, one in runs.items()
+        }
+        for order in tried
+    ]
+    fits = [
+        [solve({run: row[run] for run in subset}, information) for subset in subsets]
+        for row in rows
+    ]
+    best = int(np.argmin([each[0].cost for each in fits]))
+    counts = [sum(3.0 * rows[0][run].weight.sum() for run in subset) for subset in subsets]
+    if all(
+        as_told.cost - other.cost > BETTER * max(1.0, other.cost / count) * len(subset) / len(runs)
+        for as_told, other, count, subset in zip(fits[0], fits[best], counts, subsets, strict=True)
+    ):
+        place = tried[best]
+    else:
+        best = 0
+    against = np.all([_against(shoe.polarity[place], fit) for fit in fits[best]], axis=0)
     return Wiring(
         inverted=tuple(np.flatnonzero(against).tolist()),
         swapped=tuple((int(k), int(place[k])) for k in np.flatnonzero(place > right)),
     )
+
+
+def _exchanged(order: IntArray, pairs: list[tuple[int, int]]) -> IntArray:
+    changed = order.copy()
+    for one, other in pairs:
+        changed[[one, other]] = order[[other, one]]
+    return changed
+
+
+def _against(polarity: IntArray, fit: RoughFit) -> BoolArray:
+    """(n,) gains that surely have the other sign."""
+    gain = fit.parameters.gain
+    std = np.sqrt(np.diag(fit.covariance))[: len(gain)]
+    against: BoolArray = polarity * gain < -SURE_STDS * std
+    return against
 
 
 def exchanges(shoe: Shoe) -> list[list[tuple[int, int]]]:
