@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-floor lint bench solve-speed demo-table paper trust coverage chosen-supports lock clean
+.PHONY: help setup demo test test-floor lint bench solve-speed demo-table paper trust coverage chosen-supports caught-faults lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -45,15 +45,19 @@ demo-table: setup  ## the errors of the demo over ten seeds, into docs/demo.md (
 paper: setup  ## the paper's evaluation over ten robots, into docs/paper.md (ARGS="--seeds 20")
 	$(BIN)/python benchmarks/paper.py $(ARGS)
 
-trust: chosen-supports coverage  ## what trust in a calibration rests on, into docs/trust.md
+trust: chosen-supports coverage caught-faults  ## what trust in a calibration rests on, into docs/trust.md
 
 coverage: export OPENBLAS_NUM_THREADS := 1
 coverage: setup  ## do stated uncertainties hold? (ARGS="--count 20")
 	$(BIN)/python benchmarks/coverage.py $(ARGS)
 
 chosen-supports: export OPENBLAS_NUM_THREADS := 1
-chosen-supports: setup  ## double supports chosen against random ones (ARGS="--seeds 40")
+chosen-supports: setup  ## double supports chosen against random ones (ARGS="--seeds 24")
 	$(BIN)/python benchmarks/chosen_supports.py $(ARGS)
+
+caught-faults: export OPENBLAS_NUM_THREADS := 1
+caught-faults: setup  ## faults put into recordings, how many are caught (ARGS="--draws 5 --clean 10")
+	$(BIN)/python benchmarks/caught_faults.py $(ARGS)
 
 lock:  ## resolve both lock files anew (needs uv)
 	$(LOCK) --universal --fork-strategy fewest --python-version 3.11 \

@@ -155,7 +155,7 @@ def _cases(found: Results) -> str:
 PAGE = """\
 ## Faults of a recording
 
-    make trust-faults
+    make caught-faults
 
 {draws} draws of each fault; a draw takes another robot, its cells and its five double supports
 (`benchmarks/population.py`), puts one fault into the recording before anything reads it, and
