@@ -1,6 +1,6 @@
 """Double supports chosen by what they promise against random ones, over many robots.
 
-    make chosen-supports   (ARGS="--seeds 40")
+    make chosen-supports   (ARGS="--seeds 24")
 
 Every robot of the population calibrates itself in three double supports, chosen in each way, and
 each calibration is measured against the truth of the robot's own session in the population: the
@@ -100,7 +100,7 @@ def measured(seeds: int, out: Path) -> tuple[list[Result], Floor]:
 def main() -> None:
     """Simulate what is missing, calibrate, write."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seeds", type=int, default=24)
+    parser.add_argument("--seeds", type=int, default=40)
     parser.add_argument("--out", type=Path, default=OUT)
     parser.add_argument("--workers", type=int, default=2)
     args = parser.parse_args()
