@@ -59,6 +59,11 @@ class Assessment:
         """Left and right."""
         return self.left, self.right
 
+    def expected_cop(self) -> tuple[float, dict[str, float]]:
+        """Root mean square CoP error over the sensing polygons: both feet, and by foot [m]."""
+        feet = {name: _rms(one.cop_length) for name, one in zip(FEET, self.feet, strict=True)}
+        return _rms(self.both.cop_length), feet
+
     def interval(self) -> FloatArray:
         """(2n + 1,) half 95 % intervals: gains and offsets as `seen_std`, time offset."""
         time_offset_std = np.sqrt(self.uncertainty.covariance[-1, -1])

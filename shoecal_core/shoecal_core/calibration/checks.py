@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,8 @@ GAIN_RATIO = 5.0
 """Cells of one kind differ by less than this factor in gain."""
 WARN_STDS, FAIL_STDS = 4.0, 12.0
 """Residual MAE, in the settings' standard deviations."""
+WARN_WIDTHS, FAIL_WIDTHS = 0.5, 1.0
+"""Expected CoP error, in half widths of the sensing polygon."""
 NOMINAL_SHARE = 0.05
 """Data sheets of gains are right to this share."""
 MAX_TIME_OFFSET_S = 0.05
@@ -127,14 +129,14 @@ def check_nominal(shoe: Shoe, parameters: ChannelParameters) -> list[Finding]:
 
 
 def check_time_offset(time_offset: float) -> list[Finding]:
-    """Joints and readings that are far apart in time; the fit has corrected it."""
+    """Joints and readings that are far apart in time; the fit is spared that."""
     if abs(time_offset) <= MAX_TIME_OFFSET_S:
         return []
     return [
         Finding(
             "WARN",
             f"joints are {'late' if time_offset > 0.0 else 'early'} by "
-            f"{1e3 * abs(time_offset):.0f} ms against the readings, which the fit has corrected: "
+            f"{1e3 * abs(time_offset):.0f} ms against the readings, which is corrected in the fit: "
             "let both be stamped when they are sampled, by one clock",
             Fault.LATE,
         )
@@ -160,5 +162,33 @@ def check_directions(told: Forecast, additions: Sequence[Addition]) -> list[Find
         Finding(
             "WARN",
             f"the data fixed {told.rank} of {told.possible} directions, but not: {listed}; {cure}",
+        )
+    ]
+
+
+def check_expected(
+    half_width: float, both: float, feet: Mapping[str, float], additions: Sequence[Addition]
+) -> list[Finding]:
+    """A CoP that is expected to be far off tells little about where in the foot it is.
+
+    One foot's alone is a warning: the CoP of both feet together may be right all the same.
+
+    Args:
+        half_width: from the middle to the nearer edge of the narrower sensing polygon [m].
+        both: expected CoP error of both feet together [m].
+        feet: expected CoP error of each foot, by its name [m].
+        additions: double supports that would help.
+    """
+    errors = {"both feet": both, **{f"the {name} foot": error for name, error in feet.items()}}
+    large = {name: error for name, error in errors.items() if error > WARN_WIDTHS * half_width}
+    if not large:
+        return []
+    told = ", ".join(f"{1e3 * error:.0f} mm ({name})" for name, error in large.items())
+    cure = f"add a double support: {additions[0].words}" if additions else "record more of them"
+    return [
+        Finding(
+            "FAIL" if both > FAIL_WIDTHS * half_width else "WARN",
+            f"the CoP is expected to be off by {told}, in a sensing polygon "
+            f"{2e3 * half_width:.0f} mm wide: {cure}",
         )
     ]

@@ -16,6 +16,7 @@ from shoecal_core.calibration.checks import (
     Finding,
     Verdict,
     check_directions,
+    check_expected,
     check_gains,
     check_missing,
     check_nominal,
@@ -26,6 +27,7 @@ from shoecal_core.calibration.checks import (
 from shoecal_core.calibration.evaluate import Errors, errors, measured_series, modelled_series
 from shoecal_core.calibration.extract import stances_of
 from shoecal_core.calibration.fit import SelfCalibration, self_calibrate
+from shoecal_core.calibration.screening.clocks import LEFT_STD_S, put_together
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
@@ -116,10 +118,12 @@ def load_data(
     kinematics = Kinematics(robot)
     numbers = [entry.run for entry in session.runs] if runs is None else list(runs)
     recorded = {number: session.read(number) for number in numbers}
-    aligned = {number: align(run, shoe, kinematics) for number, run in recorded.items()}
-    screening = Screening()
-    if settings is not None:
-        screening = screen(recorded, aligned, shoe, robot.weight, settings)
+    if settings is None:
+        aligned = {number: align(run, shoe, kinematics) for number, run in recorded.items()}
+        screening = Screening()
+    else:
+        aligned, late = put_together(recorded, shoe, kinematics, settings)
+        screening = screen(recorded, aligned, shoe, robot.weight, settings, late)
     temperatures = [run.readings.temperature for run in recorded.values()]
     told = [values[np.isfinite(values)] for values in temperatures]
     return SessionData(
@@ -202,7 +206,7 @@ def calibrate_session(
     train, test = (tuple(run for run in runs if data.stances[run]) for runs in (train, test))
     training, testing = data.of(train), data.of(test)
     _require_supports(session, training, found)
-    stages = self_calibrate(data.shoe, training, settings)
+    stages = self_calibrate(data.shoe, training, _fitting(settings, data.screening))
     guessed = Sensing(data.shoe, stages.guess.parameters)
     sets = {name: part for name, part in (("train", training), ("test", testing)) if part}
     modelled = {
@@ -223,6 +227,14 @@ def calibrate_session(
         test=test,
         modelled=modelled,
     )
+
+
+def _fitting(settings: CalibrationSettings, screening: Screening) -> CalibrationSettings:
+    """Settings of the fit: of a time offset that is corrected already, little is left."""
+    if screening.time_offset == 0.0:
+        return settings
+    left = min(settings.time_offset_std_s, LEFT_STD_S)
+    return replace(settings, time_offset_std_s=left)
 
 
 def _require_supports(
@@ -262,6 +274,8 @@ def _verdict(
     for name, error in modelled.items():
         findings += check_residuals(name, error.grf.mean, error.cop.mean, settings)
     findings += check_directions(assessment.told, assessment.additions)
+    width = min(foot.half_width for foot in data.robot.feet)
+    findings += check_expected(width, *assessment.expected_cop(), assessment.additions)
     return judge(findings)
 
 
@@ -289,7 +303,7 @@ def _calibration(
         covariance=assessment.uncertainty.covariance[: 2 * count, : 2 * count],
         corrections=stages.corrections,
         weight=data.robot.weight,
-        time_offset=stages.time_offset,
+        time_offset=data.screening.time_offset + stages.time_offset,
         temperature=data.temperature,
         verdict=verdict.verdict,
         reasons=verdict.reasons,

@@ -53,6 +53,11 @@ class Foot:
     outline: NDArray[np.float64]
     sensing_polygon: NDArray[np.float64]
 
+    @property
+    def half_width(self) -> float:
+        """Half the shorter side of the box around the sensing polygon [m]."""
+        return 0.5 * float(np.ptp(self.sensing_polygon, axis=0).min())
+
 
 @dataclass(frozen=True)
 class SharedMotor:

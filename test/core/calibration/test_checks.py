@@ -17,6 +17,7 @@ from shoecal_core.calibration.checks import (
     WARN_STDS,
     Finding,
     check_directions,
+    check_expected,
     check_gains,
     check_residuals,
     check_time_offset,
@@ -169,6 +170,18 @@ def test_missing_directions() -> None:
     (finding,) = check_directions(told, (added,))
     assert "dy -0.12 m, yaw 0.4 rad" in finding.reason
     assert check_directions(dataclasses.replace(told, weak=()), ()) == []
+
+
+def test_an_expected_cop_error_is_judged_by_the_width_of_the_polygon() -> None:
+    assert check_expected(0.025, 0.012, {"left": 0.012}, ()) == []
+    (warned,) = check_expected(0.025, 0.004, {"left": 0.075, "right": 0.005}, ())
+    assert warned.verdict == "WARN"
+    assert "75 mm (the left foot), in a sensing polygon 50 mm wide" in warned.reason
+    assert "right" not in warned.reason
+    added = Addition(DoubleSupport(0.0, -0.12, 0.4), None)  # type: ignore[arg-type]
+    (failed,) = check_expected(0.025, 0.03, {"left": 0.001}, (added,))
+    assert failed.verdict == "FAIL"
+    assert "yaw 0.4 rad" in failed.reason
 
 
 def test_the_worst_finding_decides_and_all_are_told() -> None:

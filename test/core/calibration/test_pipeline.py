@@ -11,11 +11,13 @@ from core.calibration import synthetic
 from core.model import robots
 from core.sensing import shoes
 from shoecal_core.calibration import pipeline
+from shoecal_core.calibration.assessment import assess
 from shoecal_core.calibration.checks import Finding, Verdict
 from shoecal_core.calibration.evaluate import errors, measured_series, modelled_series
 from shoecal_core.calibration.fit import self_calibrate
 from shoecal_core.calibration.pipeline import SessionData
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.model.double_support import DoubleSupport
 
 SETTINGS = CalibrationSettings()
@@ -38,7 +40,8 @@ def verdict(supports: Sequence[DoubleSupport], findings: Sequence[Finding] = ())
     )
     pairs = [(measured_series(stages.sensing, run), modelled_series(run)) for run in runs]
     modelled = {"train": errors(pairs)}
-    return pipeline._verdict(data, stages, modelled, SETTINGS, list(findings), runs)
+    assessment = assess(robot, stages, runs, SETTINGS, Tolerances())
+    return pipeline._verdict(data, stages, modelled, SETTINGS, list(findings), assessment)
 
 
 def test_three_supports_of_other_yaw_pass() -> None:
@@ -53,9 +56,10 @@ def test_supports_that_leave_the_feet_s_shares_open_are_told(
 ) -> None:
     """Both feet together look right there, so the residuals do not tell."""
     found = verdict(supports)
-    assert found.verdict == "WARN"
-    assert len(found.reasons) == 1
-    assert "of 14 directions: add a double support with another yaw" in found.reasons[0]
+    assert found.verdict != "PASS"
+    assert "of 14 directions, but not: the offsets of" in found.reasons[0]
+    assert "add a double support: right foot at dx" in found.reasons[0]
+    assert "the CoP is expected to be off by" in found.reasons[1]
 
 
 def test_what_was_found_before_the_fit_counts() -> None:
