@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 from rich.table import Table
 
 from shoecal_core.calibration.screening.faults import Fault
@@ -11,14 +13,16 @@ from shoecal_core.commands.tables import new_table
 
 def screening_table(screening: Screening) -> Table:
     """One line a run that lost something: its samples, and how many of them each fault cost."""
-    lost = {(one.run, one.fault): one for one in screening.left_out}
+    lost = Counter[tuple[int, Fault]]()
+    for one in screening.left_out:
+        lost[one.run, one.fault] += one.samples
     faults = [fault for fault in Fault if any(fault is other for _, other in lost)]
     table = new_table("Samples left out")
     for name in ("run", "samples", *(fault.value.replace("_", " ") for fault in faults)):
         table.add_column(name, justify="right")
     for run, count in screening.samples.items():
-        cells = [lost.get((run, fault)) for fault in faults]
+        cells = [lost[run, fault] for fault in faults]
         if any(cells):
-            told = [f"{one.samples} ({one.share:.1%})" if one else "-" for one in cells]
+            told = [f"{one} ({one / count:.1%})" if one else "-" for one in cells]
             table.add_row(str(run), str(count), *told)
     return table

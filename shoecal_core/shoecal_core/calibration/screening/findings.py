@@ -179,7 +179,7 @@ def of_left_out(found: Sequence[LeftOut]) -> list[Finding]:
             findings.append(
                 Finding(
                     "WARN",
-                    f"{' and '.join(one.channels)} gave spikes in run {one.run} ({times}), left "
+                    f"{', '.join(one.channels)} gave spikes in run {one.run} ({times}), left "
                     "out: check the cable and its shield",
                     one.fault,
                 )

@@ -135,7 +135,6 @@ class _Watch:
             Fault.LIFTED: up,
             Fault.TOO_FAST: widened(too_fast(aligned, settings), time, MARGIN_S),
             Fault.JOLTED: widened(pushed, time, MARGIN_S) | widened(leaps.hits, time, HIT_MARGIN_S),
-            Fault.SPIKE: np.asarray(leaps.spikes.any(axis=1)),
         }
         return _Moments(marked, leaps.spikes, calm)
 
@@ -158,16 +157,19 @@ def _leaving_out(
     """Leave out what was marked, and what came after a slip."""
     time = aligned.time
     before = time < (np.inf if slip is None else slip.time - SLIP_MARGIN_S)
-    kept, lost = np.ones(len(time), dtype=bool), []
-    for fault, marked in {**moments.marked, Fault.SLIPPED: ~before}.items():
+    kept, lost = np.ones(len(time), dtype=bool), list[LeftOut]()
+
+    def leave(fault: Fault, marked: BoolArray, *channels: str) -> None:
         fresh = marked & kept
-        kept &= ~marked
+        kept[marked] = False
         if fresh.any():
-            one = _lost(found, run, fault, fresh, time)
-            if fault is Fault.SPIKE:
-                at_fault = np.flatnonzero(np.any(moments.spikes[fresh], axis=0))
-                one = replace(one, channels=tuple(shoe.names[index] for index in at_fault))
-            lost.append(one)
+            lost.append(_lost(found, run, fault, fresh, time, channels))
+
+    for fault, marked in moments.marked.items():
+        leave(fault, marked)
+    for name, marked in zip(shoe.names, moments.spikes.T, strict=True):
+        leave(Fault.SPIKE, marked, name)
+    leave(Fault.SLIPPED, ~before)
     if kept.sum() < LEAST_SHARE * found.samples[run]:
         lost.append(_lost(found, run, Fault.TOO_LITTLE, kept, time))
         kept = np.zeros_like(kept)
@@ -192,7 +194,14 @@ def _leaving_out_all(found: Screening, run: int, aligned: Aligned) -> Screening:
     )
 
 
-def _lost(found: Screening, run: int, fault: Fault, marked: BoolArray, time: FloatArray) -> LeftOut:
+def _lost(
+    found: Screening,
+    run: int,
+    fault: Fault,
+    marked: BoolArray,
+    time: FloatArray,
+    channels: tuple[str, ...] = (),
+) -> LeftOut:
     count = int(marked.sum())
     times = stretches(marked, time, JOIN_S)
-    return LeftOut(run, fault, count, count / found.samples[run], times)
+    return LeftOut(run, fault, count, count / found.samples[run], times, channels)

@@ -1,0 +1,142 @@
+"""Recordings with a fault, through the commands: named, left out or refused, and counted."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from shoecal_core.files import read_yaml
+from shoecal_core.recording import messages, schemas
+from shoecal_core.recording.run import Run
+from shoecal_core.recording.session import Session
+
+FloatArray = NDArray[np.float64]
+Command = Callable[..., tuple[int, str, str]]
+TRAIN = ("--train", "1,2", "--test", "3")
+
+
+def rewritten(folder: Path, out: Path, change: Callable[[Run], Run]) -> Path:
+    """A session whose runs are changed before anything reads them."""
+    old = Session.open(folder)
+    new = Session.create(out, old.robot_yaml, old.robot_urdf, old.shoe.path, seed=old.seed)
+    for entry in old.runs:
+        run = change(old.read(entry.run))
+        joints, readings = run.joints, run.readings
+        with new.new_run(entry.info.motion, entry.info.support) as writer:
+            for index, time in enumerate(joints.time):
+                stamp = run.start_ns + round(1e9 * time)
+                effort = np.full(len(joints.names), np.nan)
+                position = joints.position[index]
+                message = messages.joint_state(stamp, joints.names, position, effort)
+                writer.write(schemas.JOINT_STATES, message, stamp)
+            for index, time in enumerate(readings.time):
+                stamp = run.start_ns + round(1e9 * time)
+                message = messages.shoe_voltages(
+                    stamp, index, readings.names, readings.value[index], readings.status[index]
+                )
+                writer.write(schemas.VOLTAGES, message, stamp)
+    return out
+
+
+def with_values(run: Run, values: FloatArray) -> Run:
+    return replace(run, readings=replace(run.readings, value=values))
+
+
+def plain(text: str) -> str:
+    return " ".join(text.split())
+
+
+def figures(shoecal: Command, session: Path, tmp_path: Path) -> tuple[dict[str, Any], str]:
+    """Of a calibration that is made in spite of the fault, and what is printed."""
+    file = tmp_path / "figures.json"
+    words = ["calibrate", session, *TRAIN, "--out", tmp_path / "calibration.yaml", "--json", file]
+    code, out, error = shoecal(*words)
+    assert code == 0, error
+    found: dict[str, Any] = json.loads(file.read_text())
+    return found, plain(out)
+
+
+def test_swapped_cells_are_refused_by_name(
+    shoecal: Command, simulated: Path, tmp_path: Path
+) -> None:
+    names = Session.open(simulated).shoe.names
+    order = np.arange(len(names))
+    order[[0, 4]] = 4, 0
+    session = rewritten(
+        simulated, tmp_path / "s", lambda run: with_values(run, run.readings.value[:, order])
+    )
+    told = f"{names[0]} and {names[4]} are swapped"
+    code, out, _ = shoecal("check", session)
+    assert code == 1
+    assert told in plain(out)
+    calibration = tmp_path / "calibration.yaml"
+    code, _, error = shoecal("calibrate", session, *TRAIN, "--out", calibration)
+    assert code == 1
+    assert told in plain(error)
+    assert error.count("\n") == 1
+    assert not calibration.exists()
+
+
+def test_spikes_are_left_out_named_and_counted(
+    shoecal: Command, simulated: Path, tmp_path: Path
+) -> None:
+    at = np.arange(200, 1400, 60)
+
+    def leaping(run: Run) -> Run:
+        values = run.readings.value.copy()
+        if run.info.run == 2:
+            values[at, 5] += 2.0
+        return with_values(run, values)
+
+    found, out = figures(shoecal, rewritten(simulated, tmp_path / "s", leaping), tmp_path)
+    name = Session.open(simulated).shoe.names[5]
+    lost = {
+        (one["run"], *one["channels"]): one["samples"]
+        for one in found["screening"]["left_out"]
+        if one["fault"] == "spike"
+    }
+    assert lost[2, name] >= len(at) - 2
+    # What hits a foot of three cells may leap in one alone.
+    assert sum(lost.values()) - lost[2, name] <= 2
+    assert f"{name} gave spikes in run 2" in out
+    assert "Samples left out" in out
+
+
+def test_a_run_under_another_weight_is_in_no_set(
+    shoecal: Command, simulated: Path, tmp_path: Path
+) -> None:
+    drawn = read_yaml(simulated / "truth" / "reality.yaml").mapping("gain")
+    names = Session.open(simulated).shoe.names
+    share = 5.0 / len(names) / np.array([drawn.number(name) for name in names])
+
+    def held(run: Run) -> Run:
+        return with_values(run, run.readings.value - (share if run.info.run == 3 else 0.0))
+
+    found, out = figures(shoecal, rewritten(simulated, tmp_path / "s", held), tmp_path)
+    assert (found["train"], found["test"]) == ([1, 2], [])
+    assert found["screening"]["runs_left_out"] == [3]
+    assert "run 3 was recorded with 5.0 N less on the feet than the others" in out
+
+
+@pytest.mark.parametrize("late_s", [0.08, -0.06])
+def test_readings_of_another_clock_are_put_right(
+    shoecal: Command, simulated: Path, tmp_path: Path, late_s: float
+) -> None:
+    """What is stamped late makes the joints early."""
+
+    def late(run: Run) -> Run:
+        time = run.readings.time + (late_s - min(late_s, 0.0))
+        joints = replace(run.joints, time=run.joints.time - min(late_s, 0.0))
+        return replace(run, joints=joints, readings=replace(run.readings, time=time))
+
+    found, out = figures(shoecal, rewritten(simulated, tmp_path / "s", late), tmp_path)
+    assert found["time_offset_s"] == pytest.approx(-late_s, abs=0.02)
+    if late_s > 0.0:
+        assert "joints are early by" in out
