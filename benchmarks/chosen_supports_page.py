@@ -66,6 +66,9 @@ The same against `spread`:
 
 {against_spread}
 
+The planner's default is `spread`, which has the forecast's word that everything is fixed, too: the
+others (`support_choice`) find the gains better, but errors on other runs are no smaller.
+
 {reading}
 
 What was promised before anything moved, what the information in the recordings then stated by the
