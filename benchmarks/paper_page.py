@@ -278,7 +278,7 @@ def _verdict(paper: Paper) -> str:
     found = paper.difference("self_calibration")
     different = [NAMES[name] for name, one in found.items() if one.significant]
     cop = found["cop"]
-    most = 1e3 * max(map(abs, cop.interval))
+    most = 1e3 * cop.interval[1]
     if different:
         value = 1e3 * cop.value
         return (

@@ -165,8 +165,15 @@ class CalibrationStore:
             if not current.is_file():
                 save_calibration(self.current, current)
             _rename(current, before)
+        try:
+            _rename(fresh, current)
+        except FileError:
+            # Nothing has changed, neither here nor for the next start.
+            if self.current is not None:
+                save_calibration(self.current, current)
+            raise
+        if self.current is not None:
             self.before = self.current
-        _rename(fresh, current)
         self.current, self.since_ns = calibration, now_ns
 
     def rollback(self, now_ns: int) -> Calibration:

@@ -13,6 +13,7 @@ from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.calibration.initial_guess import InitialGuess
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.commands.arguments import add_sets, require_folder
 from shoecal_core.commands.assessment_table import expected_table, trust_lines
 from shoecal_core.commands.screening_table import screening_table
@@ -33,22 +34,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, required=True, help="calibration file to write")
     parser.add_argument("--report", type=Path, help="also write an HTML report")
     parser.add_argument(
-        "--settings", type=Path, help="parameter file of the calibrator node, for its weights"
+        "--settings",
+        type=Path,
+        help="parameter file of the calibrator node, for its weights and tolerances",
     )
     add_sets(parser)
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Calibrate; a calibration with the verdict FAIL is not written."""
-    settings = (
-        load_settings(CalibrationSettings, args.settings, "calibrator", "calibration")
-        if args.settings
-        else CalibrationSettings()
-    )
+    settings, tolerances = CalibrationSettings(), Tolerances()
+    if args.settings:
+        settings = load_settings(CalibrationSettings, args.settings, "calibrator", "calibration")
+        tolerances = load_settings(Tolerances, args.settings, "calibrator", "tolerances")
     for path in filter(None, (args.out, args.report, args.json)):
         require_folder(path)
     session = Session.open(args.session)
-    outcome = calibrate_session(session, args.train, args.test, settings)
+    outcome = calibrate_session(session, args.train, args.test, settings, tolerances)
     console.print(errors_table("Measured against modelled", stages_rows(outcome.modelled)))
     _print_channels(outcome, console)
     _print_trust(outcome, console)
@@ -56,7 +58,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     if calibration.verdict != "FAIL":
         save_calibration(calibration, args.out)
     if args.report is not None:
-        write_session_report(args.report, session, outcome, settings=settings)
+        write_session_report(
+            args.report, session, outcome, settings=settings, tolerances=tolerances
+        )
     if calibration.verdict == "FAIL":
         raise CalibrationFailedError(f"no calibration written: {'; '.join(calibration.reasons)}")
     for reason in calibration.reasons:

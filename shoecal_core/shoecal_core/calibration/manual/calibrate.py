@@ -31,6 +31,11 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
+SOURCE = "manual"
+CELLS_ONLY = (
+    "single cells only: load the shoe next, its CoP is not corrected yet and assembling may have "
+    "shifted its offsets"
+)
 
 
 @dataclass(frozen=True)
@@ -122,13 +127,7 @@ def calibrate_cells(
     fits = fit_cells(cells)
     gain, offset, covariance = law(fits)
     findings = check_cells(shoe, gain) + check_lines(fits)
-    findings.append(
-        Finding(
-            "WARN",
-            "single cells only: load the shoe next, its CoP is not corrected yet and assembling "
-            "may have shifted its offsets",
-        )
-    )
+    findings.append(Finding("WARN", CELLS_ONLY))
     calibration = _calibration(
         shoe, robot, ChannelParameters(gain, offset), covariance, (), findings,
         made_ns or cells.end_ns,
@@ -165,6 +164,11 @@ def calibrate_shoe(
     """
     _same_shoe(shoe, loads)
     cells.sensing(shoe)
+    if cells.source != SOURCE:
+        raise ShoecalError(
+            f"calibration '{cells.id}' is no manual one of single cells (its source is "
+            f"'{cells.source}'): give the file that `shoecal manual cells` wrote"
+        )
     if cells.shoe_hash != shoe.digest:
         raise ShoecalError(
             f"the cells' calibration '{cells.id}' was made with another file of shoe "
@@ -173,7 +177,7 @@ def calibrate_shoe(
     parameters, covariance, shift = assembled(loads, cells.parameters, cells.covariance)
     feet = []
     corrections = []
-    findings = check_cells(shoe, parameters.gain) + check_lines(fits)
+    findings = _carried(cells, check_cells(shoe, parameters.gain))
     for foot in (0, 1):
         found = loaded(loads, foot, parameters)
         result, kept = _foot(found, fit_correction(loads, found), shift[shoe.of_foot(foot)])
@@ -216,6 +220,17 @@ def _same_shoe(shoe: Shoe, measurements: Measurements) -> None:
         )
 
 
+def _carried(cells: Calibration, findings: Sequence[Finding]) -> list[Finding]:
+    """Findings, and those of the first step that the second one does not make good."""
+    known = {finding.reason for finding in findings} | {CELLS_ONLY}
+    carried = []
+    for told in cells.reasons:
+        verdict, _, reason = told.partition(": ")
+        if verdict in ("WARN", "FAIL") and reason not in known:
+            carried.append(Finding(verdict, reason))
+    return [*findings, *carried]
+
+
 def _calibration(
     shoe: Shoe,
     robot: Robot,
@@ -231,7 +246,7 @@ def _calibration(
     digest = hashlib.sha256(b"".join(part.tobytes() for part in parts) + str(made_ns).encode())
     return Calibration(
         id=f"manual-{digest.hexdigest()[:12]}",
-        source="manual",
+        source=SOURCE,
         made_ns=made_ns,
         robot=robot.name,
         shoe=shoe.name,

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from shoecal_core.calibration.aligned import Aligned, align
+from shoecal_core.calibration.aligned import MIN_SAMPLES, Aligned, align
 from shoecal_core.calibration.screening.blocks import blocks
 from shoecal_core.calibration.screening.noise import spread
 from shoecal_core.calibration.screening.rough_fit import equations, prior, reweighed, solve
@@ -81,6 +81,8 @@ def time_offset(
     if len(aligned) < 2:
         return 0.0
     tracks = _tracks(aligned, shoe, weight, settings)
+    if len(tracks) < 2:
+        return 0.0
     late = _late(tracks)
     each = np.array([_late([track], late) for track in tracks])
     unsure = float(each.std(ddof=1) / np.sqrt(len(each)))
@@ -99,7 +101,9 @@ def _tracks(
         wrench = parameters.outputs(one.readings) @ parts[run].columns + parts[run].base
         place = cop(wrench, MINIMUM_FORCE)
         there = np.isfinite(place).all(axis=1)
-        tracks.append(Track(one.time[there], place[there], one.states.cop[there, 0]))
+        # A run in which hardly a foot was loaded tells nothing of the clocks.
+        if there.sum() >= MIN_SAMPLES:
+            tracks.append(Track(one.time[there], place[there], one.states.cop[there, 0]))
     return tracks
 
 
