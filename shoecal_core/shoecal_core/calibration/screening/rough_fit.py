@@ -8,7 +8,7 @@ count less and less. A bias of a few per cent does no harm here, one bad run or 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +21,6 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, at_cop
 
 FloatArray = NDArray[np.float64]
-Row = tuple[FloatArray, FloatArray, float]
 
 ROUNDS = 5
 """Times that the blocks are weighed anew."""
@@ -29,6 +28,16 @@ FAR = 3.0
 """Blocks this many of their typical deviations off count half."""
 LEAST_SPREAD = 0.2
 """Deviations are not taken as smaller than this, in the settings' standard deviations."""
+
+
+@dataclass(frozen=True)
+class Sums:
+    """What least squares need of one run: A'WA (2n, 2n), A'Wy (2n,), y'Wy, and 3 sum W."""
+
+    product: FloatArray
+    right: FloatArray
+    square: float
+    count: float
 
 
 @dataclass(frozen=True)
@@ -50,15 +59,15 @@ class Equations:
         off: FloatArray = self.matrix @ vector - self.target
         return off
 
-    def normal(self) -> Row:
-        """A'WA, A'Wy, y'Wy."""
-        weighed = self.matrix * self.weight[:, None]
+    def sums(self) -> Sums:
+        """Over all blocks."""
         flat = self.matrix.reshape(-1, self.matrix.shape[-1])
-        product = weighed.reshape(flat.shape).T
-        return (
-            product @ flat,
-            product @ self.target.ravel(),
+        weighed = (self.matrix * self.weight[:, None]).reshape(flat.shape)
+        return Sums(
+            weighed.T @ flat,
+            weighed.T @ self.target.ravel(),
             float((self.target**2 * self.weight).sum()),
+            3.0 * float(self.weight.sum()),
         )
 
 
@@ -112,15 +121,19 @@ def prior(
 
 def solve(runs: Mapping[int, Equations], information: FloatArray) -> RoughFit:
     """Least squares over some runs, the blocks weighed as they are."""
-    sums = [run.normal() for run in runs.values()]
-    matrix = np.diag(information) + sum(row[0] for row in sums)
-    right = np.sum([row[1] for row in sums], axis=0)
+    return solve_sums([run.sums() for run in runs.values()], information)
+
+
+def solve_sums(runs: Sequence[Sums], information: FloatArray) -> RoughFit:
+    """The same from the runs' sums."""
+    matrix = np.diag(information) + np.sum([run.product for run in runs], axis=0)
+    right = np.sum([run.right for run in runs], axis=0)
     # Gains are some hundred times offsets: scaled, or a cell that never moved is not seen.
     scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-30))
     inverse = np.linalg.pinv(matrix * np.outer(scale, scale), hermitian=True)
     covariance = inverse * np.outer(scale, scale)
     vector = covariance @ right
-    cost = sum(row[2] for row in sums) - float(right @ vector)
+    cost = sum(run.square for run in runs) - float(right @ vector)
     return RoughFit(vector, covariance, cost)
 
 

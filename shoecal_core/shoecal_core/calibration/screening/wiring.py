@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.screening.blocks import Blocks
-from shoecal_core.calibration.screening.rough_fit import RoughFit, equations, solve
+from shoecal_core.calibration.screening.rough_fit import RoughFit, equations, solve_sums
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.sensing.shoe import Shoe
 
@@ -59,33 +59,52 @@ def check_wiring(
         information: (2n,) prior; see `rough_fit.prior`.
         weight: of robot and shoes [N].
     """
-    place = right = np.arange(len(shoe.names))
-    subsets = [list(runs)] + [[one for one in runs if one != run] for run in runs]
-    tried = [right, *(_exchanged(right, pairs) for pairs in exchanges(shoe))]
-    rows = [
-        {
-            run: equations(replace(one, columns=one.columns[order]), weight, settings)
-            for run, one in runs.items()
-        }
-        for order in tried
-    ]
-    fits = [
-        [solve({run: row[run] for run in subset}, information) for subset in subsets]
-        for row in rows
-    ]
-    best = int(np.argmin([each[0].cost for each in fits]))
-    counts = [sum(3.0 * rows[0][run].weight.sum() for run in subset) for subset in subsets]
-    if all(
-        as_told.cost - other.cost > BETTER * max(1.0, other.cost / count) * len(subset) / len(runs)
-        for as_told, other, count, subset in zip(fits[0], fits[best], counts, subsets, strict=True)
-    ):
-        place = tried[best]
-    else:
+    right = np.arange(len(shoe.names))
+    places = [right, *(_exchanged(right, pairs) for pairs in exchanges(shoe))]
+    tried = [_without_each(runs, place, information, weight, settings) for place in places]
+    best = int(np.argmin([one.fits[0].cost for one in tried]))
+    if not _better(tried[best], tried[0]):
         best = 0
-    against = np.all([_against(shoe.polarity[place], fit) for fit in fits[best]], axis=0)
+    place = places[best]
+    against = np.all([_against(shoe.polarity[place], fit) for fit in tried[best].fits], axis=0)
     return Wiring(
         inverted=tuple(np.flatnonzero(against).tolist()),
         swapped=tuple((int(k), int(place[k])) for k in np.flatnonzero(place > right)),
+    )
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """Fits to all runs, then to all but each of them; `count` blocks that each one had."""
+
+    fits: list[RoughFit]
+    count: list[float]
+
+
+def _without_each(
+    runs: Mapping[int, Blocks],
+    place: IntArray,
+    information: FloatArray,
+    weight: float,
+    settings: CalibrationSettings,
+) -> _Tried:
+    """Fits with the channels at other places."""
+    sums = [
+        equations(replace(one, columns=one.columns[place]), weight, settings).sums()
+        for one in runs.values()
+    ]
+    subsets = [sums] + [sums[:index] + sums[index + 1 :] for index in range(len(sums))]
+    return _Tried(
+        [solve_sums(subset, information) for subset in subsets],
+        [sum(one.count for one in subset) for subset in subsets],
+    )
+
+
+def _better(one: _Tried, other: _Tried) -> bool:
+    """Whether one fits much better than another, with and without any of the runs."""
+    return all(
+        there.cost - here.cost > BETTER * max(1.0, here.cost / count) * count / one.count[0]
+        for here, there, count in zip(one.fits, other.fits, one.count, strict=True)
     )
 
 
