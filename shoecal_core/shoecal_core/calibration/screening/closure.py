@@ -34,6 +34,23 @@ LEAST_M, LEAST_RAD, LEAST_SHARE = 5e-5, 5e-4, 1e-3
 reason for alarm. The last is a share of a channel's whole range."""
 USUAL = 0.98
 """Part of a session's steps that are usual."""
+ENOUGH = 50_000
+"""Samples from which that is taken."""
+
+
+@dataclass(frozen=True)
+class Feet:
+    """One run's samples at which both feet are on the floor.
+
+    Attributes:
+        time: (T,) since the run's start [s].
+        pose: (T, 6) of the right sole in the left's frame: x, y, z, tilts about x and y, yaw.
+        readings: (T, n) raw.
+    """
+
+    time: FloatArray
+    pose: FloatArray
+    readings: FloatArray
 
 
 @dataclass(frozen=True)
@@ -57,17 +74,29 @@ def lifted(states: BodyStates) -> BoolArray:
     return high
 
 
-def slips(runs: Mapping[int, Aligned]) -> dict[int, Slipped]:
-    """The first slip of every run that has one; samples with a lifted foot are left out before."""
+def feet(aligned: Aligned, readings: FloatArray, standing: BoolArray) -> Feet:
+    """What `slips` needs of a run.
+
+    Args:
+        aligned: T samples.
+        readings: (T, n) in place of the recorded ones.
+        standing: (T,) samples to take.
+    """
+    pose = _pose(aligned.states)
+    return Feet(aligned.time[standing], pose[standing], readings[standing])
+
+
+def slips(runs: Mapping[int, Feet]) -> dict[int, Slipped]:
+    """The first slip of every run that has one."""
     runs = {run: one for run, one in runs.items() if len(one.time) > 1}
     if not runs:
         return {}
-    closure = {run: _steps(_pose(one.states), one.time) for run, one in runs.items()}
+    closure = {run: _steps(one.pose, one.time) for run, one in runs.items()}
+    closure_size = _in_usual(closure, np.array([LEAST_M] * 3 + [LEAST_RAD] * 3))
     load = {run: _kinks(one.readings, one.time) for run, one in runs.items()}
-    least = np.array([LEAST_M] * 3 + [LEAST_RAD] * 3)
-    closure_size = _in_usual(closure, least)
-    ranges = np.ptp(np.concatenate([one.readings for one in runs.values()]), axis=0)
-    load_size = _in_usual(load, LEAST_SHARE * ranges)
+    low = np.min([one.readings.min(axis=0) for one in runs.values()], axis=0)
+    high = np.max([one.readings.max(axis=0) for one in runs.values()], axis=0)
+    load_size = _in_usual(load, LEAST_SHARE * (high - low))
     found = {}
     for run, one in runs.items():
         period = float(np.median(np.diff(one.time)))
@@ -84,15 +113,19 @@ def slips(runs: Mapping[int, Aligned]) -> dict[int, Slipped]:
 
 def _in_usual(steps: Mapping[int, FloatArray], least: FloatArray) -> dict[int, FloatArray]:
     """(T,) length of each run's steps (T, k), in the session's usual standard deviations."""
-    everything = np.concatenate(list(steps.values()))
-    length = np.zeros(len(everything))
+    stride = 1 + sum(map(len, steps.values())) // ENOUGH
+    some = np.concatenate([one[::stride] for one in steps.values()])
+    length = np.zeros(len(some))
     for _ in range(3):
-        usual = everything[length <= np.quantile(length, USUAL)]
-        covariance = usual.T @ usual / len(usual) + np.diag(least**2)
-        inverse = np.linalg.inv(covariance)
-        length = np.sqrt(np.einsum("ti,ij,tj->t", everything, inverse, everything))
-    ends = np.cumsum([len(one) for one in steps.values()])[:-1]
-    return dict(zip(steps, np.split(length, ends), strict=True))
+        usual = some[length <= np.quantile(length, USUAL)]
+        inverse = np.linalg.inv(usual.T @ usual / len(usual) + np.diag(least**2))
+        length = _lengths(some, inverse)
+    return {run: _lengths(one, inverse) for run, one in steps.items()}
+
+
+def _lengths(steps: FloatArray, inverse: FloatArray) -> FloatArray:
+    lengths: FloatArray = np.sqrt(np.einsum("ti,ti->t", steps @ inverse, steps))
+    return lengths
 
 
 def _pose(states: BodyStates) -> FloatArray:

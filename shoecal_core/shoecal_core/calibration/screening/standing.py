@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.screening import findings as words
 from shoecal_core.calibration.screening.blocks import Blocks, blocks
-from shoecal_core.calibration.screening.closure import Slipped, lifted, slips
+from shoecal_core.calibration.screening.closure import Feet, Slipped, feet, lifted, slips
 from shoecal_core.calibration.screening.disturbed import disturbed
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.screening.noise import noise
@@ -105,7 +105,7 @@ class _Moments:
 
     marked: Mapping[Fault, BoolArray]
     spikes: BoolArray
-    calm: Aligned
+    calm: Feet
 
 
 @dataclass(frozen=True)
@@ -129,7 +129,7 @@ class _Watch:
         place[nowhere] = 0.0
         pushed = disturbed(time, wrench[:, 0] - self.weight, place, settings) | nowhere
         up = widened(lifted(aligned.states), time, MARGIN_S)
-        calm = replace(aligned, readings=leaps.calm).part(~lasting(up, time, LIFT_S))
+        calm = feet(aligned, leaps.calm, ~lasting(up, time, LIFT_S))
         marked = {
             Fault.SATURATED: self._at_end(aligned.readings, trembling),
             Fault.LIFTED: up,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from core.calibration.screening.recordings import Recording, recording, turned
-from shoecal_core.calibration.screening.closure import lifted, slips
+from shoecal_core.calibration.aligned import Aligned
+from shoecal_core.calibration.screening.closure import Slipped, feet, lifted, slips
 
 FloatArray = NDArray[np.float64]
 
@@ -29,10 +31,18 @@ def stepped(
     return whole.with_run(run, states=states, readings=readings)
 
 
+def found_in(runs: Mapping[int, Aligned]) -> dict[int, Slipped]:
+    everything = {
+        run: feet(one, one.readings, np.ones(len(one.time), dtype=bool))
+        for run, one in runs.items()
+    }
+    return slips(everything)
+
+
 def test_feet_that_stay() -> None:
     for count in (2, 3, 5):
         whole = recording(count, count=count)
-        assert slips(whole.aligned) == {}
+        assert found_in(whole.aligned) == {}
         assert not any(lifted(one.states).any() for one in whole.aligned.values())
 
 
@@ -40,7 +50,7 @@ def test_feet_that_stay() -> None:
     "shift", [(0.003, 0.0, 0.0), (0.0, -0.002, 0.004), (0.0, 0.0, 0.02), (-0.001, 0.001, 0.01)]
 )
 def test_a_step_that_stays_is_a_slip(shift: tuple[float, float, float]) -> None:
-    found = slips(stepped(recording(), 2, 14.0, shift, 1.0).aligned)
+    found = found_in(stepped(recording(), 2, 14.0, shift, 1.0).aligned)
     assert set(found) == {2}
     assert found[2].time == pytest.approx(14.0, abs=0.3)
     np.testing.assert_allclose(found[2].shift, shift, atol=1e-3)
@@ -49,7 +59,7 @@ def test_a_step_that_stays_is_a_slip(shift: tuple[float, float, float]) -> None:
 def test_the_first_of_two_slips_is_told() -> None:
     whole = stepped(recording(), 1, 9.0, (0.003, 0.0, 0.0), 1.0)
     whole = stepped(whole, 1, 20.0, (0.006, 0.0, 0.0), 1.0)
-    assert slips(whole.aligned)[1].time == pytest.approx(9.0, abs=0.3)
+    assert found_in(whole.aligned)[1].time == pytest.approx(9.0, abs=0.3)
 
 
 def test_wandering_without_a_step_of_the_load_is_none() -> None:
@@ -58,18 +68,18 @@ def test_wandering_without_a_step_of_the_load_is_none() -> None:
     one = whole.aligned[3]
     wander = 0.0015 * np.sin(2.0 * np.pi * one.time / 11.0)[:, None] * [1.0, 0.5, 0.0]
     states = replace(one.states, translation=one.states.translation + wander)
-    assert slips(whole.with_run(3, states=states).aligned) == {}
+    assert found_in(whole.with_run(3, states=states).aligned) == {}
 
 
 def test_a_load_that_steps_without_the_feet_is_none() -> None:
-    assert slips(stepped(recording(), 2, 14.0, (0.0, 0.0, 0.0), 2.0).aligned) == {}
+    assert found_in(stepped(recording(), 2, 14.0, (0.0, 0.0, 0.0), 2.0).aligned) == {}
 
 
 def test_too_short_a_run_tells_nothing() -> None:
     one = recording().aligned[1]
     few = one.part(one.time < 0.3)
-    assert slips({1: few}) == {}
-    assert slips({1: one.part(one.time < 0.0)}) == {}
+    assert found_in({1: few}) == {}
+    assert found_in({1: one.part(one.time < 0.0)}) == {}
 
 
 @pytest.mark.parametrize("tilt", [False, True])
