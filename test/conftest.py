@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import signal
 import socket
+import threading
 from pathlib import Path
 
 import pytest
@@ -21,7 +23,10 @@ _reservation = pytest.StashKey[socket.socket]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Give this process a ROS domain of its own for as long as it lives."""
+    """Give this process a ROS domain of its own for as long as it lives, and its children ears."""
+    # A shell's background jobs ignore interrupts, and so would every program under test.
+    if threading.current_thread() is threading.main_thread():
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     domain, config.stash[_reservation] = _reserve_domain()
     os.environ["ROS_DOMAIN_ID"] = str(domain)
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
