@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.aligned import Aligned
-from shoecal_core.calibration.screening.noise import noise
+from shoecal_core.calibration.screening.noise import noise, resolution
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import columns_in_left, combined, weight_below
 
@@ -54,7 +54,10 @@ def blocks(aligned: Aligned, shoe: Shoe) -> Blocks:
         time=in_blocks(aligned.time, size).mean(axis=1),
         readings=np.median(in_blocks(aligned.readings, size), axis=1),
         cop=in_blocks(aligned.states.cop[:, 0], size).mean(axis=1),
-        noise=noise(aligned.readings) * sharper,
+        # A median of a converter's steps is one of them again.
+        noise=np.maximum(
+            noise(aligned.readings) * sharper, resolution(aligned.readings) / np.sqrt(12.0)
+        ),
         columns=columns_in_left(shoe, support),
         base=combined(weight_below(shoe), support),
     )
