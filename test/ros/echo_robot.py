@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
+import signal
+from threading import Event
 
 import rclpy
 from rclpy.action import ActionServer
 from rclpy.action.server import ServerGoalHandle
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from shoecal_msgs.action import ReachSupport
 from shoecal_msgs.msg import ShoeVoltages
 
@@ -25,12 +26,18 @@ def reach(goal: ServerGoalHandle) -> ReachSupport.Result:
 
 
 def main() -> None:
-    rclpy.init()
+    # The node leaves before the middleware does: nobody shall find a robot that has gone.
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    asked_to_end = Event()
+    signal.signal(signal.SIGTERM, lambda number, frame: asked_to_end.set())
     node = Node("echo_robot")
     node.create_subscription(ShoeVoltages, "shoe/voltages", repeat, 1)
-    ActionServer(node, ReachSupport, "robot/reach_support", reach)
-    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
-        rclpy.spin(node)
+    server = ActionServer(node, ReachSupport, "robot/reach_support", reach)
+    while not asked_to_end.is_set():
+        rclpy.spin_once(node, timeout_sec=0.1)
+    server.destroy()
+    node.destroy_node()
+    rclpy.shutdown()
 
 
 if __name__ == "__main__":

@@ -43,6 +43,10 @@ def robot() -> Iterator[subprocess.Popen[str]]:
     with process:
         yield process
         process.terminate()
+        try:
+            process.wait(TIMEOUT_S)
+        finally:
+            process.kill()
 
 
 def test_messages_reach_another_process(node: Node, robot: subprocess.Popen[str]) -> None:
