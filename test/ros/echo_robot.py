@@ -29,7 +29,7 @@ def main() -> None:
     # The node leaves before the middleware does: nobody shall find a robot that has gone.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     asked_to_end = Event()
-    signal.signal(signal.SIGTERM, lambda number, frame: asked_to_end.set())
+    signal.signal(signal.SIGTERM, lambda *_: asked_to_end.set())
     node = Node("echo_robot")
     node.create_subscription(ShoeVoltages, "shoe/voltages", repeat, 1)
     server = ActionServer(node, ReachSupport, "robot/reach_support", reach)
