@@ -14,6 +14,7 @@ from fault_draws import Draw, Expected, Injected, NoFaultError
 from population import RATE_HZ, nao
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.errors import ShoecalError
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
@@ -26,7 +27,6 @@ from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import Samples, run
-from shoecal_core.simulation.trajectory import JointTrajectory
 from shoecal_core.workspace import config_dir
 
 FloatArray = NDArray[np.float64]

@@ -18,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
@@ -31,7 +32,6 @@ from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import run
-from shoecal_core.simulation.trajectory import JointTrajectory
 from shoecal_core.workspace import config_dir
 
 CAUSES: Mapping[str, tuple[str, ...]] = {

@@ -22,10 +22,10 @@ from shoecal_core.calibration.calibration import FORMAT as CALIBRATION_FORMAT
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.errors import NameNotFoundError, ShapeError, ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.sensing.correction import POLYNOMIAL, CopCorrection
 from shoecal_core.sensing.shoe import FEET
 from shoecal_core.sensing.wrench import ChannelParameters
-from shoecal_core.simulation.trajectory import JointTrajectory
 
 FloatArray = NDArray[np.float64]
 SECOND_NS = 1_000_000_000

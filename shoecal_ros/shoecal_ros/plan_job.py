@@ -14,6 +14,7 @@ from rclpy.action.server import ServerGoalHandle
 from shoecal_msgs.action import Plan
 
 from shoecal_core.errors import NameNotFoundError, ShoecalError
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.check import CheckFailedError
 from shoecal_core.planning.motion import Motion
@@ -23,7 +24,6 @@ from shoecal_core.planning.rolling import PlanningCanceledError, PlanningError, 
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.timing import TimingError
 from shoecal_core.settings import Settings, setting
-from shoecal_core.simulation.trajectory import JointTrajectory
 from shoecal_ros import planning_work
 from shoecal_ros.arming import Arming
 from shoecal_ros.conversions import trajectory_to_ros

@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.robot import Robot
 from shoecal_core.simulation.converter import Readings
 from shoecal_core.simulation.floor import FloorTruth
 from shoecal_core.simulation.robot import JointReadings, SimulatedRobot
 from shoecal_core.simulation.snapshot import stack
-from shoecal_core.simulation.trajectory import JointTrajectory
 
 FloatArray = NDArray[np.float64]
 SECOND_NS = 1_000_000_000

@@ -17,8 +17,8 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 from ros.bodies import calibration, nao, nao_shoe
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.sensing.correction import CopCorrection
-from shoecal_core.simulation.trajectory import JointTrajectory
 from shoecal_ros import conversions
 from shoecal_ros.conversions import JointSample, MessageError, VoltageFrame
 

@@ -9,7 +9,7 @@ from rclpy.action.server import ServerGoalHandle
 from shoecal_msgs.action import Plan
 
 from ros.bodies import nao
-from shoecal_core.simulation.trajectory import JointTrajectory
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.joints import JointBatch
 from shoecal_ros.plan_job import Mover, MovingSettings, PlanJob
 

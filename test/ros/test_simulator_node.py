@@ -13,10 +13,10 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.bodies import ODD, ODD_SHOE, nao, nao_shoe
 from ros.world import World
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.truth import read_truth
 from shoecal_core.sensing.shoe import load_shoe
-from shoecal_core.simulation.trajectory import JointTrajectory
 from shoecal_ros import qos
 from shoecal_ros.conversions import time_from_ros, trajectory_to_ros
 from shoecal_ros.demo import write_device

@@ -10,6 +10,7 @@ import numpy as np
 
 from shoecal_core.files import write_yaml
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
@@ -21,7 +22,6 @@ from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import Samples, run
-from shoecal_core.simulation.trajectory import JointTrajectory
 
 START_NS = 1_000_000_000
 """Stamp of the first sample: simulated time has no epoch, but 0 means unset in ROS."""

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.robot import Robot
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.simulation import robot_physics
@@ -21,7 +22,6 @@ from shoecal_core.simulation.floor import FloorTruth, floor_truth
 from shoecal_core.simulation.set_points import SERVO_PERIOD, SetPoints
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader
 from shoecal_core.simulation.snapshot import Snapshot
-from shoecal_core.simulation.trajectory import JointTrajectory
 
 FloatArray = NDArray[np.float64]
 

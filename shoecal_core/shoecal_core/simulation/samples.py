@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.converter import Readings
 from shoecal_core.simulation.disturbances import Disturbance, disturb
 from shoecal_core.simulation.floor import FloorTruth
 from shoecal_core.simulation.robot import JointReadings, SimulatedRobot
 from shoecal_core.simulation.snapshot import stack
-from shoecal_core.simulation.trajectory import JointTrajectory
 
 FloatArray = NDArray[np.float64]
 

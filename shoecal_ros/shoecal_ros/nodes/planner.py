@@ -16,8 +16,8 @@ from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from shoecal_core.errors import ShoecalError
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.simulation.trajectory import JointTrajectory
 from shoecal_ros import planning_work, qos
 from shoecal_ros.actions import finish
 from shoecal_ros.arming import Arming

@@ -7,11 +7,11 @@ import pytest
 
 from core.simulation.worlds import DEFAULT, PERFECT, World
 from shoecal_core.errors import NameNotFoundError
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.disturbances import Push, Slip
 from shoecal_core.simulation.drawn import link_names
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import run
-from shoecal_core.simulation.trajectory import JointTrajectory
 
 
 def standing_still(sim: SimulatedRobot, seconds: float) -> JointTrajectory:

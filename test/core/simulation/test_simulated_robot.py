@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed
 from shoecal_core.errors import ShapeError, ShoecalError
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.sensing import wrench
 from shoecal_core.simulation.effects import FloorTilt, Latency
@@ -15,7 +16,6 @@ from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedErro
 from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import Samples, run
-from shoecal_core.simulation.trajectory import JointTrajectory
 
 FloatArray = NDArray[np.float64]
 

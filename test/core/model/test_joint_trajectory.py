@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.simulation.worlds import World
 from shoecal_core.errors import NameNotFoundError, ShapeError, ShoecalError
-from shoecal_core.simulation.trajectory import JointTrajectory
+from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.model.robot import Robot
 
 
 def trajectory(times: list[float], positions: list[list[float]], *names: str) -> JointTrajectory:
@@ -33,21 +33,21 @@ def test_it_holds_its_ends() -> None:
     assert planned.at(np.array([-1.0, 2.0, 99.0]))[:, 0] == pytest.approx([0.0, 0.4, 0.4])
 
 
-def test_joints_not_named_stay(nao: World) -> None:
-    robot, start = nao.robot, nao.robot.posture
-    planned = trajectory([1.0, 2.0], [[0.1], [0.2]], "HeadYaw").full(robot, start)
-    assert planned.names == robot.joint_names
+def test_joints_not_named_stay(nao: Robot) -> None:
+    start = nao.posture
+    planned = trajectory([1.0, 2.0], [[0.1], [0.2]], "HeadYaw").full(nao, start)
+    assert planned.names == nao.joint_names
     assert planned.times == pytest.approx([0.0, 1.0, 2.0])
     moved = np.flatnonzero(np.ptp(planned.positions, axis=0))
-    assert moved.tolist() == [robot.joint("HeadYaw")]
+    assert moved.tolist() == [nao.joint("HeadYaw")]
     assert planned.positions[0] == pytest.approx(start)
 
 
 @pytest.mark.parametrize("name", ["LHipYawPitch", "RHipYawPitch"])
-def test_one_motor_moves_both_of_its_joints(nao: World, name: str) -> None:
-    planned = trajectory([0.0], [[-0.2]], name).full(nao.robot, nao.robot.posture)
+def test_one_motor_moves_both_of_its_joints(nao: Robot, name: str) -> None:
+    planned = trajectory([0.0], [[-0.2]], name).full(nao, nao.posture)
     for joint in ("LHipYawPitch", "RHipYawPitch"):
-        assert planned.positions[0, nao.robot.joint(joint)] == pytest.approx(-0.2)
+        assert planned.positions[0, nao.joint(joint)] == pytest.approx(-0.2)
 
 
 @pytest.mark.parametrize(
@@ -73,11 +73,11 @@ def test_shapes_must_fit() -> None:
         JointTrajectory(("a",), np.zeros(0), np.zeros((0, 1)))
 
 
-def test_what_the_robot_cannot_do_is_refused(nao: World) -> None:
-    start = nao.robot.posture
+def test_what_the_robot_cannot_do_is_refused(nao: Robot) -> None:
+    start = nao.posture
     with pytest.raises(NameNotFoundError, match="'Tail'"):
-        trajectory([0.0], [[0.0]], "Tail").full(nao.robot, start)
+        trajectory([0.0], [[0.0]], "Tail").full(nao, start)
     with pytest.raises(ShoecalError, match=r"'LKneePitch' is told to move .* beyond its limits"):
-        trajectory([0.0], [[3.0]], "LKneePitch").full(nao.robot, start)
+        trajectory([0.0], [[3.0]], "LKneePitch").full(nao, start)
     with pytest.raises(ShoecalError, match="are one motor"):
-        trajectory([0.0], [[0.1, 0.2]], "LHipYawPitch", "RHipYawPitch").full(nao.robot, start)
+        trajectory([0.0], [[0.1, 0.2]], "LHipYawPitch", "RHipYawPitch").full(nao, start)
