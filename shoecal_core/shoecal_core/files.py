@@ -25,8 +25,13 @@ MAX_YAML_BYTES = 16 * 2**20
 """Larger configuration files are refused before they are parsed."""
 
 
-def atomic_write(path: Path, content: bytes | str) -> None:
+def atomic_write(path: Path, content: bytes | str, mode: int = 0o666) -> None:
     """Write a file so that after a kill at any moment it is the old one or the new one, whole.
+
+    Args:
+        path: the file.
+        content: of it.
+        mode: rights of the file, less those that the process's umask takes away.
 
     Raises:
         FileError: when the folder does not exist or cannot be written.
@@ -35,7 +40,7 @@ def atomic_write(path: Path, content: bytes | str) -> None:
     data = content.encode() if isinstance(content, str) else content
     fresh = path.parent / f".{path.name}.{secrets.token_hex(8)}"
     try:
-        file = fresh.open("xb")
+        file = os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb")
     except OSError as error:
         raise FileError(
             path, f"cannot be written ({error.strerror}); check the folder and its rights"

@@ -15,9 +15,11 @@ import shoecal_core
 
 ROOT = Path(shoecal_core.__file__).parent
 
-FOUNDATION = {"errors", "files", "settings", "workspace"}
+FOUNDATION = {"compiled", "compiler", "errors", "files", "settings", "workspace"}
 METHOD = {"sensing", "model"}
 MAY_IMPORT = {
+    "compiled": FOUNDATION,
+    "compiler": FOUNDATION,
     "errors": set[str](),
     "files": FOUNDATION,
     "settings": FOUNDATION,
