@@ -24,12 +24,12 @@ from shoecal_msgs.msg import ShoeVoltages
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.settings import Settings, setting
-from shoecal_ros import qos
-from shoecal_ros.conversions import voltages_from_ros
-from shoecal_ros.joining import FrameJoiner, Joined
-from shoecal_ros.robot_files import RobotFiles
-from shoecal_ros.runtime import ShoecalNode, run
-from shoecal_ros.voltages import VoltageInput
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import voltages_from_ros
+from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.common.runtime import ShoecalNode, run
+from shoecal_ros.inputs.joining import FrameJoiner, Joined
+from shoecal_ros.inputs.voltages import VoltageInput
 
 _NO_DIGITS = str.maketrans("", "", string.digits)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ros.bodies import nao_shoe
-from shoecal_ros.joining import Joined
-from shoecal_ros.joints import JointBatch
+from shoecal_ros.inputs.joining import Joined
+from shoecal_ros.inputs.joints import JointBatch
 
 STEP_NS = 100_000_000
 COUNT = len(nao_shoe().names)

@@ -16,8 +16,8 @@ from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.posture import stance
 from shoecal_core.sensing.load_cases import double_support_outputs
 from shoecal_core.sensing.wrench import at_cop, weight_below
-from shoecal_ros import qos
-from shoecal_ros.conversions import JointSample, VoltageFrame, joints_to_ros, voltages_to_ros
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import JointSample, VoltageFrame, joints_to_ros, voltages_to_ros
 
 FloatArray = NDArray[np.float64]
 PERIOD_NS = 20_000_000

@@ -24,7 +24,7 @@ from shoecal_core.commands.simulated_manual import rig_readings
 from shoecal_core.simulation.drawn import draw_shoes
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.rig import LoadingRig
-from shoecal_ros.conversions import (
+from shoecal_ros.common.conversions import (
     VoltageFrame,
     calibration_from_ros,
     calibration_to_ros,

@@ -25,7 +25,7 @@ from shoecal_core.commands.manual_guide_frames import Frame, Problem
 from shoecal_core.commands.manual_guide_streams import FrameStream, driver_stream
 from shoecal_core.sensing.shoe import load_shoe
 from shoecal_core.workspace import ros_environment
-from shoecal_ros.conversions import VoltageFrame, voltages_to_ros
+from shoecal_ros.common.conversions import VoltageFrame, voltages_to_ros
 
 NAMES = nao_shoe().names
 LEFT, RIGHT = NAMES[:4], NAMES[4:]

@@ -19,7 +19,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from shoecal_core.workspace import ros_environment
-from shoecal_ros import qos
+from shoecal_ros.common import qos
 
 TIMEOUT_S = 60.0
 END_S = 20.0

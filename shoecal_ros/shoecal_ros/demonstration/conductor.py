@@ -19,7 +19,7 @@ from shoecal_msgs.action import Calibrate
 from std_srvs.srv import SetBool
 
 from shoecal_core.errors import ShoecalError
-from shoecal_ros import qos
+from shoecal_ros.common import qos
 from shoecal_ros.demonstration.processes import Nodes
 
 START_S = 120.0

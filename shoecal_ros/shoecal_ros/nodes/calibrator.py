@@ -26,28 +26,28 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording import schemas
 from shoecal_core.settings import Settings, load_settings, setting
 from shoecal_core.workspace import config_dir
-from shoecal_ros import qos
-from shoecal_ros.armed_input import ArmedInput
-from shoecal_ros.calibration_desk import CalibrationDesk
-from shoecal_ros.calibration_job import PLAN_ACTION, REACH_ACTION, JobSettings
-from shoecal_ros.calibration_store import CalibrationStore
-from shoecal_ros.drift_desk import DriftDesk
-from shoecal_ros.health import Condition, Level
-from shoecal_ros.in_force import UNCALIBRATED
-from shoecal_ros.joining import FrameJoiner, Joined
-from shoecal_ros.joints import JointInput
-from shoecal_ros.live import LiveSensing, LowPass
-from shoecal_ros.live_publishers import LivePublishers
-from shoecal_ros.load import LoadSwitch
-from shoecal_ros.raw_topics import RAW_TOPICS, relative
-from shoecal_ros.recorder import Recorder
-from shoecal_ros.rezeroing import RezeroDesk
-from shoecal_ros.robot_files import RobotFiles
-from shoecal_ros.runtime import ShoecalNode, run
-from shoecal_ros.self_calibration import SelfCalibrationDesk
-from shoecal_ros.sensor_frames import frame_reader
-from shoecal_ros.stillness import Stillness
-from shoecal_ros.voltages import VoltageInput
+from shoecal_ros.calibrator.calibration_desk import CalibrationDesk
+from shoecal_ros.calibrator.calibration_job import PLAN_ACTION, REACH_ACTION, JobSettings
+from shoecal_ros.calibrator.calibration_store import CalibrationStore
+from shoecal_ros.calibrator.drift_desk import DriftDesk
+from shoecal_ros.calibrator.in_force import UNCALIBRATED
+from shoecal_ros.calibrator.live import LiveSensing, LowPass
+from shoecal_ros.calibrator.live_publishers import LivePublishers
+from shoecal_ros.calibrator.load import LoadSwitch
+from shoecal_ros.calibrator.raw_topics import RAW_TOPICS, relative
+from shoecal_ros.calibrator.recorder import Recorder
+from shoecal_ros.calibrator.rezeroing import RezeroDesk
+from shoecal_ros.calibrator.self_calibration import SelfCalibrationDesk
+from shoecal_ros.common import qos
+from shoecal_ros.common.health import Condition, Level
+from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.common.runtime import ShoecalNode, run
+from shoecal_ros.inputs.armed_input import ArmedInput
+from shoecal_ros.inputs.joining import FrameJoiner, Joined
+from shoecal_ros.inputs.joints import JointInput
+from shoecal_ros.inputs.sensor_frames import frame_reader
+from shoecal_ros.inputs.stillness import Stillness
+from shoecal_ros.inputs.voltages import VoltageInput
 
 TOGETHER_S = 0.3
 """Stamps of what came within this wall-clock time can be compared."""

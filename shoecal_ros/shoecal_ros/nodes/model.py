@@ -12,12 +12,12 @@ from sensor_msgs.msg import JointState
 
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.settings import Settings, setting
-from shoecal_ros import qos
-from shoecal_ros.conversions import BASE_LINK, SOLES, header_to_ros, point_to_ros
-from shoecal_ros.health import Level
-from shoecal_ros.joints import JointInput
-from shoecal_ros.robot_files import RobotFiles
-from shoecal_ros.runtime import ShoecalNode, run
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import BASE_LINK, SOLES, header_to_ros, point_to_ros
+from shoecal_ros.common.health import Level
+from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.common.runtime import ShoecalNode, run
+from shoecal_ros.inputs.joints import JointInput
 
 try:
     from tf2_msgs.msg import TFMessage

@@ -18,17 +18,18 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_ros import planning_work, qos
-from shoecal_ros.actions import finish
-from shoecal_ros.arming import Arming
-from shoecal_ros.conversions import trajectory_to_ros
-from shoecal_ros.health import Level
-from shoecal_ros.joints import JointInput
-from shoecal_ros.plan_job import MovingSettings, PlanJob
-from shoecal_ros.refusal import RefusedError
-from shoecal_ros.robot_files import RobotFiles
-from shoecal_ros.runtime import ShoecalNode, run
-from shoecal_ros.worker import Worker
+from shoecal_ros.common import qos
+from shoecal_ros.common.actions import finish
+from shoecal_ros.common.conversions import trajectory_to_ros
+from shoecal_ros.common.health import Level
+from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.common.runtime import ShoecalNode, run
+from shoecal_ros.common.worker import Worker
+from shoecal_ros.inputs.joints import JointInput
+from shoecal_ros.planner import planning_work
+from shoecal_ros.planner.arming import Arming
+from shoecal_ros.planner.plan_job import MovingSettings, PlanJob
 
 LAST_WORDS = Duration(seconds=1)
 """Wall-clock time that the robot gets to hear the last commands."""

@@ -17,10 +17,10 @@ from shoecal_msgs.msg import ShoeVoltages
 from shoecal_core.errors import ShoecalError
 from shoecal_core.settings import Settings, setting
 from shoecal_core.workspace import config_dir
-from shoecal_ros import qos
-from shoecal_ros.conversions import VoltageFrame, time_from_ros, voltages_to_ros
-from shoecal_ros.health import Level
-from shoecal_ros.runtime import ShoecalNode, publish_all, run
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import VoltageFrame, time_from_ros, voltages_to_ros
+from shoecal_ros.common.health import Level
+from shoecal_ros.common.runtime import ShoecalNode, publish_all, run
 from shoecal_ros.serial.config import load_driver_config
 from shoecal_ros.serial.driver import DriverStatus, Reading, open_driver
 

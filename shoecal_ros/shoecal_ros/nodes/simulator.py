@@ -28,23 +28,23 @@ from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import RobotFellError, SimulatedRobot
 from shoecal_core.workspace import config_dir
-from shoecal_ros import qos
-from shoecal_ros.actions import finish
-from shoecal_ros.armed_input import ArmedInput
-from shoecal_ros.conversions import (
+from shoecal_ros.common import qos
+from shoecal_ros.common.actions import finish
+from shoecal_ros.common.conversions import (
     JointSample,
     joints_to_ros,
     support_from_ros,
     time_to_ros,
     trajectory_from_ros,
 )
-from shoecal_ros.health import Level
-from shoecal_ros.refusal import RefusedError
-from shoecal_ros.robot_files import RobotFiles
-from shoecal_ros.runtime import ShoecalNode, publish_all, run, until
+from shoecal_ros.common.health import Level
+from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.common.runtime import ShoecalNode, publish_all, run, until
+from shoecal_ros.inputs.armed_input import ArmedInput
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info
-from shoecal_ros.simulated_body import Pacer, Samples, SimulatedBody, is_hold
+from shoecal_ros.simulator.simulated_body import Pacer, Samples, SimulatedBody, is_hold
 
 TICK_S = 0.02
 PATIENCE_S = 5.0

@@ -1,0 +1,187 @@
+"""The calibration in force: its services, its latched message and its mirror in parameters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.parameter import Parameter
+from shoecal_msgs.action import Calibrate
+from shoecal_msgs.msg import ShoeCalibration
+from shoecal_msgs.srv import GetCalibration, SetCalibration
+from std_srvs.srv import Trigger
+
+from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.errors import ShoecalError
+from shoecal_ros.calibrator.calibration_store import CalibrationStore
+from shoecal_ros.calibrator.in_force import UNCALIBRATED, InForce
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import calibration_from_ros, calibration_to_ros, time_to_ros
+from shoecal_ros.common.refusal import RefusedError
+
+if TYPE_CHECKING:
+    from shoecal_ros.nodes.calibrator import Calibrator
+
+MIRROR = "in_force."
+"""Prefix of the parameters that mirror the calibration in force."""
+
+
+class CalibrationDesk:
+    """Applies calibrations whole or not at all.
+
+    Attributes:
+        store: what is in force, and the files.
+        problem: what of the files could not be taken, or why the last self-calibration ended
+            without a result; empty when all is well, and once a calibration comes in force.
+    """
+
+    def __init__(self, node: Calibrator, store: CalibrationStore) -> None:
+        self.store = store
+        self.problem = store.load(node.now_ns, warned=node.job_settings.apply_warned)
+        self._node = node
+        self._mirroring = False
+        self._publisher = node.create_publisher(ShoeCalibration, "shoe/calibration", qos.LATCHED)
+        node.create_service(GetCalibration, "shoe/get_calibration", self._get)
+        node.create_service(SetCalibration, "shoe/set_calibration", self._set)
+        node.create_service(Trigger, "shoe/rollback", self._rollback)
+        node.add_on_set_parameters_callback(self._guard)
+        if store.current is not None:
+            self._put_in_force(store.current)
+
+    @property
+    def in_force(self) -> InForce | None:
+        """What is in force, None while uncalibrated."""
+        current = self.store.current
+        if current is None:
+            return None
+        return InForce(current, self.store.since_ns, self._node.voltages.temperature)
+
+    def apply_found(self, calibration: Calibration, *, warned: bool) -> None:
+        """Apply what a self-calibration found.
+
+        Args:
+            calibration: found.
+            warned: also one with warnings.
+
+        Raises:
+            RefusedError: NOT_APPLIED, with the reason.
+        """
+        try:
+            self._apply(calibration, warned=warned)
+        except ShoecalError as error:
+            raise RefusedError(Calibrate.Result.NOT_APPLIED, f"not applied: {error}") from error
+
+    def apply_corrected(self, calibration: Calibration) -> None:
+        """Apply the one in force with corrected offsets, whatever its checks said.
+
+        Raises:
+            ShoecalError: with the cure.
+        """
+        self._apply(calibration, force=True)
+
+    # Applying
+
+    def _apply(
+        self, calibration: Calibration, *, force: bool = False, warned: bool = False
+    ) -> None:
+        """Check, save, put in force; else nothing has changed.
+
+        Raises:
+            ShoecalError: with the cure.
+        """
+        self.store.check(calibration, force=force, warned=warned)
+        self.store.apply(calibration, self._node.now_ns)
+        self.problem = ""
+        self._put_in_force(calibration)
+
+    def _put_in_force(self, calibration: Calibration) -> None:
+        node = self._node
+        node.live.sensing = calibration.sensing(node.shoe)
+        node.drift.begin()
+        self._publisher.publish(calibration_to_ros(calibration))
+        self._mirror(calibration)
+
+    def _mirror(self, calibration: Calibration) -> None:
+        values: dict[str, str | float | list[str] | list[float]] = {
+            "id": calibration.id,
+            "source": calibration.source,
+            "verdict": calibration.verdict,
+            "channels": list(calibration.channels),
+            "gains": calibration.parameters.gain.tolist(),
+            "offsets": calibration.parameters.offset.tolist(),
+            "weight": float(calibration.weight),
+            "time_offset": float(calibration.time_offset),
+        }
+        self._mirroring = True
+        try:
+            for name, value in values.items():
+                if self._node.has_parameter(MIRROR + name):
+                    self._node.set_parameters([Parameter(MIRROR + name, value=value)])
+                else:
+                    descriptor = ParameterDescriptor(
+                        description="mirror of the calibration in force; cannot be set"
+                    )
+                    self._node.declare_parameter(
+                        MIRROR + name, value, descriptor, ignore_override=True
+                    )
+        finally:
+            self._mirroring = False
+
+    def _guard(self, parameters: list[Parameter]) -> SetParametersResult:
+        mirrored = any(parameter.name.startswith(MIRROR) for parameter in parameters)
+        return SetParametersResult(
+            successful=self._mirroring or not mirrored,
+            reason="a calibration is set whole: use the service shoe/set_calibration",
+        )
+
+    # Services
+
+    def _get(
+        self, request: GetCalibration.Request, response: GetCalibration.Response
+    ) -> GetCalibration.Response:
+        del request
+        found = self.in_force
+        response.temperature = self._node.voltages.temperature
+        response.message = UNCALIBRATED
+        if found is not None:
+            response.calibrated = True
+            response.calibration = calibration_to_ros(found.calibration)
+            response.since = time_to_ros(found.since_ns)
+            response.message = found.sentence
+        return response
+
+    def _set(
+        self, request: SetCalibration.Request, response: SetCalibration.Response
+    ) -> SetCalibration.Response:
+        try:
+            calibration = calibration_from_ros(request.calibration)
+            self._apply(calibration, force=request.force)
+        except ShoecalError as error:
+            response.message = self._refused(error)
+        else:
+            response.success, response.message = True, self._accepted()
+        return response
+
+    def _rollback(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        del request
+        try:
+            calibration = self.store.rollback(self._node.now_ns)
+        except ShoecalError as error:
+            response.message = self._refused(error)
+        else:
+            self.problem = ""
+            self._put_in_force(calibration)
+            response.success, response.message = True, self._accepted()
+        return response
+
+    def _accepted(self) -> str:
+        """What is in force now, in words."""
+        found = self.in_force
+        assert found is not None
+        reasons = "; ".join(found.calibration.reasons)
+        return f"{found.sentence}: {reasons}" if reasons else found.sentence
+
+    def _refused(self, error: ShoecalError) -> str:
+        """Why not, on screen too."""
+        self._node.get_logger().warning(f"not in force: {error}")
+        return str(error)

@@ -1,0 +1,96 @@
+"""Watches whether the calibration in force is still right, whenever the robot stands still."""
+
+from __future__ import annotations
+
+from shoecal_core.calibration.drift import Drift
+from shoecal_ros.common.health import Condition, Level
+from shoecal_ros.inputs.joining import Joined
+from shoecal_ros.inputs.joints import JointBatch
+from shoecal_ros.inputs.standstill import Standstill
+
+CONFIRM = 2
+"""So many standstills one after the other must agree, before drift is told or taken back."""
+LEAST_READINGS = 10
+
+
+class DriftWatch:
+    """Collects standstills at the rate of the node's watch, and judges what they tell.
+
+    Attributes:
+        found: what the last standstill told, None before there was one.
+        drifted: whether the calibration in force has drifted.
+        told: the last standstill that showed it so, None before it is known.
+    """
+
+    def __init__(self, duration_s: float) -> None:
+        """Nothing seen.
+
+        Args:
+            duration_s: that a standstill must last [s].
+        """
+        self._duration_s = duration_s
+        self._standstill = Standstill(duration_s, LEAST_READINGS)
+        self.begin()
+
+    def begin(self) -> None:
+        """Another calibration is in force: what was told of the one before counts no more."""
+        self.found: Drift | None = None
+        self.told: Drift | None = None
+        self.drifted = False
+        self._against = 0
+        self.interrupt()
+
+    def interrupt(self) -> None:
+        """The robot does not stand still, or something is missing."""
+        self._standstill.restart()
+
+    def look(self, joined: Joined, joints: JointBatch) -> Standstill | None:
+        """Take what there is at this moment; a standstill once it is whole.
+
+        One with readings that are not good is none.
+        """
+        self._standstill.take_readings([joined])
+        self._standstill.take_joints(joints)
+        if self._standstill.bad:
+            self.interrupt()
+        if not self._standstill.done:
+            return None
+        whole, self._standstill = self._standstill, Standstill(self._duration_s, LEAST_READINGS)
+        return whole
+
+    def judge(self, found: Drift) -> None:
+        """Take what a standstill told."""
+        self.found = found
+        self._against = self._against + 1 if found.beyond != self.drifted else 0
+        if self._against >= CONFIRM:
+            self.drifted, self._against = found.beyond, 0
+        if found.beyond == self.drifted:
+            self.told = found
+
+    @property
+    def condition(self) -> Condition:
+        """For diagnostics."""
+        found, told = self.found, self.told
+        if found is None or told is None:
+            return Condition(
+                Level.OK,
+                f"not compared yet: the robot must stand still for {self._duration_s:g} s",
+            )
+        values = {
+            "grf_error_n": f"{found.grf_error:.3f}",
+            "grf_limit_n": f"{found.grf_limit:.3f}",
+            "cop_error_mm": f"{1e3 * found.cop_error:.2f}",
+            "cop_limit_mm": f"{1e3 * found.cop_limit:.2f}",
+        }
+        if found.hanging:
+            values["hanging_foot"] = found.hanging
+            values["hanging_error_n"] = f"{found.hanging_error:.3f}"
+            values["hanging_limit_n"] = f"{found.hanging_limit:.3f}"
+        if self.drifted:
+            return Condition(
+                Level.WARN,
+                f"drifted: {told.reason}; see that nothing touches the robot, then call "
+                "shoe/rezero, or calibrate anew",
+                values,
+            )
+        return Condition(Level.OK, f"as calibrated: {told.reason}", values)

@@ -1,0 +1,84 @@
+"""What there is to say of the calibration in force."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+from shoecal_core.calibration.calibration import Calibration
+from shoecal_ros.common.health import Condition, Level
+
+UNCALIBRATED = "uncalibrated: no forces are published; call shoe/self_calibrate"
+
+
+@dataclass(frozen=True)
+class InForce:
+    """A calibration at work.
+
+    Attributes:
+        calibration: in force.
+        since_ns: since when [ns].
+        temperature: of the shoes now [degC], NaN where no device tells it.
+    """
+
+    calibration: Calibration
+    since_ns: int
+    temperature: float
+
+    @property
+    def since(self) -> str:
+        """When it was put in force, in UTC."""
+        moment = datetime.fromtimestamp(self.since_ns / 1e9, UTC)
+        return moment.strftime("%Y-%m-%d %H:%M:%S UTC")
+
+    @property
+    def sentence(self) -> str:
+        """One line for a person."""
+        made = self.calibration
+        told = (
+            f"'{made.id}' ({made.source}, {made.verdict}) in force since {self.since} on robot "
+            f"'{made.robot}' and shoe '{made.shoe}'"
+        )
+        if not math.isnan(made.temperature):
+            told += f", made at {made.temperature:.1f} degC"
+        if not math.isnan(self.temperature):
+            told += f", now {self.temperature:.1f} degC"
+        return told
+
+    def condition(self, largest_gap: float, **values: object) -> Condition:
+        """For diagnostics.
+
+        Args:
+            largest_gap: by which the temperature may differ from the calibration's [degC].
+            values: further figures.
+        """
+        made = self.calibration
+        level, message = Level.OK, f"'{made.id}' in force ({made.verdict})"
+        if made.verdict != "PASS":
+            level, message = Level.WARN, f"{message}: {'; '.join(made.reasons)}"
+        # NaN, not known, is no gap.
+        if abs(self.temperature - made.temperature) > largest_gap:
+            level, message = (
+                Level.WARN,
+                (
+                    f"calibrated at {made.temperature:.0f} degC, now {self.temperature:.0f}: call "
+                    f"shoe/rezero; {message}"
+                ),
+            )
+        told = {
+            "id": made.id,
+            "source": made.source,
+            "verdict": made.verdict,
+            "in_force_since": self.since,
+            "robot": made.robot,
+            "shoe": made.shoe,
+            "temperature_then_degc": _known(made.temperature),
+            "temperature_now_degc": _known(self.temperature),
+            **values,
+        }
+        return Condition(level, message, {key: str(value) for key, value in told.items()})
+
+
+def _known(temperature: float) -> str:
+    return "not known" if math.isnan(temperature) else f"{temperature:.1f}"

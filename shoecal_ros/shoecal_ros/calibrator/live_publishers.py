@@ -1,0 +1,115 @@
+"""The calibrator's live topics."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PointStamped, WrenchStamped
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from shoecal_msgs.msg import FootState, ShoeState
+
+from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_ros.calibrator.live import FootFlags, Live
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import SOLES, header_to_ros, point_to_ros, wrench_to_ros
+
+
+class LivePublishers:
+    """Publishes forces, places and the state; what nobody listens to costs nothing."""
+
+    def __init__(self, node: Node, shoe: Shoe) -> None:
+        self._cop, self._grf = _pair(node, "shoe")
+        self._feet = [_pair(node, f"shoe/{foot}") for foot in FEET]
+        self._state = node.create_publisher(ShoeState, "shoe/state", qos.LATCHED)
+        self._cells = [
+            [name for name in shoe.names if name.startswith(f"{foot}/")] for foot in FEET
+        ]
+        self._told: object = None
+
+    def publish(self, lives: Sequence[Live]) -> None:
+        """Publish instants in order."""
+        for publisher, each in (
+            (self._cop, _combined_cop),
+            (self._grf, _combined_grf),
+            *((cop, _foot_cop(foot)) for foot, (cop, _) in enumerate(self._feet)),
+            *((grf, _foot_grf(foot)) for foot, (_, grf) in enumerate(self._feet)),
+        ):
+            if publisher.get_subscription_count():
+                for live in lives:
+                    message = each(live)
+                    if message is not None:
+                        publisher.publish(message)
+
+    def publish_state(
+        self,
+        stamp_ns: int,
+        state: int,
+        calibration_id: str,
+        flags: Sequence[FootFlags],
+        *,
+        joints_stale: bool,
+    ) -> None:
+        """Publish the state where it has changed."""
+        news = (state, calibration_id, tuple(flags), joints_stale)
+        if news == self._told:
+            return
+        self._told = news
+        self._state.publish(
+            ShoeState(
+                header=header_to_ros(stamp_ns),
+                state=state,
+                calibration_id=calibration_id,
+                joints_stale=joints_stale,
+                feet=[
+                    FootState(
+                        foot=foot,
+                        loaded=flag.loaded,
+                        valid=flag.valid,
+                        stale=flag.stale,
+                        extrapolating=flag.extrapolating,
+                        cell=cells,
+                        status=list(flag.status),
+                    )
+                    for foot, flag, cells in zip(FEET, flags, self._cells, strict=True)
+                ],
+            )
+        )
+
+
+def _pair(node: Node, prefix: str) -> tuple[Publisher, Publisher]:
+    return (
+        node.create_publisher(PointStamped, f"{prefix}/cop", qos.LIVE),
+        node.create_publisher(WrenchStamped, f"{prefix}/grf", qos.LIVE),
+    )
+
+
+def _combined_cop(live: Live) -> Any:
+    return None if live.cop is None else point_to_ros(live.stamp_ns, SOLES[live.frame], live.cop)
+
+
+def _combined_grf(live: Live) -> Any:
+    if live.wrench is None:
+        return None
+    return wrench_to_ros(live.stamp_ns, SOLES[live.frame], live.wrench)
+
+
+def _foot_cop(foot: int) -> Any:
+    def message(live: Live) -> Any:
+        cop = live.feet[foot].cop
+        return None if cop is None else point_to_ros(live.stamp_ns, SOLES[foot], cop)
+
+    return message
+
+
+def _foot_grf(foot: int) -> Any:
+    def message(live: Live) -> Any:
+        wrench = live.feet[foot].wrench
+        # A force that is not known is nothing for a controller.
+        if np.isnan(wrench[0]):
+            return None
+        return wrench_to_ros(live.stamp_ns, SOLES[foot], wrench)
+
+    return message

@@ -1,0 +1,140 @@
+"""Service `shoe/rezero`: offsets corrected while the robot stands still."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from rclpy.callback_groups import ReentrantCallbackGroup
+from shoecal_msgs.srv import Rezero
+
+from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.calibration.rezero import Rezeroed, RezeroError, rezero
+from shoecal_core.errors import ShoecalError
+from shoecal_core.planning.polygon_error import polygon_error
+from shoecal_ros.calibrator.calibration_store import NotApplicableError
+from shoecal_ros.common.runtime import until
+from shoecal_ros.inputs.joining import Joined
+from shoecal_ros.inputs.joints import JointBatch
+from shoecal_ros.inputs.standstill import UNREST_N, Standstill
+
+if TYPE_CHECKING:
+    from shoecal_ros.nodes.calibrator import Calibrator
+
+STILL_PATIENCE = 15.0
+"""How many times the time of standing still is waited for it, by the wall clock."""
+CURE = "lift each foot once and call shoe/rezero again, or calibrate anew"
+
+
+class RezeroDesk:
+    """One correction at a time, applied by the desk that holds the calibration in force."""
+
+    def __init__(self, node: Calibrator) -> None:
+        self._node = node
+        self._standstill: Standstill | None = None
+        # It takes a while, in which everything else must go on.
+        node.create_service(
+            Rezero, "shoe/rezero", self._rezero, callback_group=ReentrantCallbackGroup()
+        )
+
+    @property
+    def busy(self) -> bool:
+        """Whether a correction is under way."""
+        return self._standstill is not None
+
+    def take_readings(self, joined: Sequence[Joined]) -> None:
+        """Readings for a correction under way."""
+        if self._standstill is not None:
+            self._standstill.take_readings(joined)
+
+    def take_joints(self, batch: JointBatch) -> None:
+        """Joint angles likewise."""
+        if self._standstill is not None:
+            self._standstill.take_joints(batch)
+
+    async def _rezero(self, request: Rezero.Request, response: Rezero.Response) -> Rezero.Response:
+        del request
+        node, current = self._node, self._node.desk.store.current
+        try:
+            if current is None:
+                raise NotApplicableError("uncalibrated: there are no offsets; calibrate first")
+            if node.calibrating or self.busy:
+                raise NotApplicableError("a calibration or a correction is under way; wait for it")
+            if problem := node.input_problem():
+                raise NotApplicableError(problem)
+            found = self._correct(current, await self._observe())
+            if node.desk.store.current is not current:
+                raise NotApplicableError("another calibration came in force meanwhile; call again")
+            if found.directions:
+                node.desk.apply_corrected(found.calibration)
+            self._answer(found, response)
+        except ShoecalError as error:
+            response.message = str(error)
+        return response
+
+    async def _observe(self) -> Standstill:
+        """A standstill; begun again whenever the robot moves."""
+        node, duration = self._node, self._node.node_settings.rezero_time
+        self._standstill = standstill = Standstill(duration)
+        node.stillness.restart()
+
+        def observed() -> bool:
+            if not node.stillness.still:
+                standstill.restart()
+            return standstill.done or bool(node.input_problem())
+
+        try:
+            came = await until(observed, STILL_PATIENCE * duration)
+        finally:
+            self._standstill = None
+        if problem := node.input_problem():
+            raise NotApplicableError(problem)
+        if not came:
+            raise RezeroError(
+                f"the robot did not stand still for {duration:g} s; stop what moves it"
+            )
+        if standstill.bad:
+            bad = ", ".join(node.shoe.names[index] for index in sorted(standstill.bad))
+            raise RezeroError(f"no good readings of {bad}; mend that first")
+        return standstill
+
+    def _correct(self, current: Calibration, standstill: Standstill) -> Rezeroed:
+        node = self._node
+        unrest = standstill.unrest(current.sensing(node.shoe))
+        if unrest > UNREST_N:
+            raise RezeroError(
+                f"the force on the floor varies by {unrest:.1f} N though the joints stand still; "
+                "see that nothing touches the robot"
+            )
+        return rezero(
+            current,
+            node.shoe,
+            standstill.readings,
+            node.kinematics.states(standstill.angles[None]),
+            node.tolerance,
+            largest=node.node_settings.rezero_limit,
+            made_ns=node.now_ns,
+            temperature=node.voltages.temperature,
+        )
+
+    def _answer(self, found: Rezeroed, response: Rezero.Response) -> None:
+        fresh, (before, after) = found.calibration, (found.before, found.after)
+        response.success = True
+        response.channel, response.change = list(fresh.channels), found.change.tolist()
+        response.directions, response.channels = found.directions, len(found.change)
+        if before is not None and after is not None:
+            response.grf_before, response.grf_after = before.grf_error, after.grf_error
+            response.cop_before, response.cop_after = before.cop_error, after.cop_error
+        response.grf_left = response.cop_left = float("nan")
+        left = "how much is left, a calibration without covariance cannot tell"
+        if fresh.covariance is not None:
+            expected = polygon_error(
+                self._node.robot, self._node.shoe, fresh.covariance, fresh.parameters
+            )
+            response.grf_left, response.cop_left = expected.grf.rms, expected.cop.rms
+            left = (
+                f"expected error left: GRF {expected.grf.rms:.2f} N, CoP "
+                f"{1e3 * expected.cop.rms:.1f} mm on both feet and "
+                f"{1e3 * expected.worst_foot_cop:.1f} mm on one"
+            )
+        response.message = f"'{fresh.id}' in force: {found.summary}; {left}: {CURE}"

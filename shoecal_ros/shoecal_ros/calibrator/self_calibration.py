@@ -1,0 +1,132 @@
+"""Action `shoe/calibrate` and service `shoe/self_calibrate`: one self-calibration at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from datetime import UTC, datetime
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.action.server import ServerGoalHandle
+from shoecal_msgs.action import Calibrate
+from shoecal_msgs.srv import SelfCalibrate
+
+from shoecal_ros.calibrator.calibration_job import CalibrationJob, Request
+from shoecal_ros.common.actions import finish
+from shoecal_ros.common.conversions import calibration_to_ros
+from shoecal_ros.common.health import Condition, Level
+from shoecal_ros.common.refusal import RefusedError
+
+if TYPE_CHECKING:
+    from shoecal_ros.nodes.calibrator import Calibrator
+
+
+class SelfCalibrationDesk:
+    """Takes requests, runs the job, and has applied what it found where that may be applied."""
+
+    def __init__(self, node: Calibrator) -> None:
+        self._node = node
+        self._job: CalibrationJob | None = None
+        node.create_service(SelfCalibrate, "shoe/self_calibrate", self._self_calibrate)
+        self._server = ActionServer(
+            node, Calibrate, "shoe/calibrate", self._execute,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )  # fmt: skip
+
+    @property
+    def busy(self) -> bool:
+        """Whether a self-calibration is under way."""
+        return self._job is not None
+
+    @property
+    def condition(self) -> Condition | None:
+        """How far it is, for diagnostics; None while there is none."""
+        if self._job is None:
+            return None
+        state = self._job.state
+        told = {
+            "run_id": state.run_id,
+            "stage": state.stage,
+            "support": f"{state.support} of {state.supports}",
+            "progress": f"{state.progress:.2f}",
+        }
+        return Condition(Level.OK, "self-calibration under way", told)
+
+    def _begin(
+        self,
+        goal: Any,
+        feedback: Callable[[Calibrate.Feedback], None],
+        canceled: Callable[[], bool],
+    ) -> CalibrationJob:
+        node = self._node
+        if self.busy:
+            raise RefusedError(
+                Calibrate.Result.BUSY, "a self-calibration is under way; wait for it or cancel it"
+            )
+        defaults = node.job_settings
+        supports, train = goal.supports or defaults.supports, goal.train or defaults.train
+        if not 2 <= train <= supports:
+            raise RefusedError(
+                Calibrate.Result.BAD_GOAL,
+                f"{train} of {supports} double supports to train with; take at least 2, and at "
+                "most all of them",
+            )
+        seed = goal.seed if goal.seed >= 0 else defaults.seed
+        run_id = datetime.now(UTC).strftime("%Y%m%dT%H%M%S%f")[:-3]
+        node.desk.problem = ""
+        node.listen_for_recording()
+        self._job = CalibrationJob(node, Request(run_id, supports, train, seed), feedback, canceled)
+        return self._job
+
+    async def _do(self, job: CalibrationJob, result: Calibrate.Result) -> None:
+        """Run a job to its end, and apply what it found where that may be applied."""
+        node = self._node
+        try:
+            calibration = await job.run()
+            # Also one that is refused comes back whole, and stays in the session's folder.
+            result.calibration = calibration_to_ros(calibration)
+            job.tell_applying()
+            node.desk.apply_found(calibration, warned=node.job_settings.apply_warned)
+            result.success = True
+            result.message = f"'{calibration.id}' in force: {'; '.join(calibration.reasons)}"
+        finally:
+            result.session = str(job.session or "")
+            self._job = None
+            node.listen_live()
+
+    async def _execute(self, goal: ServerGoalHandle) -> Calibrate.Result:
+        result = Calibrate.Result()
+        try:
+            job = self._begin(goal.request, goal.publish_feedback, lambda: goal.is_cancel_requested)
+            result.run_id = job.request.run_id
+            await self._do(job, result)
+        except RefusedError as refusal:
+            result.error_code, result.message = refusal.code, str(refusal)
+            self._node.get_logger().warning(f"self-calibration ended: {refusal}")
+        finish(goal, result, canceled=Calibrate.Result.CANCELED)
+        return result
+
+    def _self_calibrate(
+        self, request: SelfCalibrate.Request, response: SelfCalibrate.Response
+    ) -> SelfCalibrate.Response:
+        try:
+            job = self._begin(request, lambda _: None, lambda: False)
+        except RefusedError as refusal:
+            response.message = str(refusal)
+            return response
+        self._node.start(partial(self._do_alone, job))
+        response.accepted, response.run_id = True, job.request.run_id
+        response.message = (
+            "started; diagnostics tell how far it is; disarm (shoe/arm false) to stop"
+        )
+        return response
+
+    async def _do_alone(self, job: CalibrationJob) -> None:
+        desk = self._node.desk
+        try:
+            await self._do(job, Calibrate.Result())
+        except RefusedError as refusal:
+            desk.problem = f"self-calibration {job.request.run_id} ended: {refusal}"
+        except Exception as error:  # noqa: BLE001 (live forces go on whatever happens here)
+            desk.problem = f"self-calibration ended by an internal error: {error!r}"

@@ -1,0 +1,42 @@
+"""What the calibrator's worker process does."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from shoecal_core.calibration.calibration import Calibration, save_calibration
+from shoecal_core.calibration.pipeline import calibrate_session
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.tolerances import Tolerances
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports import draw_supports
+from shoecal_core.recording.session import Session
+from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.common.worker import Link
+
+CALIBRATION = "calibration.yaml"
+
+
+def draw(
+    link: Link, files: RobotFiles, settings: PlannerSettings, count: int, seed: int
+) -> list[DoubleSupport]:
+    """The double supports to visit."""
+    del link
+    return draw_supports(files.load_robot(), files.load_shoe(), settings, count, seed)
+
+
+def solve(
+    link: Link,
+    folder: Path,
+    settings: CalibrationSettings,
+    tolerances: Tolerances,
+    made_ns: int,
+) -> Calibration:
+    """The calibration that a session gives; it is kept in the session's folder, too."""
+    del link
+    calibration = calibrate_session(
+        Session.open(folder), settings=settings, tolerances=tolerances, made_ns=made_ns
+    ).calibration
+    save_calibration(calibration, folder / CALIBRATION)
+    return calibration

@@ -1,0 +1,1 @@
+"""What all nodes share: process, health, messages, quality of service, actions, workers."""

@@ -1,0 +1,99 @@
+"""Actions, from both sides."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+from rclpy.action import ActionClient
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+
+from shoecal_core.errors import ShoecalError
+from shoecal_ros.common.runtime import until
+
+ANSWER_S = 10.0
+"""Wall-clock time in which a server must answer a request, or end what it was told to stop."""
+
+
+class ActionError(ShoecalError):
+    """An action whose server does not do its part."""
+
+
+class NotSentError(ShoecalError):
+    """A goal that was not wanted any more before it could be sent."""
+
+
+def finish(goal: ServerGoalHandle, result: Any, *, canceled: int) -> None:
+    """Bring a goal into the state that its result tells.
+
+    Args:
+        goal: that has been worked on.
+        result: with `success` and `error_code`.
+        canceled: the code for cancelled.
+    """
+    if result.success:
+        goal.succeed()
+    elif result.error_code == canceled and goal.is_cancel_requested:
+        goal.canceled()
+    else:
+        goal.abort()
+
+
+async def do_action(
+    client: ActionClient,
+    name: str,
+    goal: Any,
+    *,
+    feedback: Callable[[Any], None],
+    stop: Callable[[], bool],
+    timeout_s: float,
+) -> Any:
+    """Have a goal done; its result, successful or not.
+
+    Args:
+        client: of the action.
+        name: of the action, for messages.
+        goal: to send.
+        feedback: takes what the server tells meanwhile.
+        stop: whether to cancel the goal; the result then tells how it ended.
+        timeout_s: longest wall-clock time.
+
+    Raises:
+        NotSentError: when it was to stop before it began.
+        ActionError: when the server is not there, vanishes, refuses or takes too long.
+    """
+    ready = await until(lambda: client.server_is_ready() or stop(), ANSWER_S)
+    if stop():
+        raise NotSentError(f"the action {name} was stopped before it began")
+    if not ready:
+        raise ActionError(f"nobody offers the action {name}; start the node that does")
+    sent = client.send_goal_async(goal, lambda message: feedback(message.feedback))
+    if not await until(sent.done, ANSWER_S):
+        # Accepted after all, nobody would ever end it.
+        sent.add_done_callback(_cancel_late)
+        raise ActionError(f"the action {name} does not answer; restart the node that offers it")
+    handle = sent.result()
+    if not handle.accepted:
+        raise ActionError(f"the action {name} does not accept the goal; see its node's log")
+    result = handle.get_result_async()
+    deadline = time.monotonic() + timeout_s
+    await until(lambda: result.done() or stop() or not client.server_is_ready(), timeout_s)
+    if not result.done():
+        if not client.server_is_ready():
+            raise ActionError(f"the node that offers the action {name} is gone; start it again")
+        handle.cancel_goal_async()
+        if not await until(result.done, ANSWER_S):
+            raise ActionError(f"the action {name} does not end when cancelled; stop its node")
+        if time.monotonic() >= deadline and not stop():
+            raise ActionError(
+                f"the action {name} took longer than {timeout_s:g} s and was cancelled; "
+                "see what its node waits for, or raise the time-out"
+            )
+    return result.result().result
+
+
+def _cancel_late(sent: Future) -> None:
+    if sent.exception() is None and sent.result().accepted:
+        sent.result().cancel_goal_async()

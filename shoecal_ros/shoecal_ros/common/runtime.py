@@ -1,0 +1,266 @@
+"""What every node shares: its process, parameters, health, waiting and lean subscriptions."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import sys
+import time
+from collections.abc import Callable, Generator, Sequence
+from pathlib import Path
+from typing import Any, TypeVar
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.clock import Clock, ClockType
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.impl.implementation_singleton import rclpy_implementation
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.signals import SignalHandlerOptions
+from rclpy.subscription import Subscription
+from rclpy.timer import Timer
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.settings import Settings, describe, from_values
+from shoecal_ros.common import qos
+from shoecal_ros.common.health import Health, Level
+
+S = TypeVar("S", bound=Settings)
+
+WATCH_S = 0.1
+"""Period of the wall-clock watch: bounds how late a time-out is noticed."""
+REPORT_S = 1.0
+"""Period of diagnostics."""
+BATCH = 200
+"""Messages that one subscription hands over before others get their turn."""
+
+
+class ShoecalNode(Node):
+    """Base of all nodes.
+
+    Callbacks, jobs and watches run in one thread, so nothing needs a lock; long work belongs
+    into a process of its own (`worker.Worker`).
+
+    Attributes:
+        health: told once a second and at every change.
+    """
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.health = Health()
+        self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", qos.DIAGNOSTICS)
+        self.wall_timer(REPORT_S, self._report)
+        self.wall_timer(WATCH_S, self.watch)
+
+    # For subclasses
+
+    def watch(self) -> None:
+        """Called every WATCH_S of wall-clock time, whatever simulated time does."""
+        self._log_news()
+
+    def close(self) -> None:
+        """Leave the robot safe and give back what is held beside ROS entities; those still work."""
+
+    # Parameters
+
+    def settings(self, cls: type[S], section: str = "") -> S:
+        """Declare one read-only parameter a field and take their values.
+
+        Args:
+            cls: the Settings class.
+            section: prefix of the parameters' names, dot included.
+
+        Raises:
+            SettingError: names the parameter and the cure.
+        """
+        values: dict[str, object] = {}
+        for entry in describe(cls):
+            unit = f" [{entry.unit}]" if entry.unit else ""
+            values[entry.name] = self.declare_parameter(
+                f"{section}{entry.name}",
+                entry.default,
+                # Any type: a whole number stands for a real one, and the check says what is wrong.
+                ParameterDescriptor(
+                    description=f"{entry.doc}{unit}", read_only=True, dynamic_typing=True
+                ),
+            ).value
+        return from_values(cls, values)
+
+    # Subscriptions
+
+    def subscribe(
+        self,
+        kind: type[Any],
+        topic: str,
+        callback: Callable[[list[Any]], None],
+        profile: QoSProfile,
+        *,
+        raw: bool = False,
+    ) -> Subscription:
+        """Subscribe in batches: waking up costs far more than a message.
+
+        Args:
+            kind: of message.
+            topic: relative name.
+            callback: takes all messages that have come, in order (serialised ones where raw).
+            profile: quality of service.
+            raw: do not deserialise.
+        """
+
+        def take(first: object) -> None:
+            batch = [first]
+            with subscription.handle:
+                while len(batch) < BATCH:
+                    taken = subscription.handle.take_message(kind, raw)
+                    if taken is None:
+                        break
+                    batch.append(taken[0])
+            callback(batch)
+
+        subscription = self.create_subscription(kind, topic, take, profile, raw=raw)
+        return subscription
+
+    # Time
+
+    @property
+    def now_ns(self) -> int:
+        """The node's time, simulated or not [ns]."""
+        return int(self.get_clock().now().nanoseconds)
+
+    def wall_timer(self, period_s: float, callback: Callable[[], None]) -> Timer:
+        """A timer that does not follow simulated time."""
+        return self.create_timer(period_s, callback, clock=Clock(clock_type=ClockType.STEADY_TIME))
+
+    def wake(self) -> None:
+        """Let waiting jobs look again; the one method for other threads."""
+        if self.executor is not None:
+            self.executor.wake()
+
+    def start(self, job: Callable[[], Any]) -> None:
+        """Run a coroutine function beside everything else."""
+        assert self.executor is not None, "nodes start jobs when they spin"
+        self.executor.create_task(job)
+
+    # Inside
+
+    def _log_news(self) -> None:
+        news = self.health.news()
+        for subject, condition in news.items():
+            line = f"{subject}: {condition.message}"
+            if condition.level is Level.OK:
+                self.get_logger().info(line)
+            elif condition.level is Level.WARN:
+                self.get_logger().warning(line)
+            else:
+                self.get_logger().error(line)
+        if news:
+            self._report()
+
+    def _report(self) -> None:
+        array = DiagnosticArray()
+        array.header.stamp = self.get_clock().now().to_msg()
+        array.status = [
+            DiagnosticStatus(
+                level=bytes([condition.level]),
+                name=f"{self.get_name()}: {subject}",
+                message=condition.message,
+                hardware_id=self.get_name(),
+                values=[KeyValue(key=key, value=value) for key, value in condition.values.items()],
+            )
+            for subject, condition in self.health.conditions.items()
+        ]
+        self._diagnostics.publish(array)
+
+
+class _Pause:
+    """Lets everything else run once: the executor resumes a job whenever it has woken up."""
+
+    def __await__(self) -> Generator[None, None, None]:
+        yield
+
+
+async def until(condition: Callable[[], bool], timeout_s: float) -> bool:
+    """Wait for a condition that callbacks of this node bring about; whether it came in time.
+
+    It is looked at whenever the node wakes up: at every message, and every WATCH_S.
+
+    Args:
+        condition: cheap.
+        timeout_s: wall-clock time.
+    """
+    deadline = time.monotonic() + timeout_s
+    while not condition():
+        if time.monotonic() > deadline:
+            return False
+        await _Pause()
+    return True
+
+
+def publish_all(publisher: Publisher, message: object, patience_s: float) -> bool:
+    """Publish to subscribers that keep all, waiting for the slowest; whether it went out.
+
+    Args:
+        publisher: with profile `qos.RAW`.
+        message: to publish.
+        patience_s: longest wall-clock time to wait.
+    """
+    deadline = time.monotonic() + patience_s
+    while True:
+        try:
+            publisher.publish(message)
+        except rclpy_implementation.RCLError:
+            # The middleware itself has waited a little.
+            if time.monotonic() > deadline or not rclpy.ok():
+                return False
+        else:
+            return True
+
+
+class _EndAsked:
+    """Whether Ctrl-C was pressed or the process told to end; at the second time it does at once.
+
+    Nothing is interrupted in its middle: every node wakes up each WATCH_S and then ends.
+    """
+
+    def __init__(self) -> None:
+        self.to_end = False
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, self._ask)
+
+    def _ask(self, number: int, frame: object) -> None:
+        del number, frame
+        if self.to_end:
+            raise KeyboardInterrupt
+        self.to_end = True
+
+
+def run(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None = None) -> int:
+    """A node's process; its exit code."""
+    node: ShoecalNode | None = None
+    try:
+        # The node ends before the middleware does: it may have to stop a robot yet.
+        rclpy.init(
+            args=None if args is None else list(args),
+            signal_handler_options=SignalHandlerOptions.NO,
+        )
+        asked = _EndAsked()
+        node = make_node()
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        while rclpy.ok() and not asked.to_end:
+            executor.spin_once()
+    except ShoecalError as error:
+        print(f"{Path(sys.argv[0]).stem}: {error}", file=sys.stderr, flush=True)
+        return 1
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    finally:
+        if node is not None:
+            node.close()
+            with contextlib.suppress(rclpy_implementation.InvalidHandle):
+                node.destroy_node()
+        rclpy.try_shutdown()
+    return 0

@@ -1,0 +1,1 @@
+"""What nodes hear of robot and shoes: joint angles, readings, standing still, armed or not."""

@@ -1,0 +1,162 @@
+"""Voltages of one instant from one board or several."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import ShoecalError
+from shoecal_ros.common.conversions import VoltageFrame
+
+FloatArray = NDArray[np.float64]
+
+NO_DATA = 2
+"""As in ShoeVoltages: the channel gave nothing."""
+
+_STEPS = 50
+_BACK = 3
+"""More steps back of a counter than this in so many: two devices send the same cells."""
+_CLOCK_SET_NS = 1_000_000_000
+"""Stamps that fall back further than this: a clock was set, or simulated time began anew."""
+
+
+class TwoSourcesError(ShoecalError):
+    """One cell's voltage comes from two places."""
+
+
+class UnknownCellError(ShoecalError):
+    """A voltage of a cell that the shoe does not have."""
+
+
+@dataclass(frozen=True)
+class Joined:
+    """All channels at one instant.
+
+    Attributes:
+        stamp_ns: time of sampling [ns].
+        readings: (n,) in the shoe's order, NaN where none came.
+        status: (n,) constants of ShoeVoltages.
+    """
+
+    stamp_ns: int
+    readings: FloatArray
+    status: NDArray[np.uint8]
+
+
+class _Stream:
+    """Frames of one source that carry the same cells."""
+
+    def __init__(self, columns: NDArray[np.int64]) -> None:
+        self.columns = columns
+        self._sequence: int | None = None
+        self._back: deque[bool] = deque(maxlen=_STEPS)
+        self.stamp_ns = -(2**63)
+
+    def doubled(self, sequence: int) -> bool:
+        """Whether the counter runs back too often for one device."""
+        if self._sequence is not None:
+            step = (sequence - self._sequence) % 2**32
+            self._back.append(step == 0 or step >= 2**31)
+        self._sequence = sequence
+        if sum(self._back) <= _BACK:
+            return False
+        self._back.clear()
+        return True
+
+
+class FrameJoiner:
+    """Joins frames, each with any subset of the cells, into all channels.
+
+    A cell's last reading counts for a little while. The frames that carry the cell heard first
+    give the instants.
+    """
+
+    def __init__(self, channels: Sequence[str], hold_s: float) -> None:
+        """Nothing heard.
+
+        Args:
+            channels: n names, the shoe's.
+            hold_s: for how long a reading counts [s].
+        """
+        self._column = {name: index for index, name in enumerate(channels)}
+        self._names = tuple(channels)
+        self._hold_ns = round(hold_s * 1e9)
+        self._reference = 0
+        self.forget()
+
+    def forget(self) -> None:
+        """Begin anew: boards may have been plugged differently."""
+        count = len(self._names)
+        self._streams: dict[tuple[str, tuple[str, ...]], _Stream] = {}
+        self._owner: dict[str, str] = {}
+        self._restart()
+        self._status = np.full(count, NO_DATA, dtype=np.uint8)
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Channels that nobody has sent."""
+        return tuple(name for name in self._names if name not in self._owner)
+
+    def add(self, frame: VoltageFrame) -> Joined | None:
+        """Take one frame; all channels when it gives an instant.
+
+        Raises:
+            TwoSourcesError: when a cell comes from two places; the frame is left out.
+            UnknownCellError: for a cell the shoe does not have; likewise.
+        """
+        stream = self._stream(frame)
+        if stream.doubled(frame.sequence):
+            raise TwoSourcesError(
+                f"two drivers named '{frame.source}' send {', '.join(frame.cells)}; stop one of "
+                "them, or let each send its own cells"
+            )
+        stamp = frame.stamp_ns
+        if stamp <= stream.stamp_ns:
+            if stream.stamp_ns - stamp < _CLOCK_SET_NS:
+                return None
+            self._restart()
+        stream.stamp_ns = stamp
+        columns = stream.columns
+        self._readings[columns] = frame.voltage
+        self._status[columns] = frame.status
+        self._stamps[columns] = stamp
+        if stamp - self._stamps[self._reference] > self._hold_ns:
+            self._reference = int(columns[0])
+        if self._reference not in columns:
+            return None
+        old = np.abs(stamp - self._stamps) > self._hold_ns
+        return Joined(
+            stamp,
+            np.where(old, np.nan, self._readings),
+            np.where(old, NO_DATA, self._status).astype(np.uint8),
+        )
+
+    def _restart(self) -> None:
+        count = len(self._names)
+        self._readings = np.full(count, np.nan)
+        self._stamps = np.full(count, -(2**62), dtype=np.int64)
+
+    def _stream(self, frame: VoltageFrame) -> _Stream:
+        key = (frame.source, frame.cells)
+        stream = self._streams.get(key)
+        if stream is not None:
+            return stream
+        for cell in frame.cells:
+            if cell not in self._column:
+                raise UnknownCellError(
+                    f"voltages of cell '{cell}', which the shoe file does not have (it has: "
+                    f"{', '.join(self._names)}); correct the driver's channels or the shoe file"
+                )
+            if self._owner.get(cell, frame.source) != frame.source:
+                raise TwoSourcesError(
+                    f"cell '{cell}' comes from '{self._owner[cell]}' and from "
+                    f"'{frame.source}'; give each cell one source"
+                )
+        stream = _Stream(np.array([self._column[cell] for cell in frame.cells], dtype=np.int64))
+        self._streams[key] = stream
+        self._owner.update(dict.fromkeys(frame.cells, frame.source))
+        return stream

@@ -1,0 +1,131 @@
+"""Joint angles as they come, in the robot's own order; says what is wrong with them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import groupby
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.model.robot import Robot
+from shoecal_ros.common.conversions import time_from_ros
+
+FloatArray = NDArray[np.float64]
+
+CLOCK_SET_NS = 1_000_000_000
+"""Stamps that fall back further than this: a clock was set, or simulated time began anew."""
+
+
+@dataclass(frozen=True)
+class JointBatch:
+    """Angles of T instants.
+
+    Attributes:
+        stamp_ns: (T,) times of sampling.
+        angles: (T, m) of all the robot's joints [rad].
+    """
+
+    stamp_ns: NDArray[np.int64]
+    angles: FloatArray
+
+
+class JointInput:
+    """What a robot tells of its joints.
+
+    Attributes:
+        problem: what is wrong at the moment and its cure, empty when all is well.
+        latest: the last usable angles, None before there were any.
+    """
+
+    def __init__(
+        self, robot: Robot, stale_s: float, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        """Nothing heard.
+
+        Args:
+            robot: whose joints.
+            stale_s: without usable angles for that long they are stale, by the wall clock [s].
+            clock: monotonic [s].
+        """
+        self.robot = robot
+        self.latest: JointBatch | None = None
+        self._stale_s = stale_s
+        self._clock = clock
+        self._heard = -np.inf
+        self._mismatch = ""
+
+    @property
+    def age_s(self) -> float:
+        """Wall-clock time since usable angles have come; infinite before [s]."""
+        return self._clock() - self._heard
+
+    @property
+    def fresh(self) -> bool:
+        """Whether usable angles have come lately."""
+        return self.age_s <= self._stale_s
+
+    @property
+    def problem(self) -> str:
+        """What is wrong."""
+        if self._mismatch:
+            return self._mismatch
+        if self.fresh:
+            return ""
+        if self.latest is None:
+            return "no joint angles yet; start the robot's driver (joint_states)"
+        return f"no joint angles for {self._clock() - self._heard:.0f} s; check the robot's driver"
+
+    def take(self, messages: Sequence[Any]) -> JointBatch | None:
+        """Take JointState messages in order; usable angles, None where there are none."""
+        stamps: list[int] = []
+        parts: list[FloatArray] = []
+        for names, group in groupby(messages, key=lambda message: message.name):
+            same = list(group)
+            try:
+                angles = self._angles(names, [message.position for message in same])
+            except ShoecalError as error:
+                self._mismatch = str(error)
+                continue
+            self._mismatch = ""
+            parts.append(angles)
+            stamps += [time_from_ros(message.header.stamp) for message in same]
+        if not parts:
+            return None
+        batch = self._later(np.array(stamps, dtype=np.int64), np.concatenate(parts))
+        if batch is None:
+            return None
+        self.latest = JointBatch(batch.stamp_ns[-1:], batch.angles[-1:])
+        self._heard = self._clock()
+        return batch
+
+    def _later(self, stamps: NDArray[np.int64], angles: FloatArray) -> JointBatch | None:
+        """What was sampled later than all before it; a clock may have been set back."""
+        if not stamps.any():
+            self._mismatch = "joint_states carries no stamps of time; mend its sender"
+            return None
+        last = -1 if self.latest is None else int(self.latest.stamp_ns[0])
+        if last - int(stamps[-1]) > CLOCK_SET_NS:
+            last = -1
+        keep = stamps > np.maximum.accumulate(np.concatenate([[last], stamps[:-1]]))
+        return JointBatch(stamps[keep], angles[keep]) if keep.any() else None
+
+    def _angles(self, names: list[str], positions: Sequence[Sequence[float]]) -> FloatArray:
+        for row in positions:
+            if len(row) != len(names):
+                raise ShoecalError(
+                    f"joint_states: {len(row)} positions for {len(names)} names; mend its sender"
+                )
+        angles = self.robot.from_measured(names, np.array(positions, dtype=np.float64))
+        missing = ~np.isfinite(angles).all(axis=0)
+        if missing.any():
+            told = ", ".join(np.array(self.robot.joint_names)[missing])
+            raise ShoecalError(
+                f"joint_states: no number for joint(s) {told}; check the robot's driver, or list "
+                "them under 'optional_joints' of the robot file"
+            )
+        return angles

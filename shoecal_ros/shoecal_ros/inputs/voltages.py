@@ -1,0 +1,96 @@
+"""Voltages as they come, joined into all channels; says what is wrong with them."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterable
+
+import numpy as np
+
+from shoecal_core.errors import ShoecalError
+from shoecal_ros.common.conversions import VoltageFrame
+from shoecal_ros.inputs.joining import FrameJoiner, Joined
+
+REMEMBER_S = 3.0
+"""How long a frame that could not be used is told after it came, by the wall clock."""
+
+
+class VoltageInput:
+    """What the devices send.
+
+    Attributes:
+        latest: the last instant of all channels, None before there was one.
+        temperature: that a device told last [degC], NaN where none does.
+    """
+
+    def __init__(
+        self, joiner: FrameJoiner, stale_s: float, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        """Nothing heard.
+
+        Args:
+            joiner: of the frames.
+            stale_s: without frames for that long they are stale, by the wall clock [s].
+            clock: monotonic [s].
+        """
+        self._joiner = joiner
+        self._stale_s = stale_s
+        self._clock = clock
+        self._began = clock()
+        self._heard = -np.inf
+        self._trouble = ""
+        self._troubled = -np.inf
+        self.latest: Joined | None = None
+        self.temperature = math.nan
+
+    @property
+    def latest_ns(self) -> int | None:
+        """Stamp of the last instant [ns], None before there was one."""
+        return None if self.latest is None else self.latest.stamp_ns
+
+    @property
+    def age_s(self) -> float:
+        """Wall-clock time since readings have come; infinite before [s]."""
+        return self._clock() - self._heard
+
+    @property
+    def fresh(self) -> bool:
+        """Whether all channels have come lately, in whatever state."""
+        return self.age_s <= self._stale_s
+
+    @property
+    def problem(self) -> str:
+        """What is wrong at the moment and its cure, empty when all is well."""
+        now = self._clock()
+        if now - self._troubled < REMEMBER_S:
+            return self._trouble
+        if not self.fresh:
+            if self.latest is None:
+                return "no voltages yet; start shoe_driver"
+            return f"no voltages for {now - self._heard:.0f} s; check shoe_driver and its device"
+        missing = self._joiner.missing
+        if missing and now - self._began > REMEMBER_S:
+            return (
+                f"nobody sends the voltage of {', '.join(missing)}; correct the driver's channels "
+                "or the shoe file"
+            )
+        return ""
+
+    def take(self, frames: Iterable[VoltageFrame]) -> list[Joined]:
+        """Take frames in order; what they give."""
+        instants = []
+        for frame in frames:
+            try:
+                joined = self._joiner.add(frame)
+            except ShoecalError as error:
+                self._trouble, self._troubled = str(error), self._clock()
+                continue
+            if joined is not None:
+                instants.append(joined)
+            if not math.isnan(frame.temperature):
+                self.temperature = frame.temperature
+        if instants:
+            self._heard = self._clock()
+            self.latest = instants[-1]
+        return instants

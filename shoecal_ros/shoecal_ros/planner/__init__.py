@@ -1,0 +1,1 @@
+"""The planner: motions on request, sent to the robot and watched."""

@@ -1,0 +1,103 @@
+"""What the planner's worker process does."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.planning.check import check_motion
+from shoecal_core.planning.collocation import Scene
+from shoecal_core.planning.landmarks import Contour, sensing_hull
+from shoecal_core.planning.motion import Motion, timed
+from shoecal_core.planning.planner import MENU, Planner
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.common.worker import Link
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """A part of a streamed motion, from rest to rest.
+
+    Attributes:
+        motion: the part.
+        targets: (L, 2) what is left to pursue after it, left sole's frame [m].
+        left: how many targets it has left behind.
+        nearest: (left,) how near the CoP came to those [m].
+    """
+
+    motion: Motion
+    targets: FloatArray
+    left: int
+    nearest: FloatArray
+
+
+def prepare(link: Link, files: RobotFiles, settings: PlannerSettings) -> None:
+    """Compile the planning problem now, so that the first motion is not slow."""
+    del link
+    _planner(files, settings)
+
+
+def plan(
+    link: Link,
+    files: RobotFiles,
+    settings: PlannerSettings,
+    joint_angles: FloatArray,
+    motion: str,
+) -> Motion:
+    """A whole motion from measured joint angles (m,) [rad], checked."""
+    return _planner(files, settings).plan_from(
+        joint_angles, motion, progress=link.progress, canceled=link.canceled
+    )
+
+
+def plan_chunk(
+    link: Link,
+    files: RobotFiles,
+    settings: PlannerSettings,
+    joint_angles: FloatArray,
+    motion: str,
+    targets: FloatArray | None,
+    states: int,
+) -> Chunk:
+    """The next part of a motion from measured joint angles (m,) [rad], checked.
+
+    Args:
+        link: to the node.
+        files: robot and shoe.
+        settings: of planning.
+        joint_angles: measured, the robot stands on both feet.
+        motion: on the menu.
+        targets: (L, 2) still to pursue; None: the motion begins.
+        states: most planned states of the part.
+    """
+    planner = _planner(files, dataclasses.replace(settings, steps_max=states))
+    legs = planner.legs
+    foot_pose = legs.foot_pose(joint_angles)
+    cop = legs.cop(joint_angles[None])[0]
+    hull = sensing_hull(legs.robot, foot_pose.support)
+    if targets is None:
+        contour = Contour.of(legs.robot, foot_pose.support)
+        targets = MENU[motion].targets(contour, cop)
+    scene = Scene.of(hull, settings.stability_margin, foot_pose, joint_angles)
+    path = planner.horizon.roll(
+        joint_angles[legs.robot.legs], targets, scene,
+        progress=link.progress, canceled=link.canceled,
+    )  # fmt: skip
+    # The chunks follow each other: only the whole motion begins and ends with a hold.
+    paced = dataclasses.replace(settings, hold_time=0.0)
+    part = timed(legs, path, motion, foot_pose, joint_angles, paced)
+    check_motion(legs, part, paced).require()
+    left = len(path.switches)
+    return Chunk(part, targets[left:], left, path.nearest[:left])
+
+
+@cache
+def _planner(files: RobotFiles, settings: PlannerSettings) -> Planner:
+    return Planner(files.load_robot(), settings)

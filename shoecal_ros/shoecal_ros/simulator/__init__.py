@@ -1,0 +1,1 @@
+"""The simulator: the simulated robot on ROS time."""

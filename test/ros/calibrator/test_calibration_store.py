@@ -1,0 +1,227 @@
+from __future__ import annotations
+
+import dataclasses
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ros.bodies import calibration, nao, nao_shoe
+from shoecal_core.calibration.calibration import (
+    Calibration,
+    WrongShoeError,
+    save_calibration,
+)
+from shoecal_core.errors import FileError
+from shoecal_ros.calibrator.calibration_store import (
+    BEFORE,
+    CURRENT,
+    RECORD,
+    CalibrationStore,
+    NotApplicableError,
+)
+
+KILLED = Path(__file__).with_name("killed_store.py")
+
+
+T0 = 10**18
+SECOND = 10**9
+
+
+def store(folder: Path) -> CalibrationStore:
+    return CalibrationStore(folder, nao(), nao_shoe())
+
+
+def made(identity: str, **changes: object) -> Calibration:
+    return calibration(nao(), nao_shoe(), identity, **changes)
+
+
+def identity(found: Calibration | None) -> str:
+    return "" if found is None else found.id
+
+
+def test_it_survives_a_restart(tmp_path: Path) -> None:
+    folder = tmp_path / "not" / "there"
+    first = store(folder)
+    assert first.load(T0) == ""
+    assert first.current is None
+    for name in ("one", "two", "three"):
+        first.apply(made(name), T0)
+    again = store(folder)
+    assert again.load(T0) == ""
+    assert (identity(again.current), identity(again.before)) == ("three", "two")
+
+
+def test_going_back_and_forth(tmp_path: Path) -> None:
+    kept = store(tmp_path)
+    with pytest.raises(NotApplicableError, match="no calibration before"):
+        kept.rollback(T0)
+    kept.apply(made("one"), T0)
+    kept.apply(made("two"), T0)
+    assert kept.rollback(T0).id == "one"
+    assert kept.rollback(T0).id == "two"
+    again = store(tmp_path)
+    again.load(T0)
+    assert (identity(again.current), identity(again.before)) == ("two", "one")
+
+
+def test_a_failed_calibration_is_never_applied() -> None:
+    failed = made("bad", verdict="FAIL", reasons=("left/a is blind",))
+    for force in (False, True):
+        with pytest.raises(NotApplicableError, match="left/a is blind"):
+            store(Path()).check(failed, force=force)
+
+
+@pytest.mark.parametrize("which", ["robot", "shoe"])
+def test_another_robots_or_shoes_calibration_needs_force(which: str) -> None:
+    other = made("other", **{f"{which}_hash": "0" * 64})
+    with pytest.raises(NotApplicableError, match=f"another {which} file"):
+        store(Path()).check(other)
+    store(Path()).check(other, force=True)
+
+
+def test_other_channels_are_never_applied() -> None:
+    names = tuple(name.replace("left", "up") for name in nao_shoe().names)
+    with pytest.raises(WrongShoeError):
+        store(Path()).check(made("other", channels=names), force=True)
+
+
+def test_a_damaged_file_is_told_and_not_taken(tmp_path: Path) -> None:
+    kept = store(tmp_path)
+    kept.apply(made("one"), T0)
+    kept.apply(made("two"), T0)
+    (tmp_path / CURRENT).write_text("format: 1\nid: [")
+    again = store(tmp_path)
+    problem = again.load(T0)
+    assert CURRENT in problem
+    assert again.current is None
+    assert identity(again.before) == "one"
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"shoe_hash": "0" * 64}, "another shoe file"),
+        ({"verdict": "FAIL", "reasons": ("blind",)}, "blind"),
+        ({"verdict": "WARN", "reasons": ("odd",)}, "set it with force"),
+    ],
+)
+def test_a_file_laid_there_is_taken_only_if_it_might_be_set(
+    tmp_path: Path, changes: dict[str, object], told: str
+) -> None:
+    save_calibration(made("one", **changes), tmp_path / CURRENT)
+    again = store(tmp_path)
+    assert told in again.load(T0)
+    assert again.current is None
+    warned = store(tmp_path)
+    assert bool(warned.load(T0, warned=True)) == (changes.get("verdict") != "WARN")
+
+
+def test_what_was_accepted_stays_in_force(tmp_path: Path) -> None:
+    kept = store(tmp_path)
+    kept.apply(made("one", verdict="WARN", reasons=("odd",), shoe_hash="0" * 64), T0)
+    kept.apply(made("two", verdict="WARN", reasons=("odd",)), T0)
+    again = store(tmp_path)
+    assert again.load(T0) == ""
+    assert (identity(again.current), identity(again.before)) == ("two", "one")
+    # Until robot or shoe are others.
+    other = CalibrationStore(tmp_path, nao(), dataclasses.replace(nao_shoe(), digest="1" * 64))
+    assert other.load(T0).count("another shoe file") == 2
+    assert other.current is None
+
+
+def test_since_when_survives_restarts(tmp_path: Path) -> None:
+    kept = store(tmp_path)
+    for count, name in enumerate(("one", "two")):
+        kept.apply(made(name), T0 + count * SECOND)
+        assert kept.since_ns == T0 + count * SECOND
+    again = store(tmp_path)
+    again.load(T0 + 50 * SECOND)
+    assert again.since_ns == T0 + SECOND
+    again.rollback(T0 + 60 * SECOND)
+    assert again.since_ns == T0 + 60 * SECOND
+    last = store(tmp_path)
+    last.load(T0 + 70 * SECOND)
+    assert (identity(last.current), last.since_ns) == ("one", T0 + 60 * SECOND)
+
+
+def test_since_when_of_a_file_laid_there(tmp_path: Path) -> None:
+    save_calibration(made("one"), tmp_path / CURRENT)
+    for start in (T0, T0 + SECOND):
+        again = store(tmp_path)
+        assert again.load(start) == ""
+        assert again.since_ns == T0
+
+
+def test_what_is_in_force_already_changes_nothing(tmp_path: Path) -> None:
+    kept = store(tmp_path)
+    kept.apply(made("one"), T0)
+    kept.apply(made("two"), T0 + SECOND)
+    kept.apply(made("two"), T0 + 2 * SECOND)
+    assert (identity(kept.before), kept.since_ns) == ("one", T0 + SECOND)
+    assert sorted(path.name for path in tmp_path.iterdir()) == [CURRENT, BEFORE, RECORD]
+
+
+def test_a_damaged_record_is_told(tmp_path: Path) -> None:
+    kept = store(tmp_path)
+    kept.apply(made("one"), T0)
+    record = (tmp_path / RECORD).read_text()
+    for damaged in (
+        "format: 9",
+        "format: 1",
+        record.replace(str(T0), str(10**30)),
+        "[",
+        record[:-9],
+    ):
+        (tmp_path / RECORD).write_text(damaged)
+        again = store(tmp_path)
+        assert RECORD in again.load(T0 + SECOND)
+        assert identity(again.current) == "one"
+
+
+def test_a_file_taken_away_is_no_loss(tmp_path: Path) -> None:
+    kept = store(tmp_path)
+    kept.apply(made("one"), T0)
+    (tmp_path / CURRENT).unlink()
+    kept.apply(made("two"), T0)
+    again = store(tmp_path)
+    again.load(T0)
+    assert (identity(again.current), identity(again.before)) == ("two", "one")
+
+
+def test_killed_at_any_moment_it_is_the_old_pair_or_the_new_one(tmp_path: Path) -> None:
+    """A process makes a first, a second, a third change and goes back; each is cut everywhere."""
+    done = subprocess.run(
+        [sys.executable, KILLED, tmp_path], check=True, capture_output=True, text=True
+    )
+    cuts = done.stdout.split()
+    states = []
+    for cut in cuts:
+        kept = store(tmp_path / cut)
+        assert kept.load(T0 + 99 * SECOND) == ""
+        since = (kept.since_ns - T0) // SECOND if kept.current else None
+        states.append((identity(kept.current), identity(kept.before), since))
+        left = {path.name for path in (tmp_path / cut).iterdir() if path.name[0] != "."}
+        assert left <= {CURRENT, BEFORE, RECORD}
+    steps = [("", "", None), ("one", "", 1), ("two", "one", 2), ("three", "two", 3),
+             ("two", "three", 4)]  # fmt: skip
+    assert states[0] == steps[0]
+    assert states[-1] == steps[-1]
+    assert len(cuts) > 20
+    # Every state on the way is one of them, in this order, without a step back.
+    assert [steps.index(state) for state in states] == sorted(
+        steps.index(state) for state in states
+    )
+    assert set(states) == set(steps)
+
+
+def test_nothing_changes_where_nothing_can_be_saved(tmp_path: Path) -> None:
+    kept = store(tmp_path / "folder")
+    kept.apply(made("one"), T0)
+    (tmp_path / "folder" / BEFORE).unlink(missing_ok=True)
+    (tmp_path / "folder").rename(tmp_path / "moved")
+    (tmp_path / "folder").write_text("in the way")
+    with pytest.raises(FileError):
+        kept.apply(made("two"), T0)
+    assert identity(kept.current) == "one"

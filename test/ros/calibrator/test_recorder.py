@@ -1,0 +1,113 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from rclpy.serialization import serialize_message
+from shoecal_msgs.msg import ShoeVoltages
+
+from ros.bodies import NAO, NAO_SHOE, nao, nao_shoe
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.recording import messages, schemas
+from shoecal_core.recording.errors import RecordingError
+from shoecal_core.recording.session import Session
+from shoecal_ros.calibrator.recorder import Recorder
+from shoecal_ros.common.conversions import JointSample, header_to_ros, joints_to_ros
+
+SUPPORT = DoubleSupport(0.02, -0.11, 0.2)
+
+
+class Clock:
+    now_ns = 10**9
+
+    def __call__(self) -> int:
+        return self.now_ns
+
+
+def session(folder: Path) -> Session:
+    return Session.create(folder / "session", NAO, NAO.with_name("nao.urdf"), NAO_SHOE)
+
+
+def joints(stamp_ns: int) -> bytes:
+    robot = nao()
+    sample = JointSample(stamp_ns, robot.joint_names, robot.posture)
+    return bytes(serialize_message(joints_to_ros(sample)))
+
+
+def voltages(stamp_ns: int, sequence: int) -> bytes:
+    names = list(nao_shoe().names)
+    message = ShoeVoltages(
+        header=header_to_ros(stamp_ns, "driver"),
+        sequence=sequence,
+        cell=names,
+        voltage=[0.1] * len(names),
+        status=[0] * len(names),
+    )
+    return bytes(serialize_message(message))
+
+
+def command() -> bytes:
+    return messages.joint_trajectory(0, ["LKneePitch"], [0.5], [[0.1]])
+
+
+def feed(recorder: Recorder, clock: Clock, samples: int) -> None:
+    for _ in range(samples):
+        clock.now_ns += 10_000_000
+        recorder.take(schemas.JOINT_STATES, [joints(clock.now_ns)])
+        recorder.take(schemas.VOLTAGES, [voltages(clock.now_ns, clock.now_ns // 10_000_000)])
+
+
+def test_a_run_holds_what_came_and_a_little_before(tmp_path: Path) -> None:
+    clock = Clock()
+    recorder = Recorder(clock, 0.5)
+    made = session(tmp_path)
+    feed(recorder, clock, 20)  # nobody has asked
+    recorder.stand_by()
+    recorder.take(schemas.JOINT_TRAJECTORY, [command()])
+    feed(recorder, clock, 200)
+    started_ns = clock.now_ns
+    recorder.start(made.new_run("landmarks", SUPPORT, hint="train"))
+    assert recorder.recording
+    feed(recorder, clock, 100)
+    recorder.stop()
+    feed(recorder, clock, 20)
+    (entry,) = made.runs
+    run = made.read(entry.run)
+    assert entry.hint == "train"
+    assert run.info.support == SUPPORT
+    assert run.start_ns == pytest.approx(started_ns - 500_000_000, abs=11_000_000)
+    assert len(run.joints.time) == len(run.readings.time) == 151
+    assert len(run.commanded) == 1, "the command counts however old it is"
+    assert recorder.counts == {
+        schemas.JOINT_TRAJECTORY: 1, schemas.JOINT_STATES: 151, schemas.VOLTAGES: 151,
+    }  # fmt: skip
+
+
+def test_an_interrupted_run_stays(tmp_path: Path) -> None:
+    clock = Clock()
+    recorder = Recorder(clock, 0.5)
+    made = session(tmp_path)
+    recorder.start(made.new_run("landmarks", SUPPORT))
+    feed(recorder, clock, 50)
+    recorder.abandon()
+    assert not recorder.recording
+    assert made.runs == ()
+    assert [path.name for path in made.unfinished] == ["run_001.mcap.part"]
+    recorder.abandon()  # nothing is left to abandon
+
+
+def test_a_run_that_cannot_be_written_says_so_once(tmp_path: Path) -> None:
+    clock = Clock()
+    recorder = Recorder(clock, 0.5)
+    made = session(tmp_path)
+    writer = made.new_run("landmarks", SUPPORT)
+    recorder.start(writer)
+    feed(recorder, clock, 5)
+    writer.abandon()
+    feed(recorder, clock, 5)
+    assert "closed already" in recorder.problem
+    with pytest.raises(RecordingError):
+        recorder.stop()
+    recorder.start(made.new_run("landmarks", SUPPORT))
+    assert recorder.problem == ""
+    recorder.abandon()

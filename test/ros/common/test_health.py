@@ -1,0 +1,31 @@
+from __future__ import annotations
+
+from shoecal_ros.common.health import Health, Level
+
+
+def test_news_are_told_once() -> None:
+    health = Health()
+    health.tell("device", Level.OK, "reading")
+    assert list(health.news()) == ["device"]
+    health.tell("device", Level.OK, "reading", frames=3)
+    assert health.news() == {}
+    assert health.conditions["device"].values == {"frames": "3"}
+    health.tell("device", Level.ERROR, "unplugged")
+    assert health.news()["device"].message == "unplugged"
+
+
+def test_a_number_that_grows_is_no_news() -> None:
+    health = Health()
+    health.tell("device", Level.ERROR, "no byte for 2.0 s")
+    health.news()
+    health.tell("device", Level.ERROR, "no byte for 13.1 s")
+    assert health.news() == {}
+    assert health.conditions["device"].message == "no byte for 13.1 s"
+
+
+def test_a_worse_level_is_news() -> None:
+    health = Health()
+    health.tell("robot", Level.OK, "stands")
+    health.news()
+    health.tell("robot", Level.WARN, "stands")
+    assert "robot" in health.news()

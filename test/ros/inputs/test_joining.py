@@ -1,0 +1,172 @@
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from shoecal_ros.common.conversions import VoltageFrame
+from shoecal_ros.inputs.joining import (
+    NO_DATA,
+    FrameJoiner,
+    Joined,
+    TwoSourcesError,
+    UnknownCellError,
+)
+from shoecal_ros.inputs.voltages import VoltageInput
+
+CELLS = ("left/a", "left/b", "right/a", "right/b")
+STEP_NS = 10_000_000
+
+
+def frame(
+    index: int,
+    cells: Sequence[str] = CELLS,
+    source: str = "one",
+    *,
+    sequence: int | None = None,
+    shift_ns: int = 0,
+    status: int = 0,
+) -> VoltageFrame:
+    return VoltageFrame(
+        stamp_ns=10**9 + index * STEP_NS + shift_ns,
+        source=source,
+        sequence=index if sequence is None else sequence,
+        cells=tuple(cells),
+        voltage=np.array([index + 0.1 * CELLS.index(cell) for cell in cells]),
+        status=np.full(len(cells), status, dtype=np.uint8),
+    )
+
+
+def joiner() -> FrameJoiner:
+    return FrameJoiner(CELLS, hold_s=0.025)
+
+
+def joined(found: Joined | None) -> Joined:
+    assert found is not None
+    return found
+
+
+@given(st.permutations(CELLS))
+def test_one_board_gives_every_frame_in_the_shoes_order(cells: list[str]) -> None:
+    one = joined(joiner().add(frame(3, cells)))
+    np.testing.assert_allclose(one.readings, 3 + 0.1 * np.arange(4))
+    assert one.status.tolist() == [0, 0, 0, 0]
+
+
+def test_two_boards_meet() -> None:
+    join = joiner()
+    first = joined(join.add(frame(0, CELLS[:2], "left")))
+    assert np.isnan(first.readings[2:]).all()
+    assert first.status.tolist() == [0, 0, NO_DATA, NO_DATA]
+    assert join.add(frame(0, CELLS[2:], "right", shift_ns=3_000_000)) is None
+    second = joined(join.add(frame(1, CELLS[:2], "left")))
+    np.testing.assert_allclose(second.readings, [1.0, 1.1, 0.2, 0.3])
+    assert join.missing == ()
+
+
+def test_a_board_that_falls_silent_is_not_believed_for_long() -> None:
+    join = joiner()
+    join.add(frame(0, CELLS[:2], "left"))
+    join.add(frame(0, CELLS[2:], "right"))
+    for index in (1, 2):
+        assert np.isfinite(joined(join.add(frame(index, CELLS[:2], "left"))).readings).all()
+    late = joined(join.add(frame(3, CELLS[:2], "left")))
+    assert np.isnan(late.readings[2:]).all()
+    assert late.status.tolist() == [0, 0, NO_DATA, NO_DATA]
+
+
+def test_the_other_board_goes_on_alone() -> None:
+    join = joiner()
+    join.add(frame(0, CELLS[:2], "left"))
+    join.add(frame(0, CELLS[2:], "right"))
+    found = [join.add(frame(index, CELLS[2:], "right")) for index in range(1, 8)]
+    assert joined(found[-1]).status.tolist() == [NO_DATA, NO_DATA, 0, 0]
+
+
+def test_one_device_may_send_its_cells_in_turns() -> None:
+    join = joiner()
+    parts = [CELLS[:2], CELLS[2:]]
+    found = [join.add(frame(index, parts[index % 2])) for index in range(10)]
+    assert all(one is None for one in found[1::2])
+    assert all(np.isfinite(joined(one).readings).all() for one in found[2::2])
+
+
+def test_two_sources_of_one_cell_are_told_apart() -> None:
+    join = joiner()
+    join.add(frame(0, CELLS, "one"))
+    with pytest.raises(TwoSourcesError, match="'left/b' comes from 'one' and from 'two'"):
+        join.add(frame(0, CELLS[1:2], "two"))
+
+
+def test_two_drivers_of_one_name_are_found_by_their_counters() -> None:
+    join = joiner()
+
+    def listen() -> None:
+        for index in range(20):
+            join.add(frame(index))
+            join.add(frame(index, sequence=5000 - index, shift_ns=1000))
+
+    with pytest.raises(TwoSourcesError, match="two drivers named 'one'"):
+        listen()
+
+
+def test_a_device_that_starts_anew_is_no_second_one() -> None:
+    join = joiner()
+    for index in range(100):
+        join.add(frame(index, sequence=index % 40))
+
+
+@given(st.integers(2**32 - 50, 2**32 - 1))
+def test_a_counter_may_overflow(start: int) -> None:
+    join = joiner()
+    for index in range(100):
+        assert join.add(frame(index, sequence=(start + index) % 2**32)) is not None
+
+
+def test_a_cell_the_shoe_does_not_have() -> None:
+    odd = VoltageFrame(10**9, "one", 0, ("left/z",), np.zeros(1), np.zeros(1, dtype=np.uint8))
+    with pytest.raises(UnknownCellError, match=r"left/z.*left/a, left/b"):
+        joiner().add(odd)
+
+
+def test_stamps_that_go_back_a_little_are_left_out() -> None:
+    join = joiner()
+    join.add(frame(5))
+    assert join.add(frame(4, sequence=6)) is None
+    assert join.add(frame(6, sequence=7)) is not None
+
+
+def test_time_may_begin_anew() -> None:
+    join = joiner()
+    join.add(frame(500))
+    again = joined(join.add(frame(1, sequence=501)))
+    np.testing.assert_allclose(again.readings, 1 + 0.1 * np.arange(4))
+
+
+class Clock:
+    now = 50.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def test_what_is_wrong_with_voltages_is_told_in_turn() -> None:
+    clock = Clock()
+    voltages = VoltageInput(joiner(), 0.5, clock)
+    assert "start shoe_driver" in voltages.problem
+    voltages.take([frame(0, CELLS[:2])])
+    assert voltages.problem == ""
+    clock.now += 10.0
+    assert "no voltages for 10 s" in voltages.problem
+    voltages.take([frame(1, CELLS[:2])])
+    assert "nobody sends the voltage of right/a, right/b" in voltages.problem
+    voltages.take([frame(2, CELLS)])
+    assert voltages.problem == ""
+    voltages.take([frame(3, CELLS, "two")])
+    assert "give each cell one source" in voltages.problem
+    clock.now += 4.0
+    voltages.take([frame(4, CELLS)])
+    assert voltages.problem == ""

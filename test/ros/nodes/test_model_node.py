@@ -1,0 +1,87 @@
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+from geometry_msgs.msg import PointStamped
+from sensor_msgs.msg import JointState
+
+from ros.bodies import ODD, ODD_SHOE, nao
+from ros.world import Heard, World
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import JointSample, joints_to_ros, point_from_ros
+
+
+def message(index: int) -> JointState:
+    robot = nao()
+    angles = robot.posture + 0.01 * np.sin(index + np.arange(len(robot.posture)))
+    return joints_to_ros(JointSample(10**9 + index * 10**7, robot.joint_names, angles))
+
+
+def test_com_and_cop_of_every_sample(world: World) -> None:
+    world.start("model")
+    com = world.hear(PointStamped, "shoe/model/com", qos.RAW)
+    cop = world.hear(PointStamped, "shoe/model/cop", qos.RAW)
+    publisher = world.publisher(JointState, "joint_states")
+    world.until(lambda: world.node.count_publishers("shoe/model/cop"))
+    sent = [message(index) for index in range(20)]
+    # One at a time: live topics keep but the last few.
+    for count, one in enumerate(sent, 1):
+        publisher.publish(one)
+        world.until(partial(_both, com, cop, count))
+    states = Kinematics(nao()).states(np.array([one.position for one in sent]))
+    for index, one in enumerate(sent):
+        assert com.messages[index].header.stamp == one.header.stamp
+        assert com.messages[index].header.frame_id == "base_link"
+        assert cop.messages[index].header.frame_id == "l_sole"
+        np.testing.assert_allclose(
+            point_from_ros(com.messages[index]), states.com_in_base[index], atol=1e-12
+        )
+        np.testing.assert_allclose(
+            point_from_ros(cop.messages[index])[:2], states.cop[index, 0], atol=1e-12
+        )
+
+
+def _both(one: Heard, other: Heard, count: int) -> bool:
+    return len(one) >= count and len(other) >= count
+
+
+def test_joints_that_do_not_match_are_told_once(world: World) -> None:
+    world.start("model", {"robot_file": ODD, "shoe_file": ODD_SHOE})
+    publisher = world.publisher(JointState, "joint_states")
+    for index in range(50):
+        publisher.publish(message(index))
+    status = world.until_told("model", "joints", "needs joint(s)")
+    assert "left_hip_yaw" in status.message
+    assert "LKneePitch" in status.message
+    assert status.level == b"\x02"
+    world.stop("model")
+    assert world.output("model").count("needs joint(s)") == 1
+
+
+def test_names_follow_namespaces_and_remapping(world: World) -> None:
+    world.start("model", None, "-r", "__ns:=/lab", "-r", "joint_states:=robot/joints")
+    cop = world.hear(PointStamped, "/lab/shoe/model/cop", qos.LIVE)
+    publisher = world.publisher(JointState, "/lab/robot/joints")
+    world.until(lambda: world.node.count_publishers("/lab/shoe/model/cop"))
+    publisher.publish(message(0))
+    world.until(lambda: len(cop))
+
+
+@pytest.mark.parametrize(
+    ("parameters", "problem"),
+    [
+        ({"robot_file": "/not/there.yaml"}, "/not/there.yaml: cannot be read"),
+        ({"stale_s": -1.0}, "stale_s: must be at least 0.01 s, got -1 s"),
+        ({"stale_s": "soon"}, "stale_s: expected a number, got 'soon'"),
+    ],
+)
+def test_bad_parameters_end_the_node_with_one_line(
+    world: World, parameters: dict[str, object], problem: str
+) -> None:
+    world.start("model", parameters)
+    assert world.ended("model") == 1
+    (line,) = world.output("model").splitlines()
+    assert problem in line

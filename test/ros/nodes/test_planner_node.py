@@ -1,0 +1,208 @@
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import JointState
+from shoecal_msgs.action import Plan, ReachSupport
+from shoecal_msgs.msg import DoubleSupport
+from std_msgs.msg import Bool
+from std_srvs.srv import SetBool
+from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
+
+from ros.bodies import nao
+from ros.world import Goal, Heard, World
+from shoecal_core.model.double_support import DoubleSupport as Support
+from shoecal_core.planning.posture import stance
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import (
+    JointSample,
+    joints_to_ros,
+    time_from_ros,
+    trajectory_from_ros,
+)
+from shoecal_ros.inputs.stillness import Stillness
+
+SUPPORT = DoubleSupport(dx=0.02, dy=-0.11, dtheta=0.1)
+QUICK = {"stale_s": 3.0, "horizon": 5, "landmark_radius": 0.012, "com_speed": 0.03}
+"""Shorter planning and motions, and patience on a busy machine."""
+
+
+def plan(world: World, **goal: object) -> Goal:
+    return world.goal(Plan, "shoe/plan", Plan.Goal(**{"motion": "landmarks", **goal}))
+
+
+def arm(world: World, armed: bool = True) -> None:
+    assert world.call(SetBool, "shoe/arm", SetBool.Request(data=armed)).success
+
+
+def is_moving(goal: Goal) -> bool:
+    assert not goal.done, goal.result().message
+    return any(one.phase == "moving" and one.progress > 0.2 for one in goal.feedback)
+
+
+def has(heard: Heard, count: int) -> bool:
+    return len(heard) == count
+
+
+def until_still(world: World) -> None:
+    joints = world.hear(JointState, "joint_states")
+    stillness, taken = Stillness(0.01, 0.5, 0.004), len(joints)
+
+    def still() -> bool:
+        nonlocal taken
+        for one in joints.messages[taken:]:
+            stillness.add(time_from_ros(one.header.stamp), np.array(one.position))
+        taken = len(joints)
+        return stillness.still
+
+    world.until(still)
+
+
+class StillRobot:
+    """Tells joint angles and follows nothing."""
+
+    def __init__(self, world: World) -> None:
+        self._angles = nao().from_legs(stance(nao(), Support(0.02, -0.11, 0.1)))
+        self._publisher = world.node.create_publisher(JointState, "joint_states", qos.RAW)
+        self._stamp_ns = 10**9
+        world.node.create_timer(0.02, self._tell)
+
+    def _tell(self) -> None:
+        self._stamp_ns += 20_000_000
+        sample = JointSample(self._stamp_ns, nao().joint_names, self._angles)
+        self._publisher.publish(joints_to_ros(sample))
+
+
+@pytest.fixture
+def still(world: World) -> World:
+    """A planner beside a robot that does not move."""
+    StillRobot(world)
+    world.start("planner", QUICK)
+    world.until_told("planner", "planning", "ready")
+    world.until_told("planner", "joints", "come")
+    return world
+
+
+@pytest.fixture
+def simulated(world: World) -> World:
+    """A planner beside the simulated robot, which stands in a double support."""
+    world.start("simulator", {"port": world.folder / "port", "speed": 4.0})
+    world.start("planner", {**QUICK, "use_sim_time": True})
+    world.until_told("planner", "planning", "ready")
+    world.until_told("planner", "joints", "come")
+    arm(world)
+    reached = world.goal(ReachSupport, "robot/reach_support", ReachSupport.Goal(support=SUPPORT))
+    assert reached.result().success
+    return world
+
+
+def test_a_plan_without_sending_moves_nothing(still: World) -> None:
+    commands = still.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    goal = plan(still)
+    result = goal.result()
+    assert (result.success, result.error_code) == (True, Plan.Result.OK), result.message
+    trajectory = trajectory_from_ros(result.trajectory)
+    robot = nao()
+    assert set(trajectory.names) == {*robot.leg_names, "RHipYawPitch"}
+    start = robot.from_legs(stance(robot, Support(0.02, -0.11, 0.1)))
+    columns = [robot.joint(name) for name in trajectory.names]
+    np.testing.assert_allclose(trajectory.positions[0], start[columns], atol=1e-6)
+    assert len(result.landmark_distance) == 5
+    assert {feedback.phase for feedback in goal.feedback} == {"planning"}
+    assert not len(commands)
+
+
+def test_nothing_is_sent_before_it_is_armed(still: World) -> None:
+    result = plan(still, send=True).result()
+    assert result.error_code == Plan.Result.NOT_ARMED
+    assert "shoe/arm" in result.message
+
+
+@pytest.mark.parametrize(
+    ("goal", "problem"),
+    [({"motion": "dance"}, "landmarks"), ({"stream": True}, "ask to send it")],
+)
+def test_bad_goals(still: World, goal: dict[str, object], problem: str) -> None:
+    result = plan(still, **goal).result()
+    assert result.error_code == Plan.Result.BAD_GOAL
+    assert problem in result.message
+
+
+def test_a_robot_that_does_not_follow_is_told_to_hold(still: World) -> None:
+    commands = still.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    arm(still)
+    result = plan(still, send=True).result()
+    assert result.error_code == Plan.Result.NOT_FOLLOWED
+    assert "off its trajectory" in result.message
+    still.until(lambda: len(commands) == 2)
+    (point,) = commands.last.points
+    start = nao().from_legs(stance(nao(), Support(0.02, -0.11, 0.1)))
+    columns = [nao().joint(name) for name in commands.last.joint_names]
+    np.testing.assert_allclose(point.positions, start[columns], atol=1e-6)
+
+
+def test_one_motion_at_a_time_and_cancelling_while_planning(still: World) -> None:
+    first = plan(still)
+    still.until(lambda: first.feedback or first.done)
+    assert plan(still).result().error_code == Plan.Result.BUSY
+    first.cancel()
+    result = first.result()
+    assert result.error_code == Plan.Result.CANCELED
+    assert plan(still).result().success, "the planner goes on"
+
+
+def test_without_joint_angles(world: World) -> None:
+    world.start("planner", QUICK)
+    result = plan(world).result()
+    assert result.error_code == Plan.Result.NO_JOINT_STATES
+    assert "joint_states" in result.message
+
+
+def test_arming_ends_by_itself(world: World) -> None:
+    world.start("planner", {**QUICK, "arm_timeout_s": 1.0})
+    armed = world.hear(Bool, "shoe/armed", qos.LATCHED)
+    world.until(lambda: len(armed))
+    assert not armed.last.data
+    arm(world)
+    world.until(lambda: armed.last.data)
+    world.until(lambda: not armed.last.data)
+
+
+def test_a_motion_is_sent_and_followed_to_its_end(simulated: World) -> None:
+    joints = simulated.hear(JointState, "joint_states")
+    goal = plan(simulated, send=True)
+    result = goal.result(120.0)
+    assert (result.success, result.error_code) == (True, Plan.Result.OK), result.message
+    assert {feedback.phase for feedback in goal.feedback} == {"planning", "moving"}
+    trajectory = trajectory_from_ros(result.trajectory)
+    names = list(joints.last.name)
+    end = np.array([joints.last.position[names.index(name)] for name in trajectory.names])
+    assert np.abs(end - trajectory.positions[-1]).max() < 0.05
+
+
+def test_cancelling_and_disarming_stop_the_robot(simulated: World) -> None:
+    commands = simulated.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    for stop, code in (("cancel", Plan.Result.CANCELED), ("disarm", Plan.Result.NOT_ARMED)):
+        sent = len(commands)
+        goal = plan(simulated, send=True)
+        simulated.until(partial(is_moving, goal))
+        if stop == "cancel":
+            goal.cancel()
+        else:
+            arm(simulated, False)
+        result = goal.result()
+        assert result.error_code == code, result.message
+        simulated.until(partial(has, commands, sent + 2))
+        until_still(simulated)
+        assert len(commands.last.points) == 1, "a hold"
+
+
+def test_a_streamed_motion_is_planned_from_where_the_robot_is(simulated: World) -> None:
+    commands = simulated.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    result = plan(simulated, send=True, stream=True).result(200.0)
+    assert (result.success, result.error_code) == (True, Plan.Result.OK), result.message
+    assert len(commands) > 2
+    assert len(result.landmark_distance) == 5
+    trajectory_from_ros(result.trajectory)

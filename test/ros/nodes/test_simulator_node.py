@@ -1,0 +1,149 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import JointState
+from shoecal_msgs.action import ReachSupport
+from shoecal_msgs.msg import DoubleSupport, ShoeVoltages
+from std_msgs.msg import Bool
+from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
+
+from ros.bodies import ODD, ODD_SHOE, nao, nao_shoe
+from ros.world import World
+from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.recording.truth import read_truth
+from shoecal_core.sensing.shoe import load_shoe
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import time_from_ros, trajectory_to_ros
+from shoecal_ros.demo import write_device
+
+NEAR = DoubleSupport(dx=0.02, dy=-0.11, dtheta=0.1)
+
+
+def start(world: World, **parameters: object) -> Path:
+    port = world.folder / "port"
+    world.start("simulator", {"port": port, "speed": 4.0, **parameters})
+    return port
+
+
+def arm(world: World) -> None:
+    world.publisher(Bool, "shoe/armed", qos.LATCHED).publish(Bool(data=True))
+
+
+def test_joints_readings_clock_and_truth_are_of_one_time(world: World, tmp_path: Path) -> None:
+    truth_file = tmp_path / "truth.mcap"
+    port = start(world, truth_file=truth_file)
+    world.start("shoe_driver", {"port": port, "use_sim_time": True})
+    joints = world.hear(JointState, "joint_states")
+    voltages = world.hear(ShoeVoltages, "shoe/voltages")
+    clock = world.hear(Clock, "/clock", qos.CLOCK)
+    world.until(lambda: len(joints) > 300 and len(voltages) > 300 and len(clock))
+    assert tuple(joints.last.name) == nao().joint_names
+    assert tuple(voltages.last.cell) == nao_shoe().names
+    stamps = [time_from_ros(one.header.stamp) for one in joints.messages]
+    assert set(np.diff(stamps)) == {10_000_000}, "no sample is lost"
+    sent = [time_from_ros(one.header.stamp) for one in voltages.messages]
+    assert set(np.diff(sent)) == {10_000_000}, "no frame is lost"
+    assert set(sent) & set(stamps)
+    world.stop("simulator")
+    truth = read_truth(truth_file)
+    assert truth.grf[-1] == pytest.approx(nao().weight, rel=0.02)
+    assert truth.start_ns % 10_000_000 == 0
+    assert truth_file.with_suffix(".yaml").is_file()
+
+
+def test_a_support_is_reached(world: World) -> None:
+    start(world)
+    joints = world.hear(JointState, "joint_states")
+    world.until(lambda: len(joints))
+    arm(world)
+    goal = world.goal(ReachSupport, "robot/reach_support", ReachSupport.Goal(support=NEAR))
+    result = goal.result()
+    assert (result.success, result.error_code) == (True, ReachSupport.Result.OK)
+    assert goal.feedback
+    seen = len(joints)
+    world.until(lambda: len(joints) > seen)
+    angles = nao().from_measured(joints.last.name, np.array(joints.last.position))
+    support = Kinematics(nao()).states(angles[None]).support()
+    assert support.dx == pytest.approx(NEAR.dx, abs=0.004)
+    assert support.dy == pytest.approx(NEAR.dy, abs=0.004)
+    assert support.dtheta == pytest.approx(NEAR.dtheta, abs=0.02)
+    stamps = [time_from_ros(one.header.stamp) for one in joints.messages]
+    assert np.all(np.diff(stamps) > 0)
+
+
+def test_nothing_moves_before_it_is_armed(world: World) -> None:
+    start(world)
+    goal = world.goal(ReachSupport, "robot/reach_support", ReachSupport.Goal(support=NEAR))
+    result = goal.result()
+    assert result.error_code == ReachSupport.Result.NOT_ARMED
+    assert "shoe/arm" in result.message
+
+
+@pytest.mark.parametrize(
+    "support", [DoubleSupport(dx=0.5, dy=-0.1), DoubleSupport(dx=float("nan"))]
+)
+def test_supports_out_of_reach(world: World, support: DoubleSupport) -> None:
+    start(world, needs_arming=False)
+    goal = world.goal(ReachSupport, "robot/reach_support", ReachSupport.Goal(support=support))
+    result = goal.result()
+    assert result.error_code in {ReachSupport.Result.UNREACHABLE, ReachSupport.Result.FAILED}
+    assert result.message
+
+
+def test_trajectories_are_followed_or_refused_by_name(world: World) -> None:
+    start(world, needs_arming=False)
+    joints = world.hear(JointState, "joint_states")
+    command = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    world.until(lambda: len(joints))
+    goal = nao().posture[nao().joint("HeadYaw")] + 0.3
+    motion = JointTrajectory(("HeadYaw",), np.array([0.5]), np.array([[goal]]))
+    command.publish(trajectory_to_ros(motion))
+    column = nao().joint_names.index("HeadYaw")
+    world.until(lambda: abs(joints.last.position[column] - goal) < 0.02)
+    wrong = JointTrajectory(("Tail",), np.array([0.5]), np.array([[0.1]]))
+    command.publish(trajectory_to_ros(wrong))
+    world.until_told("simulator", "robot", "no joint named 'Tail'")
+
+
+def test_another_robot_on_other_shoes(world: World, tmp_path: Path) -> None:
+    files = {"robot_file": ODD, "shoe_file": ODD_SHOE}
+    port = start(world, **files)
+    device = tmp_path / "device.yaml"
+    shoe = load_shoe(ODD_SHOE)
+    write_device(device, shoe, port, 24)
+    world.start("shoe_driver", {"config_file": device, "use_sim_time": True})
+    voltages = world.hear(ShoeVoltages, "shoe/voltages")
+    world.until(lambda: len(voltages) > 10)
+    assert tuple(voltages.last.cell) == shoe.names
+    assert set(voltages.last.status) == {0}
+
+
+def test_trajectories_are_refused_unless_armed(world: World) -> None:
+    start(world)
+    joints = world.hear(JointState, "joint_states")
+    command = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    world.until(lambda: len(joints))
+    goal = nao().posture[nao().joint("HeadYaw")] + 0.3
+    motion = JointTrajectory(("HeadYaw",), np.array([0.5]), np.array([[goal]]))
+    command.publish(trajectory_to_ros(motion))
+    world.until_told("simulator", "robot", "not armed")
+
+
+def test_nothing_moves_when_whoever_armed_is_gone(world: World) -> None:
+    start(world)
+    publisher = world.publisher(Bool, "shoe/armed", qos.LATCHED)
+    publisher.publish(Bool(data=True))
+    goal = ReachSupport.Goal(support=NEAR)
+    assert world.goal(ReachSupport, "robot/reach_support", goal).result().success
+    world.node.destroy_publisher(publisher)
+    world.until(
+        lambda: (
+            world.goal(ReachSupport, "robot/reach_support", goal).result().error_code
+            == ReachSupport.Result.NOT_ARMED
+        )
+    )
