@@ -15,9 +15,13 @@ import shoecal_core
 
 ROOT = Path(shoecal_core.__file__).parent
 
-FOUNDATION = {"compiled", "compiler", "errors", "files", "settings", "workspace"}
+FOUNDATION = {
+    "batch", "batch_source", "compiled", "compiler", "errors", "files", "settings", "workspace",
+}  # fmt: skip
 METHOD = {"sensing", "model"}
 MAY_IMPORT = {
+    "batch": FOUNDATION,
+    "batch_source": FOUNDATION,
     "compiled": FOUNDATION,
     "compiler": FOUNDATION,
     "errors": set[str](),

@@ -8,6 +8,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.batch import Batch
 from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
@@ -63,7 +64,7 @@ class BodyStates:
 
 
 class Kinematics:
-    """Compiled forward kinematics of one robot."""
+    """Forward kinematics of one robot, compiled where that pays."""
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
@@ -77,8 +78,8 @@ class Kinematics:
             ca.reshape(left.rotation, 9, 1),
             left.translation,
         ]
-        self._function = ca.Function(
-            "body", [symbolic.joint_angles], [ca.vertcat(*outputs)], {"cse": True}
+        self._body = Batch(
+            ca.Function("body", [symbolic.joint_angles], [ca.vertcat(*outputs)], {"cse": True})
         )
 
     def states(self, joint_angles: FloatArray) -> BodyStates:
@@ -90,9 +91,7 @@ class Kinematics:
         expected = len(self.robot.joint_names)
         if joint_angles.ndim != 2 or joint_angles.shape[1] != expected:
             raise ShapeError("joint angles", f"(T, {expected})", joint_angles.shape)
-        count = len(joint_angles)
-        values = np.array(self._function(joint_angles.T)) if count else np.zeros((30, 0))
-        values = values.T
+        values = self._body(joint_angles)
         return BodyStates(
             com=values[:, :6].reshape(-1, 2, 3),
             # CasADi stores matrices by columns.
