@@ -18,22 +18,25 @@ from shoecal_core.errors import ShapeError
 FloatArray = NDArray[np.float64]
 
 LEAST = 4096
-"""Samples of a call from which on machine code is used: below, compiling costs more than it gains.
-
-A call's own size decides, so that one call has one result, whatever was called before.
-"""
+"""Samples of one call that pay for compiling a function of some 1000 operations (0.4 s)."""
 _CHECKED = 21
 """Samples that compiled code is tried on: whole blocks and a part of one."""
 
 
 class Batch:
-    """Evaluates a function (n,) -> (m,) for T samples, (T, n) -> (T, m).
+    """Evaluates a function (n,) -> (m,) for T samples, (T, n) -> (T, m)."""
 
-    Values of short and of long calls differ by rounding only.
-    """
+    def __init__(self, function: ca.Function, least: int = LEAST) -> None:
+        """Take a function; nothing is compiled before it pays.
 
-    def __init__(self, function: ca.Function) -> None:
+        Args:
+            function: SX function of one dense vector with one vector as output.
+            least: samples of a call from which on machine code is used; fewer are interpreted, with
+                the same values but for rounding. A call's own size decides, so that one call has
+                one result, whatever was called before.
+        """
         self._function = function
+        self._least = least
         self._code: Callable[[FloatArray], FloatArray] | None = None
         self._tried = False
 
@@ -46,10 +49,10 @@ class Batch:
         width = self._function.size1_in(0)
         if samples.ndim != 2 or samples.shape[1] != width:
             raise ShapeError("samples", f"(T, {width})", samples.shape)
-        if len(samples) >= LEAST and not self._tried:
+        if len(samples) >= self._least and not self._tried:
             self._code = made_or_interpreted(self._function.name(), self._load)
             self._tried = True
-        if len(samples) < LEAST or self._code is None:
+        if len(samples) < self._least or self._code is None:
             return self._interpreted(samples)
         return self._code(samples)
 

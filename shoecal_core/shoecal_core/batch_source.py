@@ -14,14 +14,37 @@ import casadi as ca
 
 from shoecal_core.compiler import CompilerError
 
-_BINARY = {ca.OP_ADD: "+", ca.OP_SUB: "-", ca.OP_MUL: "*", ca.OP_DIV: "/"}
-_UNARY = {
+_OPERATIONS = {
     ca.OP_ASSIGN: "{0}",
+    ca.OP_ADD: "{0} + {1}",
+    ca.OP_SUB: "{0} - {1}",
+    ca.OP_MUL: "{0} * {1}",
+    ca.OP_DIV: "{0} / {1}",
     ca.OP_NEG: "-{0}",
     ca.OP_INV: "1.0 / {0}",
     ca.OP_SQ: "{0} * {0}",
     ca.OP_TWICE: "2.0 * {0}",
+    ca.OP_LT: "truth({0} < {1})",
+    ca.OP_LE: "truth({0} <= {1})",
+    ca.OP_EQ: "truth({0} == {1})",
+    ca.OP_NE: "truth({0} != {1})",
+    ca.OP_NOT: "truth({0} == 0.0)",
+    ca.OP_AND: "truth(({0} != 0.0) & ({1} != 0.0))",
+    ca.OP_OR: "truth(({0} != 0.0) | ({1} != 0.0))",
+    ca.OP_IF_ELSE_ZERO: "choose({0} != 0.0, {1}, zero)",
+    ca.OP_FABS: "choose({0} < 0.0, -{0}, {0})",
+    # What is no number loses, as in libm.
+    ca.OP_FMIN: "choose(({0} <= {1}) | ({1} != {1}), {0}, {1})",
+    ca.OP_FMAX: "choose(({0} >= {1}) | ({1} != {1}), {0}, {1})",
 }
+_LIBM = {
+    ca.OP_SQRT: "sqrt({0}[l])",
+    ca.OP_ATAN: "atan({0}[l])",
+    ca.OP_ATAN2: "atan2({0}[l], {1}[l])",
+    ca.OP_ASIN: "asin({0}[l])",
+    ca.OP_ACOS: "acos({0}[l])",
+}
+"""One sample after another."""
 
 _FRAME = """\
 #include <math.h>
@@ -32,6 +55,17 @@ _FRAME = """\
 
 typedef double V __attribute__((vector_size(64)));
 typedef long long I __attribute__((vector_size(64)));
+
+static inline V choose(I which, V a, V b)
+{{
+  return (V)(((I)a & which) | ((I)b & ~which));
+}}
+
+static inline V truth(I which)
+{{
+  const V one = {{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0}};
+  return (V)((I)one & which);
+}}
 
 /* Sine and cosine by their series about the nearest multiple of pi/2. The multiple of pi/2 is taken
    off in three parts, the first two of so few bits that their products with a whole number below
@@ -52,8 +86,8 @@ static inline void turn(V x, V *sine, V *cosine)
   V c = 1.0 + z * ({cosine});
   I quadrant = (I)shifted;
   I odd = -(quadrant & 1);
-  *sine = (V)((((I)s & ~odd) | ((I)c & odd)) ^ ((quadrant & 2) << 62));
-  *cosine = (V)((((I)c & ~odd) | ((I)s & odd)) ^ (((quadrant + 1) & 2) << 62));
+  *sine = (V)((I)choose(odd, c, s) ^ ((quadrant & 2) << 62));
+  *cosine = (V)((I)choose(odd, s, c) ^ (((quadrant + 1) & 2) << 62));
   I near = (x >= -FARTHEST) & (x <= FARTHEST);
   for (int l = 0; l < LANES; ++l) {{
     if (!near[l]) {{
@@ -90,12 +124,12 @@ def batch_source(function: ca.Function) -> str:
     """C source of `void batch(const double *in, double *out, long count)`.
 
     Args:
-        function: SX function of one dense vector (n,); the first output, (m,), counts.
+        function: SX function of one dense vector (n,) with one output (m,).
 
     Raises:
         CompilerError: for other functions, and for operations that are not known here.
     """
-    if not function.is_a("SXFunction") or function.n_in() != 1:
+    if not function.is_a("SXFunction") or (function.n_in(), function.n_out()) != (1, 1):
         raise CompilerError(f"'{function.name()}' is no SX function of one vector")
     rows = function.sparsity_out(0).row()
     held: dict[int, str] = {}  # names by the function's work registers, which it uses again
@@ -104,24 +138,24 @@ def batch_source(function: ca.Function) -> str:
     for index in range(function.n_instructions()):
         operation = function.instruction_id(index)
         takes, gives = function.instruction_input(index), function.instruction_output(index)
+        name = f"v{index}"
         if operation == ca.OP_OUTPUT:
             lines.append(f"y[{rows[gives[1]]}] = {held[takes[0]]};")
             continue
         if operation == ca.OP_INPUT:
-            value = f"input(rows, {takes[1]})"
+            lines.append(f"V {name} = input(rows, {takes[1]});")
         elif operation == ca.OP_CONST:
-            value = f"zero + {function.instruction_constant(index).hex()}"
+            lines.append(f"V {name} = zero + {function.instruction_constant(index).hex()};")
         elif operation in {ca.OP_SIN, ca.OP_COS}:
             angle = held[takes[0]]
             if angle not in turned:
                 turned.add(angle)
                 lines.append(f"V s_{angle}, c_{angle}; turn({angle}, &s_{angle}, &c_{angle});")
-            held[gives[0]] = f"{'s' if operation == ca.OP_SIN else 'c'}_{angle}"
-            continue
+            name = f"{'s' if operation == ca.OP_SIN else 'c'}_{angle}"
         else:
-            value = _arithmetic(function.name(), operation, [held[place] for place in takes])
-        held[gives[0]] = f"v{index}"
-        lines.append(f"V v{index} = {value};")
+            operands = [held[place] for place in takes]
+            lines.append(_statement(function.name(), operation, name, operands))
+        held[gives[0]] = name
     return _FRAME.format(
         inputs=function.size1_in(0),
         outputs=function.size1_out(0),
@@ -132,12 +166,13 @@ def batch_source(function: ca.Function) -> str:
     )
 
 
-def _arithmetic(name: str, operation: int, operands: list[str]) -> str:
-    if operation in _BINARY:
-        return f" {_BINARY[operation]} ".join(operands)
-    if operation in _UNARY:
-        return _UNARY[operation].format(*operands)
-    raise CompilerError(f"'{name}' has an operation that batches do not know ({operation})")
+def _statement(function: str, operation: int, name: str, operands: list[str]) -> str:
+    if operation in _OPERATIONS:
+        return f"V {name} = {_OPERATIONS[operation].format(*operands)};"
+    if operation in _LIBM:
+        value = _LIBM[operation].format(*operands)
+        return f"V {name}; for (int l = 0; l < LANES; ++l) {name}[l] = {value};"
+    raise CompilerError(f"'{function}' has an operation that batches do not know ({operation})")
 
 
 def _series(first: int, last: int) -> str:
