@@ -11,10 +11,16 @@ from numpy.typing import NDArray
 
 from shoecal_core.files import Fields, read_yaml, sha256
 from shoecal_core.model.robot import Capsule, Foot, Robot, SharedMotor, SupportRange
+from shoecal_core.model.shared_motors import read_shared_motors
+from shoecal_core.model.standing import check_standing
 from shoecal_core.model.urdf import ROOT_JOINTS, read_urdf
 from shoecal_core.sensing.shoe import FEET, Shoe
 
 FORMAT = 1
+MAX_LENGTH = 1.0
+"""m; any foot that is larger was given in millimetres."""
+MAX_SUPPORTS = 1e6
+"""Places of the right foot; more were meant to be fewer."""
 
 
 def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None) -> Robot:
@@ -37,7 +43,8 @@ def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None
         "posture_rad", "support_range", "capsules", "collision_pairs",
     )  # fmt: skip
     urdf = path.parent / fields.text("urdf") if urdf is None else urdf
-    model = read_urdf(urdf)
+    description = read_urdf(urdf)
+    model = description.model
     weight = fields.mapping("weight")
     weight.only("mass_kg", "std_kg")
     mass = weight.number("mass_kg", above=0.0)
@@ -47,9 +54,9 @@ def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None
         _put_on(model, feet, shoe)
         mass += shoe.mass
     names = list(model.names)[ROOT_JOINTS:]
-    shared = _shared(fields, names)
+    shared = read_shared_motors(fields, names, urdf, description.mimics)
     capsules = _capsules(fields, model)
-    return Robot(
+    robot = Robot(
         name=fields.text("name"),
         path=path,
         digest=sha256(path),
@@ -59,7 +66,7 @@ def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None
         mass=mass,
         mass_std=weight.number("std_kg", minimum=0.0),
         feet=feet,
-        legs=_legs(fields, names, shared),
+        legs=_legs(fields, model, names, shared, feet),
         shared=shared,
         posture=_posture(fields, model, names, shared),
         optional=frozenset(_known_joints(fields, "optional_joints", names)),
@@ -67,6 +74,8 @@ def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None
         collision_pairs=_pairs(fields, capsules),
         support_range=_support_range(fields.mapping("support_range")),
     )
+    check_standing(robot, fields)
+    return robot
 
 
 def _scale_mass(model: pin.Model, mass: float) -> None:
@@ -114,6 +123,8 @@ def _convex(fields: Fields, key: str) -> NDArray[np.float64]:
         raise fields.error(key, "crosses itself or has no area; list the corners in order")
     if polygon.convex_hull.area - polygon.area > 1e-9:
         raise fields.error(key, "is not convex; list its convex hull")
+    if np.abs(points).max() > MAX_LENGTH:
+        raise fields.error(key, f"a corner lies over {MAX_LENGTH:g} m away; give metres")
     return points if polygon.exterior.is_ccw else points[::-1]
 
 
@@ -127,36 +138,32 @@ def _put_on(model: pin.Model, feet: tuple[Foot, Foot], shoe: Shoe) -> None:
             model.appendBodyToJoint(foot.joint, inertia, foot.placement)
 
 
-def _legs(fields: Fields, names: list[str], shared: tuple[SharedMotor, ...]) -> NDArray[np.int64]:
+def _legs(
+    fields: Fields,
+    model: pin.Model,
+    names: list[str],
+    shared: tuple[SharedMotor, ...],
+    feet: tuple[Foot, Foot],
+) -> NDArray[np.int64]:
     legs = _known_joints(fields, "legs", names)
     if len(legs) < 6:
         raise fields.error("legs", f"{len(legs)} joints cannot keep two feet in place")
-    followers = {names[motor.joint] for motor in shared}
+    leaders = {names[motor.joint]: names[motor.leader] for motor in shared}
     for name in legs:
-        if name in followers or legs.count(name) > 1:
-            raise fields.error("legs", f"'{name}' must stand once, and only as its motor's leader")
-    return np.array([names.index(name) for name in legs])
-
-
-def _shared(fields: Fields, names: list[str]) -> tuple[SharedMotor, ...]:
-    motors = []
-    for item in fields.items("shared_motors") if "shared_motors" in fields else []:
-        item.only("joint", "leader", "ratio")
-        motors.append(
-            SharedMotor(
-                joint=names.index(item.choice("joint", dict.fromkeys(names))),
-                leader=names.index(item.choice("leader", dict.fromkeys(names))),
-                ratio=item.number("ratio"),
-            )
-        )
-    followers = [motor.joint for motor in motors]
-    for motor in motors:
-        if motor.leader in followers or followers.count(motor.joint) > 1:
+        if legs.count(name) > 1:
+            raise fields.error("legs", f"'{name}' must stand once")
+        if name in leaders:
             raise fields.error(
-                "shared_motors",
-                f"'{names[motor.joint]}' must follow one joint, which follows none itself",
+                "legs", f"'{name}' turns with '{leaders[name]}'; leave it out, name that one"
             )
-    return tuple(motors)
+    moved = {*legs, *(follower for follower, leader in leaders.items() if leader in legs)}
+    for side, foot in zip(FEET, feet, strict=True):
+        chain = [model.names[index] for index in model.supports[foot.joint]][ROOT_JOINTS:]
+        if moved.isdisjoint(chain):
+            raise fields.error(
+                "legs", f"none of them moves the {side} foot; name its leg's: {', '.join(chain)}"
+            )
+    return np.array([names.index(name) for name in legs])
 
 
 def _known_joints(fields: Fields, key: str, names: list[str]) -> list[str]:
@@ -177,7 +184,13 @@ def _posture(
             raise block.error(name, f"the URDF has no such joint (it has: {', '.join(names)})")
         posture[names.index(name)] = block.number(name)
     for motor in shared:
-        posture[motor.joint] = motor.ratio * posture[motor.leader]
+        follower = motor.ratio * posture[motor.leader]
+        if names[motor.joint] in block and abs(posture[motor.joint] - follower) > 1e-6:
+            raise block.error(
+                names[motor.joint],
+                f"turns with '{names[motor.leader]}', so it is {follower:g} rad; leave it out",
+            )
+        posture[motor.joint] = follower
     for name, value, low, high in zip(
         names, posture, model.lowerPositionLimit[7:], model.upperPositionLimit[7:], strict=True
     ):
@@ -207,7 +220,7 @@ def _capsules(fields: Fields, model: pin.Model) -> tuple[Capsule, ...]:
                 joint=joint,
                 start=link.act(item.array("from_m", (3,))),
                 end=link.act(item.array("to_m", (3,))),
-                radius=item.number("radius_m", above=0.0),
+                radius=item.number("radius_m", above=0.0, maximum=MAX_LENGTH),
             )
         )
         if capsules[-1].name in [capsule.name for capsule in capsules[:-1]]:
@@ -223,7 +236,12 @@ def _pairs(fields: Fields, capsules: tuple[Capsule, ...]) -> tuple[tuple[int, in
         a, b = (item.choice(key, dict.fromkeys(names)) for key in ("a", "b"))
         if a == b:
             raise item.error("b", f"'{b}' cannot keep a distance to itself; name another capsule")
-        pairs.append((names.index(a), names.index(b)))
+        pair = (names.index(a), names.index(b))
+        if capsules[pair[0]].joint == capsules[pair[1]].joint:
+            raise item.error(
+                "b", f"'{b}' and '{a}' move together, their distance never changes; drop the pair"
+            )
+        pairs.append(pair)
     return tuple(pairs)
 
 
@@ -239,4 +257,10 @@ def _support_range(fields: Fields) -> SupportRange:
         neutral = axis.number("neutral", minimum=lower, maximum=upper)
         rows.append((lower, upper, axis.number("step", above=0.0), neutral))
     lower_, upper_, step, neutral_ = np.array(rows).T
+    count = np.prod(np.floor((upper_ - lower_) / step) + 1.0)
+    if count > MAX_SUPPORTS:
+        finest = ("dx_m", "dy_m", "dtheta_rad")[int(np.argmax((upper_ - lower_) / step))]
+        raise fields.mapping(finest).error(
+            "step", f"the range would have {count:.2g} places of the right foot; enlarge the step"
+        )
     return SupportRange(lower_, upper_, step, neutral_)

@@ -7,6 +7,8 @@ more than a line on stderr. The CoM would be wrong, so the masses are counted ag
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
 
@@ -23,7 +25,34 @@ MAX_MASS = 1e4
 """kg; no link of a robot weighs more."""
 
 
-def read_urdf(path: Path) -> pin.Model:
+@dataclass(frozen=True)
+class Mimic:
+    """What a URDF says of a joint that another one's motor turns.
+
+    Attributes:
+        leader: name of that other joint.
+        multiplier, offset: angle = multiplier * leader's angle + offset [rad].
+    """
+
+    leader: str
+    multiplier: float
+    offset: float
+
+
+@dataclass(frozen=True)
+class Urdf:
+    """A URDF that was understood whole.
+
+    Attributes:
+        model: on a free-flying base; joints that mimic are joints like all others there.
+        mimics: by the name of the joint that follows.
+    """
+
+    model: pin.Model
+    mimics: Mapping[str, Mimic]
+
+
+def read_urdf(path: Path) -> Urdf:
     """Model of a URDF on a free-flying base, masses as they stand there.
 
     Raises:
@@ -32,7 +61,8 @@ def read_urdf(path: Path) -> pin.Model:
     text = read_bytes(path).decode("utf-8", errors="replace")
     if "<robot" not in text:
         raise FileError(path, "not a URDF (no <robot> element)")
-    declared = sum(_masses(path, text).values())
+    reader = _Reader(path, text)
+    declared = sum(reader.masses.values())
     try:
         model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
     except (ValueError, RuntimeError, IndexError) as error:
@@ -49,7 +79,7 @@ def read_urdf(path: Path) -> pin.Model:
     if not declared > 0.0:
         raise FileError(path, "no link has a mass; the CoM needs them", field="inertial")
     _check_joints(path, model)
-    return model
+    return Urdf(model, reader.mimics)
 
 
 def _check_joints(path: Path, model: pin.Model) -> None:
@@ -72,40 +102,67 @@ def _check_joints(path: Path, model: pin.Model) -> None:
             )
 
 
-def _masses(path: Path, text: str) -> dict[str, float]:
-    """Mass of each link as it is written down [kg]."""
-    masses: dict[str, float] = {}
-    place: list[str] = []
-    link = ""
+class _Reader:
+    """What stands in a URDF and the parser does not tell.
 
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal link
-        place.append(tag)
-        if place == ["robot", "link"]:
-            link = attributes.get("name", "")
-        if place == ["robot", "link", "inertial", "mass"]:
-            masses[link] = _mass(path, link, attributes.get("value", ""))
+    Attributes:
+        masses: of each link as it is written down [kg].
+        mimics: by the name of the joint that follows.
+    """
 
-    def refuse(*_: object) -> None:
-        raise FileError(path, "declares a document type; leave <!DOCTYPE> out")
+    def __init__(self, path: Path, text: str) -> None:
+        self.masses: dict[str, float] = {}
+        self.mimics: dict[str, Mimic] = {}
+        self._path = path
+        self._place: list[str] = []
+        self._name = ""
+        parser = expat.ParserCreate()
+        parser.StartElementHandler = self._start
+        parser.EndElementHandler = lambda _: self._place.pop()
+        # Entities can unfold a small file into gigabytes.
+        parser.StartDoctypeDeclHandler = self._refuse
+        try:
+            parser.Parse(text, True)
+        except expat.ExpatError as error:
+            raise FileError(path, f"not valid XML: {error}") from error
 
-    parser = expat.ParserCreate()
-    parser.StartElementHandler = start
-    parser.EndElementHandler = lambda _: place.pop()
-    # Entities can unfold a small file into gigabytes.
-    parser.StartDoctypeDeclHandler = refuse
+    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+        self._place.append(tag)
+        if self._place in (["robot", "link"], ["robot", "joint"]):
+            self._name = attributes.get("name", "")
+        elif self._place == ["robot", "link", "inertial", "mass"]:
+            self.masses[self._name] = _mass(self._path, self._name, attributes.get("value", ""))
+        elif self._place == ["robot", "joint", "mimic"]:
+            self.mimics[self._name] = Mimic(
+                leader=attributes.get("joint", ""),
+                multiplier=self._mimic_number(attributes.get("multiplier", "1")),
+                offset=self._mimic_number(attributes.get("offset", "0")),
+            )
+
+    def _mimic_number(self, text: str) -> float:
+        number = _number(text)
+        if not math.isfinite(number):
+            raise FileError(
+                self._path,
+                f"mimics by '{text[:30]}', which is not a number",
+                field=f"joint {self._name}",
+            )
+        return number
+
+    def _refuse(self, *_: object) -> None:
+        raise FileError(self._path, "declares a document type; leave <!DOCTYPE> out")
+
+
+def _number(text: str) -> float:
+    """A number, or NaN where the text is none."""
     try:
-        parser.Parse(text, True)
-    except expat.ExpatError as error:
-        raise FileError(path, f"not valid XML: {error}") from error
-    return masses
+        return float(text)
+    except ValueError:
+        return math.nan
 
 
 def _mass(path: Path, link: str, text: str) -> float:
-    try:
-        mass = float(text)
-    except ValueError:
-        mass = math.nan
+    mass = _number(text)
     if not 0.0 <= mass <= MAX_MASS:
         raise FileError(
             path, f"mass '{text[:30]}' is not a number of kg, zero or more", field=f"link {link}"

@@ -6,12 +6,12 @@ import itertools
 from collections.abc import Iterator
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
+from shoecal_core.model.standing import feet_gap
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.legs import Legs
 from shoecal_core.planning.posture import StanceSolver, UnreachableError
@@ -44,13 +44,6 @@ def feet_distance(
     length: FloatArray = np.linalg.norm(way, axis=-1)
     turn = settings.orientation_weight * np.abs(yaw)
     return settings.distance_weight * length + turn
-
-
-def feet_gap(robot: Robot, support: DoubleSupport) -> float:
-    """Gap between the outlines of the two feet, zero where they touch or overlap [m]."""
-    left, right = (foot.outline for foot in robot.feet)
-    gap = shapely.Polygon(left).distance(shapely.Polygon(support.right_to_left(right)))
-    return float(gap)
 
 
 def support_grid(robot: Robot) -> FloatArray:

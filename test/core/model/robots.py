@@ -15,9 +15,10 @@ from shoecal_core.model.robot_file import load_robot
 
 FILES = {
     "nao": ROOT / "config/robots/nao.yaml",
+    "wren": ROOT / "config/robots/wren.yaml",
     "odd_biped": ROOT / "test/data/robots/odd_biped.yaml",
 }
-SHOES = {"nao": "nao_shoe", "odd_biped": "odd_shoe"}
+SHOES = {"nao": "nao_shoe", "wren": "wren_shoe", "odd_biped": "odd_shoe"}
 NAMES = tuple(FILES)
 
 

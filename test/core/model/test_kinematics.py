@@ -71,10 +71,10 @@ def test_com_is_the_weighed_body_and_its_plates_by_hand(name: str, *, shod: bool
     worn = 0.0 if shoe is None else shoe.mass
     moment = (robot.mass - worn) * body
     placed = []
-    for foot, (link, height) in zip(robot.feet, _sole_links(name), strict=True):
-        drop = height + (0.0 if shoe is None else shoe.height)
+    drop = np.array([0.0, 0.0, 0.0 if shoe is None else -shoe.height])
+    for foot, (link, sole) in zip(robot.feet, _bare_soles(name), strict=True):
         ankle = data.oMf[model.getFrameId(link, pin.FrameType.BODY)]
-        placed.append(ankle * pin.SE3(np.eye(3), np.array([0.0, 0.0, -drop])))
+        placed.append(ankle * sole * pin.SE3(np.eye(3), drop))
         if shoe is not None:
             plates = shoe.plates[len(placed) - 1]
             for mass, com in (
@@ -90,11 +90,17 @@ def test_com_is_the_weighed_body_and_its_plates_by_hand(name: str, *, shod: bool
     np.testing.assert_allclose(states.left_translation[0], placed[0].translation, atol=EXACT)
 
 
-def _sole_links(name: str) -> list[tuple[str, float]]:
-    return {
-        "nao": [("l_ankle_link", 0.04519), ("r_ankle_link", 0.04519)],
-        "odd_biped": [("left_ankle_roll_body", 0.05), ("right_ankle_roll_body", 0.05)],
-    }[name]
+def _bare_soles(name: str) -> list[tuple[str, pin.SE3]]:
+    """Link of each foot and the sole's frame in it."""
+    upright, downwards = np.eye(3), np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]])
+    links, rotation, place = {
+        "nao": (("l_ankle_link", "r_ankle_link"), upright, [0.0, 0.0, -0.04519]),
+        "wren": (("left_sole", "right_sole"), downwards, [0.036, 0.0, 0.0]),
+        "odd_biped": (
+            ("left_ankle_roll_body", "right_ankle_roll_body"), upright, [0.0, 0.0, -0.05]
+        ),
+    }[name]  # fmt: skip
+    return [(link, pin.SE3(rotation, np.array(place))) for link in links]
 
 
 def test_modelled_cop_is_the_ground_projection_of_the_com(

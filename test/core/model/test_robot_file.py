@@ -210,6 +210,30 @@ BAD: dict[str, tuple[tuple[Key, ...], object, str, str]] = {
         "feet.left.outline_m",
         "not convex",
     ),
+    "an outline in millimetres": (
+        (*LEFT, "outline_m"),
+        lambda points: [[1e3 * x, 1e3 * y] for x, y in points],
+        "feet.left.outline_m",
+        "give metres",
+    ),
+    "a sensing polygon with a dent": (
+        (*LEFT, "sensing_polygon_m"),
+        lambda points: [*points, [0.0, 0.0]],
+        "feet.left.sensing_polygon_m",
+        "not convex",
+    ),
+    "a sole that faces forward": (
+        (*LEFT, "sole_rpy_rad"), [0, 1.57, 0], "feet.left.sole_rpy_rad", "z points up"
+    ),
+    "feet that overlap": (
+        ("feet", "right", "outline_m"),
+        lambda points: [[x, 1.6 * y] for x, y in points],
+        "support_range.dy_m.neutral",
+        "overlap at dx 0 m, dy -0.12 m",
+    ),
+    "feet that overlap in the posture": (
+        ("posture_rad", "left_hip_roll"), -0.2, "posture_rad", "overlap in this posture"
+    ),
     "a sensing polygon outside": (
         (*LEFT, "sensing_polygon_m"),
         lambda points: [[2 * x, y] for x, y in points],
@@ -224,6 +248,12 @@ BAD: dict[str, tuple[tuple[Key, ...], object, str, str]] = {
     "a leg that is not there": (("legs", 0), "left_tail", "legs", "no joint 'left_tail'"),
     "a leg twice": (("legs", 1), "left_hip_yaw", "legs", "must stand once"),
     "too few legs": (("legs",), lambda legs: legs[:5], "legs", "5 joints cannot"),
+    "legs that do not reach a foot": (
+        ("legs",),
+        lambda legs: [*legs[:6], "waist_pitch"],
+        "legs",
+        "none of them moves the right foot; name its leg's: right_hip_yaw, ",
+    ),
     "an optional joint that is not there": (
         ("optional_joints",), ["left_ear"], "optional_joints", "no joint 'left_ear'"
     ),
@@ -237,7 +267,13 @@ BAD: dict[str, tuple[tuple[Key, ...], object, str, str]] = {
     ),
     "a leg that follows": (
         ("shared_motors",), [{"joint": "right_knee", "leader": "left_knee", "ratio": 1}],
-        "legs", "'right_knee' must stand once, and only as its motor's leader",
+        "legs", "'right_knee' turns with 'left_knee'; leave it out",
+    ),
+    "a shared motor that turns nothing": (
+        ("shared_motors",),
+        [{"joint": "right_shoulder", "leader": "left_shoulder", "ratio": 0}],
+        "shared_motors[0].ratio",
+        "never turns",
     ),
     "a joint that follows itself": (
         ("shared_motors",), [{"joint": "waist_pitch", "leader": "waist_pitch", "ratio": 1}],
@@ -270,6 +306,9 @@ BAD: dict[str, tuple[tuple[Key, ...], object, str, str]] = {
     ),
     "no range": (("support_range",), DELETE, "support_range", "is missing"),
     "a range without an axis": (DX, DELETE, "support_range.dx_m", "is missing"),
+    "a range of too many places": (
+        (*DX, "step"), 1e-7, "support_range.dx_m.step", "enlarge the step"
+    ),
     "a crossed range": ((*DX, "lower"), 1.0, "support_range.dx_m.lower", "above 'upper'"),
     "a step of zero": ((*DX, "step"), 0, "support_range.dx_m.step", "above 0"),
     "a neutral stance out of range": (
@@ -282,10 +321,19 @@ BAD: dict[str, tuple[tuple[Key, ...], object, str, str]] = {
     "a capsule without radius": (
         (*CAPSULE, "radius_m"), 0, "capsules[1].radius_m", "above 0"
     ),
+    "a capsule of negative radius": (
+        (*CAPSULE, "radius_m"), -0.04, "capsules[1].radius_m", "above 0"
+    ),
+    "a capsule in millimetres": (
+        (*CAPSULE, "radius_m"), 40, "capsules[1].radius_m", "at most 1"
+    ),
     "a capsule with one end": ((*CAPSULE, "to_m"), DELETE, "capsules[1].to_m", "is missing"),
     "a capsule twice": ((*CAPSULE, "name"), "left_thigh", "capsules[1].name", "twice"),
     "a pair with a stranger": (
         ("collision_pairs", 0, "b"), "x", "collision_pairs[0].b", "'x' is not one of"
+    ),
+    "a pair that moves together": (
+        ("capsules", 3, "link"), "left_hip_pitch_body", "collision_pairs[0].b", "drop the pair"
     ),
     "a pair with itself": (
         ("collision_pairs", 0, "b"), "left_thigh", "collision_pairs[0].b", "to itself"
@@ -315,6 +363,67 @@ def test_the_nao_s_follower_is_no_leg(folder: Path) -> None:
 
     path = mutations.write_edited(folder / NAO.name, NAO, (("legs",), add))
     assert mutations.refused(path, lambda: load_robot(path)).field == "legs"
+
+
+def test_a_posture_against_the_motor(folder: Path) -> None:
+    path = mutations.write_edited(folder / NAO.name, NAO, (("posture_rad", "RHipYawPitch"), -0.1))
+    error = mutations.refused(path, lambda: load_robot(path))
+    assert error.field == "posture_rad.RHipYawPitch"
+    assert "turns with 'LHipYawPitch', so it is 0 rad" in error.problem
+
+
+# ---- joints that mimic ------------------------------------------------------------------------
+
+
+def mimicking(folder: Path, joint: str, mimic: str) -> Path:
+    """The odd biped with a <mimic> in one joint; the robot file's path."""
+    return respelled(folder, f'(joint name="{joint}".*?)</joint>', rf"\1<mimic {mimic}/></joint>")
+
+
+def test_what_the_urdf_says_of_shared_motors_is_read(folder: Path) -> None:
+    path = mimicking(folder, "right_shoulder", 'joint="left_shoulder" multiplier="-0.5"')
+    (motor,) = load_robot(path).shared
+    names = robots.load("odd_biped").joint_names
+    assert names[motor.joint] == "right_shoulder"
+    assert (names[motor.leader], motor.ratio) == ("left_shoulder", -0.5)
+    posture: tuple[Key, ...] = ("posture_rad", "left_shoulder")
+    robot = load_robot(mutations.write_edited(path, ODD, (posture, 0.4)))
+    assert robot.posture[robot.joint("right_shoulder")] == pytest.approx(-0.2)
+
+
+def test_the_nao_s_urdf_and_its_robot_file_agree(folder: Path) -> None:
+    path = mutations.write_edited(folder / NAO.name, NAO, (("shared_motors",), DELETE))
+    assert load_robot(path).shared == robots.load("nao").shared
+    other = mutations.write_edited(folder / NAO.name, NAO, (("shared_motors", 0, "ratio"), -1.0))
+    error = mutations.refused(other, lambda: load_robot(other))
+    assert error.field == "shared_motors"
+    assert "'LHipYawPitch', 1); make them agree" in error.problem
+
+
+BAD_MIMICS = {
+    "nobody": ("right_shoulder", 'joint="nobody"', "no other moving joint"),
+    "itself": ("right_shoulder", 'joint="right_shoulder"', "no other moving joint"),
+    "an offset": ("right_shoulder", 'joint="left_shoulder" offset="0.1"', "offset 0.1"),
+    "no ratio": ("right_shoulder", 'joint="left_shoulder" multiplier="0"', "multiplier 0"),
+    "text": ("right_shoulder", 'joint="left_shoulder" multiplier="two"', "'two', which is not"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_MIMICS)
+def test_what_cannot_be_mimicked(name: str, folder: Path) -> None:
+    joint, mimic, problem = BAD_MIMICS[name]
+    path = mimicking(folder, joint, mimic)
+    error = mutations.refused(folder / ODD_URDF.name, lambda: load_robot(path))
+    assert error.field == f"joint {joint}"
+    assert problem in error.problem
+
+
+def test_a_joint_that_mimics_a_follower(folder: Path) -> None:
+    mimicking(folder, "waist_pitch", 'joint="left_shoulder"')
+    path = mimicking(folder, "left_shoulder", 'joint="right_shoulder"')
+    error = mutations.refused(folder / ODD_URDF.name, lambda: load_robot(path))
+    assert error.field == "joint waist_pitch"
+    assert "follows another joint itself" in error.problem
 
 
 # ---- bad URDFs --------------------------------------------------------------------------------

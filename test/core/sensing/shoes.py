@@ -24,6 +24,7 @@ FloatArray = NDArray[np.float64]
 ROOT = Path(__file__).parents[3]
 FILES = {
     "nao_shoe": ROOT / "config/shoes/nao_shoe.yaml",
+    "wren_shoe": ROOT / "config/shoes/wren_shoe.yaml",
     "odd_shoe": ROOT / "test/data/shoes/odd_shoe.yaml",
 }
 NAMES = tuple(FILES)
