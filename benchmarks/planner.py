@@ -17,7 +17,8 @@ import numpy as np
 
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.check import Finding, check_motion
-from shoecal_core.planning.planner import MENU, Planner
+from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import SOLVERS, PlannerSettings
 from shoecal_core.planning.supports import draw_supports
 from shoecal_core.sensing.shoe import load_shoe

@@ -12,7 +12,7 @@ from shoecal_core.commands.arguments import add_planning, planner_settings, rate
 from shoecal_core.commands.progress import shown_progress
 from shoecal_core.commands.simulated_session import SimulationPlan, simulate_session
 from shoecal_core.model.robot_file import load_robot
-from shoecal_core.planning.planner import MENU
+from shoecal_core.planning.menu import MENU
 from shoecal_core.planning.supports import draw_supports
 from shoecal_core.sensing.shoe import load_shoe
 from shoecal_core.simulation.reality_file import load_reality

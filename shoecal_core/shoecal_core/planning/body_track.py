@@ -33,8 +33,16 @@ class BodyTrack:
     torques: FloatArray
 
 
-def track(robot: Robot, positions: FloatArray) -> BodyTrack:
-    """Follow all joint angles (T, m) [rad]."""
+def track(
+    robot: Robot, positions: FloatArray, shares: FloatArray | tuple[float, float] = (0.0, 1.0)
+) -> BodyTrack:
+    """Follow all joint angles (T, m) [rad].
+
+    Args:
+        robot: whose body.
+        positions: where its joints are.
+        shares: (T, 2) or (2,) least and greatest share of the weight on the left foot.
+    """
     model, count = robot.model, len(positions)
     data = model.createData()
     coms = np.zeros((count, 3))
@@ -58,7 +66,7 @@ def track(robot: Robot, positions: FloatArray) -> BodyTrack:
                 model, data, foot.joint, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
             )
             ankles[index, side] = data.oMi[foot.joint].translation
-    share, places = load_share(robot, rotations, translations, coms[:, :2])
+    share, places = load_share(robot, rotations, translations, coms[:, :2], shares)
     return BodyTrack(
         com=coms,
         right_rotation=rotations,
@@ -88,7 +96,11 @@ def _distances(robot: Robot, ends: FloatArray) -> FloatArray:
 
 
 def load_share(
-    robot: Robot, right_rotation: FloatArray, right_translation: FloatArray, cop: FloatArray
+    robot: Robot,
+    right_rotation: FloatArray,
+    right_translation: FloatArray,
+    cop: FloatArray,
+    shares: FloatArray | tuple[float, float] = (0.0, 1.0),
 ) -> tuple[FloatArray, FloatArray]:
     """How CoPs (T, 2) in the left sole's frame [m] may come about.
 
@@ -96,6 +108,7 @@ def load_share(
         robot: whose feet.
         right_rotation, right_translation: (T, 3, 3), (T, 3) pose of the right sole.
         cop: of both feet together.
+        shares: (T, 2) or (2,) least and greatest share of the weight on the left foot.
 
     Returns:
         (T,) the left foot's share of the weight, and (T, 2, 2) the CoP of the left and of the
@@ -105,7 +118,7 @@ def load_share(
     right_middle = right_rotation[:, :2, :2] @ right + right_translation[:, :2]
     way = left - right_middle
     share = np.sum((cop - right_middle) * way, axis=1) / np.sum(way * way, axis=1)
-    share = np.clip(share, 0.0, 1.0)
+    share = np.clip(share, *np.moveaxis(np.asarray(shares), -1, 0))
     aside = cop - (right_middle + share[:, None] * way)
     return share, np.stack([left + aside, right_middle + aside], axis=1)
 

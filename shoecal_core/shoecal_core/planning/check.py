@@ -5,6 +5,7 @@ It looks at every point of the trajectory, many more than there are planned stat
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,9 +15,9 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.body_track import BodyTrack, track
-from shoecal_core.planning.landmarks import sensing_hull
-from shoecal_core.planning.legs import Legs
-from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.legs import FootPose, Legs
+from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
@@ -111,21 +112,73 @@ def check_motion(legs: Legs, motion: Motion, settings: PlannerSettings) -> Repor
 
     A motion may begin outside a margin (a robot is where it is), and then must not go farther
     out. Planned states keep the margins; between them `margin_kept` of each must be left.
+
+    Args:
+        legs: of the robot.
+        motion: to be released.
+        settings: of planning; those of a phase follow from its pace.
     """
-    time, positions = motion.time, motion.positions
-    body = track(legs.robot, positions)
-    return Report(
-        (
-            _stability(legs, motion, body, time, settings),
-            _joint_limits(legs, positions, time, settings),
-            *_collision(legs, body, time, settings),
-            *_foot_transform(motion, body, time, settings),
-            _joint_speed(legs, motion, settings),
-            *_com(body, time, settings),
-            _torque(legs, body, time, settings),
-            _rest(motion, settings),
-        )
-    )
+    spans = [_Span.of(motion, phase) for phase in motion.phases]
+    shares = np.zeros((len(motion.time), 2))
+    for span in spans:
+        shares[span.samples] = span.phase.carrying.share
+    body = track(legs.robot, motion.positions, shares)
+    found = [
+        _joint_limits(legs, motion.positions, motion.time, settings),
+        *_collision(legs, body, motion.time, settings),
+        _torque(legs, body, motion.time, settings),
+        _rest(motion, settings),
+    ]
+    for span in spans:
+        paced = settings.paced(span.phase.pace)
+        found += [
+            _stability(legs, span, body, motion.time, settings),
+            *_feet(legs, span, body, motion.time, settings),
+            _joint_speed(legs, span, motion, paced),
+            *_com(span, body, motion.time, paced),
+        ]
+    return Report(_worst(found))
+
+
+@dataclass(frozen=True)
+class _Span:
+    """A phase and the samples that belong to it."""
+
+    phase: Phase
+    samples: slice
+
+    @classmethod
+    def of(cls, motion: Motion, phase: Phase) -> _Span:
+        begin, end = np.searchsorted(motion.time, [phase.begin, phase.end])
+        return cls(phase, slice(int(begin), int(end) + 1))
+
+    @property
+    def first(self) -> bool:
+        """Whether the motion begins with it, wherever the robot then is."""
+        return self.phase.begin == 0.0
+
+    def seen_from_standing(self, body: BodyTrack) -> FloatArray:
+        """(t, 3) CoM in the frame of a sole that stays where it is [m]."""
+        com = body.com[self.samples]
+        if self.phase.carrying is not Carrying.RIGHT:
+            return com
+        return _in_right(body, self.samples, com)
+
+
+def _in_right(body: BodyTrack, samples: slice, points: FloatArray) -> FloatArray:
+    away = points - body.right_translation[samples]
+    local: FloatArray = np.einsum("tji,tj->ti", body.right_rotation[samples], away)
+    return local
+
+
+def _worst(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """Of every constraint the finding that is farthest beyond its limit."""
+    worst: dict[str, Finding] = {}
+    for finding in findings:
+        known = worst.get(finding.constraint)
+        if known is None or finding.excess > known.excess:
+            worst[finding.constraint] = finding
+    return tuple(worst.values())
 
 
 def _at_least(
@@ -135,9 +188,14 @@ def _at_least(
     limit: float,
     time: FloatArray,
     names: tuple[str, ...] = ("",),
+    *,
+    from_begin: bool = True,
 ) -> Finding:
-    """The worst of values (T, n) that must not fall below a limit or their own begin."""
-    allowed = np.minimum(limit, values[0])
+    """The worst of values (T, n) that must not fall below a limit.
+
+    Where a motion begins outside of it, not below their own begin.
+    """
+    allowed = np.minimum(limit, values[0]) if from_begin else np.full(values.shape[1], limit)
     index, column = np.unravel_index(np.argmin(values - allowed), values.shape)
     value, bound = float(values[index, column]), float(allowed[column])
     return Finding(constraint, unit, value, bound, bound - value, float(time[index]), names[column])
@@ -159,18 +217,27 @@ def _at_most(
 
 
 def _stability(
-    legs: Legs, motion: Motion, body: BodyTrack, time: FloatArray, settings: PlannerSettings
+    legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
 ) -> Finding:
-    hull = sensing_hull(legs.robot, motion.support)
-    points = shapely.points(body.com[:, :2])
-    inside = np.where(
-        shapely.contains(hull, points), shapely.distance(hull.exterior, points), np.inf
+    phase, robot = span.phase, legs.robot
+    if phase.carrying is Carrying.BOTH:
+        polygon, margin = (
+            phase.carrying.polygon(robot, phase.foot_poses[0]),
+            settings.stability_margin,
+        )
+    else:
+        foot = robot.feet[0 if phase.carrying is Carrying.LEFT else 1]
+        polygon, margin = shapely.Polygon(foot.sensing_polygon), settings.one_foot_margin
+    points = shapely.points(span.seen_from_standing(body)[:, :2])
+    distance = np.where(
+        shapely.contains(polygon, points),
+        shapely.distance(polygon.exterior, points),
+        -shapely.distance(polygon, points),
     )
-    distance = np.where(np.isfinite(inside), inside, -shapely.distance(hull, points))
     return _at_least(
         "distance of the CoP from the edge of the sensing polygon",
-        "m", distance[:, None],
-        settings.stability_margin * settings.margin_kept, time,
+        "m", distance[:, None], margin * settings.margin_kept, time[span.samples],
+        from_begin=span.first,
     )  # fmt: skip
 
 
@@ -204,36 +271,87 @@ def _collision(
     return (finding,)
 
 
-def _foot_transform(
-    motion: Motion, body: BodyTrack, time: FloatArray, settings: PlannerSettings
-) -> tuple[Finding, Finding]:
-    way = np.linalg.norm(body.right_translation - motion.foot_pose.translation, axis=1)
-    between = motion.foot_pose.rotation.T @ body.right_rotation
+def _feet(
+    legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
+) -> list[Finding]:
+    """Feet that stay must stay; one in the air must arrive, level and clear of the floor."""
+    if span.phase.carrying is Carrying.BOTH:
+        way, turn = _away(body, span.samples, span.phase.foot_poses[0])
+        at = time[span.samples]
+    else:
+        ends = [span.samples.start, span.samples.stop - 1]
+        aways = [
+            _away(body, slice(index, index + 1), pose)
+            for index, pose in zip(ends, span.phase.foot_poses, strict=True)
+        ]
+        way, turn = (np.concatenate(parts) for parts in zip(*aways, strict=True))
+        at = time[ends]
+    limit = settings.foot_drift
+    found = [
+        _at_most("drift of the way between the feet", "m", way[:, None], limit, at),
+        _at_most("drift of the turn between the feet", "rad", turn[:, None], limit, at),
+    ]
+    if span.phase.carrying is not Carrying.BOTH:
+        found += _in_the_air(legs, span, body, time[span.samples], settings)
+    return found
+
+
+def _away(body: BodyTrack, samples: slice, pose: FootPose) -> tuple[FloatArray, FloatArray]:
+    """(t,) way [m] and turn [rad] of the right sole from a pose."""
+    way = np.linalg.norm(body.right_translation[samples] - pose.translation, axis=1)
+    between = pose.rotation.T @ body.right_rotation[samples]
     # |R - 1| = 2 sqrt(2) sin(angle / 2), well conditioned where the angle is small.
     chord = np.linalg.norm(between - np.eye(3), axis=(1, 2)) / (2.0 * np.sqrt(2.0))
-    turn = 2.0 * np.arcsin(np.clip(chord, 0.0, 1.0))
-    limit = settings.foot_drift
-    return (
-        _at_most("drift of the way between the feet", "m", way[:, None], limit, time),
-        _at_most("drift of the turn between the feet", "rad", turn[:, None], limit, time),
+    return way, 2.0 * np.arcsin(np.clip(chord, 0.0, 1.0))
+
+
+def _in_the_air(
+    legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
+) -> list[Finding]:
+    """A foot in the air: no corner below the floor, and no overlap with the other foot."""
+    robot, samples = legs.robot, span.samples
+    left, right = (
+        np.column_stack([foot.outline, np.zeros(len(foot.outline))]) for foot in robot.feet
     )
+    right_in_left = (
+        np.einsum("tij,cj->tci", body.right_rotation[samples], right)
+        + body.right_translation[samples, None]
+    )
+    if span.phase.carrying is Carrying.LEFT:
+        height = right_in_left[..., 2]
+    else:
+        local = left[None] - body.right_translation[samples, None]
+        height = np.einsum("tji,tcj->tci", body.right_rotation[samples], local)[..., 2]
+    gaps = shapely.distance(shapely.Polygon(left[:, :2]), shapely.polygons(right_in_left[..., :2]))
+    return [
+        _at_least(
+            "height of the foot in the air", "m", height.min(axis=1)[:, None],
+            -settings.foot_drift, time,
+        ),
+        _at_least(
+            "gap between the outlines of the feet", "m", gaps[:, None],
+            settings.foot_clearance * settings.margin_kept, time,
+        ),
+    ]  # fmt: skip
 
 
-def _joint_speed(legs: Legs, motion: Motion, settings: PlannerSettings) -> Finding:
-    robot = legs.robot
-    steps = np.diff(motion.time)[:, None]
-    speed = np.abs(np.diff(motion.positions, axis=0)) / steps
+def _joint_speed(legs: Legs, span: _Span, motion: Motion, settings: PlannerSettings) -> Finding:
+    robot, time = legs.robot, motion.time[span.samples]
+    speed = np.abs(np.diff(motion.positions[span.samples], axis=0)) / np.diff(time)[:, None]
     limit = np.minimum(robot.velocity_limit, settings.joint_speed) * _RATE_SLACK
-    return _at_most("joint speed", "rad/s", speed, limit, motion.time[:-1], robot.joint_names)
+    return _at_most("joint speed", "rad/s", speed, limit, time[:-1], robot.joint_names)
 
 
-def _com(body: BodyTrack, time: FloatArray, settings: PlannerSettings) -> tuple[Finding, Finding]:
-    ground = body.com[:, :2]
-    half = max(1, round(_WINDOW / 2.0 / (time[1] - time[0])))
+def _com(
+    span: _Span, body: BodyTrack, times: FloatArray, settings: PlannerSettings
+) -> tuple[Finding, Finding]:
+    time, com = times[span.samples], span.seen_from_standing(body)
+    ground = com[:, :2]
+    half = min(max(1, round(_WINDOW / 2.0 / (time[1] - time[0]))), (len(time) - 1) // 2)
     wide = time[half] - time[0]
     speed = np.linalg.norm(ground[half:] - ground[:-half], axis=1) / wide
     bend = ground[2 * half :] - 2.0 * ground[half:-half] + ground[: -2 * half]
-    shift = np.linalg.norm(bend, axis=1) / wide**2 * body.com[half:-half, 2] / GRAVITY
+    shift = np.linalg.norm(bend, axis=1) / wide**2 * com[half:-half, 2] / GRAVITY
     return (
         _at_most(
             "CoM speed", "m/s", speed[:, None], settings.com_speed * _RATE_SLACK, time[:-half]

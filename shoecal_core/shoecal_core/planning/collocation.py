@@ -9,13 +9,18 @@
                 |u[i]| < joint speed * step time
                 |torque(q[i])| < torque limit
 
-The last two are not the paper's: a small robot's motors are slow and weak.
+The last two are not the paper's: a small robot's motors are slow and weak. For motions that the
+paper does not have, the torso's lean and height may be pursued beside the CoP, and polygon and
+foot transform may change from state to state: so a foot is lifted, carried and put down.
+
 The transitions u are differences of states, so the states alone are unknowns and the state
 equation holds exactly. Solvers stand behind one protocol; what they return is certified here.
 """
 
 from __future__ import annotations
 
+import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -31,25 +36,37 @@ from shoecal_core.settings import SettingError
 FloatArray = NDArray[np.float64]
 
 
+TASKS = 5
+"""What is pursued: CoP forward and sideways, lean forward and sideways, height."""
+
+
 @dataclass(frozen=True)
 class Scene:
-    """What stays the same during a motion.
+    """What n states in a row have to keep; n is 1 where all states keep the same.
 
     Attributes:
-        foot_pose: T0, the pose of the right sole in the left sole's frame.
-        normals: (h, 2) outward, of the sensing polygon's edges.
-        offsets: (h,) a CoP c is inside where normals @ c <= offsets [m].
+        foot_poses: (n, 12) T0, poses of the right sole in the left sole's frame, as
+            FootPose.parameters.
+        shares: (n, 2) least and greatest share of the weight on the left foot.
+        normals: (n, h, 2) outward, of the edges of where the CoP may be.
+        offsets: (n, h) a CoP c is inside where normals @ c <= offsets [m].
         others: (m,) all joint angles, of which those beside the legs count [rad].
     """
 
-    foot_pose: FootPose
+    foot_poses: FloatArray
+    shares: FloatArray
     normals: FloatArray
     offsets: FloatArray
     others: FloatArray
 
     @classmethod
     def of(
-        cls, polygon: shapely.Polygon, margin: float, foot_pose: FootPose, others: FloatArray
+        cls,
+        polygon: shapely.Polygon,
+        margin: float,
+        foot_pose: FootPose,
+        others: FloatArray,
+        share: tuple[float, float] = (0.0, 1.0),
     ) -> Scene:
         """Half planes of a convex polygon, moved inwards by a margin [m]."""
         if polygon.buffer(-margin).is_empty:
@@ -61,7 +78,69 @@ class Scene:
         normals = np.column_stack([edges[:, 1], -edges[:, 0]])
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         offsets = np.sum(normals * corners[:-1], axis=1) - margin
-        return cls(foot_pose, normals, offsets, others)
+        return cls(
+            foot_pose.parameters[None], np.array([share]), normals[None], offsets[None], others
+        )
+
+    @classmethod
+    def row(cls, scenes: Sequence[Scene]) -> Scene:
+        """Scenes of one state each, one after another; the first one's other joints."""
+        if len(scenes) == 1:
+            return scenes[0]
+        edges = max(scene.offsets.shape[1] for scene in scenes)
+        padded = [scene.padded(edges) for scene in scenes]
+        return cls(
+            np.concatenate([scene.foot_poses for scene in padded]),
+            np.concatenate([scene.shares for scene in padded]),
+            np.concatenate([scene.normals for scene in padded]),
+            np.concatenate([scene.offsets for scene in padded]),
+            padded[0].others,
+        )
+
+    def padded(self, edges: int) -> Scene:
+        """With as many edges, those that are missing as 0 * c <= infinity."""
+        missing = ((0, 0), (0, edges - self.offsets.shape[1]))
+        return dataclasses.replace(
+            self,
+            normals=np.pad(self.normals, (*missing, (0, 0))),
+            offsets=np.pad(self.offsets, missing, constant_values=np.inf),
+        )
+
+    @property
+    def first(self) -> Scene:
+        """Of the first state."""
+        return dataclasses.replace(
+            self,
+            foot_poses=self.foot_poses[:1],
+            shares=self.shares[:1],
+            normals=self.normals[:1],
+            offsets=self.offsets[:1],
+        )
+
+    def beyond(self, cop: FloatArray) -> FloatArray:
+        """(n, h) how far CoPs (n, 2) are beyond lines through the origin along each edge [m]."""
+        outside: FloatArray = (self.normals @ cop[..., None])[..., 0]
+        return outside
+
+
+@dataclass(frozen=True)
+class Aim:
+    """What the states of one optimisation pursue.
+
+    Attributes:
+        targets: (n, 5) CoP in the left sole's frame [m], lean, and height of the base above the
+            left sole [m]; n is 1 where all states pursue the same.
+        weights: (5,) of their squared distances; zero for what is not pursued.
+    """
+
+    targets: FloatArray
+    weights: FloatArray
+
+    @classmethod
+    def at(cls, cop: FloatArray, settings: PlannerSettings) -> Aim:
+        """A place (2,) for the CoP [m] (the paper's c_ref), and nothing else."""
+        weights = np.array([settings.cop_weight_x, settings.cop_weight_y, 0.0, 0.0, 0.0])
+        return cls(np.array([[*cop, 0.0, 0.0, 0.0]]), weights)
 
 
 @dataclass(frozen=True)
@@ -71,13 +150,13 @@ class HorizonProblem:
     Attributes:
         start: (k,) q[0], leg angles now [rad].
         previous: (k,) u[-1], the transition that led there [rad].
-        target: (2,) c_ref, left sole's frame [m].
-        scene: the rest.
+        aim: what q[1] to q[N] pursue.
+        scene: what they have to keep.
     """
 
     start: FloatArray
     previous: FloatArray
-    target: FloatArray
+    aim: Aim
     scene: Scene
 
 
@@ -106,16 +185,21 @@ class StateValues:
     """What the constraints say of n states.
 
     Attributes:
-        cop: (n, 2) left sole's frame [m].
+        tasks: (n, 5) CoP [m], lean, height [m], as in Aim.
         foot_error: (n, 6) way [m] and turn [rad] from T0.
         distances: (n, p) of the capsule pairs [m].
         torques: (n, k) of the motors [N m].
     """
 
-    cop: FloatArray
+    tasks: FloatArray
     foot_error: FloatArray
     distances: FloatArray
     torques: FloatArray
+
+    @property
+    def cop(self) -> FloatArray:
+        """(n, 2) left sole's frame [m]."""
+        return self.tasks[:, :2]
 
 
 @dataclass(frozen=True)
@@ -153,7 +237,8 @@ class Collocation:
     Attributes:
         legs: what moves.
         settings: weights and margins.
-        state: angles, foot pose, others -> CoP, foot error, distances, torques of one state.
+        state: angles, foot pose, others, share -> tasks, foot error, distances, torques of one
+            state.
     """
 
     def __init__(self, legs: Legs, settings: PlannerSettings) -> None:
@@ -163,15 +248,23 @@ class Collocation:
         self.lower, self.upper = legs.bounds(settings)
         self.state = ca.Function(
             "state",
-            [terms.angles, terms.foot_pose, terms.others],
-            [terms.cop, terms.foot_error, terms.distances, terms.torques],
+            [terms.angles, terms.foot_pose, terms.others, terms.share],
+            [
+                ca.vertcat(terms.cop, terms.lean, terms.height),
+                terms.foot_error,
+                terms.distances,
+                terms.torques,
+            ],
             {"cse": True},
         )
 
     @property
-    def cop_weights(self) -> FloatArray:
-        """(2,) Q_c [1/m^2]."""
-        return np.array([self.settings.cop_weight_x, self.settings.cop_weight_y])
+    def edges(self) -> int:
+        """Most edges of where the CoP may be.
+
+        A convex hull has no more edges than the polygons it is made of have corners.
+        """
+        return sum(len(foot.sensing_polygon) for foot in self.legs.robot.feet)
 
     @property
     def transition(self) -> FloatArray:
@@ -188,25 +281,27 @@ class Collocation:
         return torque
 
     def evaluate(self, states: FloatArray, scene: Scene) -> StateValues:
-        """Values of states (n, k) [rad]."""
+        """Values of states (n, k) [rad] in their scenes."""
         count = len(states)
-        pose = np.tile(scene.foot_pose.parameters[:, None], count)
-        others = np.tile(scene.others[:, None], count)
-        values = self.state(states.T, pose, others)
+        columns = (
+            np.broadcast_to(rows, (count, rows.shape[-1])).T
+            for rows in (scene.foot_poses, scene.others, scene.shares)
+        )
+        values = self.state(states.T, *columns)
         return StateValues(*(np.array(value).T for value in values))
 
     def limits(self, problem: HorizonProblem) -> Limits:
         """Bounds of every state; each bound that the start violates moves in by a rate."""
-        settings = self.settings
-        now = self.evaluate(problem.start[None], problem.scene)
+        settings, scene = self.settings, problem.scene
+        now = self.evaluate(problem.start[None], scene.first)
         steps = np.arange(1, settings.horizon + 1)[:, None]
         turn = settings.recovery * self.transition * steps
         way = settings.recovery * settings.com_speed * settings.step_time * steps
-        outside = problem.scene.normals @ now.cop[0]
+        outside = scene.beyond(now.cop)
         return Limits(
             lower=np.minimum(self.lower, problem.start + turn),
             upper=np.maximum(self.upper, problem.start - turn),
-            offsets=np.maximum(problem.scene.offsets, outside - way),
+            offsets=np.maximum(scene.offsets, outside - way),
             clearances=np.minimum(settings.capsule_clearance, now.distances[0] + way),
             transition=self.transition,
             torque=np.maximum(self.torque, np.abs(now.torques[0])),
@@ -225,12 +320,13 @@ class Collocation:
         """
         values = self.evaluate(states, problem.scene)
         moves = self.transitions(problem, states)
-        pull = np.sum(self.cop_weights * (values.cop - problem.target) ** 2)
+        aim = problem.aim
+        pull = np.sum(aim.weights * (values.tasks - aim.targets) ** 2)
         change = np.diff(np.vstack([problem.previous, moves]), axis=0)
         cost = pull + self.settings.transition_weight * np.sum(change**2)
         excess = [
             np.abs(values.foot_error),
-            values.cop @ problem.scene.normals.T - limits.offsets,
+            problem.scene.beyond(values.cop) - limits.offsets,
             limits.lower - states,
             states - limits.upper,
             limits.clearances - values.distances,

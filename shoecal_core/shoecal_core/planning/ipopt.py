@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
+
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.planning.collocation import Collocation, HorizonProblem, Solution
+from shoecal_core.planning.collocation import TASKS, Collocation, HorizonProblem, Solution
 
 FloatArray = NDArray[np.float64]
 
@@ -28,27 +30,30 @@ class IpoptSolver:
         self._collocation = collocation
         settings = collocation.settings
         count, size = settings.horizon, len(collocation.lower)
-        # A convex hull has no more edges than the polygons it is made of have corners.
-        self._edges = sum(len(foot.sensing_polygon) for foot in collocation.legs.robot.feet)
+        self._edges = collocation.edges
         states = ca.SX.sym("q", size, count)
         start, previous = ca.SX.sym("start", size), ca.SX.sym("previous", size)
-        target, normals = ca.SX.sym("target", 2), ca.SX.sym("normals", self._edges, 2)
-        foot_pose, others = (
-            ca.SX.sym("foot_pose", 12),
-            ca.SX.sym("others", len(collocation.legs.robot.joint_names)),
-        )
-        weights = ca.DM(collocation.cop_weights)
+        targets, weights = ca.SX.sym("targets", TASKS, count), ca.SX.sym("weights", TASKS)
+        # Columns: normals' x, then y.
+        normals = ca.SX.sym("normals", 2 * self._edges, count)
+        foot_poses, shares = ca.SX.sym("foot_poses", 12, count), ca.SX.sym("shares", 2, count)
+        others = ca.SX.sym("others", len(collocation.legs.robot.joint_names))
         cost, constraints = ca.SX(0), []
         before, moved = start, previous
         for index in range(count):
             now = states[:, index]
-            cop, error, distances, torques = collocation.state(now, foot_pose, others)
+            tasks, error, distances, torques = collocation.state(
+                now, foot_poses[:, index], others, shares[:, index]
+            )
             move = now - before
-            cost += ca.dot(weights, (cop - target) ** 2)
+            cost += ca.dot(weights, (tasks - targets[:, index]) ** 2)
             cost += settings.transition_weight * ca.sumsqr(move - moved)
-            constraints += [error, normals @ cop, distances, torques, move]
+            beyond = ca.reshape(normals[:, index], self._edges, 2) @ tasks[:2]
+            constraints += [error, beyond, distances, torques, move]
             before, moved = now, move
-        parameters = ca.vertcat(start, previous, target, ca.vec(normals), foot_pose, others)
+        parameters = ca.veccat(
+            start, previous, targets, weights, normals, foot_poses, shares, others
+        )
         problem = {
             "x": ca.vec(states), "p": parameters, "f": cost, "g": ca.vertcat(*constraints),
         }  # fmt: skip
@@ -57,24 +62,25 @@ class IpoptSolver:
 
     def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
         """See Solver."""
-        scene = problem.scene
+        scene, aim = problem.scene.padded(self._edges), problem.aim
+        problem = dataclasses.replace(problem, scene=scene)
         limits = self._collocation.limits(problem)
         count = len(limits.lower)
-        # Edges that the polygon lacks: 0 * c <= inf.
-        missing = self._edges - len(scene.offsets)
-        normals = np.vstack([scene.normals, np.zeros((missing, 2))])
-        offsets = np.hstack([limits.offsets, np.full((count, missing), np.inf)])
+        offsets = limits.offsets
         zero, free = np.zeros((count, 6)), np.full_like(limits.clearances, np.inf)
         both = np.tile(np.concatenate([limits.torque, limits.transition]), (count, 1))
         low = [zero, np.full_like(offsets, -np.inf), limits.clearances, -both]
         high = [zero, offsets, free, both]
-        parameters = [
-            problem.start, problem.previous, problem.target, normals.T.ravel(),
-            scene.foot_pose.parameters, scene.others,
-        ]  # fmt: skip
+        # CasADi stores by columns, one a state.
+        normals = scene.normals.swapaxes(1, 2).reshape(-1, 2 * self._edges)
+        rows = [
+            np.broadcast_to(values, (count, values.shape[1])).ravel()
+            for values in (aim.targets, normals, scene.foot_poses, scene.shares)
+        ]
+        parameters = [problem.start, problem.previous, rows[0], aim.weights, *rows[1:]]
         result = self._solver(
             x0=np.clip(guess, limits.lower, limits.upper).ravel(),
-            p=np.concatenate(parameters),
+            p=np.concatenate([*parameters, scene.others]),
             lbx=limits.lower.ravel(),
             ubx=limits.upper.ravel(),
             lbg=np.hstack(low).ravel(),

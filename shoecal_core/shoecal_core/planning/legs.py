@@ -51,6 +51,11 @@ class FootPose:
         return cls(rotation, np.array([support.dx, support.dy, 0.0]))
 
     @property
+    def inverse(self) -> FootPose:
+        """Pose of the left sole in the right sole's frame."""
+        return FootPose(self.rotation.T, -self.rotation.T @ self.translation)
+
+    @property
     def support(self) -> DoubleSupport:
         """Its part on the floor."""
         yaw = np.arctan2(self.rotation[1, 0], self.rotation[0, 0])
@@ -81,18 +86,21 @@ class LegExpressions:
     Attributes:
         angles: (k, 1) symbol of the leg angles [rad].
         others: (m, 1) symbol of all joint angles, of which those beside the legs count.
-        cop: (2, 1) ground projection of the CoM in the left sole's frame [m].
         foot_pose: (12, 1) symbol of a pose between the feet, as FootPose.parameters.
+        share: (2, 1) symbol of the least and greatest share of the weight on the left foot.
+        cop: (2, 1) ground projection of the CoM in the left sole's frame [m].
         foot_error: (6, 1) how far the right sole is from that pose: way [m], turn [rad].
         distances: (p, 1) of the robot's collision pairs [m].
         torques: (k, 1) of the leg motors, to hold the posture [N m].
         lean: (2, 1) direction of the torso's upward axis along the floor; zero when upright.
+        height: of the base above the left sole [m].
     """
 
     def __init__(self, robot: Robot) -> None:
         self.angles = ca.SX.sym("legs", len(robot.legs))
         self.others = ca.SX.sym("others", len(robot.joint_names))
         self.foot_pose = ca.SX.sym("foot_pose", 12)
+        self.share = ca.SX.sym("share", 2)
         body = SymbolicKinematics(robot, _all_angles(robot, self.angles, self.others))
         left, right = body.soles
         self.cop = left.inverse_act(body.com)[:2]
@@ -105,8 +113,9 @@ class LegExpressions:
             turned[2, 1], turned[0, 2], turned[1, 0],
         )  # fmt: skip
         self.lean = left.rotation.T[:2, 2]
+        self.height = left.inverse_act(ca.SX.zeros(3))[2]
         self.distances = _distances(robot, body)
-        self.torques = holding_torques(robot, body, self.foot_pose, self.cop)
+        self.torques = holding_torques(robot, body, self.foot_pose, self.share, self.cop)
 
 
 class Legs:

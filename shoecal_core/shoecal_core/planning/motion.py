@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,28 +11,51 @@ from scipy.interpolate import CubicSpline
 
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import GRAVITY
+from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.course import Course
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.rolling import Path
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.timing import GRID, Rates, fastest
+from shoecal_core.planning.timing import GRID, Profile, Rates, fastest
 
 FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
+class Phase:
+    """A span of a motion, from rest to rest.
+
+    Attributes:
+        name: of the course that was followed.
+        carrying: which feet stand.
+        begin, end: since the motion's begin [s].
+        foot_poses: of the right sole in the left sole's frame, at begin and end.
+        pace: factor on all speeds.
+    """
+
+    name: str
+    carrying: Carrying
+    begin: float
+    end: float
+    foot_poses: tuple[FootPose, FootPose]
+    pace: float = 1.0
+
+
+@dataclass(frozen=True)
 class Motion:
-    """A whole-body motion in one double support, from standing still to standing still.
+    """A whole-body motion from standing still to standing still on both feet.
 
     Attributes:
         name: on the menu of motions, for example `landmarks`.
-        support: where it takes place.
-        foot_pose: the pose between the soles that it keeps, as the joint angles tell it.
+        support: where it begins.
+        foot_pose: the pose between the soles there, as the joint angles tell it.
         joint_names: m joints.
         time: (T,) from zero [s].
         positions: (T, m) [rad].
         velocities: (T, m) [rad/s].
         cop: (T, 2) planned CoP in the left sole's frame [m].
         path: the planned states behind it.
+        phases: one after another, without gaps.
     """
 
     name: str
@@ -43,6 +67,7 @@ class Motion:
     velocities: FloatArray
     cop: FloatArray
     path: Path
+    phases: tuple[Phase, ...]
 
     @property
     def duration(self) -> float:
@@ -60,29 +85,75 @@ def com_acceleration_limit(height: float, settings: PlannerSettings) -> float:
 
 def timed(
     legs: Legs,
-    path: Path,
+    parts: Sequence[tuple[Course, Path]],
     name: str,
-    foot_pose: FootPose,
     others: FloatArray,
     settings: PlannerSettings,
 ) -> Motion:
-    """Follow planned states as fast as the settings allow, with holds at both ends.
+    """Follow planned states as fast as the settings allow, at rest between the parts.
 
     Args:
         legs: of the robot.
-        path: planned states.
+        parts: what was planned, one after another.
         name: of the motion.
-        foot_pose: that the states keep.
         others: (m,) all joint angles, of which those beside the legs count [rad].
         settings: speeds, accelerations, hold time and sample rate.
     """
     robot = legs.robot
+    ways = [_way(legs, course, path, others, settings) for course, path in parts]
+    begins, now = [], settings.hold_time
+    for (course, _), way in zip(parts, ways, strict=True):
+        begins.append(now)
+        now += float(way.profile.times[-1]) + course.pause
+    samples = int(np.ceil((now + settings.hold_time) * settings.sample_rate))
+    time = np.arange(samples + 1) / settings.sample_rate
+    leg_angles = np.zeros((len(time), len(robot.legs)))
+    leg_rates = np.zeros_like(leg_angles)
+    for begin, way in zip(begins, ways, strict=True):
+        since = time >= begin if begin > begins[0] else slice(None)
+        leg_angles[since], leg_rates[since] = way.at(time[since] - begin)
+    still = np.zeros(len(robot.joint_names))
+    positions = robot.from_legs(leg_angles, others)
+    first = parts[0][0].pose(0)
+    return Motion(
+        name=name,
+        support=first.support,
+        foot_pose=first,
+        joint_names=robot.joint_names,
+        time=time,
+        positions=positions,
+        velocities=robot.from_legs(leg_rates, still),
+        cop=legs.cop(positions),
+        path=Path.joined([path for _, path in parts]),
+        phases=_phases([course for course, _ in parts], begins, float(time[-1])),
+    )
+
+
+@dataclass(frozen=True)
+class _Way:
+    """Leg angles as a function of s, and s as one of time."""
+
+    spline: CubicSpline
+    profile: Profile
+
+    def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(T, k) angles [rad] and rates [rad/s]; at rest before and after."""
+        s, rate = self.profile.at(time)
+        return self.spline(s), self.spline(s, 1) * rate[:, None]
+
+
+def _way(
+    legs: Legs, course: Course, path: Path, others: FloatArray, settings: PlannerSettings
+) -> _Way:
+    settings, robot = settings.paced(course.pace), legs.robot
     # Whoever never moves stays for one step.
     states = path.states if len(path.states) > 1 else np.repeat(path.states, 2, axis=0)
     count = len(states) - 1
     spline = CubicSpline(np.arange(count + 1), states)
     grid = np.linspace(0.0, count, GRID * count + 1)
-    com = legs.kinematics.states(robot.from_legs(spline(grid), others)).com[:, 0]
+    # Speeds are those over the floor, so seen from a foot that stands on it.
+    standing = 1 if course.carrying is Carrying.RIGHT else 0
+    com = legs.kinematics.states(robot.from_legs(spline(grid), others)).com[:, standing]
     rates = Rates(
         joint_speed=np.minimum(robot.velocity_limit[robot.legs], settings.joint_speed),
         joint_acceleration=np.full(len(robot.legs), settings.joint_acceleration),
@@ -90,22 +161,19 @@ def timed(
         com_acceleration=com_acceleration_limit(float(com[:, 2].max()), settings),
         state_rate=1.0 / settings.step_time,
     )
-    profile = fastest(spline, com[:, :2], grid, rates)
-    moving = profile.times[-1]
-    samples = int(np.ceil((moving + 2.0 * settings.hold_time) * settings.sample_rate))
-    time = np.arange(samples + 1) / settings.sample_rate
-    s, rate = profile.at(time - settings.hold_time)
-    positions = robot.from_legs(spline(s), others)
-    still = np.zeros(len(robot.joint_names))
-    velocities = robot.from_legs(spline(s, 1) * rate[:, None], still)
-    return Motion(
-        name=name,
-        support=foot_pose.support,
-        foot_pose=foot_pose,
-        joint_names=robot.joint_names,
-        time=time,
-        positions=positions,
-        velocities=velocities,
-        cop=legs.cop(positions),
-        path=path,
+    return _Way(spline, fastest(spline, com[:, :2], grid, rates))
+
+
+def _phases(courses: Sequence[Course], begins: Sequence[float], end: float) -> tuple[Phase, ...]:
+    borders = [0.0, *begins[1:], end]
+    return tuple(
+        Phase(
+            course.name,
+            course.carrying,
+            begin,
+            until,
+            (course.pose(0), course.foot_poses[-1]),
+            course.pace,
+        )
+        for course, begin, until in zip(courses, borders[:-1], borders[1:], strict=True)
     )

@@ -2,52 +2,29 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from shoecal_core.errors import NameNotFoundError, ShapeError
+from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.check import check_motion
 from shoecal_core.planning.collocation import Collocation, Scene, Solver
+from shoecal_core.planning.course import Course
 from shoecal_core.planning.ipopt import IpoptSolver
-from shoecal_core.planning.landmarks import Contour, sensing_hull
+from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.legs import FootPose, Legs
+from shoecal_core.planning.menu import Standing, kind_named
 from shoecal_core.planning.motion import Motion, timed
 from shoecal_core.planning.posture import StanceSolver
-from shoecal_core.planning.rolling import PlanningError, Progress, RollingHorizon
+from shoecal_core.planning.rolling import Path, PlanningError, Progress, RollingHorizon
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.sqp import SqpSolver
 
 FloatArray = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class MotionKind:
-    """An entry of the menu.
-
-    Attributes:
-        doc: what it is, for people.
-        targets: where the CoP goes, (L, 2) in the left sole's frame [m], from the contour and
-            the initial CoP (2,).
-        pace: factor on all speeds.
-    """
-
-    doc: str
-    targets: Callable[[Contour, FloatArray], FloatArray]
-    pace: float = 1.0
-
-
-MENU: Mapping[str, MotionKind] = {
-    "landmarks": MotionKind("landmark to landmark, counter-clockwise", Contour.targets),
-    "reversed": MotionKind("landmark to landmark, clockwise", Contour.reversed_targets),
-    "faster": MotionKind("landmark to landmark at twice the speed", Contour.targets, pace=2.0),
-}
 
 
 class StartError(PlanningError):
@@ -108,28 +85,56 @@ class Planner:
             StartError: when the robot does not stand on both feet, or leans too far.
             Else as `plan`.
         """
-        if motion not in MENU:
-            raise NameNotFoundError("motion", motion, tuple(MENU))
-        kind = MENU[motion]
+        kind = kind_named(motion)
+        courses = kind.courses(self.standing(joint_angles))
+        return self.follow(joint_angles, motion, courses, progress=progress, canceled=canceled)
+
+    def follow(
+        self,
+        joint_angles: FloatArray,
+        name: str,
+        courses: Sequence[Course],
+        *,
+        progress: Callable[[Progress], None] = lambda _: None,
+        canceled: Callable[[], bool] = lambda: False,
+    ) -> Motion:
+        """A checked motion along courses, one after another, from all joint angles (m,) [rad].
+
+        Raises:
+            PlanningError, PlanningCanceledError, CheckFailedError: when there is no motion.
+        """
         robot, settings = self.legs.robot, self.settings
+        parts: list[tuple[Course, Path]] = []
+        start = joint_angles[robot.legs]
+        landmarks, states = sum(len(course.targets) for course in courses), 0
+        before = 0
+
+        def told(now: Progress) -> None:
+            progress(Progress(before + now.landmark, landmarks, states + now.steps, now.distance))
+
+        for course in courses:
+            path = self.horizon.roll(start, course, joint_angles, progress=told, canceled=canceled)
+            parts.append((course, path))
+            start = path.states[-1]
+            before, states = before + len(course.targets), states + len(path.states) - 1
+        planned = timed(self.legs, parts, name, joint_angles, settings)
+        check_motion(self.legs, planned, settings).require()
+        return planned
+
+    def standing(self, joint_angles: FloatArray) -> Standing:
+        """What all joint angles (m,) [rad] of a robot on both feet say.
+
+        Raises:
+            StartError: when it does not stand on both feet, or leans too far.
+        """
+        robot = self.legs.robot
         if joint_angles.shape != robot.posture.shape:
             raise ShapeError("joint angles", f"({len(robot.posture)},)", joint_angles.shape)
         foot_pose = self._standing_on(joint_angles)
-        scene = Scene.of(
-            sensing_hull(robot, foot_pose.support),
-            settings.stability_margin,
-            foot_pose,
-            joint_angles,
-        )
-        cop = self.legs.cop(joint_angles[None])[0]
-        targets = kind.targets(Contour.of(robot, foot_pose.support), cop)
-        path = self.horizon.roll(
-            joint_angles[robot.legs], targets, scene, progress=progress, canceled=canceled
-        )
-        paced = _paced(settings, kind.pace)
-        planned = timed(self.legs, path, motion, foot_pose, joint_angles, paced)
-        check_motion(self.legs, planned, paced).require()
-        return planned
+        collocation = self.horizon.collocation
+        scene = Scene.of(sensing_hull(robot, foot_pose.support), 0.0, foot_pose, joint_angles)
+        tasks = collocation.evaluate(joint_angles[None, robot.legs], scene).tasks[0]
+        return Standing(robot, self.settings, foot_pose, tasks)
 
     def _standing_on(self, joint_angles: FloatArray) -> FootPose:
         robot, settings = self.legs.robot, self.settings
@@ -169,15 +174,3 @@ def _solvers(collocation: Collocation) -> list[Solver]:
     if collocation.settings.solver == "ipopt":
         return [reference]
     return [SqpSolver(collocation), reference]
-
-
-def _paced(settings: PlannerSettings, pace: float) -> PlannerSettings:
-    """Settings under which a motion takes 1 / pace of the time."""
-    return dataclasses.replace(
-        settings,
-        joint_speed=settings.joint_speed * pace,
-        com_speed=settings.com_speed * pace,
-        joint_acceleration=settings.joint_acceleration * pace**2,
-        dynamic_cop_error=settings.dynamic_cop_error * pace**2,
-        step_time=settings.step_time / pace,
-    )

@@ -58,10 +58,11 @@ class StanceSolver:
         self._torque = robot.effort_limit[robot.legs] * settings.torque_share
         terms = LegExpressions(robot)
         target = ca.SX.sym("target", 2)
+        torques = ca.substitute(terms.torques, terms.share, ca.SX([0.0, 1.0]))
         cost = ca.sumsqr(terms.angles - legs.nominal)
         cost += settings.upright_weight * ca.sumsqr(terms.lean)
         parameters = ca.vertcat(terms.foot_pose, target, terms.others)
-        constraints = ca.vertcat(terms.torques, terms.foot_error, terms.cop - target)
+        constraints = ca.vertcat(torques, terms.foot_error, terms.cop - target)
         problem = {"x": terms.angles, "p": parameters, "f": cost, "g": constraints}
         self._solver = ca.nlpsol("stance", "ipopt", problem, _OPTIONS)
 

@@ -17,9 +17,13 @@ from shoecal_core.planning.collocation import (
     Solution,
     Solver,
 )
+from shoecal_core.planning.course import Course
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
+
+_SHRUNK = (1.0, 0.5, 0.2)
+"""Parts of the way to a target that are tried in turn."""
 
 
 class PlanningCanceledError(ShoecalError):
@@ -70,22 +74,56 @@ class Path:
     statuses: tuple[str, ...]
     solve_times: FloatArray
 
+    @classmethod
+    def joined(cls, paths: Sequence[Path]) -> Path:
+        """Paths of which each begins where the one before has ended."""
+        counts = np.cumsum([0, *(len(path.states) - 1 for path in paths)])
+        return cls(
+            states=np.vstack([paths[0].states[:1], *(path.states[1:] for path in paths)]),
+            targets=np.vstack([path.targets for path in paths]),
+            nearest=np.concatenate([path.nearest for path in paths]),
+            switches=np.concatenate(
+                [path.switches + count for path, count in zip(paths, counts, strict=False)]
+            ),
+            statuses=tuple(status for path in paths for status in path.statuses),
+            solve_times=np.concatenate([path.solve_times for path in paths]),
+        )
+
 
 class Pursuit:
     """Which target is pursued, and when the next one is due.
 
     The next is due when the CoP is nearer than the landmark radius, or when it has come no
-    nearer for some steps. The last one is pursued like the others.
+    nearer for some steps. The last one is pursued like the others. Where the torso's lean and
+    height are pursued too, their distances count by their weights against the CoP's.
     """
 
-    def __init__(self, targets: FloatArray, cop: FloatArray, settings: PlannerSettings) -> None:
+    def __init__(
+        self,
+        targets: FloatArray,
+        now: FloatArray,
+        settings: PlannerSettings,
+        weights: FloatArray | None = None,
+    ) -> None:
+        """Begin with the first target.
+
+        Args:
+            targets: (L, n) the CoP's places [m] in the first two columns.
+            now: (n,) where the robot is.
+            settings: radius and patience.
+            weights: (n,) of the squared distances; the CoP's alone count where not given.
+        """
         self._targets = targets
         self._settings = settings
+        self._scale = (
+            np.zeros(len(now)) if weights is None else np.sqrt(weights / weights[:2].max())
+        )
+        self._scale[:2] = 1.0
         self.index = 0
         self.nearest = np.full(len(targets), np.inf)
         self._idle = 0
         self._distance = 0.0
-        self._begin(cop)
+        self._begin(now)
 
     @property
     def done(self) -> bool:
@@ -94,39 +132,42 @@ class Pursuit:
 
     @property
     def target(self) -> FloatArray:
-        """(2,) the one pursued [m]."""
-        target: FloatArray = self._targets[self.index]
+        """(n,) the one pursued, the last one when all is done."""
+        target: FloatArray = self._targets[min(self.index, len(self._targets) - 1)]
         return target
 
     @property
     def distance(self) -> float:
-        """From the last CoP to the target pursued; zero when there is none [m]."""
+        """To the target pursued; zero when there is none [m]."""
         return self._distance
 
-    def observe(self, cop: FloatArray) -> bool:
-        """Take note of one step's CoP (2,) [m]; True when another target is due."""
-        distance = float(np.linalg.norm(cop - self.target))
+    def observe(self, now: FloatArray) -> bool:
+        """Take note of where a step has led (n,); True when another target is due."""
+        distance = self._away(now)
         progress = self._distance - distance
         self._idle = self._idle + 1 if progress < self._settings.progress_min else 0
         self._distance = distance
         self.nearest[self.index] = min(self.nearest[self.index], distance)
         close = distance < self._settings.landmark_radius
         if close or self._idle >= self._settings.progress_patience:
-            self.skip(cop)
+            self.skip(now)
             return True
         return False
 
-    def skip(self, cop: FloatArray) -> None:
-        """Take the next target; its distance is taken anew from the CoP (2,) [m]."""
+    def skip(self, now: FloatArray) -> None:
+        """Take the next target; its distance is taken anew from where the robot is (n,)."""
         self.index += 1
-        self._begin(cop)
+        self._begin(now)
 
-    def _begin(self, cop: FloatArray) -> None:
+    def _begin(self, now: FloatArray) -> None:
         self._idle = 0
         self._distance = 0.0
         if not self.done:
-            self._distance = float(np.linalg.norm(cop - self.target))
+            self._distance = self._away(now)
             self.nearest[self.index] = self._distance
+
+    def _away(self, now: FloatArray) -> float:
+        return float(np.linalg.norm((now - self.target) * self._scale))
 
 
 class RollingHorizon:
@@ -159,19 +200,27 @@ class RollingHorizon:
     def roll(
         self,
         start: FloatArray,
-        targets: FloatArray,
-        scene: Scene,
+        course: Course,
+        others: FloatArray,
         *,
         progress: Callable[[Progress], None] = lambda _: None,
         canceled: Callable[[], bool] = lambda: False,
     ) -> Path:
-        """Pursue targets (L, 2) [m] from rest at leg angles (k,) [rad].
+        """Follow a course from rest at leg angles (k,) [rad].
+
+        Args:
+            start: where the robot stands.
+            course: what to pursue and to keep.
+            others: (m,) all joint angles, of which those beside the legs count [rad].
+            progress: told before every optimisation.
+            canceled: asked before every optimisation.
 
         Raises:
             PlanningCanceledError: when `canceled` says so.
-            PlanningError: when nothing could be planned towards any target.
+            PlanningError: when nothing could be planned towards any target, or a foot on its
+                way cannot go on.
         """
-        roll = _Roll(self, start, targets, scene)
+        roll = _Roll(self, start, course, others)
         while not roll.done:
             if canceled():
                 raise PlanningCanceledError
@@ -181,19 +230,20 @@ class RollingHorizon:
 
 
 class _Roll:
-    """One motion while it is being planned."""
+    """One course while it is being planned."""
 
     def __init__(
-        self, horizon: RollingHorizon, start: FloatArray, targets: FloatArray, scene: Scene
+        self, horizon: RollingHorizon, start: FloatArray, course: Course, others: FloatArray
     ) -> None:
         self._horizon = horizon
         self._collocation = horizon.collocation
         self._settings = horizon.collocation.settings
-        self._scene = scene
-        self._targets = targets
+        self._course = course
+        self._others = others
+        self._begin = self._scene(0)
         self._states = [start]
-        self._cop = self._collocation.evaluate(start[None], scene).cop[0]
-        self._pursuit = Pursuit(targets, self._cop, self._settings)
+        self._tasks = self._local(start[None], 0)[0]
+        self._pursuit = Pursuit(course.targets, self._tasks, self._settings, course.weights)
         self._switches: list[int] = []
         self._statuses: list[str] = []
         self._times: list[float] = []
@@ -201,58 +251,85 @@ class _Roll:
 
     @property
     def done(self) -> bool:
-        return self._pursuit.done or len(self._states) > self._settings.steps_max
+        arrived = len(self._states) >= len(self._course.foot_poses)
+        return (self._pursuit.done and arrived) or len(self._states) > self._settings.steps_max
 
     @property
     def progress(self) -> Progress:
         pursuit = self._pursuit
-        return Progress(pursuit.index, len(self._targets), len(self._states) - 1, pursuit.distance)
+        count = len(self._course.targets)
+        return Progress(min(pursuit.index, count), count, len(self._states) - 1, pursuit.distance)
 
     def advance(self) -> None:
         """Optimise once and take over its first states.
 
-        A solution that violates a constraint is never taken over: the next target is pursued
-        instead, from rest. So targets and steps_max bound the number of optimisations.
+        A solution that violates a constraint is never taken over: a place nearer by is aimed
+        at, and where that fails too the next target is pursued instead, from rest. So targets
+        and steps_max bound the number of optimisations.
         """
-        problem = HorizonProblem(
-            self._states[-1], self._previous, self._pursuit.target, self._scene
-        )
+        for part in _SHRUNK:
+            solution = self._optimised(part)
+            if solution.violation <= self._settings.tolerance:
+                self._apply(solution.states)
+                return
+        if self._course.moving:
+            raise PlanningError(
+                f"part '{self._course.name}': the foot cannot go on after state "
+                f"{len(self._states) - 1} of {len(self._course.foot_poses) - 1} (solver: "
+                f"{self._statuses[-1]}); choose feet nearer to each other's neutral place"
+            )
+        self._stand()
+        self._pursuit.skip(self._tasks)
+        self._switches.append(len(self._states) - 1)
+
+    def _optimised(self, part: float) -> Solution:
+        """Towards a place that is only a part of the way to the target."""
+        here = len(self._states) - 1
+        target = self._tasks + part * (self._pursuit.target - self._tasks)
+        aim = self._course.aim(target, self._settings.horizon, here)
+        scene = self._scene(here) if self._course.moving else self._begin
+        problem = HorizonProblem(self._states[-1], self._previous, aim, scene)
         begin = time.perf_counter()
         solution = self._horizon.step(problem, self._guess)
         self._times.append(time.perf_counter() - begin)
         self._statuses.append(solution.status)
-        if solution.violation > self._settings.tolerance:
-            self._stand()
-            self._pursuit.skip(self._cop)
-            self._switches.append(len(self._states) - 1)
-        else:
-            self._apply(solution.states)
+        return solution
 
     def _stand(self) -> None:
         self._previous = np.zeros_like(self._states[-1])
         self._guess = np.tile(self._states[-1], (self._settings.horizon, 1))
 
     def _apply(self, states: FloatArray) -> None:
-        cops = self._collocation.evaluate(states, self._scene).cop
         applied = min(self._settings.applied_states, len(states))
-        for state, cop in zip(states[:applied], cops[:applied], strict=True):
+        tasks = self._local(states[:applied], len(self._states))
+        for state, self._tasks in zip(states, tasks, strict=False):
             self._previous = state - self._states[-1]
-            self._cop = cop
             self._states.append(state)
-            if self._pursuit.observe(cop):
+            if not self._pursuit.done and self._pursuit.observe(self._tasks):
                 self._switches.append(len(self._states) - 1)
                 break
         self._guess = np.vstack([states[applied:], np.repeat(states[-1:], applied, axis=0)])
 
+    def _local(self, states: FloatArray, first: int) -> FloatArray:
+        """(n, 5) what is pursued, of states (n, k) that begin with one of the part's."""
+        tasks = self._collocation.evaluate(states, self._begin.first).tasks
+        local = [self._course.local(row, first + index) for index, row in enumerate(tasks)]
+        return np.array(local)
+
+    def _scene(self, state: int) -> Scene:
+        robot = self._collocation.legs.robot
+        return self._course.scene(robot, self._settings, self._others, state)
+
     def path(self) -> Path:
-        if len(self._states) == 1 and len(self._targets):
+        course = self._course
+        if len(self._states) == 1 and len(course.targets):
             raise PlanningError(
-                f"no motion towards any of {len(self._targets)} landmarks was found (solver: "
+                f"no motion towards any of {len(course.targets)} landmarks was found (solver: "
                 f"{self._statuses[-1]}); start from another posture or lower the margins"
             )
         return Path(
             states=np.array(self._states),
-            targets=self._targets,
+            targets=course.left_targets,
             nearest=self._pursuit.nearest,
             switches=np.array(self._switches, dtype=np.int64),
             statuses=tuple(self._statuses),

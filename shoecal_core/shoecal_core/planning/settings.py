@@ -2,7 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
 
 from shoecal_core.settings import Settings, setting
 
@@ -130,6 +135,9 @@ class PlannerSettings(Settings):
     stability_margin: float = setting(
         0.005, "m", "distance kept between CoP and the edge of the sensing polygon", minimum=0.0
     )
+    one_foot_margin: float = setting(
+        0.01, "m", "the same, between CoP and the edge of the one foot that carries", minimum=0.0
+    )
     capsule_clearance: float = setting(
         0.003, "m", "d_min, least distance between two capsules", minimum=0.0
     )
@@ -141,6 +149,13 @@ class PlannerSettings(Settings):
         minimum=1e-9, maximum=1e-3,
     )  # fmt: skip
     iterations: int = setting(200, "", "most iterations of one optimisation", minimum=1)
+
+    lean_weight: float = setting(
+        1.0e3, "1/rad^2", "weight of the torso's lean, in motions that pursue it", minimum=0.0
+    )
+    height_weight: float = setting(
+        1.0e4, "1/m^2", "weight of the torso's height, in motions that pursue it", minimum=0.0
+    )
 
     # Rolling horizon (Algorithm 1)
     applied_states: int = setting(
@@ -180,6 +195,30 @@ class PlannerSettings(Settings):
         minimum=1e-6,
     )  # fmt: skip
 
+    # Motions beyond the paper's
+    dwell_time: float = setting(8.0, "s", "standing still at each landmark of `hold`", minimum=0.0)
+    lift: float = setting(0.006, "m", "how high an unloaded foot is lifted", minimum=1e-3)
+    unloaded_time: float = setting(3.0, "s", "how long it stays there", minimum=0.0)
+    tilt: float = setting(
+        0.1, "rad", "how far `torso_tilt` leans the torso each way", minimum=0.0, maximum=0.5
+    )
+    sink: float = setting(0.015, "m", "how far `height` lowers the torso", minimum=0.0)
+
+    # Own steps
+    step_lift: float = setting(0.015, "m", "how high a foot is lifted to be carried", minimum=5e-3)
+    step_pace: float = setting(
+        1.5, "", "factor on all speeds while one foot carries: its motors get hot",
+        minimum=0.1, maximum=5.0,
+    )  # fmt: skip
+    step_error: float = setting(
+        0.004, "m", "feet nearer to a double support than this stand in it", minimum=1e-4
+    )
+    step_yaw_error: float = setting(0.02, "rad", "the same, of the yaw between them", minimum=1e-4)
+    step_way: float = setting(0.005, "m", "way of a carried foot from state to state", minimum=1e-4)
+    step_turn: float = setting(
+        0.035, "rad", "turn of a carried foot from state to state", minimum=1e-3
+    )
+
     # A start that is measured
     sole_height: float = setting(
         0.015, "m", "largest difference of height between the soles of a standing robot",
@@ -188,3 +227,27 @@ class PlannerSettings(Settings):
     sole_tilt: float = setting(
         0.1, "rad", "largest tilt between the soles of a standing robot", minimum=0.0
     )
+
+    @property
+    def task_weights(self) -> NDArray[np.float64]:
+        """(5,) of CoP, lean and height where all are pursued; see Aim."""
+        return np.array(
+            [
+                self.cop_weight_x,
+                self.cop_weight_y,
+                self.lean_weight,
+                self.lean_weight,
+                self.height_weight,
+            ]
+        )
+
+    def paced(self, pace: float) -> Self:
+        """Settings under which a motion takes 1 / pace of the time."""
+        return dataclasses.replace(
+            self,
+            joint_speed=self.joint_speed * pace,
+            com_speed=self.com_speed * pace,
+            joint_acceleration=self.joint_acceleration * pace**2,
+            dynamic_cop_error=self.dynamic_cop_error * pace**2,
+            step_time=self.step_time / pace,
+        )

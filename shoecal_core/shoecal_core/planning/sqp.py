@@ -7,13 +7,20 @@ changes from one to the next. Where this solver fails, another has to step in.
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.planning.collocation import Collocation, HorizonProblem, Limits, Solution
+from shoecal_core.planning.collocation import (
+    TASKS,
+    Collocation,
+    HorizonProblem,
+    Limits,
+    Solution,
+)
 
 FloatArray = NDArray[np.float64]
 
@@ -30,13 +37,13 @@ class _Linear:
     """All constraints of N states and their derivatives.
 
     Attributes:
-        cop, cop_slope: (N, 2), (N, 2, k).
+        tasks, task_slope: (N, 5), (N, 5, k).
         foot, foot_slope: (N, 6), (N, 6, k).
         values, slopes: (N, r), (N, r, k) of capsule distances and torques.
     """
 
-    cop: FloatArray
-    cop_slope: FloatArray
+    tasks: FloatArray
+    task_slope: FloatArray
     foot: FloatArray
     foot_slope: FloatArray
     values: FloatArray
@@ -51,17 +58,17 @@ class SqpSolver:
         robot = collocation.legs.robot
         self._count, self._size = collocation.settings.horizon, len(robot.legs)
         angles, pose = ca.SX.sym("q", self._size), ca.SX.sym("foot_pose", 12)
-        others = ca.SX.sym("others", len(robot.joint_names))
-        rows = ca.vertcat(*collocation.state(angles, pose, others))
+        others, share = ca.SX.sym("others", len(robot.joint_names)), ca.SX.sym("share", 2)
+        rows = ca.vertcat(*collocation.state(angles, pose, others, share))
         slopes = ca.densify(ca.jacobian(rows, angles))
         self._rows = int(rows.numel())
         self._linear = ca.Function(
-            "linear", [angles, pose, others], [rows, slopes], {"cse": True}
+            "linear", [angles, pose, others, share], [rows, slopes], {"cse": True}
         ).map(self._count)
         # u[i] - u[i-1] = (difference @ q)[i] + what start and previous transition add.
         ones = np.ones(self._count)
         self._difference = np.diag(ones) - 2.0 * np.diag(ones[1:], -1) + np.diag(ones[2:], -2)
-        self._edges = sum(len(foot.sensing_polygon) for foot in robot.feet)
+        self._edges = collocation.edges
         pattern = self._pattern()
         # CasADi stores by columns.
         self._columns, self._lines = np.nonzero(pattern.T)
@@ -79,6 +86,7 @@ class SqpSolver:
     def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
         """See Solver."""
         collocation = self._collocation
+        problem = dataclasses.replace(problem, scene=problem.scene.padded(self._edges))
         limits = collocation.limits(problem)
         states = np.clip(guess, limits.lower, limits.upper)
         penalty = self._penalty(problem, states)
@@ -111,7 +119,7 @@ class SqpSolver:
         and for the transitions in those of the state before as well.
         """
         count, free = self._count, self._size - _FOOT_ROWS
-        local = self._edges + self._rows - 2 - _FOOT_ROWS + self._size
+        local = self._edges + self._rows - TASKS - _FOOT_ROWS + self._size
         pattern = np.zeros((count, local + self._size, count, free))
         for index in range(count):
             pattern[index, :, index] = 1.0
@@ -120,23 +128,26 @@ class SqpSolver:
 
     def _penalty(self, problem: HorizonProblem, states: FloatArray) -> float:
         """Weight of violations in the merit: well above what they could buy in cost."""
-        away = self._collocation.evaluate(states, problem.scene).cop - problem.target
-        pull = self._collocation.cop_weights.max() * (np.abs(away).max() + 0.01)
+        aim = problem.aim
+        away = self._collocation.evaluate(states, problem.scene).tasks - aim.targets
+        pull = np.max(aim.weights * (np.abs(away).max(axis=0) + 0.01))
         return float(20.0 * self._count * pull)
 
     def _linearised(self, problem: HorizonProblem, states: FloatArray) -> _Linear:
         scene = problem.scene
         rows, slopes = self._linear(
             states.T,
-            np.tile(scene.foot_pose.parameters[:, None], self._count),
-            np.tile(scene.others[:, None], self._count),
+            *(
+                np.broadcast_to(given, (self._count, given.shape[-1])).T
+                for given in (scene.foot_poses, scene.others, scene.shares)
+            ),
         )
         value = np.array(rows).T
         slope = np.array(slopes).reshape(self._rows, self._count, self._size).swapaxes(0, 1)
-        foot = slice(2, 2 + _FOOT_ROWS)
-        rest = slice(2 + _FOOT_ROWS, None)
+        foot = slice(TASKS, TASKS + _FOOT_ROWS)
+        rest = slice(TASKS + _FOOT_ROWS, None)
         return _Linear(
-            value[:, :2], slope[:, :2], value[:, foot], slope[:, foot], value[:, rest],
+            value[:, :TASKS], slope[:, :TASKS], value[:, foot], slope[:, foot], value[:, rest],
             slope[:, rest],
         )  # fmt: skip
 
@@ -172,17 +183,18 @@ class SqpSolver:
         collocation = self._collocation
         weight = collocation.settings.transition_weight
         moves = np.vstack([problem.previous, collocation.transitions(problem, states)])
-        slope = linear.cop_slope @ basis
-        away = linear.cop + (linear.cop_slope @ fixed[..., None])[..., 0] - problem.target
+        aim = problem.aim
+        slope = linear.task_slope @ basis
+        away = linear.tasks + (linear.task_slope @ fixed[..., None])[..., 0] - aim.targets
         coupling = self._difference.T @ self._difference
         free = basis.shape[2]
         hessian = 2.0 * weight * np.einsum("nka,nm,mkb->namb", basis, coupling, basis)
-        pull = slope.swapaxes(1, 2) @ (2.0 * collocation.cop_weights[:, None] * slope)
+        pull = slope.swapaxes(1, 2) @ (2.0 * aim.weights[:, None] * slope)
         for index in range(self._count):
             hessian[index, :, index] += pull[index]
         change = 2.0 * weight * self._difference.T @ np.diff(moves, axis=0)
         gradient = np.einsum("nka,nk->na", basis, change)
-        gradient += np.einsum("nca,nc->na", slope, 2.0 * collocation.cop_weights * away)
+        gradient += np.einsum("nca,nc->na", slope, 2.0 * aim.weights * away)
         size = self._count * free
         return hessian.reshape(size, size), gradient.ravel()
 
@@ -200,10 +212,8 @@ class SqpSolver:
         count, size, free = self._count, self._size, basis.shape[2]
         pairs = limits.clearances.shape[1]
         endless = np.full((count, self._edges), np.inf)
-        edges = np.zeros((count, self._edges, size))
-        edges[:, : len(scene.offsets)] = scene.normals @ linear.cop_slope
-        beyond = endless.copy()
-        beyond[:, : len(scene.offsets)] = limits.offsets - linear.cop @ scene.normals.T
+        edges = scene.normals @ linear.task_slope[:, :2]
+        beyond = limits.offsets - scene.beyond(linear.tasks[:, :2])
         torque = linear.values[:, pairs:]
         slopes = np.concatenate(
             [edges, linear.slopes, np.broadcast_to(np.eye(size), (count, size, size))], axis=1

@@ -1,7 +1,8 @@
 """Motor torques that hold a posture, as expressions.
 
 Forces are vertical. How two feet share a weight is not determined by statics; here each foot's
-CoP lies equally far aside from its sensing polygon's middle, and the shares follow.
+CoP lies equally far aside from its sensing polygon's middle, and the shares follow. A robot on
+one foot has all its weight there.
 """
 
 from __future__ import annotations
@@ -13,12 +14,15 @@ from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.model.symbolic import SymbolicKinematics, joint_axis
 
 
-def foot_forces(robot: Robot, foot_pose: ca.SX, cop: ca.SX) -> list[tuple[ca.SX, ca.SX]]:
+def foot_forces(
+    robot: Robot, foot_pose: ca.SX, share: ca.SX, cop: ca.SX
+) -> list[tuple[ca.SX, ca.SX]]:
     """Share of the weight and place (3, 1) in the left sole's frame [m] of either foot's force.
 
     Args:
         robot: whose feet.
         foot_pose: (12, 1) as FootPose.parameters.
+        share: (2, 1) least and greatest share of the left foot.
         cop: (2, 1) of both feet together, left sole's frame [m].
     """
     left, right = (foot.sensing_polygon.mean(axis=0) for foot in robot.feet)
@@ -26,25 +30,29 @@ def foot_forces(robot: Robot, foot_pose: ca.SX, cop: ca.SX) -> list[tuple[ca.SX,
     middle_left = ca.SX(left)
     middle_right = rotation[:2, :2] @ right + translation[:2]
     way = middle_left - middle_right
-    share = ca.fmin(ca.fmax(ca.dot(cop - middle_right, way) / ca.sumsqr(way), 0.0), 1.0)
-    aside = cop - (share * middle_left + (1.0 - share) * middle_right)
+    even = ca.dot(cop - middle_right, way) / ca.sumsqr(way)
+    on_left = ca.fmin(ca.fmax(even, share[0]), share[1])
+    aside = cop - (on_left * middle_left + (1.0 - on_left) * middle_right)
     return [
         (part, ca.vertcat(middle + aside, 0.0))
-        for part, middle in ((share, middle_left), (1.0 - share, middle_right))
+        for part, middle in ((on_left, middle_left), (1.0 - on_left, middle_right))
     ]
 
 
-def holding_torques(robot: Robot, body: SymbolicKinematics, foot_pose: ca.SX, cop: ca.SX) -> ca.SX:
-    """(k, 1) torques of the leg motors [N m], both soles flat on the floor.
+def holding_torques(
+    robot: Robot, body: SymbolicKinematics, foot_pose: ca.SX, share: ca.SX, cop: ca.SX
+) -> ca.SX:
+    """(k, 1) torques of the leg motors [N m], both soles level.
 
     A motor holds what acts on its far side: the floor's force on the foot and the weight of
-    all links between.
+    all links between. Arguments as those of `foot_forces`.
     """
     model = robot.model
     up = body.soles[0].rotation[:, 2]
     torques = [ca.SX(0) for _ in robot.joint_names]
-    for foot, (share, place) in zip(robot.feet, foot_forces(robot, foot_pose, cop), strict=True):
-        at, load = body.soles[0].act(place), share * robot.weight
+    forces = foot_forces(robot, foot_pose, share, cop)
+    for foot, (part, place) in zip(robot.feet, forces, strict=True):
+        at, load = body.soles[0].act(place), part * robot.weight
         for index in list(model.supports[foot.joint])[2:]:
             pose = body.joints[index]
             moment = load * ca.cross(at - pose.translation, up)

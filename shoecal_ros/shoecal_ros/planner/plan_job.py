@@ -17,8 +17,8 @@ from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.check import CheckFailedError
+from shoecal_core.planning.menu import MENU
 from shoecal_core.planning.motion import Motion
-from shoecal_core.planning.planner import MENU
 from shoecal_core.planning.posture import UnreachableError
 from shoecal_core.planning.rolling import PlanningCanceledError, PlanningError, Progress
 from shoecal_core.planning.settings import PlannerSettings

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.planning.check import check_motion
-from shoecal_core.planning.collocation import Scene
-from shoecal_core.planning.landmarks import Contour, sensing_hull
+from shoecal_core.planning.course import cop_course
+from shoecal_core.planning.menu import kind_named
 from shoecal_core.planning.motion import Motion, timed
-from shoecal_core.planning.planner import MENU, Planner
+from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link
@@ -73,26 +73,24 @@ def plan_chunk(
         files: robot and shoe.
         settings: of planning.
         joint_angles: measured, the robot stands on both feet.
-        motion: on the menu.
+        motion: on the menu, one that streams.
         targets: (L, 2) still to pursue; None: the motion begins.
         states: most planned states of the part.
     """
     planner = _planner(files, dataclasses.replace(settings, steps_max=states))
+    standing = planner.standing(joint_angles)
+    (course,) = kind_named(motion).courses(standing)
+    if targets is not None:
+        course = cop_course(motion, targets, standing.foot_pose, settings, pace=course.pace)
+    targets = course.left_targets
     legs = planner.legs
-    foot_pose = legs.foot_pose(joint_angles)
-    cop = legs.cop(joint_angles[None])[0]
-    hull = sensing_hull(legs.robot, foot_pose.support)
-    if targets is None:
-        contour = Contour.of(legs.robot, foot_pose.support)
-        targets = MENU[motion].targets(contour, cop)
-    scene = Scene.of(hull, settings.stability_margin, foot_pose, joint_angles)
     path = planner.horizon.roll(
-        joint_angles[legs.robot.legs], targets, scene,
+        joint_angles[legs.robot.legs], course, joint_angles,
         progress=link.progress, canceled=link.canceled,
     )  # fmt: skip
     # The chunks follow each other: only the whole motion begins and ends with a hold.
     paced = dataclasses.replace(settings, hold_time=0.0)
-    part = timed(legs, path, motion, foot_pose, joint_angles, paced)
+    part = timed(legs, [(course, path)], motion, joint_angles, paced)
     check_motion(legs, part, paced).require()
     left = len(path.switches)
     return Chunk(part, targets[left:], left, path.nearest[:left])

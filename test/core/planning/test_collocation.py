@@ -13,7 +13,7 @@ from scipy.optimize import NonlinearConstraint, minimize
 from core.planning.bodies import Body
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.body_track import track
-from shoecal_core.planning.collocation import Collocation, HorizonProblem, Scene
+from shoecal_core.planning.collocation import Aim, Collocation, HorizonProblem, Scene
 from shoecal_core.planning.ipopt import IpoptSolver
 from shoecal_core.planning.landmarks import Contour, sensing_hull
 from shoecal_core.planning.legs import FootPose, LegExpressions, Legs
@@ -38,7 +38,7 @@ def problem_of(body: Body, settings: PlannerSettings = SETTINGS) -> HorizonProbl
     """From the stance towards the first landmark."""
     start = StanceSolver(body.legs, settings).solve(SUPPORT)
     target = Contour.of(body.robot, SUPPORT).corners[1]
-    return HorizonProblem(start, np.zeros_like(start), target, scene_of(body))
+    return HorizonProblem(start, np.zeros_like(start), Aim.at(target, SETTINGS), scene_of(body))
 
 
 def random_legs(body: Body, count: int, seed: int = 0) -> NDArray[np.float64]:
@@ -76,7 +76,7 @@ def test_foot_error_is_the_difference_of_poses(body: Body, collocation: Collocat
     way, turn = np.array([1e-3, -2e-3, 3e-3]), np.array([2e-3, 1e-3, -1e-3])
     pose = FootPose.of(SUPPORT)
     moved = FootPose(pose.rotation @ pin.exp3(turn).T, pose.translation - way)
-    scene = dataclasses.replace(scene_of(body), foot_pose=moved)
+    scene = dataclasses.replace(scene_of(body), foot_poses=moved.parameters[None])
     error = collocation.evaluate(legs, scene).foot_error[0]
     np.testing.assert_allclose(error[:3], way, atol=1e-7)
     np.testing.assert_allclose(error[3:], turn, atol=1e-7)
@@ -84,11 +84,13 @@ def test_foot_error_is_the_difference_of_poses(body: Body, collocation: Collocat
 
 def test_derivatives_against_finite_differences(body: Body) -> None:
     terms = LegExpressions(body.robot)
-    rows = ca.vertcat(terms.cop, terms.foot_error, terms.distances, terms.torques, terms.lean)
+    rows = ca.vertcat(
+        terms.cop, terms.foot_error, terms.distances, terms.torques, terms.lean, terms.height
+    )
     jacobian = ca.jacobian(rows, terms.angles)
-    inputs = [terms.angles, terms.foot_pose, terms.others]
+    inputs = [terms.angles, terms.foot_pose, terms.others, terms.share]
     function = ca.Function("rows", inputs, [rows, jacobian])
-    rest = (FootPose.of(SUPPORT).parameters, body.robot.posture)
+    rest = (FootPose.of(SUPPORT).parameters, body.robot.posture, [0.0, 1.0])
     step = 1e-6
     for legs in random_legs(body, 3):
         exact = np.array(function(legs, *rest)[1])
@@ -108,8 +110,8 @@ def test_cost_is_equation_nine(body: Body, collocation: Collocation) -> None:
     for state in states:
         cop = body.legs.cop(body.robot.from_legs(state)[None])[0]
         move = state - before
-        cost += SETTINGS.cop_weight_x * (cop[0] - problem.target[0]) ** 2
-        cost += SETTINGS.cop_weight_y * (cop[1] - problem.target[1]) ** 2
+        cost += SETTINGS.cop_weight_x * (cop[0] - problem.aim.targets[0, 0]) ** 2
+        cost += SETTINGS.cop_weight_y * (cop[1] - problem.aim.targets[0, 1]) ** 2
         cost += SETTINGS.transition_weight * float(np.sum((move - previous) ** 2))
         before, previous = state, move
     limits = collocation.limits(problem)
@@ -120,7 +122,7 @@ def test_half_planes_are_the_shrunk_polygon(body: Body) -> None:
     scene = scene_of(body)
     shrunk = sensing_hull(body.robot, SUPPORT).buffer(-SETTINGS.stability_margin)
     points = np.random.default_rng(0).uniform((-0.1, -0.25), (0.15, 0.1), (500, 2))
-    inside = np.all(points @ scene.normals.T <= scene.offsets, axis=1)
+    inside = np.all(points @ scene.normals[0].T <= scene.offsets[0], axis=1)
     np.testing.assert_array_equal(inside, shapely.contains_xy(shrunk, points))
     assert 20 < inside.sum() < 480
 
@@ -167,7 +169,9 @@ def test_ipopt_solves_and_certifies(body: Body, collocation: Collocation) -> Non
     other = DoubleSupport(-0.02, -0.14, -0.3)
     start = StanceSolver(body.legs, SETTINGS).solve(other)
     target = Contour.of(body.robot, other).corners[3]
-    again = HorizonProblem(start, np.zeros_like(start), target, scene_of(body, other))
+    again = HorizonProblem(
+        start, np.zeros_like(start), Aim.at(target, SETTINGS), scene_of(body, other)
+    )
     assert solver.solve(again, np.tile(start, (SETTINGS.horizon, 1))).converged
 
 
@@ -189,7 +193,7 @@ def test_ipopt_agrees_with_a_second_method(nao: Body) -> None:
         moves = collocation.transitions(problem, states)
         return np.concatenate(
             [
-                (limits.offsets - values.cop @ scene.normals.T).ravel(),
+                (limits.offsets - scene.beyond(values.cop)).ravel(),
                 (values.distances - limits.clearances).ravel(),
                 (limits.torque - np.abs(values.torques)).ravel(),
                 (limits.transition - np.abs(moves)).ravel(),
@@ -219,8 +223,8 @@ def test_a_start_outside_a_margin_is_led_back(nao: Body) -> None:
     column = int(np.argmax(collocation.lower - start))
     start[column] = min(start[column], collocation.lower[column] - 0.004)
     pose = nao.legs.foot_pose(nao.robot.from_legs(start))
-    scene = dataclasses.replace(scene_of(nao, support), foot_pose=pose)
-    problem = HorizonProblem(start, np.zeros_like(start), target, scene)
+    scene = dataclasses.replace(scene_of(nao, support), foot_poses=pose.parameters[None])
+    problem = HorizonProblem(start, np.zeros_like(start), Aim.at(target, SETTINGS), scene)
     solution = IpoptSolver(collocation).solve(problem, np.tile(start, (strict.horizon, 1)))
     assert solution.converged
     assert solution.states[-1, column] >= collocation.lower[column] - 1e-6

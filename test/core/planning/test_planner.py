@@ -14,6 +14,7 @@ from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
 from shoecal_core.errors import NameNotFoundError, ShapeError
 from shoecal_core.planning.body_track import track
 from shoecal_core.planning.check import check_motion
+from shoecal_core.planning.course import cop_course
 from shoecal_core.planning.landmarks import Contour, sensing_hull
 from shoecal_core.planning.motion import timed
 from shoecal_core.planning.planner import Planner, StartError, plan_motion
@@ -148,9 +149,8 @@ def test_from_outside_the_margins() -> None:
 def test_standing_still_is_a_motion_too() -> None:
     planner, motion = planner_of("nao"), motion_of("nao")
     stay = dataclasses.replace(motion.path, states=motion.path.states[:1])
-    still = timed(
-        planner.legs, stay, "hold", motion.foot_pose, planner.stance(SUPPORTS[0]), SETTINGS
-    )
+    course = cop_course("hold", np.zeros((0, 2)), motion.foot_pose, SETTINGS)
+    still = timed(planner.legs, [(course, stay)], "hold", planner.stance(SUPPORTS[0]), SETTINGS)
     np.testing.assert_allclose(still.positions - still.positions[0], 0.0, atol=1e-12)
     assert still.duration > 2.0 * SETTINGS.hold_time
     assert check_motion(planner.legs, still, SETTINGS).kept

@@ -7,7 +7,7 @@ import pytest
 
 from core.planning.bodies import Body, load_body
 from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
-from shoecal_core.planning.collocation import Collocation, HorizonProblem, Scene
+from shoecal_core.planning.collocation import Aim, Collocation, HorizonProblem, Scene
 from shoecal_core.planning.ipopt import IpoptSolver
 from shoecal_core.planning.landmarks import Contour, sensing_hull
 from shoecal_core.planning.legs import FootPose
@@ -29,7 +29,7 @@ def problems(body: Body) -> list[tuple[HorizonProblem, np.ndarray]]:
         for step in (7, len(path.states) // 2):
             start, previous = path.states[step], path.states[step] - path.states[step - 1]
             target = Contour.of(robot, support).corners[step % 4]
-            problem = HorizonProblem(start, previous, target, scene)
+            problem = HorizonProblem(start, previous, Aim.at(target, SETTINGS), scene)
             found.append((problem, np.tile(start, (SETTINGS.horizon, 1))))
     return found
 
@@ -53,10 +53,9 @@ def test_agrees_with_interior_points(body: Body, collocation: Collocation) -> No
 def test_an_impossible_problem_is_not_called_solved(body: Body, collocation: Collocation) -> None:
     """Feet a hand's breadth away from where they are cannot be had in these steps."""
     problem, guess = problems(body)[0]
-    pose = problem.scene.foot_pose
-    away = FootPose(pose.rotation, pose.translation + np.array([0.5, 0.0, 0.0]))
+    away = problem.scene.foot_poses + 0.5 * (np.arange(12) == 9)
     impossible = dataclasses.replace(
-        problem, scene=dataclasses.replace(problem.scene, foot_pose=away)
+        problem, scene=dataclasses.replace(problem.scene, foot_poses=away)
     )
     solution = SqpSolver(collocation).solve(impossible, guess)
     assert not solution.converged

@@ -1,0 +1,49 @@
+"""Which feet carry the robot, and where its CoP may be then."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from shoecal_core.model.robot import Robot
+from shoecal_core.planning.landmarks import sensing_hull
+from shoecal_core.planning.legs import FootPose
+
+FloatArray = NDArray[np.float64]
+
+
+class Carrying(StrEnum):
+    """The feet that stand on the floor; the other one is in the air."""
+
+    BOTH = "both"
+    LEFT = "left"
+    RIGHT = "right"
+
+    @property
+    def share(self) -> tuple[float, float]:
+        """Least and greatest share of the weight on the left foot."""
+        return {"both": (0.0, 1.0), "left": (1.0, 1.0), "right": (0.0, 0.0)}[self.value]
+
+    @property
+    def other(self) -> Carrying:
+        """The other foot instead; both stay both."""
+        return {
+            Carrying.BOTH: Carrying.BOTH,
+            Carrying.LEFT: Carrying.RIGHT,
+            Carrying.RIGHT: Carrying.LEFT,
+        }[self]
+
+    def polygon(self, robot: Robot, foot_pose: FootPose) -> shapely.Polygon:
+        """Where the CoP may be, left sole's frame [m].
+
+        The hull of both sensing polygons, or that of the one foot that carries.
+        """
+        if self is Carrying.BOTH:
+            return sensing_hull(robot, foot_pose.support)
+        left, right = (foot.sensing_polygon for foot in robot.feet)
+        if self is Carrying.LEFT:
+            return shapely.Polygon(left)
+        return shapely.Polygon(foot_pose.support.right_to_left(right))

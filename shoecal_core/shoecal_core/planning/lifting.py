@@ -1,0 +1,146 @@
+"""Lifting, carrying and putting down one foot while the other one carries the robot."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.model.robot import Robot
+from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.course import Course
+from shoecal_core.planning.legs import FootPose
+from shoecal_core.planning.settings import PlannerSettings
+
+FloatArray = NDArray[np.float64]
+
+_ASIDE = np.linspace(0.0, 0.12, 25)
+"""m; how far to the side a foot may be led round the other one."""
+
+
+class NoWayError(ShoecalError):
+    """A foot that cannot be carried past the other one."""
+
+
+def one_foot_aim(
+    robot: Robot, tasks: FloatArray, foot_pose: FootPose, carrying: Carrying
+) -> FloatArray:
+    """(5,) standing on one foot: the CoP over its middle, upright, the base as high as now.
+
+    In the frame of that foot.
+
+    Args:
+        robot: whose feet.
+        tasks: (5,) now, left sole's frame.
+        foot_pose: of the feet now.
+        carrying: the foot.
+    """
+    right = carrying is Carrying.RIGHT
+    middle = shapely.Polygon(robot.feet[int(right)].sensing_polygon).centroid
+    height = tasks[4] - (foot_pose.translation[2] if right else 0.0)
+    return np.array([middle.x, middle.y, 0.0, 0.0, height])
+
+
+def in_the_air(
+    name: str,
+    aim: FloatArray,
+    foot_poses: tuple[FootPose, ...],
+    carrying: Carrying,
+    settings: PlannerSettings,
+    *,
+    pause: float = 0.0,
+) -> Course:
+    """A foot led along poses while everything else stays at an aim (5,) of one_foot_aim."""
+    weights = settings.task_weights
+    return Course(name, aim[None], weights, foot_poses, carrying, settings.step_pace, pause)
+
+
+def lifted(pose: FootPose, carrying: Carrying, height: float) -> FootPose:
+    """The foot that does not carry higher by `height` [m], and level."""
+    aloft = _of_air(pose, carrying)
+    yaw = math.atan2(aloft.rotation[1, 0], aloft.rotation[0, 0])
+    level = Rotation.from_euler("z", yaw).as_matrix()
+    return _of_air(FootPose(level, aloft.translation + np.array([0.0, 0.0, height])), carrying)
+
+
+def vertical_states(height: float, settings: PlannerSettings) -> int:
+    """States that lifting a foot takes."""
+    return max(3, math.ceil(height / settings.step_way))
+
+
+def way_between(
+    begin: FootPose, end: FootPose, carrying: Carrying, states: int, aside: float = 0.0
+) -> tuple[FootPose, ...]:
+    """Poses from one to another, both included, evenly for whoever stands on the other foot.
+
+    Args:
+        begin, end: of the right sole in the left sole's frame.
+        carrying: the foot that stands.
+        states: steps from begin to end.
+        aside: how far the way bulges outward in its middle [m].
+    """
+    first, last = _of_air(begin, carrying), _of_air(end, carrying)
+    parts = np.linspace(0.0, 1.0, states + 1)
+    ends = Rotation.from_matrix(np.stack([first.rotation, last.rotation]))
+    turns = Slerp([0.0, 1.0], ends)(parts)
+    places = first.translation + parts[:, None] * (last.translation - first.translation)
+    outward = 1.0 if carrying is Carrying.RIGHT else -1.0
+    places[:, 1] += outward * aside * np.sin(np.pi * parts) ** 2
+    inner = [
+        _of_air(FootPose(turn, place), carrying)
+        for turn, place in zip(turns.as_matrix(), places, strict=True)
+    ]
+    return (begin, *inner[1:-1], end)
+
+
+def carried(
+    robot: Robot, begin: FootPose, end: FootPose, carrying: Carrying, settings: PlannerSettings
+) -> tuple[FootPose, ...]:
+    """Up, along, down: poses that lead a foot past the other one without touching it.
+
+    Args:
+        robot: whose feet.
+        begin, end: of the right sole in the left sole's frame, both on the floor.
+        carrying: the foot that stands.
+        settings: lift, clearance, and the way from state to state.
+
+    Raises:
+        NoWayError: when there is none.
+    """
+    above, below = (lifted(pose, carrying, settings.step_lift) for pose in (begin, end))
+    up = vertical_states(settings.step_lift, settings)
+    for aside in _ASIDE:
+        states = _states(above, below, aside, settings)
+        along = way_between(above, below, carrying, states, aside)
+        if _gap(robot, along) >= min(settings.foot_clearance, _gap(robot, (begin,))) - 1e-9:
+            return (
+                *way_between(begin, above, carrying, up),
+                *along[1:],
+                *way_between(below, end, carrying, up)[1:],
+            )
+    raise NoWayError(
+        "a foot cannot be carried past the other one without touching it; go by way of a wider "
+        "double support"
+    )
+
+
+def _states(begin: FootPose, end: FootPose, aside: float, settings: PlannerSettings) -> int:
+    way = float(np.linalg.norm(end.translation - begin.translation)) + 2.0 * aside
+    turn = Rotation.from_matrix(begin.rotation.T @ end.rotation).magnitude()
+    return max(3, math.ceil(max(way / settings.step_way, turn / settings.step_turn)))
+
+
+def _gap(robot: Robot, poses: tuple[FootPose, ...]) -> float:
+    """Least distance between the outlines of both feet, seen from above [m]."""
+    left, right = (foot.outline for foot in robot.feet)
+    others = shapely.polygons([pose.support.right_to_left(right) for pose in poses])
+    return float(shapely.distance(shapely.Polygon(left), others).min())
+
+
+def _of_air(pose: FootPose, carrying: Carrying) -> FootPose:
+    """From the right sole in the left sole's frame to the one in the air, in the other's; back."""
+    return pose.inverse if carrying is Carrying.RIGHT else pose

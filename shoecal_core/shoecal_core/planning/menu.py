@@ -1,0 +1,160 @@
+"""The motions that calibration and diagnosis ask for by name."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import NameNotFoundError
+from shoecal_core.model.robot import Robot
+from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.course import Course, cop_course, in_left
+from shoecal_core.planning.landmarks import Contour
+from shoecal_core.planning.legs import FootPose
+from shoecal_core.planning.lifting import (
+    in_the_air,
+    lifted,
+    one_foot_aim,
+    vertical_states,
+    way_between,
+)
+from shoecal_core.planning.settings import PlannerSettings
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Where a motion begins.
+
+    Attributes:
+        robot: that stands on both feet.
+        settings: of planning.
+        foot_pose: of the right sole in the left sole's frame.
+        tasks: (5,) CoP in the left sole's frame [m], lean, height of the base [m].
+    """
+
+    robot: Robot
+    settings: PlannerSettings
+    foot_pose: FootPose
+    tasks: FloatArray
+
+    @property
+    def cop(self) -> FloatArray:
+        """(2,) left sole's frame [m]."""
+        return self.tasks[:2]
+
+    @property
+    def contour(self) -> Contour:
+        """Of the landmarks."""
+        return Contour.of(self.robot, self.foot_pose.support)
+
+    def pursuing(self, name: str, targets: FloatArray) -> Course:
+        """Targets (L, 5) on both feet, the torso's lean and height among them."""
+        return Course(name, targets, self.settings.task_weights, (self.foot_pose,))
+
+
+@dataclass(frozen=True)
+class MotionKind:
+    """An entry of the menu.
+
+    Attributes:
+        doc: what it is, for people.
+        courses: what it is made of, from where it begins.
+        streams: whether it is one course of places for the CoP, and so can be planned part by
+            part while the robot moves.
+    """
+
+    doc: str
+    courses: Callable[[Standing], tuple[Course, ...]]
+    streams: bool = False
+
+
+def kind_named(name: str) -> MotionKind:
+    """An entry of the menu.
+
+    Raises:
+        NameNotFoundError: for a motion that is not on it.
+    """
+    if name not in MENU:
+        raise NameNotFoundError("motion", name, tuple(MENU))
+    return MENU[name]
+
+
+def _landmarks(
+    standing: Standing, name: str = "landmarks", pace: float = 1.0
+) -> tuple[Course, ...]:
+    places = standing.contour.targets(standing.cop)
+    return (cop_course(name, places, standing.foot_pose, standing.settings, pace=pace),)
+
+
+def _reversed(standing: Standing) -> tuple[Course, ...]:
+    places = standing.contour.reversed_targets(standing.cop)
+    return (cop_course("reversed", places, standing.foot_pose, standing.settings),)
+
+
+def _faster(standing: Standing) -> tuple[Course, ...]:
+    return _landmarks(standing, "faster", pace=2.0)
+
+
+def _hold(standing: Standing) -> tuple[Course, ...]:
+    settings = standing.settings
+    return tuple(
+        dataclasses.replace(
+            cop_course("hold", place[None], standing.foot_pose, settings),
+            pause=settings.dwell_time,
+        )
+        for place in standing.contour.targets(standing.cop)[1:]
+    )
+
+
+def _tilt(standing: Standing) -> tuple[Course, ...]:
+    """Forward, back, left, right, upright again, the CoP and the height as they are."""
+    ways = np.array([[1, 0], [-1, 0], [0, 1], [0, -1], [0, 0]], dtype=np.float64)
+    targets = np.tile(standing.tasks, (len(ways), 1))
+    targets[:, 2:4] = standing.settings.tilt * ways
+    return (standing.pursuing("torso_tilt", targets),)
+
+
+def _height(standing: Standing) -> tuple[Course, ...]:
+    """Down, round the landmarks there, up again."""
+    low = standing.tasks - [0.0, 0.0, 0.0, 0.0, standing.settings.sink]
+    places = standing.contour.targets(standing.cop)
+    around = np.tile(low, (len(places), 1))
+    around[:, :2] = places
+    return (standing.pursuing("torso_height", np.vstack([low, around, low, standing.tasks])),)
+
+
+def _unload(standing: Standing, carrying: Carrying) -> tuple[Course, ...]:
+    """The weight over one foot, the other lifted a little and put down, the weight back."""
+    settings, pose = standing.settings, standing.foot_pose
+    aim = one_foot_aim(standing.robot, standing.tasks, pose, carrying)
+    aloft = lifted(pose, carrying, settings.lift)
+    states = vertical_states(settings.lift, settings)
+    up = way_between(pose, aloft, carrying, states)
+    return (
+        standing.pursuing("shift", in_left(aim, pose, carrying)[None]),
+        in_the_air("lift", aim, up, carrying, settings, pause=settings.unloaded_time),
+        in_the_air("lower", aim, up[::-1], carrying, settings),
+        standing.pursuing("back", standing.tasks[None]),
+    )
+
+
+MENU: Mapping[str, MotionKind] = {
+    "landmarks": MotionKind("landmark to landmark, counter-clockwise", _landmarks, streams=True),
+    "reversed": MotionKind("landmark to landmark, clockwise", _reversed, streams=True),
+    "faster": MotionKind("landmark to landmark at twice the speed", _faster),
+    "hold": MotionKind("landmark to landmark, standing still at each", _hold),
+    "unload_left": MotionKind(
+        "the left foot lifted a little, for a moment", lambda at: _unload(at, Carrying.RIGHT)
+    ),
+    "unload_right": MotionKind(
+        "the right foot lifted a little, for a moment", lambda at: _unload(at, Carrying.LEFT)
+    ),
+    "torso_tilt": MotionKind("the torso leant forward, back, left and right", _tilt),
+    "torso_height": MotionKind("landmark to landmark with the torso lower", _height),
+}

@@ -1,0 +1,124 @@
+"""Own steps: from one double support to another, quasi-statically, one foot after the other.
+
+The weight goes over one foot, the other one is lifted, carried and put down, and the weight goes
+back between both. Each step is planned from measured joint angles, so errors do not add up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.check import CheckFailedError
+from shoecal_core.planning.course import in_left
+from shoecal_core.planning.legs import FootPose
+from shoecal_core.planning.lifting import NoWayError, carried, in_the_air, one_foot_aim
+from shoecal_core.planning.menu import Standing
+from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.planner import Planner
+from shoecal_core.planning.posture import UnreachableError
+from shoecal_core.planning.rolling import PlanningError, Progress
+from shoecal_core.planning.timing import TimingError
+
+FloatArray = NDArray[np.float64]
+
+NAME = "step"
+"""Of the motion."""
+_NO_STEP = (PlanningError, CheckFailedError, NoWayError, TimingError, UnreachableError)
+
+
+class StepError(PlanningError):
+    """A double support that the robot cannot step into from where it stands."""
+
+
+class Stepper:
+    """Plans steps of one robot.
+
+    Attributes:
+        planner: that plans all of a step's parts.
+        carrying: the foot that carried last; the other one does next, so that motors cool.
+    """
+
+    def __init__(self, planner: Planner) -> None:
+        self.planner = planner
+        self.carrying = Carrying.RIGHT
+
+    def step(
+        self,
+        joint_angles: FloatArray,
+        goal: DoubleSupport,
+        *,
+        progress: Callable[[Progress], None] = lambda _: None,
+        canceled: Callable[[], bool] = lambda: False,
+    ) -> Motion | None:
+        """The next step from measured joint angles (m,) [rad]; None when the feet stand there.
+
+        It leads to the goal itself where that can be reached in one step, else to a double
+        support on the way. Check by calling again when it is done.
+
+        Raises:
+            StepError: when no step leads there.
+            StartError, PlanningCanceledError: as Planner.plan_from.
+        """
+        standing = self.planner.standing(joint_angles)
+        if self.arrived(standing.foot_pose, goal):
+            return None
+        reasons: list[str] = []
+        for via in self._ways(standing.foot_pose.support, goal):
+            for carrying in (self.carrying.other, self.carrying):
+                try:
+                    motion = self._planned(
+                        joint_angles, standing, via, carrying, progress, canceled
+                    )
+                except _NO_STEP as error:
+                    reasons.append(str(error))
+                else:
+                    self.carrying = carrying
+                    return motion
+        raise StepError(
+            f"no step leads from {standing.foot_pose.support} to {goal} ({reasons[0]}); choose "
+            "feet nearer to the neutral stance"
+        )
+
+    def arrived(self, foot_pose: FootPose, goal: DoubleSupport) -> bool:
+        """Whether the feet stand in a double support, as well as measured angles can tell."""
+        settings, there = self.planner.settings, foot_pose.support
+        way = float(np.hypot(there.dx - goal.dx, there.dy - goal.dy))
+        return (
+            way < settings.step_error and abs(there.dtheta - goal.dtheta) < settings.step_yaw_error
+        )
+
+    def _ways(self, here: DoubleSupport, goal: DoubleSupport) -> tuple[DoubleSupport, ...]:
+        """Where the next step may lead, best first: there at once, or by way of neutral."""
+        neutral = DoubleSupport(*map(float, self.planner.legs.robot.support_range.neutral))
+        half = DoubleSupport(
+            (here.dx + goal.dx) / 2.0, (here.dy + goal.dy) / 2.0, (here.dtheta + goal.dtheta) / 2.0
+        )
+        return goal, half, neutral
+
+    def _planned(
+        self,
+        joint_angles: FloatArray,
+        standing: Standing,
+        goal: DoubleSupport,
+        carrying: Carrying,
+        progress: Callable[[Progress], None],
+        canceled: Callable[[], bool],
+    ) -> Motion:
+        planner, settings = self.planner, self.planner.settings
+        robot, begin, end = planner.legs.robot, standing.foot_pose, FootPose.of(goal)
+        # Where it shall stand in the end tells how high the torso may be.
+        ended = planner.standing(planner.stance(goal))
+        aim = one_foot_aim(robot, standing.tasks, begin, carrying)
+        aim[4] = min(aim[4], ended.tasks[4])
+        way = carried(robot, begin, end, carrying, settings)
+        courses = (
+            standing.pursuing("shift", in_left(aim, begin, carrying)[None]),
+            in_the_air("swing", aim, way, carrying, settings),
+            ended.pursuing("back", ended.tasks[None]),
+        )
+        return planner.follow(joint_angles, NAME, courses, progress=progress, canceled=canceled)
