@@ -102,5 +102,5 @@ def _source(function: ca.Function) -> str:
     try:
         generator.add(function)
         return str(generator.dump())
-    except (RuntimeError, NotImplementedError) as error:
+    except RuntimeError as error:
         raise CompilerError(f"'{function.name()}' cannot be written as C") from error

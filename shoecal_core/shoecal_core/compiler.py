@@ -73,17 +73,18 @@ def find_compiler() -> Compiler:
 
 @functools.cache
 def _found(named: str, path: str) -> Compiler:
-    command = shlex.split(named)
-    if not command:
-        programs = (shutil.which(name, path=path) for name in _NAMES)
-        command = [next(filter(None, programs), "")]
-    program = shutil.which(command[0], path=path) if command[0] else None
+    try:
+        wanted, *arguments = shlex.split(named) or [""]
+    except ValueError as error:
+        raise CompilerError(f"CC is '{named}' ({error})") from error
+    programs = (shutil.which(name, path=path) for name in ([wanted] if wanted else _NAMES))
+    program = next(filter(None, programs), None)
     if program is None:
         raise CompilerError(
-            f"CC names '{named}', which is no program" if named else "there is no C compiler"
+            f"CC names '{wanted}', which is no program" if wanted else "there is no C compiler"
         )
-    said = _run([program, *command[1:], "--version"])
-    return Compiler((program, *command[1:]), said.splitlines()[0] if said else "")
+    said = _run([program, *arguments, "--version"])
+    return Compiler((program, *arguments), said.splitlines()[0] if said else "")
 
 
 def cache_folder() -> Path:
@@ -184,7 +185,8 @@ def _run(command: list[str]) -> str:
         )
     except subprocess.CalledProcessError as error:
         told = error.stderr.decode(errors="replace").strip().splitlines()
-        reason = told[-1] if told else f"exit code {error.returncode}"
+        telling = [line for line in told if "error" in line] or told[-1:]
+        reason = telling[0].strip() if telling else f"exit code {error.returncode}"
         raise CompilerError(f"{command[0]} fails ({reason})") from error
     except subprocess.TimeoutExpired as error:
         raise CompilerError(f"{command[0]} takes more than {_PATIENCE:g} s") from error
