@@ -1,23 +1,8 @@
-"""Compiling with a cache and compilers of a test's own."""
+"""What tests of compiled functions share."""
 
 from __future__ import annotations
 
 from pathlib import Path
-
-import pytest
-
-from shoecal_core import compiled
-
-
-@pytest.fixture
-def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Folder of the libraries, not made yet; nothing has been said or compiled."""
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.delenv("CC", raising=False)
-    monkeypatch.delenv("SHOECAL_COMPILE", raising=False)
-    monkeypatch.setattr(compiled, "_interpreted", {})
-    monkeypatch.setattr(compiled, "_compiled", set())
-    return tmp_path / "cache" / "shoecal"
 
 
 def program(path: Path, script: str) -> str:
@@ -27,6 +12,6 @@ def program(path: Path, script: str) -> str:
     return str(path)
 
 
-def libraries(cache: Path) -> list[Path]:
+def libraries(folder: Path) -> list[Path]:
     """Whatever is in the cache, also what was left behind."""
-    return sorted(cache.iterdir()) if cache.is_dir() else []
+    return sorted(folder.iterdir()) if folder.is_dir() else []

@@ -13,11 +13,9 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as npst
 from numpy.typing import NDArray
 
-from core.compile_cache import cache, libraries
+from core.compile_cache import libraries
 from shoecal_core.batch import LEAST, Batch
 from shoecal_core.errors import ShapeError
-
-__all__ = ["cache"]
 
 FloatArray = NDArray[np.float64]
 
@@ -80,19 +78,19 @@ def test_samples_in_any_order_of_memory() -> None:
     np.testing.assert_array_equal(batch(np.asfortranarray(samples[::2, ::2])), expected)
 
 
-def test_few_samples_are_interpreted(cache: Path) -> None:
+def test_few_samples_are_interpreted(library_cache: Path) -> None:
     batch = Batch(FUNCTION)
     samples = np.random.default_rng(0).uniform(0.1, 1.0, (LEAST, 3))
     few = batch(samples[:-1])
-    assert libraries(cache) == []
+    assert libraries(library_cache) == []
     many = batch(samples)
-    assert len(libraries(cache)) == 1
+    assert len(libraries(library_cache)) == 1
     np.testing.assert_allclose(many[:-1], few, rtol=1e-15, atol=1e-15)
     np.testing.assert_array_equal(batch(samples[:-1]), few)
 
 
 def test_without_a_compiler(
-    cache: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+    library_cache: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", "")
     samples = np.random.default_rng(0).uniform(0.1, 1.0, (20, 3))
@@ -105,7 +103,7 @@ def test_without_a_compiler(
 
 @pytest.mark.parametrize("graph", [False, True])
 def test_functions_that_batches_do_not_know(
-    cache: Path, caplog: pytest.LogCaptureFixture, *, graph: bool
+    library_cache: Path, caplog: pytest.LogCaptureFixture, *, graph: bool
 ) -> None:
     x = ca.SX.sym("x", 2)
     function = ca.Function("unknown", [x], [ca.erf(x)])

@@ -14,10 +14,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from core.compile_cache import cache, libraries, program
+from core.compile_cache import libraries, program
 from shoecal_core.compiled import compiled, compiler_state
-
-__all__ = ["cache"]
 
 
 def example() -> ca.Function:
@@ -63,17 +61,17 @@ def test_name_inputs_and_outputs_stay() -> None:
 
 
 def test_the_second_time_it_comes_from_the_cache(
-    cache: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    library_cache: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     compiled(example())
-    (file,) = libraries(cache)
+    (file,) = libraries(library_cache)
     written = file.stat()
     compiled(example())
-    assert libraries(cache) == [file]
+    assert libraries(library_cache) == [file]
     assert (file.stat().st_ino, file.stat().st_size) == (written.st_ino, written.st_size)
     state = compiler_state()
     assert (state["enabled"], state["compiled"], state["interpreted"]) == (True, ["example"], {})
-    assert state["cache"] == str(cache)
+    assert state["cache"] == str(library_cache)
     assert state["compiler"]
 
 
@@ -91,7 +89,7 @@ def interpreted(caplog: pytest.LogCaptureFixture, reason: str) -> None:
 
 
 def test_without_a_compiler(
-    cache: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+    library_cache: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PATH", "")
     interpreted(caplog, "no C compiler")
@@ -99,14 +97,14 @@ def test_without_a_compiler(
 
 
 def test_a_compiler_that_miscalculates(
-    cache: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+    library_cache: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("CC", "cc -Dsin=cos")
     interpreted(caplog, "computes other values than its source")
 
 
 def test_a_compiler_that_makes_something_else(
-    cache: Path,
+    library_cache: Path,
     caplog: pytest.LogCaptureFixture,
     monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
@@ -117,7 +115,7 @@ def test_a_compiler_that_makes_something_else(
 
 
 def test_a_compiler_that_fails(
-    cache: Path,
+    library_cache: Path,
     caplog: pytest.LogCaptureFixture,
     monkeypatch: pytest.MonkeyPatch,
     tmp_path: Path,
@@ -126,14 +124,18 @@ def test_a_compiler_that_fails(
     interpreted(caplog, "no memory")
 
 
-def test_a_cache_that_others_can_write(cache: Path, caplog: pytest.LogCaptureFixture) -> None:
-    cache.mkdir(parents=True)
-    cache.chmod(0o777)
+def test_a_cache_that_others_can_write(
+    library_cache: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    library_cache.mkdir(parents=True)
+    library_cache.chmod(0o777)
     interpreted(caplog, "another user")
-    assert libraries(cache) == []
+    assert libraries(library_cache) == []
 
 
-def test_a_function_that_c_cannot_express(cache: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_function_that_c_cannot_express(
+    library_cache: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     class Own(ca.Callback):
         def __init__(self) -> None:
             super().__init__()
@@ -150,17 +152,17 @@ def test_a_function_that_c_cannot_express(cache: Path, caplog: pytest.LogCapture
 
 
 def test_switched_off(
-    cache: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+    library_cache: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("SHOECAL_COMPILE", "0")
     source = angle_function()
     assert compiled(source) is source
     assert not caplog.messages
-    assert libraries(cache) == []
+    assert libraries(library_cache) == []
     assert compiler_state()["enabled"] is False
 
 
-def test_a_program_shows_the_reason_on_standard_error(cache: Path) -> None:
+def test_a_program_shows_the_reason_on_standard_error(library_cache: Path) -> None:
     code = (
         "import casadi as ca; from shoecal_core.compiled import compiled; x = ca.SX.sym('x');"
         "print(compiled(ca.Function('f', [x], [2.0 * x]))(21.0))"

@@ -10,11 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from core.compile_cache import cache, libraries, program
+from core.compile_cache import libraries, program
 from shoecal_core import compiler
 from shoecal_core.compiler import CompilerError, cache_folder, find_compiler, library
-
-__all__ = ["cache"]
 
 SOURCE = "double twice(double x) { return 2.0 * x; }"
 
@@ -39,19 +37,19 @@ def count(calls: Path) -> int:
     return len(calls.read_text().splitlines())
 
 
-def test_a_source_is_compiled_once(cache: Path, calls: Path) -> None:
+def test_a_source_is_compiled_once(library_cache: Path, calls: Path) -> None:
     file = library(SOURCE)
-    assert file.parent == cache == cache_folder()
+    assert file.parent == library_cache == cache_folder()
     assert twice(file) == 42.0
     assert library(SOURCE) == file
     assert count(calls) == 1
-    assert [file] == libraries(cache)
-    assert cache.stat().st_mode & 0o777 == 0o700
+    assert [file] == libraries(library_cache)
+    assert library_cache.stat().st_mode & 0o777 == 0o700
     assert file.stat().st_mode & 0o777 == 0o600
 
 
 def test_another_source_compiler_flag_or_processor_is_another_library(
-    cache: Path, monkeypatch: pytest.MonkeyPatch
+    library_cache: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     files = [library(SOURCE), library(SOURCE.replace("2.0", "3.0"))]
     monkeypatch.setenv("CC", "cc -DANOTHER")
@@ -61,17 +59,17 @@ def test_another_source_compiler_flag_or_processor_is_another_library(
     monkeypatch.setattr(compiler, "_processor", lambda: "another")
     files.append(library(SOURCE))
     assert len(set(files)) == 5
-    assert libraries(cache) == sorted(files)
+    assert libraries(library_cache) == sorted(files)
 
 
 @pytest.mark.parametrize("damage", ["cut", "half", "empty", "flipped", "longer", "link", "folder"])
-def test_a_damaged_library_is_made_anew(cache: Path, calls: Path, damage: str) -> None:
+def test_a_damaged_library_is_made_anew(library_cache: Path, calls: Path, damage: str) -> None:
     file = library(SOURCE)
     content = file.read_bytes()
     file.unlink()
     if damage == "link":
-        file.symlink_to(cache / "elsewhere.so")
-        (cache / "elsewhere.so").write_bytes(content)
+        file.symlink_to(library_cache / "elsewhere.so")
+        (library_cache / "elsewhere.so").write_bytes(content)
     elif damage == "folder":
         file.mkdir()
         with pytest.raises(CompilerError, match="cannot be written"):
@@ -95,7 +93,9 @@ def test_a_damaged_library_is_made_anew(cache: Path, calls: Path, damage: str) -
     assert not file.is_symlink()
 
 
-def test_a_library_that_others_could_have_written_is_made_anew(cache: Path, calls: Path) -> None:
+def test_a_library_that_others_could_have_written_is_made_anew(
+    library_cache: Path, calls: Path
+) -> None:
     file = library(SOURCE)
     file.chmod(0o602)
     assert library(SOURCE).stat().st_mode & 0o777 == 0o600
@@ -103,26 +103,26 @@ def test_a_library_that_others_could_have_written_is_made_anew(cache: Path, call
 
 
 @pytest.mark.skipif(os.getuid() != 0, reason="only root gives files away")
-def test_a_library_or_a_folder_of_another_user(cache: Path, calls: Path) -> None:
+def test_a_library_or_a_folder_of_another_user(library_cache: Path, calls: Path) -> None:
     file = library(SOURCE)
     os.chown(file, 65534, -1)
     assert library(SOURCE).stat().st_uid == os.getuid()
     assert count(calls) == 2
-    os.chown(cache, 65534, -1)
+    os.chown(library_cache, 65534, -1)
     with pytest.raises(CompilerError, match="another user"):
         library(SOURCE)
 
 
 @pytest.mark.parametrize("rights", [0o777, 0o770, 0o702])
-def test_a_folder_that_others_can_write_is_refused(cache: Path, rights: int) -> None:
+def test_a_folder_that_others_can_write_is_refused(library_cache: Path, rights: int) -> None:
     library(SOURCE)
-    cache.chmod(rights)
+    library_cache.chmod(rights)
     with pytest.raises(CompilerError, match=r"another user.*700"):
         library(SOURCE)
 
 
 def test_a_cache_that_cannot_be_made(
-    cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    library_cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "cache").write_text("a file")
     with pytest.raises(CompilerError, match="cannot be made"):
@@ -133,7 +133,7 @@ def test_a_cache_that_cannot_be_made(
 
 
 def test_compilers_that_do_not_work(
-    cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    library_cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def refused(named: str, reason: str) -> None:
         monkeypatch.setenv("CC", named)
@@ -158,22 +158,24 @@ def test_compilers_that_do_not_work(
     monkeypatch.setenv("PATH", "")
     with pytest.raises(CompilerError, match="no C compiler"):
         find_compiler()
-    assert libraries(cache) == []
+    assert libraries(library_cache) == []
 
 
-def test_the_oldest_libraries_are_removed(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_oldest_libraries_are_removed(
+    library_cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     files = [library(SOURCE.replace("2.0", f"{number}.0")) for number in range(4)]
     for age, file in enumerate(files):
         os.utime(file, (1e9 - age, 1e9 - age))
-    (cache / ".left.so.behind").write_text("by a process that was killed")
-    os.utime(cache / ".left.so.behind", (0, 0))
+    (library_cache / ".left.so.behind").write_text("by a process that was killed")
+    os.utime(library_cache / ".left.so.behind", (0, 0))
     library(SOURCE.replace("2.0", "3.0"))  # used again: the oldest no more
     monkeypatch.setattr(compiler, "_CACHE_BYTES", int(3.5 * files[0].stat().st_size))
     fresh = library(SOURCE.replace("2.0", "5.0"))
-    assert libraries(cache) == sorted([fresh, files[3], files[0]])
+    assert libraries(library_cache) == sorted([fresh, files[3], files[0]])
 
 
-def test_many_processes_at_once(cache: Path) -> None:
+def test_many_processes_at_once(library_cache: Path) -> None:
     code = "import sys; from shoecal_core.compiler import library; print(library(sys.argv[1]))"
     running = [
         subprocess.Popen([sys.executable, "-c", code, SOURCE], stdout=subprocess.PIPE, text=True)
@@ -181,5 +183,5 @@ def test_many_processes_at_once(cache: Path) -> None:
     ]
     told = {process.communicate()[0].strip() for process in running}
     assert all(process.returncode == 0 for process in running)
-    assert [str(file) for file in libraries(cache)] == sorted(told)
+    assert [str(file) for file in libraries(library_cache)] == sorted(told)
     assert twice(Path(told.pop())) == 42.0

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from core.model import robots
 from core.sensing import shoes
+from shoecal_core.batch import LEAST
 from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import BodyStates, Kinematics
@@ -31,12 +32,11 @@ def soles(model: pin.Model, data: pin.Data, robot: Robot) -> list[pin.SE3]:
     return [data.oMf[foot.frame].copy() for foot in robot.feet]
 
 
-def test_com_and_soles_are_pinocchio_s(kinematics: Kinematics, robot: Robot) -> None:
+def assert_pinocchio_s(states: BodyStates, angles: FloatArray, robot: Robot, step: int = 1) -> None:
+    """Every `step`-th sample, computed anew."""
     model, data = robot.model, robot.model.createData()
-    angles = robots.random_angles(robot, SAMPLES)
-    states = kinematics.states(angles)
-    for index, row in enumerate(angles):
-        com = pin.centerOfMass(model, data, configuration(row))
+    for index in range(0, len(angles), step):
+        com = pin.centerOfMass(model, data, configuration(angles[index]))
         left, right = soles(model, data, robot)
         relative = left.inverse() * right
         np.testing.assert_allclose(states.com[index, 0], left.actInv(com), atol=EXACT)
@@ -46,6 +46,11 @@ def test_com_and_soles_are_pinocchio_s(kinematics: Kinematics, robot: Robot) -> 
         np.testing.assert_allclose(states.left_rotation[index], left.rotation, atol=EXACT)
         np.testing.assert_allclose(states.left_translation[index], left.translation, atol=EXACT)
         np.testing.assert_allclose(states.com_in_base[index], com, atol=EXACT)
+
+
+def test_com_and_soles_are_pinocchio_s(kinematics: Kinematics, robot: Robot) -> None:
+    angles = robots.random_angles(robot, SAMPLES)
+    assert_pinocchio_s(kinematics.states(angles), angles, robot)
 
 
 def test_where_the_base_is_does_not_matter(kinematics: Kinematics, robot: Robot) -> None:
@@ -131,6 +136,17 @@ def test_batches_equal_single_samples(kinematics: Kinematics, robot: Robot) -> N
         one = kinematics.states(angles[index : index + 1])
         for name in ("com", "rotation", "translation", "left_rotation", "left_translation"):
             np.testing.assert_array_equal(getattr(one, name)[0], getattr(whole, name)[index])
+
+
+def test_many_samples_are_pinocchio_s_and_those_of_few(
+    kinematics: Kinematics, robot: Robot
+) -> None:
+    angles = robots.random_angles(robot, LEAST + 3, seed=2)
+    many, few = kinematics.states(angles), kinematics.states(angles[-SAMPLES:])
+    for name in ("com", "rotation", "translation", "left_rotation", "left_translation"):
+        found = getattr(many, name)[-SAMPLES:]
+        np.testing.assert_allclose(found, getattr(few, name), rtol=0.0, atol=1e-14)
+    assert_pinocchio_s(many, angles, robot, step=200)
 
 
 def test_no_samples_and_wrong_shapes(kinematics: Kinematics, robot: Robot) -> None:
