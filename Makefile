@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-floor lint bench solve-speed demo-table paper trust coverage chosen-supports caught-faults lock clean
+.PHONY: help setup demo test test-floor lint bench solve-speed kinematics demo-table paper trust coverage chosen-supports caught-faults lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -33,11 +33,15 @@ lint: setup  ## ruff and mypy
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 
-bench: solve-speed demo-table paper  ## all measurements
+bench: solve-speed kinematics demo-table paper  ## all measurements
 
 solve-speed: export OPENBLAS_NUM_THREADS := 1
 solve-speed: setup  ## the least squares beside scipy's, into docs/performance.md
 	$(BIN)/python benchmarks/solve_speed.py $(ARGS)
+
+kinematics: export OPENBLAS_NUM_THREADS := 1
+kinematics: setup  ## CoM and soles beside a loop over Pinocchio, into docs/performance.md
+	$(BIN)/python benchmarks/kinematics.py $(ARGS)
 
 demo-table: setup  ## the errors of the demo over ten seeds, into docs/demo.md (ARGS="--seeds 3")
 	$(BIN)/python benchmarks/demo_seeds.py $(ARGS)
