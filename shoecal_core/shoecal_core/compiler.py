@@ -6,6 +6,7 @@ private, and each library carries a digest of itself: loading a damaged one woul
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import hashlib
 import os
@@ -30,8 +31,8 @@ SWITCH = "SHOECAL_COMPILE"
 _NAMES = ("cc", "gcc", "clang")
 _TUNED = "-march=native" if platform.machine() in {"x86_64", "AMD64"} else "-mcpu=native"
 _FLAGS = ("-O1", _TUNED, "-ffp-contract=off", "-fno-math-errno", "-fPIC", "-shared", "-w")
-"""No higher level: on functions of some 10000 statements in a row it takes twice as long and the
-code is not faster. Products and sums are not contracted: values agree with the source's.
+"""No higher level: for the planner's 15000 statements in a row it takes twice as long, and the code
+is not faster. Products and sums are not contracted: values agree with the source's.
 """
 _PATIENCE = 600.0
 """s for one source; a whole optimisation problem takes minutes."""
@@ -116,8 +117,11 @@ def library(source: str) -> Path:
     key = hashlib.sha256("\0".join(made_of).encode()).hexdigest()[:32]
     file = folder / f"{key}.so"
     if _is_sound(file):
-        os.utime(file)
+        with contextlib.suppress(OSError):  # a read-only cache will do
+            os.utime(file)
         return file
+    if not os.access(folder, os.W_OK):
+        raise CompilerError(f"{folder}: cannot be written; check its rights")
     code = _compile(compiler, source)
     try:
         atomic_write(file, code + hashlib.sha256(code).digest(), mode=0o600)

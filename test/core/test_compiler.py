@@ -132,6 +132,15 @@ def test_a_cache_that_cannot_be_made(
     assert cache_folder() == tmp_path / "home" / ".cache" / "shoecal"
 
 
+@pytest.mark.skipif(os.getuid() == 0, reason="root writes everywhere")
+def test_a_read_only_cache_still_serves(library_cache: Path) -> None:
+    file = library(SOURCE)
+    library_cache.chmod(0o500)
+    assert library(SOURCE) == file
+    with pytest.raises(CompilerError, match="cannot be written"):
+        library(SOURCE.replace("2.0", "3.0"))
+
+
 def test_compilers_that_do_not_work(
     library_cache: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
