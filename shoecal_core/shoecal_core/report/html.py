@@ -1,4 +1,7 @@
-"""A report page as one HTML file: nothing is loaded from elsewhere, nothing runs."""
+"""A report page as one HTML file: nothing is loaded from elsewhere.
+
+Nothing runs in it but the script of its animations, where there are any.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ import jinja2
 from markupsafe import Markup
 
 from shoecal_core.files import atomic_write
+from shoecal_core.report import player
 from shoecal_core.report.page import Page
 from shoecal_core.report.palette import variables
 from shoecal_core.report.quantities import PLUS_MINUS, UNKNOWN
@@ -23,10 +27,13 @@ def render(page: Page) -> str:
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters["svg"] = Markup
-    style = Markup(f"{variables()}\n{STYLE}")  # noqa: S704 - constants of this package
+    style = f"{variables()}\n{STYLE}{player.STYLE if page.animated else ''}"
+    # Style and hash are made from constants of this package.
     return environment.from_string(PAGE).render(
-        page=page, style=style, signs=SIGNS, plus_minus=PLUS_MINUS, unknown=UNKNOWN
-    )
+        page=page, style=Markup(style), signs=SIGNS, plus_minus=PLUS_MINUS,  # noqa: S704
+        unknown=UNKNOWN, script=player.SCRIPT, script_hash=Markup(player.script_hash()),  # noqa: S704
+        speeds=player.SPEEDS, usual_speed=player.USUAL_SPEED,
+    )  # fmt: skip
 
 
 def write_page(path: Path, page: Page) -> None:

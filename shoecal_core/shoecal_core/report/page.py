@@ -89,13 +89,34 @@ class Table:
 
 
 @dataclass(frozen=True)
+class Player:
+    """An animation.
+
+    Attributes:
+        title, caption: above and below it.
+        svgs: `<svg>` elements that show a still of it.
+        frames: JSON for the script that moves them; see report/player.py.
+        duration: of the motion [s].
+        still: the time that the still shows [s].
+    """
+
+    title: str
+    svgs: tuple[str, ...]
+    frames: str
+    duration: float
+    still: float
+    caption: str = ""
+
+
+@dataclass(frozen=True)
 class Group:
-    """Pictures and tables under one subheading (none where the title is empty)."""
+    """An animation, pictures and tables under one subheading (none where the title is empty)."""
 
     title: str = ""
     text: str = ""
     pictures: tuple[Picture, ...] = ()
     tables: tuple[Table, ...] = ()
+    player: Player | None = None
 
 
 @dataclass(frozen=True)
@@ -125,6 +146,11 @@ class Page:
     key_figures: tuple[KeyFigure, ...]
     sections: tuple[Section, ...]
     provenance: tuple[str, ...]
+
+    @property
+    def animated(self) -> bool:
+        """Whether there is anything to play; no other page runs a script."""
+        return any(group.player for section in self.sections for group in section.groups)
 
 
 def _check_level(level: str) -> None:

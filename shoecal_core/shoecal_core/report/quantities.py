@@ -58,5 +58,7 @@ def mean_error(mae: Mae, unit: str, scale: float = 1.0) -> str:
 
 
 def _with_unit(text: str, unit: str) -> str:
-    """Plain ratios, whose unit is 1, stand without it."""
-    return text if text == UNKNOWN or unit == "1" else f"{text}{SPACE}{unit}"
+    """Plain ratios, whose unit is 1, stand without it; degrees stand close."""
+    if text == UNKNOWN or unit == "1":
+        return text
+    return f"{text}{'' if unit == '°' else SPACE}{unit}"

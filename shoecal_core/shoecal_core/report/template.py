@@ -8,7 +8,8 @@ PAGE = """\
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <meta name="color-scheme" content="light dark">
 <meta http-equiv="Content-Security-Policy"
- content="default-src 'none'; style-src 'unsafe-inline'; img-src data:">
+ content="default-src 'none'; style-src 'unsafe-inline'; img-src data:
+ {%- if page.animated %}; script-src {{ script_hash }}{% endif %}">
 <title>{{ page.title }}</title>
 <style>
 {{ style }}
@@ -71,6 +72,31 @@ PAGE = """\
 {% if group.text %}
 <p class="text">{{ group.text }}</p>
 {% endif %}
+{% if group.player %}
+<figure class="player">
+<h4>{{ group.player.title }}</h4>
+<div class="views">
+{% for svg in group.player.svgs %}
+{{ svg | svg }}
+{% endfor %}
+</div>
+<div class="controls" hidden>
+<button type="button">Play</button>
+<input type="range" min="0" max="{{ group.player.duration }}" step="0.1"
+ value="{{ group.player.still }}" aria-label="Time">
+<output>{{ group.player.still }} s</output>
+<label>Speed <select>
+{% for speed in speeds %}
+<option value="{{ speed }}"{% if speed == usual_speed %} selected{% endif %}>{{ speed }}×</option>
+{% endfor %}
+</select></label>
+</div>
+<script type="application/json">{{ group.player.frames | svg }}</script>
+{% if group.player.caption %}
+<figcaption>{{ group.player.caption }}</figcaption>
+{% endif %}
+</figure>
+{% endif %}
 {% if group.pictures %}
 <div class="pictures">
 {% for picture in group.pictures %}
@@ -119,6 +145,9 @@ PAGE = """\
 </section>
 {% endfor %}
 </main>
+{% if page.animated %}
+<script>{{ script | svg }}</script>
+{% endif %}
 </body>
 </html>
 """

@@ -34,19 +34,25 @@ class Skeleton:
         bones: (b, 2, 3) from joint to joint [m].
         side: (b,) LEFT_SIDE, RIGHT_SIDE for the legs, else BODY.
         soles: outlines (k, 3) of the left and the right sole [m].
+        capsules: (c, 2, 3) ends of the robot's capsules, in its order [m].
         com: (3,) centre of mass [m].
     """
 
     bones: FloatArray
     side: NDArray[np.int64]
     soles: tuple[FloatArray, FloatArray]
+    capsules: FloatArray
     com: FloatArray
 
 
-def skeleton(robot: Robot, joint_angles: FloatArray) -> Skeleton:
+def skeleton(robot: Robot, joint_angles: FloatArray, stance: int | None = None) -> Skeleton:
     """Stick figure of a robot with joint angles (m,) [rad].
 
-    Its frame is that of the left sole, of the right one while the left is lifted.
+    Args:
+        robot: whose joints.
+        joint_angles: all of them.
+        stance: index of the foot in whose sole frame it is; None: the left one, the right one
+            while the left is lifted.
     """
     if joint_angles.shape != (len(robot.joint_names),):
         raise ShapeError("joint angles", f"({len(robot.joint_names)},)", joint_angles.shape)
@@ -55,8 +61,9 @@ def skeleton(robot: Robot, joint_angles: FloatArray) -> Skeleton:
     configuration = np.concatenate((pin.neutral(model)[:7], joint_angles))
     com = pin.centerOfMass(model, data, configuration)
     poses = [data.oMi[foot.joint] * foot.placement for foot in robot.feet]
-    raised_left = (poses[0].inverse() * poses[1]).translation[2] < -LIFTED
-    to_floor = poses[int(raised_left)].inverse()
+    if stance is None:
+        stance = int((poses[0].inverse() * poses[1]).translation[2] < -LIFTED)
+    to_floor = poses[stance].inverse()
     places = np.array([to_floor.act(data.oMi[index].translation) for index in range(model.njoints)])
     legs = [list(model.supports[foot.joint]) for foot in robot.feet]
     bones, sides = [], []
@@ -70,7 +77,13 @@ def skeleton(robot: Robot, joint_angles: FloatArray) -> Skeleton:
         soles.append(np.array([here.act(corner) for corner in outline]))
         bones.append((places[foot.joint], here.act(np.append(foot.outline.mean(axis=0), 0.0))))
         sides.append(side)
-    return Skeleton(np.array(bones), np.array(sides), (soles[0], soles[1]), to_floor.act(com))
+    capsules = np.zeros((len(robot.capsules), 2, 3))
+    for capsule, ends in zip(robot.capsules, capsules, strict=True):
+        here = to_floor * data.oMi[capsule.joint]
+        ends[:] = here.act(capsule.start), here.act(capsule.end)
+    return Skeleton(
+        np.array(bones), np.array(sides), (soles[0], soles[1]), capsules, to_floor.act(com)
+    )
 
 
 def snapshots(skeletons: Sequence[Skeleton], times: Sequence[float]) -> str:

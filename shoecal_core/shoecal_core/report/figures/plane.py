@@ -131,6 +131,17 @@ def _draw(
     *,
     named: bool = True,
 ) -> None:
+    draw_feet(axes, feet, named=named)
+    for path in paths:
+        x, y = 1e3 * path.points.T
+        draw_line(axes, y, x, path.look)
+    axes.set_ylim(low[0], high[0])
+    axes.set_xlim(high[1], low[1])
+    axes.locator_params(nbins=5)
+
+
+def draw_feet(axes: Axes, feet: Sequence[FootShape], *, named: bool = True) -> None:
+    """Soles, sensing polygons and cells, x upwards and y to the left [mm]."""
     axes.grid(visible=False)
     for foot in feet:
         axes.add_patch(Polygon(1e3 * foot.outline[:, ::-1], facecolor=SOLE.light, edgecolor="none"))
@@ -150,12 +161,6 @@ def _draw(
             axes.text(
                 across, rear - 2.0, readable(foot.label), ha="center", va="top", fontsize=SMALL
             )
-    for path in paths:
-        x, y = 1e3 * path.points.T
-        draw_line(axes, y, x, path.look)
-    axes.set_ylim(low[0], high[0])
-    axes.set_xlim(high[1], low[1])
-    axes.locator_params(nbins=5)
 
 
 def _legends(page: Canvas, paths: Sequence[CopPath]) -> None:

@@ -1,0 +1,177 @@
+"""What the report on planned motions is made from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.model.robot import Robot
+from shoecal_core.planning.body_track import BodyTrack, track
+from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.findings import Report
+from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.report.plan_targets import Mark, Target, marks_of
+from shoecal_core.sensing.shoe import FEET
+
+FloatArray = NDArray[np.float64]
+
+BOTH = "both"
+STABILITY = "distance of the CoP from the edge of the sensing polygon"
+"""Name of a constraint of the check."""
+
+
+@dataclass(frozen=True)
+class Stand:
+    """A while in which the same feet carry the robot.
+
+    Attributes:
+        feet: `both`, `left` or `right`.
+        begin, end: samples of the motion, the end not included.
+    """
+
+    feet: str
+    begin: int
+    end: int
+
+
+@dataclass(frozen=True)
+class PlannedMotion:
+    """One motion as it was planned and checked.
+
+    The world is the left sole's frame at the begin of the motion, z up.
+
+    Attributes:
+        label: its file's name without the ending.
+        robot: that shall move so.
+        motion: what was planned.
+        report: of the independent check.
+        settings: of planning.
+    """
+
+    label: str
+    robot: Robot
+    motion: Motion
+    report: Report
+    settings: PlannerSettings
+
+    @cached_property
+    def body(self) -> BodyTrack:
+        """What the body does, in the left sole's frame."""
+        shares = np.zeros((len(self.motion.time), 2))
+        for stand in self.stands:
+            shares[stand.begin : stand.end] = Carrying(stand.feet).share
+        return track(self.robot, self.motion.positions, shares)
+
+    @cached_property
+    def stands(self) -> tuple[Stand, ...]:
+        """Which feet carry, one after another, over the whole motion."""
+        phases, count = self.motion.phases, len(self.motion.time)
+        begins = np.searchsorted(self.motion.time, [phase.begin for phase in phases]).tolist()
+        found: list[Stand] = []
+        for phase, begin, end in zip(phases, begins, [*begins[1:], count], strict=True):
+            same = bool(found) and found[-1].feet == phase.carrying.value
+            first = found.pop().begin if same else begin
+            found.append(Stand(phase.carrying.value, first, end))
+        return tuple(found)
+
+    @cached_property
+    def stance(self) -> NDArray[np.int64]:
+        """(T,) index of a foot that stands at each sample; of two, the left."""
+        feet = np.zeros(len(self.motion.time), dtype=np.int64)
+        for stand in self.stands:
+            feet[stand.begin : stand.end] = int(stand.feet == FEET[1])
+        return feet
+
+    @cached_property
+    def soles(self) -> tuple[FloatArray, FloatArray]:
+        """(T, 2, 3, 3) and (T, 2, 3): poses of left and right sole in the world [m].
+
+        The foot that carries stays where it stands; the other one follows from the joints.
+        """
+        body, count = self.body, len(self.motion.time)
+        rotation, place = np.zeros((count, 2, 3, 3)), np.zeros((count, 2, 3))
+        held, at = [np.eye(3), body.right_rotation[0]], [np.zeros(3), body.right_translation[0]]
+        for index, stance in enumerate(self.stance):
+            between, way = body.right_rotation[index], body.right_translation[index]
+            if stance == 0:
+                held[1], at[1] = held[0] @ between, at[0] + held[0] @ way
+            else:
+                held[0] = held[1] @ between.T
+                at[0] = at[1] - held[0] @ way
+            rotation[index], place[index] = held, at
+        return rotation, place
+
+    @cached_property
+    def com(self) -> FloatArray:
+        """(T, 3) in the world [m]."""
+        rotation, place = self.soles
+        com: FloatArray = np.einsum("tij,tj->ti", rotation[:, 0], self.body.com) + place[:, 0]
+        return com
+
+    @property
+    def cop(self) -> FloatArray:
+        """(T, 2) the CoM's ground projection in the world [m]."""
+        return self.com[:, :2]
+
+    @cached_property
+    def torque_share(self) -> FloatArray:
+        """(T, k) holding torques of the leg motors over their limits, with sign."""
+        share: FloatArray = self.body.torques / self.robot.effort_limit[self.robot.legs]
+        return share
+
+    @property
+    def peak_torque(self) -> tuple[float, str]:
+        """The highest share of a motor's limit, and its joint."""
+        peaks = np.abs(self.torque_share).max(axis=0)
+        column = int(np.argmax(peaks))
+        return float(peaks[column]), self.robot.leg_names[column]
+
+    @property
+    def least_room(self) -> float:
+        """The least distance from the CoP to the edge of where it may be [m]."""
+        return self.report.of(STABILITY).value
+
+    @cached_property
+    def targets(self) -> tuple[Target, ...]:
+        """All places that the CoP should pursue."""
+        path, found, begin = self.motion.path, [], 0
+        ends = self._switches()
+        for index, (local, nearest) in enumerate(zip(path.targets, path.nearest, strict=True)):
+            end = ends[index] if index < len(ends) else len(self.cop) - 1
+            place = self._in_world(local, end)
+            away = np.linalg.norm(self.cop[begin : end + 1] - place, axis=1)
+            sample = begin + int(np.argmin(away)) if np.isfinite(nearest) else -1
+            reached = bool(nearest < self.settings.landmark_radius)
+            found.append(
+                Target(index + 1, place, float(nearest), float(away.min()), reached, sample)
+            )
+            begin = end
+        return tuple(found)
+
+    @property
+    def marks(self) -> tuple[Mark, ...]:
+        """The targets as figures show them."""
+        return marks_of(self.targets, self.settings.landmark_radius)
+
+    def _in_world(self, place: FloatArray, sample: int) -> FloatArray:
+        """A place (2,) in the left sole's frame where it is when the feet next stand [m].
+
+        Targets of a part in which the left foot moves are told from where it comes down.
+        """
+        ends = [stand.end - 1 for stand in self.stands if stand.begin <= sample < stand.end]
+        rotation, origin = (pose[ends[0], 0] for pose in self.soles)
+        world: FloatArray = rotation[:2, :2] @ place[:2] + origin[:2]
+        return world
+
+    def _switches(self) -> list[int]:
+        """Samples at which each target was left: those at the planned states."""
+        legs, samples, begin = self.motion.positions[:, self.robot.legs], [], 0
+        for state in self.motion.path.states[self.motion.path.switches]:
+            away = np.linalg.norm(legs[begin:] - state, axis=1)
+            begin += int(np.argmin(away))
+            samples.append(begin)
+        return samples

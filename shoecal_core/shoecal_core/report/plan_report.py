@@ -1,0 +1,178 @@
+"""What was planned, to be looked at: a page for all motions, a picture for each."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.robot import Robot
+from shoecal_core.report.figures.margins import told
+from shoecal_core.report.html import write_page
+from shoecal_core.report.page import (
+    Group,
+    KeyFigure,
+    Page,
+    Picture,
+    Reason,
+    Section,
+    Table,
+    Verdict,
+)
+from shoecal_core.report.plan_animation import animation
+from shoecal_core.report.plan_content import PlannedMotion
+from shoecal_core.report.plan_figures import motion_pictures
+from shoecal_core.report.plan_targets import Target
+from shoecal_core.report.quantities import quantity
+from shoecal_core.report.sheet import Part, write_sheet
+from shoecal_core.report.svg import readable
+
+PAGE = "plan.html"
+NOTE = "A plan, computed from the robot’s model; nothing was measured."
+
+
+def write_plan(folder: Path, motions: Sequence[PlannedMotion]) -> None:
+    """Write `plan.html`, and beside it `LABEL.svg` for every motion.
+
+    Raises:
+        FileError: when a file cannot be written.
+    """
+    pictures = [motion_pictures(planned) for planned in motions]
+    for planned, drawn in zip(motions, pictures, strict=True):
+        write_sheet(folder / f"{planned.label}.svg", _rows(planned, drawn), _alt(planned))
+    write_page(folder / PAGE, plan_page(motions, pictures))
+
+
+def _rows(planned: PlannedMotion, pictures: Sequence[Picture]) -> tuple[tuple[Part, ...], ...]:
+    parts = [Part(picture.title, picture.svg) for picture in pictures]
+    parts[0] = Part(f"{heading(planned)}: seen from above", parts[0].svg, (NOTE,))
+    return tuple(parts[:3]), tuple(parts[3:])
+
+
+def _alt(planned: PlannedMotion) -> str:
+    return f"{heading(planned)}, as planned; {support_text(planned.motion.support)}."
+
+
+def plan_page(motions: Sequence[PlannedMotion], pictures: Sequence[tuple[Picture, ...]]) -> Page:
+    """The page, ready to be rendered; the same motions make the same page.
+
+    Args:
+        motions: one at least.
+        pictures: of each.
+    """
+    robot = motions[0].robot
+    count = len(motions)
+    return Page(
+        title=f"Planned motions of {readable(robot.name)}",
+        subtitle=f"{count} motion{'s' if count > 1 else ''}, each from standing still to standing "
+        "still",
+        verdict=verdict(motions),
+        key_figures=_key_figures(motions),
+        sections=(
+            Section("All motions", (Group(tables=(_table(motions),)),)),
+            *(_section(planned, one) for planned, one in zip(motions, pictures, strict=True)),
+        ),
+        provenance=(
+            NOTE,
+            _robot_line(robot),
+        ),
+    )
+
+
+def _robot_line(robot: Robot) -> str:
+    return (
+        f"Robot file {robot.path.name}, SHA-256 {robot.digest[:12]}…; "
+        f"{quantity(robot.mass, 'kg', 3)} with shoes."
+    )
+
+
+def verdict(motions: Sequence[PlannedMotion]) -> Verdict:
+    """Whether the robot may do it, and what it will not reach."""
+    reasons = []
+    for planned in motions:
+        for finding in planned.report.findings:
+            if not finding.kept:
+                text = f"{planned.label}: {finding.constraint} is {told(finding)}"
+                where = f" ({finding.where})" if finding.where else ""
+                reasons.append(Reason("FAIL", f"{text}{where}; do not send it."))
+    violated = bool(reasons)
+    for planned in motions:
+        reasons += [
+            Reason("WARN", f"{planned.label}: {_missed(one, planned)}.")
+            for one in planned.targets
+            if not one.reached
+        ]
+    if violated:
+        return Verdict("FAIL", "Not every motion keeps its limits.", tuple(reasons))
+    meaning = "Every motion keeps all limits in a check that is independent of the planner."
+    if reasons:
+        return Verdict("WARN", f"{meaning} Not every landmark is reached.", tuple(reasons))
+    return Verdict("PASS", f"{meaning} Every landmark is reached.", ())
+
+
+def _missed(target: Target, planned: PlannedMotion) -> str:
+    return f"landmark {target.number} {target.off(planned.settings.landmark_radius)}"
+
+
+def heading(planned: PlannedMotion) -> str:
+    """What a motion is called."""
+    return readable(f"{planned.label} ({planned.motion.name})", 40)
+
+
+def support_text(support: DoubleSupport) -> str:
+    """Where the right foot stands."""
+    return (
+        f"right foot from the left: x {quantity(1e3 * support.dx, 'mm', 0)}, "
+        f"y {quantity(1e3 * support.dy, 'mm', 0)}, "
+        f"yaw {quantity(math.degrees(support.dtheta), '°', 1)}"
+    )
+
+
+def _key_figures(motions: Sequence[PlannedMotion]) -> tuple[KeyFigure, ...]:
+    targets = [one for planned in motions for one in planned.targets]
+    reached = sum(one.reached for one in targets)
+    radius = motions[0].settings.landmark_radius
+    torque = max(motions, key=lambda planned: planned.peak_torque[0])
+    room = min(motions, key=lambda planned: planned.least_room)
+    return (
+        KeyFigure("landmarks reached", f"{reached} of {len(targets)}",
+                  f"within {quantity(1e3 * radius, 'mm', 1)}"),
+        KeyFigure("duration", quantity(sum(one.motion.duration for one in motions), "s", 0),
+                  "all motions, without the way from one double support to the next"),
+        KeyFigure("highest torque", quantity(100.0 * torque.peak_torque[0], "%", 0),
+                  f"of its limit, {torque.peak_torque[1]}, {torque.label}"),
+        KeyFigure("CoP from the hull’s edge", quantity(1e3 * room.least_room, "mm", 1),
+                  f"at least, {room.label}"),
+    )  # fmt: skip
+
+
+def _table(motions: Sequence[PlannedMotion]) -> Table:
+    rows = tuple(
+        (
+            planned.label,
+            planned.motion.name,
+            quantity(1e3 * planned.motion.support.dx, "mm", 0),
+            quantity(1e3 * planned.motion.support.dy, "mm", 0),
+            quantity(math.degrees(planned.motion.support.dtheta), "°", 1),
+            quantity(planned.motion.duration, "s", 1),
+            f"{sum(one.reached for one in planned.targets)} of {len(planned.targets)}",
+            f"{quantity(100.0 * planned.peak_torque[0], '%', 0)} ({planned.peak_torque[1]})",
+        )
+        for planned in motions
+    )
+    header = (
+        "", "motion", "right foot: forward", "to the left", "yaw", "duration",
+        "landmarks reached", "highest torque",
+    )  # fmt: skip
+    note = "The right foot’s place is told in the left sole’s frame, at the begin of the motion."
+    return Table("Motions", header, rows, note)
+
+
+def _section(planned: PlannedMotion, pictures: tuple[Picture, ...]) -> Section:
+    text = f"{support_text(planned.motion.support)}; {planned.motion.duration:.1f} s."
+    return Section(
+        heading(planned),
+        (Group(player=animation(planned), pictures=pictures),),
+        text[0].upper() + text[1:],
+    )
