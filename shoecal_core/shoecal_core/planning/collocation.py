@@ -29,6 +29,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from shoecal_core.batch import Batch
 from shoecal_core.planning.legs import FootPose, LegExpressions, Legs
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.settings import SettingError
@@ -38,6 +39,8 @@ FloatArray = NDArray[np.float64]
 
 TASKS = 5
 """What is pursued: CoP forward and sideways, lean forward and sideways, height."""
+FOOT_ROWS = 6
+"""Of the foot transform: way and turn."""
 
 
 @dataclass(frozen=True)
@@ -196,6 +199,12 @@ class StateValues:
     distances: FloatArray
     torques: FloatArray
 
+    @classmethod
+    def of_rows(cls, rows: FloatArray, motors: int) -> StateValues:
+        """From (n, r) all of them side by side, torques of k motors last."""
+        foot, torques = TASKS + FOOT_ROWS, rows.shape[1] - motors
+        return cls(rows[:, :TASKS], rows[:, TASKS:foot], rows[:, foot:torques], rows[:, torques:])
+
     @property
     def cop(self) -> FloatArray:
         """(n, 2) left sole's frame [m]."""
@@ -246,17 +255,16 @@ class Collocation:
         self.settings = settings
         terms = LegExpressions(legs.robot)
         self.lower, self.upper = legs.bounds(settings)
-        self.state = ca.Function(
-            "state",
-            [terms.angles, terms.foot_pose, terms.others, terms.share],
-            [
-                ca.vertcat(terms.cop, terms.lean, terms.height),
-                terms.foot_error,
-                terms.distances,
-                terms.torques,
-            ],
-            {"cse": True},
-        )
+        given = [terms.angles, terms.foot_pose, terms.others, terms.share]
+        found = [
+            ca.vertcat(terms.cop, terms.lean, terms.height),
+            terms.foot_error,
+            terms.distances,
+            terms.torques,
+        ]
+        self.state = ca.Function("state", given, found, {"cse": True})
+        rows = ca.Function("state_rows", [ca.vertcat(*given)], [ca.vertcat(*found)], {"cse": True})
+        self._rows = Batch(rows, least=1)
 
     @property
     def edges(self) -> int:
@@ -282,13 +290,16 @@ class Collocation:
 
     def evaluate(self, states: FloatArray, scene: Scene) -> StateValues:
         """Values of states (n, k) [rad] in their scenes."""
-        count = len(states)
-        columns = (
-            np.broadcast_to(rows, (count, rows.shape[-1])).T
-            for rows in (scene.foot_poses, scene.others, scene.shares)
-        )
-        values = self.state(states.T, *columns)
-        return StateValues(*(np.array(value).T for value in values))
+        return StateValues.of_rows(self._rows(self.inputs(states, scene)), states.shape[1])
+
+    def inputs(self, states: FloatArray, scene: Scene) -> FloatArray:
+        """(n, i) what `state` takes, side by side, of states (n, k) [rad] in their scenes."""
+        given = (states, scene.foot_poses, scene.others[None], scene.shares)
+        ends = np.cumsum([rows.shape[1] for rows in given])
+        inputs = np.empty((len(states), ends[-1]))
+        for rows, end in zip(given, ends, strict=True):
+            inputs[:, end - rows.shape[1] : end] = rows
+        return inputs
 
     def limits(self, problem: HorizonProblem) -> Limits:
         """Bounds of every state; each bound that the start violates moves in by a rate."""
@@ -311,6 +322,14 @@ class Collocation:
         """(N, k) u[0] to u[N-1] of states (N, k) [rad]."""
         return np.diff(np.vstack([problem.start, states]), axis=0)
 
+    def cost(self, problem: HorizonProblem, states: FloatArray, values: StateValues) -> float:
+        """Equation 9, of states (N, k) [rad] and their values."""
+        aim = problem.aim
+        pull = np.sum(aim.weights * (values.tasks - aim.targets) ** 2)
+        moves = self.transitions(problem, states)
+        change = np.diff(np.vstack([problem.previous, moves]), axis=0)
+        return float(pull + self.settings.transition_weight * np.sum(change**2))
+
     def assess(
         self, problem: HorizonProblem, limits: Limits, states: FloatArray
     ) -> tuple[float, float]:
@@ -320,10 +339,6 @@ class Collocation:
         """
         values = self.evaluate(states, problem.scene)
         moves = self.transitions(problem, states)
-        aim = problem.aim
-        pull = np.sum(aim.weights * (values.tasks - aim.targets) ** 2)
-        change = np.diff(np.vstack([problem.previous, moves]), axis=0)
-        cost = pull + self.settings.transition_weight * np.sum(change**2)
         excess = [
             np.abs(values.foot_error),
             problem.scene.beyond(values.cop) - limits.offsets,
@@ -334,7 +349,7 @@ class Collocation:
             np.abs(moves) - limits.transition,
         ]
         worst = max(float(part.max()) for part in excess if part.size)
-        return float(cost), max(0.0, worst)
+        return self.cost(problem, states, values), max(0.0, worst)
 
     def certified(
         self, problem: HorizonProblem, states: FloatArray, status: str, iterations: int, done: bool

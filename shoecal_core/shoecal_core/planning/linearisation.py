@@ -1,0 +1,115 @@
+"""Values and derivatives of everything that the states of a horizon pursue and keep."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.batch import Batch
+from shoecal_core.planning.collocation import (
+    FOOT_ROWS,
+    TASKS,
+    Collocation,
+    HorizonProblem,
+    Limits,
+    StateValues,
+)
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Linearised:
+    """N states, and what changes with them to first order.
+
+    Attributes:
+        states: (N, k) leg angles [rad].
+        values: of the states.
+        tasks, foot: (N, 5, k), (N, 6, k) slopes.
+        rest: (N, p + k, k) slopes of capsule distances and torques.
+    """
+
+    states: FloatArray
+    values: StateValues
+    tasks: FloatArray
+    foot: FloatArray
+    rest: FloatArray
+
+
+class Linearisation:
+    """Derivatives of one robot's states; holding one means that they have been compiled."""
+
+    def __init__(self, collocation: Collocation) -> None:
+        self._collocation = collocation
+        state = collocation.state
+        given = [ca.SX.sym(state.name_in(i), state.size1_in(i)) for i in range(state.n_in())]
+        rows = ca.vertcat(*state(*given))
+        slopes = ca.densify(ca.jacobian(rows, given[0]))
+        self._shape = slopes.shape
+        # CasADi stores by columns.
+        function = ca.Function(
+            "state_slopes",
+            [ca.vertcat(*given)],
+            [ca.vertcat(rows, ca.vec(slopes.T))],
+            {"cse": True},
+        )
+        self._slopes = Batch(function, least=1)
+
+    def __call__(self, problem: HorizonProblem, states: FloatArray) -> Linearised:
+        """Of states (N, k) [rad]."""
+        count, size = self._shape
+        found = self._slopes(self._collocation.inputs(states, problem.scene))
+        slopes = found[:, count:].reshape(len(states), count, size)
+        foot = TASKS + FOOT_ROWS
+        return Linearised(
+            states=states,
+            values=StateValues.of_rows(found[:, :count], size),
+            tasks=slopes[:, :TASKS],
+            foot=slopes[:, TASKS:foot],
+            rest=slopes[:, foot:],
+        )
+
+
+class Inequalities:
+    """What the states of one problem keep, in rows: edges, distances, torques, limits, moves.
+
+    Attributes:
+        low, high: (N, r) bounds of the rows.
+    """
+
+    def __init__(self, problem: HorizonProblem, limits: Limits) -> None:
+        self._problem = problem
+        shape = limits.lower.shape
+        torque, move = (
+            np.broadcast_to(bound, shape) for bound in (limits.torque, limits.transition)
+        )
+        edges = np.broadcast_to(limits.offsets, (shape[0], limits.offsets.shape[1]))
+        free_edges, free_pairs = (
+            np.full_like(edges, np.inf),
+            np.full_like(limits.clearances, np.inf),
+        )
+        self.low = np.hstack([-free_edges, limits.clearances, -torque, limits.lower, -move])
+        self.high = np.hstack([edges, free_pairs, torque, limits.upper, move])
+
+    def values(self, linear: Linearised) -> FloatArray:
+        """(N, r) of the rows."""
+        states, problem = linear.states, self._problem
+        values = np.empty_like(self.low)
+        pairs, size = linear.values.distances.shape[1], states.shape[1]
+        edges = values.shape[1] - pairs - 3 * size
+        values[:, :edges] = problem.scene.beyond(linear.values.cop)
+        values[:, edges : edges + pairs] = linear.values.distances
+        values[:, -3 * size : -2 * size] = linear.values.torques
+        values[:, -2 * size : -size] = states
+        values[0, -size:] = states[0] - problem.start
+        values[1:, -size:] = states[1:] - states[:-1]
+        return values
+
+    def violation(self, linear: Linearised) -> float:
+        """Largest one, the foot transform's included [m, rad, N m]."""
+        values = self.values(linear)
+        foot = float(np.abs(linear.values.foot_error).max())
+        return max(foot, float((self.low - values).max()), float((values - self.high).max()))
