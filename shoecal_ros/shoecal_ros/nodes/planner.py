@@ -6,17 +6,20 @@ import sys
 import time
 from typing import Any
 
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.duration import Duration
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import Imu, JointState, Temperature
 from shoecal_msgs.action import Plan
+from shoecal_msgs.msg import ShoeState, ShoeVoltages
 from std_msgs.msg import Bool
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_ros.common import qos
 from shoecal_ros.common.actions import finish
@@ -26,10 +29,16 @@ from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.runtime import ShoecalNode, run
 from shoecal_ros.common.worker import Worker
+from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.joints import JointInput
-from shoecal_ros.planner import planning_work
+from shoecal_ros.inputs.shoe_reports import ShoeReports
+from shoecal_ros.inputs.temperatures import TemperatureInput
+from shoecal_ros.planner import heat, planning_work
 from shoecal_ros.planner.arming import Arming
-from shoecal_ros.planner.plan_job import MovingSettings, PlanJob
+from shoecal_ros.planner.execution import Execution
+from shoecal_ros.planner.plan_job import PlanJob
+from shoecal_ros.planner.settings import MovingSettings
+from shoecal_ros.planner.watch import Senses
 
 LAST_WORDS = Duration(seconds=1)
 """Wall-clock time that the robot gets to hear the last commands."""
@@ -44,16 +53,18 @@ class Planner(ShoecalNode):
         self.planning = self.settings(PlannerSettings, "planning.")
         self.moving = self.settings(MovingSettings)
         self.robot = self.files.load_robot()
+        self.kinematics = Kinematics(self.robot)
         self.joints = JointInput(self.robot, self.moving.stale_s)
         self.arming = Arming(self.moving.arm_timeout_s, time.monotonic)
         self.worker = Worker(self.wake)
         self._compiled = self.worker.do(planning_work.prepare, self.files, self.planning)
         self._busy = False
-        self._job: PlanJob | None = None
+        self._execution: Execution | None = None
         self._command = self.create_publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
         self._armed = self.create_publisher(Bool, "shoe/armed", qos.LATCHED)
         self._armed.publish(Bool(data=False))
         self.subscribe(JointState, "joint_states", self._hear, qos.NEWEST)
+        self.senses = self._listen()
         self.create_service(SetBool, "shoe/arm", self._arm)
         self._server = ActionServer(
             self, Plan, "shoe/plan", self._execute,
@@ -62,6 +73,19 @@ class Planner(ShoecalNode):
 
     def _hear(self, messages: list[Any]) -> None:
         self.joints.take(messages)
+
+    def _listen(self) -> Senses:
+        """To what is watched beside the joints, where it comes."""
+        imu, temperatures = ImuInput(self.robot), TemperatureInput(self.robot)
+        shoes = ShoeReports(lambda: states.get_publisher_count() > 0)
+        self.subscribe(Imu, "imu", imu.take, qos.NEWEST)
+        self.subscribe(Temperature, "joint_temperatures", temperatures.take, qos.RAW)
+        self.subscribe(
+            DiagnosticArray, "diagnostics", temperatures.take_diagnostics, qos.DIAGNOSTICS
+        )
+        self.subscribe(ShoeVoltages, "shoe/voltages", shoes.take_readings, qos.NEWEST, raw=True)
+        states = self.subscribe(ShoeState, "shoe/state", shoes.take_states, qos.LATCHED)
+        return Senses(imu, shoes, temperatures)
 
     def command(self, trajectory: JointTrajectory) -> None:
         """Send a trajectory to the robot, to be followed from now on."""
@@ -79,14 +103,15 @@ class Planner(ShoecalNode):
         )
         self.health.tell("arming", Level.OK, "armed" if self.arming.armed else "not armed")
         self._tell_planning()
+        self._tell_senses()
         super().watch()
 
     def close(self) -> None:
         """Stop the robot, disarm, and end the worker."""
         self.arming.set(False)
         if self.context.ok():
-            if self._job is not None:
-                self._job.halt()
+            if self._execution is not None:
+                self._execution.halt()
             self._armed.publish(Bool(data=False))
             for publisher in (self._command, self._armed):
                 publisher.wait_for_all_acked(LAST_WORDS)
@@ -102,6 +127,22 @@ class Planner(ShoecalNode):
             except ShoecalError as error:
                 level, message = Level.ERROR, str(error)
         self.health.tell("planning", level, message)
+
+    def _tell_senses(self) -> None:
+        """What is watched during a motion, and what is not because it does not come."""
+        for subject, age_s, told in (
+            ("tilt", self.senses.imu.age_s, "imu"),
+            ("shoes", self.senses.shoes.ages["shoe/voltages"], "shoe/voltages"),
+        ):
+            comes = age_s <= self.moving.stale_s
+            self.health.tell(
+                subject, Level.OK, f"{told} comes" if comes else f"no {told}: not watched"
+            )
+        degc = self.senses.temperatures.degc
+        found = heat.hottest(degc)
+        level = Level.WARN if heat.too_hot(degc, self.moving.hot_degc) else Level.OK
+        values = {} if found is None else {"joint": found[0], "degc": f"{found[1]:.1f}"}
+        self.health.tell("heat", level, heat.margin(degc, self.moving.hot_degc), **values)
 
     def _arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         self.arming.set(request.data)
@@ -123,14 +164,18 @@ class Planner(ShoecalNode):
                 )
             self._busy = True
             try:
-                self._job = PlanJob(self, goal, result)
-                await self._job.run()
+                job = PlanJob(self, goal, result)
+                self._execution = job.execution
+                await job.run()
             finally:
                 self._busy = False
         except RefusedError as refusal:
             result.error_code, result.message = refusal.code, str(refusal)
         else:
-            result.success, result.message = True, "done"
+            result.success = True
+            result.message = (
+                f"done; {heat.margin(self.senses.temperatures.degc, self.moving.hot_degc)}"
+            )
         finish(goal, result, canceled=Plan.Result.CANCELED)
         return result
 

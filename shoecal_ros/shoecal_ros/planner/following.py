@@ -68,12 +68,16 @@ class Follower:
 
     def expected(self, stamp_ns: int) -> FloatArray:
         """(m,) where the robot should be at a time [rad]."""
-        return self._trajectory.at(np.array((stamp_ns - self._start_ns) / 1e9))
+        return self._trajectory.at(np.array(self.elapsed(stamp_ns)))
+
+    def elapsed(self, stamp_ns: int) -> float:
+        """Time since the trajectory was sent [s]."""
+        return (stamp_ns - self._start_ns) / 1e9
 
     def look(self, stamp_ns: int, angles: FloatArray) -> Look:
         """Take measured angles (m,) [rad]; those that are NaN do not count."""
         trajectory = self._trajectory
-        elapsed = (stamp_ns - self._start_ns) / 1e9
+        elapsed = self.elapsed(stamp_ns)
         times = np.linspace(elapsed - self._late_s, elapsed, _LOOKS)
         errors = np.nan_to_num(np.abs(trajectory.at(times) - angles), nan=0.0)
         nearest = errors[int(np.argmin(errors.max(axis=1)))]

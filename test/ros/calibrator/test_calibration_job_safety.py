@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from shoecal_ros.calibrator.calibration_job import JobSettings
-from shoecal_ros.planner.plan_job import MovingSettings
+from shoecal_ros.planner.settings import MovingSettings
 
 
 def test_the_robot_stays_armed_while_a_person_places_it() -> None:

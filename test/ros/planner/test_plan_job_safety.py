@@ -11,7 +11,9 @@ from shoecal_msgs.action import Plan
 from ros.bodies import nao
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.inputs.joints import JointBatch
-from shoecal_ros.planner.plan_job import Mover, MovingSettings, PlanJob
+from shoecal_ros.planner.order import Mover
+from shoecal_ros.planner.plan_job import PlanJob
+from shoecal_ros.planner.settings import MovingSettings
 
 
 @pytest.mark.parametrize("following", [True, False])
@@ -27,9 +29,9 @@ def test_a_job_that_is_ended_holds_a_moving_robot_where_it_is(following: bool) -
     )
     goal = SimpleNamespace(request=Plan.Goal())
     job = PlanJob(cast(Mover, mover), cast(ServerGoalHandle, goal), Plan.Result())
-    job.following = following
-    job.halt()
-    job.halt()
+    job.execution.following = following
+    job.execution.halt()
+    job.execution.halt()
     assert len(sent) == following, "once, and only where there is something to stop"
     for hold in sent:
         columns = [robot.joint(name) for name in hold.names]

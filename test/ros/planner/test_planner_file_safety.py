@@ -4,7 +4,7 @@ from ros.bodies import ROOT
 from shoecal_core.files import read_yaml
 from shoecal_core.settings import describe
 from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.planner.plan_job import MovingSettings
+from shoecal_ros.planner.settings import MovingSettings
 
 
 def test_the_file_holds_every_parameter_of_the_node_at_its_default() -> None:

@@ -1,0 +1,75 @@
+"""What the shoes tell of themselves: that readings come, and which feet carry load."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from shoecal_msgs.msg import ShoeState
+
+from shoecal_core.sensing.shoe import FEET
+
+
+class ShoeReports:
+    """Readings are only counted here; the calibrator makes forces of them."""
+
+    def __init__(
+        self,
+        reported: Callable[[], bool] = lambda: True,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Nothing heard.
+
+        Args:
+            reported: whether somebody is there who would tell a new state.
+            clock: monotonic [s].
+        """
+        self._reported = reported
+        self._clock = clock
+        self._heard = -np.inf
+        self._state: ShoeState | None = None
+        self._stale_since: dict[str, float] = {}
+
+    def take_readings(self, messages: Sequence[Any]) -> None:
+        """Take messages of `shoe/voltages`, serialised or not."""
+        if messages:
+            self._heard = self._clock()
+
+    def take_states(self, messages: Sequence[ShoeState]) -> None:
+        """Take messages of `shoe/state`."""
+        for message in messages:
+            self._state = message
+            for foot in message.feet:
+                if foot.stale:
+                    self._stale_since.setdefault(foot.foot, self._clock())
+                else:
+                    self._stale_since.pop(foot.foot, None)
+
+    @property
+    def ages(self) -> dict[str, float]:
+        """By source, since when it has told nothing; infinite where it never did [s]."""
+        now = self._clock()
+        ages = {"shoe/voltages": now - self._heard}
+        if self._state is not None:
+            ages["shoe/state"] = 0.0 if self._reported() else np.inf
+            for foot in self._state.feet:
+                since = self._stale_since.get(foot.foot, now)
+                ages[f"readings of the {foot.foot} foot"] = now - since
+        return ages
+
+    @property
+    def loaded(self) -> tuple[bool | None, bool | None]:
+        """Whether the left and the right foot carry load; None where nobody knows.
+
+        Nobody does before a calibration is in force.
+        """
+        left, right = (self._of(foot) for foot in FEET)
+        return left, right
+
+    def _of(self, name: str) -> bool | None:
+        if self._state is None or not self._reported():
+            return None
+        foot = next((foot for foot in self._state.feet if foot.foot == name), None)
+        return bool(foot.loaded) if foot is not None and foot.valid and not foot.stale else None

@@ -1,0 +1,291 @@
+"""Plans in the worker, sends trajectories and watches them done; whatever asks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+from shoecal_msgs.action import Plan
+
+from shoecal_core.errors import NameNotFoundError, ShoecalError
+from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.findings import CheckFailedError
+from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.posture import UnreachableError
+from shoecal_core.planning.rolling import PlanningCanceledError, PlanningError, Progress
+from shoecal_core.planning.timing import TimingError
+from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.runtime import until
+from shoecal_ros.common.worker import Work
+from shoecal_ros.inputs.joints import JointBatch
+from shoecal_ros.planner.concern import Concern
+from shoecal_ros.planner.following import Follower, Look, Verdict
+from shoecal_ros.planner.order import Mover, Order
+from shoecal_ros.planner.watch import MotionWatch, hot
+
+FloatArray = NDArray[np.float64]
+R = TypeVar("R")
+
+ANSWER_S = 30.0
+"""Wall-clock time in which cancelled planning must end."""
+FEEDBACK_S = 0.2
+CURE = "see that the robot's motors are on and that it listens to joint_trajectory"
+_FOREVER_S = 1e9
+
+_CODES: tuple[tuple[type[ShoecalError], int], ...] = (
+    (PlanningCanceledError, Plan.Result.CANCELED),
+    (CheckFailedError, Plan.Result.CHECK_FAILED),
+    (PlanningError, Plan.Result.INFEASIBLE),
+    (UnreachableError, Plan.Result.INFEASIBLE),
+    (TimingError, Plan.Result.INFEASIBLE),
+    (NameNotFoundError, Plan.Result.BAD_GOAL),
+)
+
+
+class Execution:
+    """One order being carried out; refusals carry codes of `Plan.Result`.
+
+    Attributes:
+        following: whether the robot is on a trajectory that was sent for it.
+        names: of the joints that are commanded.
+    """
+
+    def __init__(self, mover: Mover, order: Order) -> None:
+        self.following = False
+        self._mover = mover
+        self._order = order
+        self._watch: MotionWatch | None = None
+        robot = mover.robot
+        self._moved = [*robot.legs, *(shared.joint for shared in robot.shared)]
+        self.names = tuple(robot.joint_names[index] for index in self._moved)
+
+    # Before a motion
+
+    def measured(self) -> FloatArray:
+        """(m,) joint angles by now [rad].
+
+        Raises:
+            RefusedError: when there are none.
+        """
+        angles: FloatArray = self._latest().angles[0]
+        return angles
+
+    def check_ready(self) -> None:
+        """Whether the robot may begin to move.
+
+        Raises:
+            RefusedError: when it is not armed, or too hot.
+        """
+        if not self._order.sends:
+            return
+        self._check_armed()
+        moving = self._mover.moving
+        concern = hot(self._mover.senses, moving.hot_degc - moving.cool_by)
+        if concern is not None:
+            raise RefusedError(concern.code, f"not begun: {concern.message}")
+
+    async def planned(self, start: Callable[[], Work[R]]) -> R:
+        """What a worker's work gives; the robot may be disarmed, or the order cancelled.
+
+        Raises:
+            RefusedError: when nothing comes out.
+        """
+        worker = self._mover.worker
+        await until(lambda: self._interrupted or not worker.busy, _FOREVER_S)
+        self._check_interrupted()
+        work = start()
+        while not work.done and not self._interrupted:
+            await until(lambda: work.done or self._interrupted, FEEDBACK_S)
+            if isinstance(work.progress, Progress):
+                told = work.progress
+                self._order.feed("planning", told.landmark / max(1, told.landmarks), told.landmark)
+        if not work.done:
+            worker.cancel()
+            await until(lambda: work.done, ANSWER_S)
+        self._check_interrupted()
+        try:
+            return work.result()
+        except ShoecalError as error:
+            code = next((code for kind, code in _CODES if isinstance(error, kind)), None)
+            raise RefusedError(Plan.Result.FAILED if code is None else code, str(error)) from error
+
+    def check_start(self, start: FloatArray) -> None:
+        """Whether the robot still stands where a motion was planned from, (m,) [rad].
+
+        Raises:
+            RefusedError: names the joint that moved.
+        """
+        moved = np.abs(self.measured() - start)[self._moved]
+        limit = self._mover.moving.start_error
+        if moved.max() > limit:
+            raise RefusedError(
+                Plan.Result.FAILED,
+                f"joint '{self.names[int(np.argmax(moved))]}' moved by {moved.max():.3f} rad "
+                f"while the motion was planned (start_error {limit:g} rad); let the robot stand "
+                "still and plan again",
+            )
+
+    def commanded(self, motion: Motion, ahead: FloatArray | float = 0.0) -> JointTrajectory:
+        """What is sent: the joints that the planner moves; the others stay as they are."""
+        robot = self._mover.robot
+        legs = motion.positions[:, robot.legs] + ahead
+        positions = np.clip(robot.from_legs(legs), robot.lower, robot.upper)
+        return JointTrajectory(self.names, motion.time, positions[:, self._moved])
+
+    # During a motion
+
+    async def follow(self, trajectory: JointTrajectory, motion: Motion) -> None:
+        """Send a trajectory and watch it done; whatever goes wrong stops the robot gently.
+
+        Args:
+            trajectory: as it is sent.
+            motion: as it was planned.
+
+        Raises:
+            RefusedError: why it was stopped.
+        """
+        moving = self._mover.moving
+        planned = JointTrajectory(motion.joint_names, motion.time, motion.positions)
+        seen = self._latest()
+        # By the stamps of the joint angles: whose clock they follow does not matter then.
+        follower = Follower(planned, int(seen.stamp_ns[0]), moving.follow_error, moving.follow_late)
+        part = _Part(motion, follower, seen)
+        if self._watch is None:
+            self._watch = MotionWatch(
+                self._mover.senses, self._mover.kinematics, moving, seen.angles[0]
+            )
+        self._watch.begin(motion)
+        # Whoever records the motion begins before it does.
+        self._order.feed("moving", 0.0, 0)
+        self._mover.command(trajectory)
+        self.following = True
+        while self.following:
+            await self._news(part.seen)
+            look = self._look(part)
+            self._order.feed("moving", look.progress, part.landmark(look.progress))
+            self.following = look.verdict is not Verdict.ARRIVED
+
+    def hold(self, angles: FloatArray) -> None:
+        """Come to rest at all joint angles (m,) [rad]."""
+        robot = self._mover.robot
+        # Encoders may show angles a little beyond a limit; no robot takes such a command.
+        held = np.clip(robot.from_legs(angles[robot.legs], angles), robot.lower, robot.upper)
+        stop = np.array([self._mover.moving.stop_time])
+        self._mover.command(JointTrajectory(self.names, stop, held[None, self._moved]))
+        self.following = False
+
+    def halt(self) -> None:
+        """Stop the robot gently where it is, if it is on its way."""
+        latest = self._mover.joints.latest
+        if self.following and latest is not None:
+            self.hold(latest.angles[0])
+
+    # Inside
+
+    def _look(self, part: _Part) -> Look:
+        """Take new joint angles, or whatever else has come; hold where something is wrong."""
+        problem = self._mover.joints.problem
+        if problem:
+            # Nobody knows where the robot is: it stops where it was meant to be when seen.
+            self.hold(part.expected)
+            raise RefusedError(Plan.Result.NO_JOINT_STATES, f"stopped while moving: {problem}")
+        part.seen = self._latest()
+        if self._interrupted:
+            self.hold(part.angles)
+            self._check_interrupted()
+        look = part.follower.look(part.stamp_ns, part.angles)
+        if look.verdict is Verdict.LOST:
+            self.hold(part.angles)
+            bound = self._mover.moving.follow_error
+            raise RefusedError(
+                Plan.Result.NOT_FOLLOWED,
+                f"stopped: joint '{look.joint}' is {look.error:.3f} rad off its trajectory "
+                f"(follow_error {bound:g} rad); {CURE}",
+            )
+        self._check_concerns(part)
+        return look
+
+    def _check_concerns(self, part: _Part) -> None:
+        """Stop at once, or where both feet carry again."""
+        assert self._watch is not None
+        elapsed = part.follower.elapsed(part.stamp_ns)
+        concern = self._watch.look(elapsed, part.angles)
+        if concern is not None and not concern.can_wait:
+            self.hold(part.angles)
+            raise RefusedError(concern.code, f"stopped: {concern.message}")
+        waited = part.waiting is not None
+        part.waiting = part.waiting or concern
+        if part.waiting is not None and self._watch.carrying(elapsed) is Carrying.BOTH:
+            # A foot that has just come down is held down, not where it was measured.
+            self.hold(part.expected if waited else part.angles)
+            raise RefusedError(part.waiting.code, f"stopped: {part.waiting.message}")
+
+    async def _news(self, seen: JointBatch) -> None:
+        """Wait for other joint angles than those seen, or for a reason to stop."""
+        joints = self._mover.joints
+        await until(
+            lambda: self._interrupted or bool(joints.problem) or joints.latest is not seen,
+            _FOREVER_S,
+        )
+
+    @property
+    def _interrupted(self) -> bool:
+        return self._order.is_canceled() or (self._order.sends and not self._mover.arming.armed)
+
+    def _check_interrupted(self) -> None:
+        if self._order.is_canceled():
+            raise RefusedError(Plan.Result.CANCELED, "cancelled")
+        self._check_armed()
+
+    def _check_armed(self) -> None:
+        if self._order.sends and not self._mover.arming.armed:
+            raise RefusedError(
+                Plan.Result.NOT_ARMED, "not armed: call the service shoe/arm with data true first"
+            )
+
+    def _latest(self) -> JointBatch:
+        joints = self._mover.joints
+        if joints.problem or joints.latest is None:
+            raise RefusedError(Plan.Result.NO_JOINT_STATES, joints.problem)
+        return joints.latest
+
+
+@dataclass
+class _Part:
+    """A trajectory that the robot is on.
+
+    Attributes:
+        motion: as planned.
+        follower: compares joint angles with it.
+        seen: the newest joint angles.
+        waiting: why it stops as soon as both feet carry.
+    """
+
+    motion: Motion
+    follower: Follower
+    seen: JointBatch
+    waiting: Concern | None = None
+
+    @property
+    def stamp_ns(self) -> int:
+        return int(self.seen.stamp_ns[0])
+
+    @property
+    def angles(self) -> FloatArray:
+        """(m,) measured [rad]."""
+        angles: FloatArray = self.seen.angles[0]
+        return angles
+
+    @property
+    def expected(self) -> FloatArray:
+        """(m,) where the robot should be by then [rad]."""
+        return self.follower.expected(self.stamp_ns)
+
+    def landmark(self, progress: float) -> int:
+        """The landmark pursued at a part of the motion's time."""
+        path = self.motion.path
+        return int(np.searchsorted(path.switches, progress * len(path.states)))

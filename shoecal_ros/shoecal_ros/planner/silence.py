@@ -1,0 +1,29 @@
+"""Do sensors that told something when the motion began go on doing so?"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+
+class Silence:
+    """Remembers who told something at the begin."""
+
+    def __init__(self, ages: Mapping[str, float], stale_s: float) -> None:
+        """A motion begins.
+
+        Args:
+            ages: by source, since when it has told nothing; infinite where it never did [s].
+            stale_s: for how long a source may tell nothing [s].
+        """
+        self._stale_s = stale_s
+        self._sources = tuple(name for name, age in ages.items() if age <= stale_s)
+
+    def look(self, ages: Mapping[str, float]) -> str:
+        """The sources that fell silent, and for how long; empty when all go on."""
+        gone = {name: ages.get(name, math.inf) for name in self._sources}
+        return ", ".join(
+            f"{name} ({age:.1f} s)" if math.isfinite(age) else name
+            for name, age in gone.items()
+            if age > self._stale_s
+        )

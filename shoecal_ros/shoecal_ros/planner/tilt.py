@@ -1,0 +1,66 @@
+"""Does the torso lean as the motion makes it?"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.model.kinematics import BodyStates
+
+FloatArray = NDArray[np.float64]
+
+MISPLACED = 0.5
+"""rad; a sensor that disagrees with a standing robot's posture by more has other axes."""
+
+
+def upward(body: BodyStates, foot: int) -> FloatArray:
+    """(3,) the floor's upward normal in the base's frame, seen from a foot flat on it.
+
+    Args:
+        body: of one instant.
+        foot: 0 left, 1 right; the one that stands.
+    """
+    rotation = body.left_rotation[0]
+    normal: FloatArray = rotation[:, 2] if foot == 0 else rotation @ body.rotation[0][:, 2]
+    return normal
+
+
+def angle_between(one: FloatArray, other: FloatArray) -> float:
+    """Between two unit vectors (3,), accurate for small angles too [rad]."""
+    return float(np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other))
+
+
+class Tilt:
+    """How far the torso leans from what the joint angles say, beyond what it did at the begin.
+
+    What differs at the begin is the floor's slope and how the sensor is mounted: a small turn
+    that stays.
+    """
+
+    def __init__(self, measured: FloatArray, expected: FloatArray) -> None:
+        """The robot stands.
+
+        Args:
+            measured: (3,) upward direction in the base's frame, as the sensor tells it.
+            expected: (3,) the same, as the joint angles tell it.
+        """
+        self.offset = angle_between(measured, expected)
+        self._turn = _least_turn(expected, measured)
+
+    @property
+    def usable(self) -> bool:
+        """Whether sensor and posture have the same axes."""
+        return self.offset < MISPLACED
+
+    def error(self, measured: FloatArray, expected: FloatArray) -> float:
+        """Angle between where the torso's upward direction is and where it should be [rad]."""
+        return angle_between(measured, self._turn @ expected)
+
+
+def _least_turn(start: FloatArray, end: FloatArray) -> FloatArray:
+    """(3, 3) smallest rotation from one unit vector (3,) to another, not opposite one."""
+    axis, cosine = np.cross(start, end), float(start @ end)
+    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    # Rodrigues' formula with the axis' length as the sine; opposite vectors are never used.
+    turn: FloatArray = np.eye(3) + cross + cross @ cross / max(1.0 + cosine, 1e-9)
+    return turn

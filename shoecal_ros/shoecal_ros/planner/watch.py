@@ -1,0 +1,156 @@
+"""What is watched while the robot moves, beside where its joints are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from shoecal_msgs.action import Plan
+
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.motion import Motion, Phase
+from shoecal_ros.inputs.imu import ImuInput
+from shoecal_ros.inputs.shoe_reports import ShoeReports
+from shoecal_ros.inputs.temperatures import TemperatureInput
+from shoecal_ros.planner.concern import Concern
+from shoecal_ros.planner.foot_load import LoadWatch, least_shares
+from shoecal_ros.planner.heat import too_hot
+from shoecal_ros.planner.settings import MovingSettings
+from shoecal_ros.planner.silence import Silence
+from shoecal_ros.planner.tilt import Tilt, upward
+
+FloatArray = NDArray[np.float64]
+
+COOL = "let its motors cool down, the robot sitting or held"
+
+
+@dataclass(frozen=True)
+class Senses:
+    """What is heard of a robot beside its joint angles; each of them may be missing."""
+
+    imu: ImuInput
+    shoes: ShoeReports
+    temperatures: TemperatureInput
+
+    @property
+    def ages(self) -> dict[str, float]:
+        """By source, since when it has told nothing; infinite where it never did [s]."""
+        return {"imu": self.imu.age_s, **self.shoes.ages}
+
+
+class MotionWatch:
+    """Watches a motion, in one part or several, by what was there when it began."""
+
+    def __init__(
+        self,
+        senses: Senses,
+        kinematics: Kinematics,
+        settings: MovingSettings,
+        joint_angles: FloatArray,
+    ) -> None:
+        """The robot stands on both feet.
+
+        Args:
+            senses: what is heard.
+            kinematics: of the robot.
+            settings: bounds.
+            joint_angles: (m,) measured [rad].
+        """
+        self._senses = senses
+        self._kinematics = kinematics
+        self._settings = settings
+        self._silence = Silence(senses.ages, settings.stale_s)
+        self._phases: tuple[Phase, ...] = ()
+        self._load: LoadWatch | None = None
+        self._tilt: Tilt | None = None
+        if senses.imu.up is not None and senses.imu.age_s <= settings.stale_s:
+            tilt = Tilt(senses.imu.up, upward(kinematics.states(joint_angles[None]), 0))
+            self._tilt = tilt if tilt.usable else None
+
+    def begin(self, motion: Motion) -> None:
+        """A part of the motion is sent now."""
+        self._phases = motion.phases
+        needed = needed_loads(motion, self._kinematics)
+        settings = self._settings
+        self._load = LoadWatch(
+            motion.time, needed, settings.load_needed, settings.follow_late, settings.load_lost_s
+        )
+
+    def carrying(self, elapsed: float) -> Carrying:
+        """Which feet carry at a time since the part was sent [s]."""
+        for phase in self._phases:
+            if elapsed < phase.end:
+                return phase.carrying
+        return Carrying.BOTH
+
+    def look(self, elapsed: float, joint_angles: FloatArray) -> Concern | None:
+        """What is wrong by now; what can wait comes last.
+
+        Args:
+            elapsed: since the part was sent [s].
+            joint_angles: (m,) measured [rad].
+        """
+        return (
+            self._tilted(elapsed, joint_angles)
+            or self._load_lost(elapsed)
+            or self._silent()
+            or hot(self._senses, self._settings.hot_degc)
+        )
+
+    def _tilted(self, elapsed: float, joint_angles: FloatArray) -> Concern | None:
+        up = self._senses.imu.up
+        if self._tilt is None or up is None:
+            return None
+        foot = 1 if self.carrying(elapsed) is Carrying.RIGHT else 0
+        meant = upward(self._kinematics.states(joint_angles[None]), foot)
+        error, bound = self._tilt.error(up, meant), self._settings.tilt_error
+        if error <= bound:
+            return None
+        return Concern(
+            Plan.Result.TILTED,
+            f"the torso leans {error:.2f} rad otherwise than its joints make it (tilt_error "
+            f"{bound:g} rad); see that both feet are flat on even ground and nobody pushes",
+        )
+
+    def _load_lost(self, elapsed: float) -> Concern | None:
+        problem = self._load.look(elapsed, self._senses.shoes.loaded) if self._load else ""
+        if not problem:
+            return None
+        return Concern(
+            Plan.Result.LOAD_LOST,
+            f"{problem}; see that nothing holds the robot and that its calibration is right",
+        )
+
+    def _silent(self) -> Concern | None:
+        gone = self._silence.look(self._senses.ages)
+        if not gone:
+            return None
+        return Concern(
+            Plan.Result.SENSORS_STALE,
+            f"nothing comes any more from {gone}; check the driver and its cable",
+            can_wait=True,
+        )
+
+
+def hot(senses: Senses, limit: float) -> Concern | None:
+    """Motors at a limit or beyond [degC]."""
+    problem = too_hot(senses.temperatures.degc, limit)
+    return Concern(Plan.Result.HOT_JOINTS, f"{problem}; {COOL}", can_wait=True) if problem else None
+
+
+def needed_loads(motion: Motion, kinematics: Kinematics) -> FloatArray:
+    """(T, 2) load that the left and the right foot have at least, by statics [N]."""
+    robot = kinematics.robot
+    shares = np.zeros((len(motion.time), 2))
+    for phase in motion.phases:
+        during = (motion.time >= phase.begin) & (motion.time <= phase.end)
+        if phase.carrying is not Carrying.BOTH:
+            shares[during, 0 if phase.carrying is Carrying.LEFT else 1] = 1.0
+            continue
+        left, right = (foot.outline for foot in robot.feet)
+        right = phase.foot_poses[0].support.right_to_left(right)
+        shares[during, 0] = least_shares(motion.cop[during], left, right)
+        shares[during, 1] = least_shares(motion.cop[during], right, left)
+    return shares * robot.weight

@@ -1,0 +1,78 @@
+from __future__ import annotations
+
+import math
+
+from shoecal_msgs.msg import FootState, ShoeState, ShoeVoltages
+
+from shoecal_ros.inputs.shoe_reports import ShoeReports
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.now = 100.0
+
+    def __call__(self) -> float:
+        return self.now
+
+
+def state(
+    left: bool = True, right: bool = True, *, valid: bool = True, stale: bool = False
+) -> ShoeState:
+    feet = [
+        FootState(foot=name, loaded=loaded, valid=valid, stale=stale)
+        for name, loaded in (("left", left), ("right", right))
+    ]
+    return ShoeState(state=ShoeState.CALIBRATED, feet=feet)
+
+
+def test_nothing_heard() -> None:
+    reports = ShoeReports()
+    assert reports.ages == {"shoe/voltages": math.inf}
+    assert reports.loaded == (None, None)
+
+
+def test_readings_that_stop() -> None:
+    clock = Clock()
+    reports = ShoeReports(clock=clock)
+    reports.take_readings([ShoeVoltages()])
+    clock.now += 2.0
+    assert reports.ages == {"shoe/voltages": 2.0}
+
+
+def test_feet_that_carry() -> None:
+    reports = ShoeReports()
+    reports.take_states([state(True, False)])
+    assert reports.loaded == (True, False)
+
+
+def test_numbers_that_are_not_valid_say_nothing() -> None:
+    reports = ShoeReports()
+    reports.take_states([state(valid=False)])
+    assert reports.loaded == (None, None)
+    reports.take_states([state(stale=True)])
+    assert reports.loaded == (None, None)
+
+
+def test_a_foot_is_stale_since_it_was_told() -> None:
+    clock = Clock()
+    reports = ShoeReports(clock=clock)
+    reports.take_states([state()])
+    clock.now += 5.0
+    assert reports.ages["readings of the left foot"] == 0.0
+    reports.take_states([state(stale=True)])
+    clock.now += 1.0
+    reports.take_states([state(stale=True)])
+    clock.now += 1.0
+    assert reports.ages["readings of the left foot"] == 2.0
+    reports.take_states([state()])
+    assert reports.ages["readings of the right foot"] == 0.0
+
+
+def test_a_state_that_nobody_would_change_any_more_says_nothing() -> None:
+    there = [True]
+    reports = ShoeReports(lambda: there[0])
+    reports.take_states([state()])
+    assert reports.ages["shoe/state"] == 0.0
+    there[0] = False
+    assert reports.ages["shoe/state"] == math.inf
+    assert reports.loaded == (None, None)

@@ -1,0 +1,172 @@
+"""Whatever is wrong while the robot moves stops it gently, each cause with its own code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from shoecal_msgs.action import Plan
+from std_srvs.srv import SetBool
+from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
+
+from ros.bodies import nao
+from ros.following_robot import FollowingRobot
+from ros.world import Goal, Heard, World
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import trajectory_from_ros
+
+FloatArray = NDArray[np.float64]
+PATIENT = {"stale_s": 2.0}
+"""For a busy machine."""
+SUPPORT = DoubleSupport(0.02, -0.11, 0.1)
+
+
+class Scene:
+    """A planner and a robot that follows it."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.robot = FollowingRobot(world, SUPPORT)
+        self.commands: Heard = world.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+        world.start("planner", PATIENT)
+        world.until_told("planner", "planning", "ready")
+        self.recover()
+
+    def recover(self) -> None:
+        self.robot.recover()
+        for subject, told in (("joints", "come"), ("tilt", "comes"), ("shoes", "comes")):
+            self.world.until_told("planner", subject, told)
+        self.world.until_told("planner", "heat", "'RKneePitch' at 40")
+        assert self.world.call(SetBool, "shoe/arm", SetBool.Request(data=True)).success
+
+    def plan(self, motion: str = "landmarks") -> Goal:
+        return self.world.goal(Plan, "shoe/plan", Plan.Goal(motion=motion, send=True))
+
+    def until(self, goal: Goal, condition: Callable[[], object]) -> None:
+        """Wait for something in the course of a motion."""
+        self.world.until(lambda: goal.done or condition())
+        assert not goal.done, goal.result().message
+
+    def moving(self) -> Goal:
+        """A motion on its way."""
+        goal = self.plan()
+        self.until(
+            goal, lambda: any(one.phase == "moving" and one.progress > 0.1 for one in goal.feedback)
+        )
+        return goal
+
+    def held(self) -> FloatArray:
+        """(m,) joint angles of the hold that was sent."""
+        self.world.until(lambda: len(self.commands.last.points) == 1)
+        hold = trajectory_from_ros(self.commands.last).full(nao(), self.robot.angles)
+        angles: FloatArray = hold.positions[-1]
+        return angles
+
+
+@pytest.fixture(scope="module")
+def running(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scene]:
+    with World(tmp_path_factory.mktemp("planner")) as world:
+        yield Scene(world)
+
+
+@pytest.fixture
+def scene(running: Scene) -> Scene:
+    running.recover()
+    return running
+
+
+def lean(robot: FollowingRobot) -> None:
+    robot.leaning = 0.2
+
+
+def lose_load(robot: FollowingRobot) -> None:
+    robot.loaded = [False, False]
+
+
+def fall_silent(robot: FollowingRobot) -> None:
+    robot.tells_voltages = False
+
+
+def heat(robot: FollowingRobot) -> None:
+    robot.degc = 71.0
+
+
+def slip(robot: FollowingRobot) -> None:
+    robot.offset = 0.2
+
+
+@pytest.mark.parametrize(
+    ("cause", "code", "told"),
+    [
+        (lean, Plan.Result.TILTED, "rad otherwise than its joints make it"),
+        (lose_load, Plan.Result.LOAD_LOST, "foot carries nothing"),
+        (fall_silent, Plan.Result.SENSORS_STALE, "shoe/voltages"),
+        (heat, Plan.Result.HOT_JOINTS, "'RKneePitch' is at 71 degC"),
+        (slip, Plan.Result.NOT_FOLLOWED, "joint 'LKneePitch' is"),
+    ],
+)
+def test_each_cause_stops_the_robot_where_it_is(
+    scene: Scene, cause: Callable[[FollowingRobot], None], code: int, told: str
+) -> None:
+    goal = scene.moving()
+    cause(scene.robot)
+    result = goal.result()
+    assert result.error_code == code, result.message
+    assert told in result.message
+    assert scene.held() == pytest.approx(scene.robot.angles, abs=0.05)
+
+
+def test_joint_angles_that_stop_stop_the_motion(scene: Scene) -> None:
+    goal = scene.moving()
+    scene.robot.tells_joints = False
+    result = goal.result()
+    assert result.error_code == Plan.Result.NO_JOINT_STATES
+    assert "stopped while moving" in result.message
+    scene.held()
+
+
+def test_nothing_begins_with_hot_motors(scene: Scene) -> None:
+    scene.robot.degc = 65.0  # not as cool as to begin
+    scene.world.until_told("planner", "heat", "at 65")
+    sent = len(scene.commands)
+    result = scene.plan().result()
+    assert result.error_code == Plan.Result.HOT_JOINTS
+    assert result.message.startswith("not begun: joint 'RKneePitch' is at 65 degC")
+    assert len(scene.commands) == sent
+
+
+def test_on_one_foot_a_hot_motor_waits_until_both_carry(scene: Scene) -> None:
+    goal = scene.plan("unload_right")
+    scene.until(goal, lambda: scene.robot.lifted > 0.003)
+    scene.robot.degc = 71.0
+    result = goal.result()
+    assert result.error_code == Plan.Result.HOT_JOINTS, result.message
+    feet = Kinematics(nao()).states(scene.held()[None])
+    assert abs(feet.translation[0, 2]) < 1e-3, "the foot is down"
+    assert feet.cop[0, 0, 1] > -0.03, "the weight is still over the left foot"
+
+
+def test_on_one_foot_cancelling_holds_at_once(scene: Scene) -> None:
+    goal = scene.plan("unload_right")
+    scene.until(goal, lambda: scene.robot.lifted > 0.003)
+    goal.cancel()
+    assert goal.result().error_code == Plan.Result.CANCELED
+    assert Kinematics(nao()).states(scene.held()[None]).translation[0, 2] > 0.002
+
+
+def test_a_motion_of_several_parts_is_not_streamed(scene: Scene) -> None:
+    goal = Plan.Goal(motion="unload_right", send=True, stream=True)
+    result = scene.world.goal(Plan, "shoe/plan", goal).result()
+    assert result.error_code == Plan.Result.BAD_GOAL
+    assert "cannot be streamed; ask without stream, or for one of: landmarks" in result.message
+
+
+def test_a_motion_done_tells_how_warm_it_left_the_motors(scene: Scene) -> None:
+    scene.robot.pace = 16
+    result = scene.plan("unload_right").result()
+    assert result.success, result.message
+    assert "hottest joint 'RKneePitch' at 40 degC, 28 degC below the limit" in result.message
