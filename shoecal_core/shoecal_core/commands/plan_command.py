@@ -8,7 +8,6 @@ import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import numpy as np
 from rich.console import Console
 
 from shoecal_core.commands.arguments import add_planning, planner_settings
@@ -25,11 +24,14 @@ from shoecal_core.planning.forecast import (
     total_information,
     worst_part,
 )
+from shoecal_core.planning.menu import MENU
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.observability import Visit
-from shoecal_core.planning.planner import MENU, Planner
+from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports import draw_supports, trained_supports
+from shoecal_core.report.plan_content import PlannedMotion
+from shoecal_core.report.plan_report import PAGE, picture_name, write_plan
 from shoecal_core.sensing.shoe import Shoe, load_shoe
 from shoecal_core.workspace import config_dir
 
@@ -47,7 +49,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
-    """Plan each motion, check it by an independent computation, write it as CSV; forecast."""
+    """Plan each motion, check it by an independent computation, write and draw it; forecast."""
     settings = planner_settings(args)
     shoe = load_shoe(args.shoe or config_dir() / "shoes" / "nao_shoe.yaml")
     robot = load_robot(args.robot, shoe)
@@ -55,26 +57,29 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     planner = Planner(robot, settings)
     _make_folder(args.out)
     rows: list[dict[str, object]] = []
-    motions: list[Motion] = []
+    motions: list[PlannedMotion] = []
     with shown_progress() as progress:
         for index, support in enumerate(supports):
             progress(f"planning {index + 1} of {len(supports)}", index / len(supports))
             begin = time.perf_counter()
             motion = planner.plan(support, args.motion)
             seconds = time.perf_counter() - begin
-            file = args.out / f"motion_{index + 1:03d}.csv"
+            report = check_motion(planner.legs, motion, settings)
+            planned = PlannedMotion(f"motion_{index + 1:03d}", robot, motion, report, settings)
+            file = args.out / f"{planned.label}.csv"
             atomic_write(file, _csv(motion))
-            motions.append(motion)
-            rows.append(_row(planner, motion, file, seconds))
-            console.print(
-                f"{file}: {motion.duration:.1f} s, landmarks within "
-                f"{1e3 * float(np.max(motion.path.nearest)):.1f} mm, planned in {seconds:.1f} s"
-            )
+            motions.append(planned)
+            rows.append(_row(planned, file, seconds))
+            console.print(_line(planned, file, seconds))
+        progress("drawing what was planned", 1.0)
+        write_plan(args.out, motions)
         progress("looking for the best double supports to add", 1.0)
-        told = _forecast(robot, shoe, motions, settings, console)
+        told = _forecast(robot, shoe, [planned.motion for planned in motions], settings, console)
+    console.print(f"{args.out / PAGE}: pictures and animations of all motions")
     figures: dict[str, object] = {
         "robot": robot.name,
         "seed": args.seed,
+        "page": PAGE,
         "motions": rows,
         "forecast": told,
     }
@@ -82,17 +87,36 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     return figures
 
 
-def _row(planner: Planner, motion: Motion, file: Path, seconds: float) -> dict[str, object]:
+def _line(planned: PlannedMotion, file: Path, seconds: float) -> str:
+    """What the terminal tells of one motion."""
+    reached = sum(target.reached for target in planned.targets)
+    missed = [
+        f"{target.number}: {target.off(planned.settings.landmark_radius)}"
+        for target in planned.targets
+        if not target.reached
+    ]
+    without = f" ({', '.join(missed)})" if missed else ""
+    return (
+        f"{file}: {planned.motion.duration:.1f} s, {reached} of {len(planned.targets)} landmarks "
+        f"reached{without}, planned in {seconds:.1f} s"
+    )
+
+
+def _row(planned: PlannedMotion, file: Path, seconds: float) -> dict[str, object]:
+    motion = planned.motion
     support = motion.support
     return {
         "file": file.name,
+        "picture": picture_name(planned),
         "support": [support.dx, support.dy, support.dtheta],
         "duration_s": motion.duration,
         "planning_s": seconds,
-        "landmark_distance_mm": (1e3 * motion.path.nearest).tolist(),
+        "landmark_distance_mm": [
+            1e3 * target.nearest if target.pursued else None for target in planned.targets
+        ],
         "worst": {
             found.constraint: {"value": found.value, "limit": found.limit, "unit": found.unit}
-            for found in check_motion(planner.legs, motion, planner.settings).findings
+            for found in planned.report.findings
         },
     }
 

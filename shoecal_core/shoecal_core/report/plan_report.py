@@ -40,8 +40,13 @@ def write_plan(folder: Path, motions: Sequence[PlannedMotion]) -> None:
     """
     pictures = [motion_pictures(planned) for planned in motions]
     for planned, drawn in zip(motions, pictures, strict=True):
-        write_sheet(folder / f"{planned.label}.svg", _rows(planned, drawn), _alt(planned))
+        write_sheet(folder / picture_name(planned), _rows(planned, drawn), _alt(planned))
     write_page(folder / PAGE, plan_page(motions, pictures))
+
+
+def picture_name(planned: PlannedMotion) -> str:
+    """File of a motion's picture."""
+    return f"{planned.label}.svg"
 
 
 def _rows(planned: PlannedMotion, pictures: Sequence[Picture]) -> tuple[tuple[Part, ...], ...]:
