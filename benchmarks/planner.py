@@ -16,7 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from shoecal_core.model.robot_file import load_robot
-from shoecal_core.planning.check import Finding, check_motion
+from shoecal_core.planning.check import check_motion
+from shoecal_core.planning.findings import Finding
 from shoecal_core.planning.menu import MENU
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import SOLVERS, PlannerSettings

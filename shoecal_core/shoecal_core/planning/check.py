@@ -5,17 +5,16 @@ It looks at every point of the trajectory, many more than there are planned stat
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.body_track import BodyTrack, track
 from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.findings import Finding, Report, at_least, at_most, worst
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.settings import PlannerSettings
@@ -28,83 +27,6 @@ _TORQUE_SLACK = 1.02
 """Between planned states torques may exceed the planned ones by this factor."""
 _RATE_SLACK = 1.1
 """Speeds and accelerations by differences may exceed the planned ones by this factor."""
-
-
-@dataclass(frozen=True)
-class Finding:
-    """The worst of one constraint over a motion.
-
-    Attributes:
-        constraint: its name.
-        unit: of value and limit.
-        value: the worst.
-        limit: that it must keep.
-        excess: how far the value is beyond the limit; negative where it is kept.
-        time: of the worst, from the motion's begin [s].
-        where: joint, capsules or foot; empty where there is nothing to tell.
-    """
-
-    constraint: str
-    unit: str
-    value: float
-    limit: float
-    excess: float
-    time: float
-    where: str
-
-    @property
-    def kept(self) -> bool:
-        """Whether the constraint holds throughout."""
-        return self.excess <= 0.0
-
-    def __str__(self) -> str:
-        where = f" ({self.where})" if self.where else ""
-        return (
-            f"{self.constraint}{where} is {self.value:.4g} {self.unit} at {self.time:.2f} s, "
-            f"limit {self.limit:.4g} {self.unit}"
-        )
-
-
-class CheckFailedError(ShoecalError):
-    """A motion that violates a constraint.
-
-    Attributes:
-        findings: the violated ones.
-    """
-
-    def __init__(self, findings: tuple[Finding, ...]) -> None:
-        self.findings = findings
-        listed = "; ".join(str(finding) for finding in findings)
-        super().__init__(
-            f"the motion violates: {listed}; it was not released. Choose another double support "
-            "or larger margins"
-        )
-
-
-@dataclass(frozen=True)
-class Report:
-    """Every constraint's worst over a motion."""
-
-    findings: tuple[Finding, ...]
-
-    @property
-    def kept(self) -> bool:
-        """Whether all constraints hold."""
-        return all(finding.kept for finding in self.findings)
-
-    def of(self, constraint: str) -> Finding:
-        """The finding of one constraint."""
-        return next(found for found in self.findings if found.constraint == constraint)
-
-    def require(self) -> None:
-        """Raise where a constraint is violated.
-
-        Raises:
-            CheckFailedError: names each with its time and value.
-        """
-        violated = tuple(finding for finding in self.findings if not finding.kept)
-        if violated:
-            raise CheckFailedError(violated)
 
 
 def check_motion(legs: Legs, motion: Motion, settings: PlannerSettings) -> Report:
@@ -137,7 +59,7 @@ def check_motion(legs: Legs, motion: Motion, settings: PlannerSettings) -> Repor
             _joint_speed(legs, span, motion, paced),
             *_com(span, body, motion.time, paced),
         ]
-    return Report(_worst(found))
+    return Report(worst(found))
 
 
 @dataclass(frozen=True)
@@ -171,51 +93,6 @@ def _in_right(body: BodyTrack, samples: slice, points: FloatArray) -> FloatArray
     return local
 
 
-def _worst(findings: Sequence[Finding]) -> tuple[Finding, ...]:
-    """Of every constraint the finding that is farthest beyond its limit."""
-    worst: dict[str, Finding] = {}
-    for finding in findings:
-        known = worst.get(finding.constraint)
-        if known is None or finding.excess > known.excess:
-            worst[finding.constraint] = finding
-    return tuple(worst.values())
-
-
-def _at_least(
-    constraint: str,
-    unit: str,
-    values: FloatArray,
-    limit: float,
-    time: FloatArray,
-    names: tuple[str, ...] = ("",),
-    *,
-    from_begin: bool = True,
-) -> Finding:
-    """The worst of values (T, n) that must not fall below a limit.
-
-    Where a motion begins outside of it, not below their own begin.
-    """
-    allowed = np.minimum(limit, values[0]) if from_begin else np.full(values.shape[1], limit)
-    index, column = np.unravel_index(np.argmin(values - allowed), values.shape)
-    value, bound = float(values[index, column]), float(allowed[column])
-    return Finding(constraint, unit, value, bound, bound - value, float(time[index]), names[column])
-
-
-def _at_most(
-    constraint: str,
-    unit: str,
-    values: FloatArray,
-    limit: FloatArray | float,
-    time: FloatArray,
-    names: tuple[str, ...] = ("",),
-) -> Finding:
-    """The worst of values (T, n) that must not exceed a limit, compared by their ratio."""
-    limits = np.broadcast_to(limit, values.shape[1:])
-    index, column = np.unravel_index(np.argmax(values / limits), values.shape)
-    value, bound = float(values[index, column]), float(limits[column])
-    return Finding(constraint, unit, value, bound, value - bound, float(time[index]), names[column])
-
-
 def _stability(
     legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
 ) -> Finding:
@@ -234,7 +111,7 @@ def _stability(
         shapely.distance(polygon.exterior, points),
         -shapely.distance(polygon, points),
     )
-    return _at_least(
+    return at_least(
         "distance of the CoP from the edge of the sensing polygon",
         "m", distance[:, None], margin * settings.margin_kept, time[span.samples],
         from_begin=span.first,
@@ -248,7 +125,7 @@ def _joint_limits(
     moved = [*robot.legs, *(shared.joint for shared in robot.shared)]
     room = np.minimum(positions - robot.lower, robot.upper - positions)[:, moved]
     names = tuple(robot.joint_names[index] for index in moved)
-    return _at_least(
+    return at_least(
         "distance from joint limits",
         "rad", room, settings.joint_margin * settings.margin_kept, time, names,
     )  # fmt: skip
@@ -263,7 +140,7 @@ def _collision(
     names = tuple(
         f"{robot.capsules[a].name}, {robot.capsules[b].name}" for a, b in robot.collision_pairs
     )
-    finding = _at_least(
+    finding = at_least(
         "distance between capsules",
         "m", body.distances,
         settings.capsule_clearance * settings.margin_kept, time, names,
@@ -288,8 +165,8 @@ def _feet(
         at = time[ends]
     limit = settings.foot_drift
     found = [
-        _at_most("drift of the way between the feet", "m", way[:, None], limit, at),
-        _at_most("drift of the turn between the feet", "rad", turn[:, None], limit, at),
+        at_most("drift of the way between the feet", "m", way[:, None], limit, at),
+        at_most("drift of the turn between the feet", "rad", turn[:, None], limit, at),
     ]
     if span.phase.carrying is not Carrying.BOTH:
         found += _in_the_air(legs, span, body, time[span.samples], settings)
@@ -322,24 +199,31 @@ def _in_the_air(
     else:
         local = left[None] - body.right_translation[samples, None]
         height = np.einsum("tji,tcj->tci", body.right_rotation[samples], local)[..., 2]
+    lowest = height.min(axis=1)
     gaps = shapely.distance(shapely.Polygon(left[:, :2]), shapely.polygons(right_in_left[..., :2]))
     return [
-        _at_least(
-            "height of the foot in the air", "m", height.min(axis=1)[:, None],
-            -settings.foot_drift, time,
+        at_least(
+            "height of the foot in the air", "m", lowest[:, None],
+            _from_begin(0.0, lowest, settings), time, from_begin=False,
         ),
-        _at_least(
+        at_least(
             "gap between the outlines of the feet", "m", gaps[:, None],
-            settings.foot_clearance * settings.margin_kept, time,
+            _from_begin(settings.foot_clearance * settings.margin_kept, gaps, settings), time,
+            from_begin=False,
         ),
     ]  # fmt: skip
+
+
+def _from_begin(limit: float, values: FloatArray, settings: PlannerSettings) -> float:
+    """Of a foot that encoders may have shown as a little tilted or too near while it stood."""
+    return min(limit, float(values[0])) - settings.foot_drift
 
 
 def _joint_speed(legs: Legs, span: _Span, motion: Motion, settings: PlannerSettings) -> Finding:
     robot, time = legs.robot, motion.time[span.samples]
     speed = np.abs(np.diff(motion.positions[span.samples], axis=0)) / np.diff(time)[:, None]
     limit = np.minimum(robot.velocity_limit, settings.joint_speed) * _RATE_SLACK
-    return _at_most("joint speed", "rad/s", speed, limit, time[:-1], robot.joint_names)
+    return at_most("joint speed", "rad/s", speed, limit, time[:-1], robot.joint_names)
 
 
 def _com(
@@ -353,10 +237,10 @@ def _com(
     bend = ground[2 * half :] - 2.0 * ground[half:-half] + ground[: -2 * half]
     shift = np.linalg.norm(bend, axis=1) / wide**2 * com[half:-half, 2] / GRAVITY
     return (
-        _at_most(
+        at_most(
             "CoM speed", "m/s", speed[:, None], settings.com_speed * _RATE_SLACK, time[:-half]
         ),
-        _at_most(
+        at_most(
             "shift of the CoP by acceleration", "m", shift[:, None],
             settings.dynamic_cop_error * _RATE_SLACK, time[half:-half],
         ),
@@ -369,7 +253,7 @@ def _torque(legs: Legs, body: BodyTrack, time: FloatArray, settings: PlannerSett
         robot.effort_limit[robot.legs] * settings.torque_share * _TORQUE_SLACK,
         np.abs(body.torques[0]),
     )
-    return _at_most("static torque", "N m", np.abs(body.torques), limit, time, robot.leg_names)
+    return at_most("static torque", "N m", np.abs(body.torques), limit, time, robot.leg_names)
 
 
 def _rest(motion: Motion, settings: PlannerSettings) -> Finding:
@@ -379,4 +263,4 @@ def _rest(motion: Motion, settings: PlannerSettings) -> Finding:
     end = np.abs(motion.positions[-1 - points :] - motion.positions[-1]).max(axis=1)
     moved = np.concatenate([begin, end])[:, None]
     time = np.concatenate([motion.time[: points + 1], motion.time[-1 - points :]])
-    return _at_most("way while holding still", "rad", moved, 1e-6, time)
+    return at_most("way while holding still", "rad", moved, 1e-6, time)

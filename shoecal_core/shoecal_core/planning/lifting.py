@@ -20,29 +20,12 @@ FloatArray = NDArray[np.float64]
 
 _ASIDE = np.linspace(0.0, 0.12, 25)
 """m; how far to the side a foot may be led round the other one."""
+_HASTE = 15.0 / 8.0
+"""Greatest speed of a way that begins and ends without speed and acceleration, over its mean."""
 
 
 class NoWayError(ShoecalError):
     """A foot that cannot be carried past the other one."""
-
-
-def one_foot_aim(
-    robot: Robot, tasks: FloatArray, foot_pose: FootPose, carrying: Carrying
-) -> FloatArray:
-    """(5,) standing on one foot: the CoP over its middle, upright, the base as high as now.
-
-    In the frame of that foot.
-
-    Args:
-        robot: whose feet.
-        tasks: (5,) now, left sole's frame.
-        foot_pose: of the feet now.
-        carrying: the foot.
-    """
-    right = carrying is Carrying.RIGHT
-    middle = shapely.Polygon(robot.feet[int(right)].sensing_polygon).centroid
-    height = tasks[4] - (foot_pose.translation[2] if right else 0.0)
-    return np.array([middle.x, middle.y, 0.0, 0.0, height])
 
 
 def in_the_air(
@@ -54,7 +37,7 @@ def in_the_air(
     *,
     pause: float = 0.0,
 ) -> Course:
-    """A foot led along poses while everything else stays at an aim (5,) of one_foot_aim."""
+    """A foot led along poses; the rest goes to an aim (5,), in the standing foot's frame."""
     weights = settings.task_weights
     return Course(name, aim[None], weights, foot_poses, carrying, settings.step_pace, pause)
 
@@ -69,13 +52,13 @@ def lifted(pose: FootPose, carrying: Carrying, height: float) -> FootPose:
 
 def vertical_states(height: float, settings: PlannerSettings) -> int:
     """States that lifting a foot takes."""
-    return max(3, math.ceil(height / settings.step_way))
+    return max(6, math.ceil(_HASTE * height / settings.step_way))
 
 
 def way_between(
     begin: FootPose, end: FootPose, carrying: Carrying, states: int, aside: float = 0.0
 ) -> tuple[FootPose, ...]:
-    """Poses from one to another, both included, evenly for whoever stands on the other foot.
+    """Poses from one to another, both included, seen from the other foot; slow at both ends.
 
     Args:
         begin, end: of the right sole in the left sole's frame.
@@ -84,7 +67,8 @@ def way_between(
         aside: how far the way bulges outward in its middle [m].
     """
     first, last = _of_air(begin, carrying), _of_air(end, carrying)
-    parts = np.linspace(0.0, 1.0, states + 1)
+    even = np.linspace(0.0, 1.0, states + 1)
+    parts = even**3 * (10.0 - 15.0 * even + 6.0 * even**2)
     ends = Rotation.from_matrix(np.stack([first.rotation, last.rotation]))
     turns = Slerp([0.0, 1.0], ends)(parts)
     places = first.translation + parts[:, None] * (last.translation - first.translation)
@@ -131,7 +115,7 @@ def carried(
 def _states(begin: FootPose, end: FootPose, aside: float, settings: PlannerSettings) -> int:
     way = float(np.linalg.norm(end.translation - begin.translation)) + 2.0 * aside
     turn = Rotation.from_matrix(begin.rotation.T @ end.rotation).magnitude()
-    return max(3, math.ceil(max(way / settings.step_way, turn / settings.step_turn)))
+    return max(6, math.ceil(_HASTE * max(way / settings.step_way, turn / settings.step_turn)))
 
 
 def _gap(robot: Robot, poses: tuple[FootPose, ...]) -> float:

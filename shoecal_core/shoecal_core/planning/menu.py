@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.course import Course, cop_course, in_left
+from shoecal_core.planning.course import Course, cop_course, in_standing
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.lifting import (
     in_the_air,
     lifted,
-    one_foot_aim,
     vertical_states,
     way_between,
 )
@@ -36,12 +35,14 @@ class Standing:
         settings: of planning.
         foot_pose: of the right sole in the left sole's frame.
         tasks: (5,) CoP in the left sole's frame [m], lean, height of the base [m].
+        on_one: the same for standing on one foot, the feet in a pose.
     """
 
     robot: Robot
     settings: PlannerSettings
     foot_pose: FootPose
     tasks: FloatArray
+    on_one: Callable[[FootPose, Carrying], FloatArray]
 
     @property
     def cop(self) -> FloatArray:
@@ -132,12 +133,16 @@ def _height(standing: Standing) -> tuple[Course, ...]:
 def _unload(standing: Standing, carrying: Carrying) -> tuple[Course, ...]:
     """The weight over one foot, the other lifted a little and put down, the weight back."""
     settings, pose = standing.settings, standing.foot_pose
-    aim = one_foot_aim(standing.robot, standing.tasks, pose, carrying)
-    aloft = lifted(pose, carrying, settings.lift)
-    states = vertical_states(settings.lift, settings)
-    up = way_between(pose, aloft, carrying, states)
+    tasks = standing.on_one(pose, carrying)
+    up = way_between(
+        pose,
+        lifted(pose, carrying, settings.lift),
+        carrying,
+        vertical_states(settings.lift, settings),
+    )
+    aim = in_standing(tasks, pose, carrying)
     return (
-        standing.pursuing("shift", in_left(aim, pose, carrying)[None]),
+        standing.pursuing("shift", tasks[None]),
         in_the_air("lift", aim, up, carrying, settings, pause=settings.unloaded_time),
         in_the_air("lower", aim, up[::-1], carrying, settings),
         standing.pursuing("back", standing.tasks[None]),

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
+from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.check import check_motion
 from shoecal_core.planning.collocation import Collocation, Scene, Solver
 from shoecal_core.planning.course import Course
@@ -131,10 +132,16 @@ class Planner:
         if joint_angles.shape != robot.posture.shape:
             raise ShapeError("joint angles", f"({len(robot.posture)},)", joint_angles.shape)
         foot_pose = self._standing_on(joint_angles)
-        collocation = self.horizon.collocation
         scene = Scene.of(sensing_hull(robot, foot_pose.support), 0.0, foot_pose, joint_angles)
-        tasks = collocation.evaluate(joint_angles[None, robot.legs], scene).tasks[0]
-        return Standing(robot, self.settings, foot_pose, tasks)
+
+        def tasks(leg_angles: FloatArray) -> FloatArray:
+            found: FloatArray = self.horizon.collocation.evaluate(leg_angles[None], scene).tasks[0]
+            return found
+
+        def on_one(pose: FootPose, carrying: Carrying) -> FloatArray:
+            return tasks(self._stance.solve_on_one(pose, carrying, joint_angles))
+
+        return Standing(robot, self.settings, foot_pose, tasks(joint_angles[robot.legs]), on_one)
 
     def _standing_on(self, joint_angles: FloatArray) -> FootPose:
         robot, settings = self.legs.robot, self.settings

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
+from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.legs import FootPose, LegExpressions, Legs
 from shoecal_core.planning.settings import PlannerSettings
 
@@ -27,21 +28,35 @@ _RESIDUAL = 1e-7
 """m, rad, N m; a posture that violates its constraints by more than this is none."""
 
 
+_ASIDE = 0.008
+"""m; on one foot the CoP may be that far from its middle where this spares the motors."""
+_ASIDE_WEIGHT = 100.0
+"""1/m^2, of that against joint angles near the nominal ones."""
+
+
 class UnreachableError(ShoecalError):
-    """A double support in which the robot cannot stand within its margins.
+    """Feet on which the robot cannot stand within its margins.
 
     Attributes:
-        support: the one asked for.
+        support: the double support asked for, or that of the feet while one is in the air.
         miss: what is left between feet or CoP and where they should be [m, rad].
         overload: torque of a motor beyond its share [N m].
     """
 
-    def __init__(self, robot: str, support: DoubleSupport, miss: float, overload: float) -> None:
+    def __init__(
+        self,
+        robot: str,
+        support: DoubleSupport,
+        miss: float,
+        overload: float,
+        carrying: Carrying = Carrying.BOTH,
+    ) -> None:
         self.support = support
         self.miss = miss
         self.overload = overload
+        on = "" if carrying is Carrying.BOTH else f" on its {carrying.value} foot alone"
         super().__init__(
-            f"robot '{robot}' cannot stand with the right foot at dx {support.dx:g} m, "
+            f"robot '{robot}' cannot stand{on} with the right foot at dx {support.dx:g} m, "
             f"dy {support.dy:g} m, dtheta {support.dtheta:g} rad (misses by {miss:.2g} m or rad, "
             f"torque too large by {max(0.0, overload):.2g} N m); choose feet nearer to the neutral "
             "stance, or change joint_margin, stance_margin, knee_margin or torque_share"
@@ -49,7 +64,7 @@ class UnreachableError(ShoecalError):
 
 
 class StanceSolver:
-    """Inverse kinematics of one robot, compiled once for every double support."""
+    """Inverse kinematics of one robot, compiled once for all its stances."""
 
     def __init__(self, legs: Legs, settings: PlannerSettings) -> None:
         self._legs = legs
@@ -58,11 +73,11 @@ class StanceSolver:
         self._torque = robot.effort_limit[robot.legs] * settings.torque_share
         terms = LegExpressions(robot)
         target = ca.SX.sym("target", 2)
-        torques = ca.substitute(terms.torques, terms.share, ca.SX([0.0, 1.0]))
         cost = ca.sumsqr(terms.angles - legs.nominal)
         cost += settings.upright_weight * ca.sumsqr(terms.lean)
-        parameters = ca.vertcat(terms.foot_pose, target, terms.others)
-        constraints = ca.vertcat(torques, terms.foot_error, terms.cop - target)
+        cost += _ASIDE_WEIGHT * ca.sumsqr(terms.cop - target)
+        parameters = ca.vertcat(terms.foot_pose, terms.share, target, terms.others)
+        constraints = ca.vertcat(terms.torques, terms.cop - target, terms.foot_error)
         problem = {"x": terms.angles, "p": parameters, "f": cost, "g": constraints}
         self._solver = ca.nlpsol("stance", "ipopt", problem, _OPTIONS)
 
@@ -81,22 +96,52 @@ class StanceSolver:
         """
         robot = self._legs.robot
         target = middle(robot, support) if cop_target is None else cop_target
-        start = np.clip(self._legs.nominal, self._lower, self._upper)
+        return self._solved(FootPose.of(support), Carrying.BOTH, target, 0.0, robot.posture)
+
+    def solve_on_one(
+        self, foot_pose: FootPose, carrying: Carrying, others: FloatArray
+    ) -> FloatArray:
+        """Leg angles (k,) [rad] of standing on one foot, the other one anywhere in the air.
+
+        The CoP is near the middle of the foot that carries.
+
+        Args:
+            foot_pose: of the right sole in the left sole's frame.
+            carrying: the foot.
+            others: (m,) all joint angles, of which those beside the legs count [rad].
+
+        Raises:
+            UnreachableError: when no posture within the margins does it.
+        """
+        centre = carrying.polygon(self._legs.robot, foot_pose).centroid
+        target = np.array([centre.x, centre.y])
+        return self._solved(foot_pose, carrying, target, _ASIDE, others)
+
+    def _solved(
+        self,
+        foot_pose: FootPose,
+        carrying: Carrying,
+        target: FloatArray,
+        aside: float,
+        others: FloatArray,
+    ) -> FloatArray:
+        bounds = np.concatenate([self._torque, [aside, aside], np.zeros(6)])
         result = self._solver(
-            x0=start,
-            p=np.concatenate([FootPose.of(support).parameters, target, robot.posture]),
+            x0=np.clip(self._legs.nominal, self._lower, self._upper),
+            p=np.concatenate([foot_pose.parameters, carrying.share, target, others]),
             lbx=self._lower,
             ubx=self._upper,
-            lbg=np.concatenate([-self._torque, np.zeros(8)]),
-            ubg=np.concatenate([self._torque, np.zeros(8)]),
+            lbg=-bounds,
+            ubg=bounds,
         )
         # IPOPT relaxes bounds by rounding; inside is inside.
         angles: FloatArray = np.clip(np.array(result["x"]).ravel(), self._lower, self._upper)
-        values = np.array(result["g"]).ravel()
-        miss = float(np.abs(values[-8:]).max())
-        overload = float((np.abs(values[:-8]) - self._torque).max())
+        beyond = np.abs(np.array(result["g"]).ravel()) - bounds
+        miss, overload = float(beyond[-8:].max()), float(beyond[:-8].max())
         if not max(miss, overload) < _RESIDUAL:
-            raise UnreachableError(robot.name, support, miss, overload)
+            raise UnreachableError(
+                self._legs.robot.name, foot_pose.support, miss, overload, carrying
+            )
         return angles
 
 

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.check import CheckFailedError
-from shoecal_core.planning.course import in_left
+from shoecal_core.planning.course import in_standing
+from shoecal_core.planning.findings import CheckFailedError
 from shoecal_core.planning.legs import FootPose
-from shoecal_core.planning.lifting import NoWayError, carried, in_the_air, one_foot_aim
+from shoecal_core.planning.lifting import NoWayError, carried, in_the_air
 from shoecal_core.planning.menu import Standing
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
@@ -111,13 +111,11 @@ class Stepper:
     ) -> Motion:
         planner, settings = self.planner, self.planner.settings
         robot, begin, end = planner.legs.robot, standing.foot_pose, FootPose.of(goal)
-        # Where it shall stand in the end tells how high the torso may be.
-        ended = planner.standing(planner.stance(goal))
-        aim = one_foot_aim(robot, standing.tasks, begin, carrying)
-        aim[4] = min(aim[4], ended.tasks[4])
         way = carried(robot, begin, end, carrying, settings)
+        ended = planner.standing(planner.stance(goal))
+        aim = in_standing(standing.on_one(end, carrying), end, carrying)
         courses = (
-            standing.pursuing("shift", in_left(aim, begin, carrying)[None]),
+            standing.pursuing("shift", standing.on_one(begin, carrying)[None]),
             in_the_air("swing", aim, way, carrying, settings),
             ended.pursuing("back", ended.tasks[None]),
         )

@@ -11,7 +11,8 @@ import pytest
 from core.planning.bodies import load_body
 from core.planning.motions import SETTINGS, motion_of
 from shoecal_core.planning.body_track import load_share, track
-from shoecal_core.planning.check import CheckFailedError, Report, check_motion
+from shoecal_core.planning.check import check_motion
+from shoecal_core.planning.findings import CheckFailedError, Report
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
 

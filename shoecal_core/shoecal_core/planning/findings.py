@@ -1,0 +1,135 @@
+"""What a check of a motion finds: of every constraint the worst."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import ShoecalError
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The worst of one constraint over a motion.
+
+    Attributes:
+        constraint: its name.
+        unit: of value and limit.
+        value: the worst.
+        limit: that it must keep.
+        excess: how far the value is beyond the limit; negative where it is kept.
+        time: of the worst, from the motion's begin [s].
+        where: joint, capsules or foot; empty where there is nothing to tell.
+    """
+
+    constraint: str
+    unit: str
+    value: float
+    limit: float
+    excess: float
+    time: float
+    where: str
+
+    @property
+    def kept(self) -> bool:
+        """Whether the constraint holds throughout."""
+        return self.excess <= 0.0
+
+    def __str__(self) -> str:
+        where = f" ({self.where})" if self.where else ""
+        return (
+            f"{self.constraint}{where} is {self.value:.4g} {self.unit} at {self.time:.2f} s, "
+            f"limit {self.limit:.4g} {self.unit}"
+        )
+
+
+class CheckFailedError(ShoecalError):
+    """A motion that violates a constraint.
+
+    Attributes:
+        findings: the violated ones.
+    """
+
+    def __init__(self, findings: tuple[Finding, ...]) -> None:
+        self.findings = findings
+        listed = "; ".join(str(finding) for finding in findings)
+        super().__init__(
+            f"the motion violates: {listed}; it was not released. Choose another double support "
+            "or larger margins"
+        )
+
+
+@dataclass(frozen=True)
+class Report:
+    """Every constraint's worst over a motion."""
+
+    findings: tuple[Finding, ...]
+
+    @property
+    def kept(self) -> bool:
+        """Whether all constraints hold."""
+        return all(finding.kept for finding in self.findings)
+
+    def of(self, constraint: str) -> Finding:
+        """The finding of one constraint."""
+        return next(found for found in self.findings if found.constraint == constraint)
+
+    def require(self) -> None:
+        """Raise where a constraint is violated.
+
+        Raises:
+            CheckFailedError: names each with its time and value.
+        """
+        violated = tuple(finding for finding in self.findings if not finding.kept)
+        if violated:
+            raise CheckFailedError(violated)
+
+
+def worst(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+    """Of every constraint the finding that is farthest beyond its limit."""
+    worst: dict[str, Finding] = {}
+    for finding in findings:
+        known = worst.get(finding.constraint)
+        if known is None or finding.excess > known.excess:
+            worst[finding.constraint] = finding
+    return tuple(worst.values())
+
+
+def at_least(
+    constraint: str,
+    unit: str,
+    values: FloatArray,
+    limit: float,
+    time: FloatArray,
+    names: tuple[str, ...] = ("",),
+    *,
+    from_begin: bool = True,
+) -> Finding:
+    """The worst of values (T, n) that must not fall below a limit.
+
+    Where a motion begins outside of it, not below their own begin.
+    """
+    allowed = np.minimum(limit, values[0]) if from_begin else np.full(values.shape[1], limit)
+    index, column = np.unravel_index(np.argmin(values - allowed), values.shape)
+    value, bound = float(values[index, column]), float(allowed[column])
+    return Finding(constraint, unit, value, bound, bound - value, float(time[index]), names[column])
+
+
+def at_most(
+    constraint: str,
+    unit: str,
+    values: FloatArray,
+    limit: FloatArray | float,
+    time: FloatArray,
+    names: tuple[str, ...] = ("",),
+) -> Finding:
+    """The worst of values (T, n) that must not exceed a limit, compared by their ratio."""
+    limits = np.broadcast_to(limit, values.shape[1:])
+    index, column = np.unravel_index(np.argmax(values / limits), values.shape)
+    value, bound = float(values[index, column]), float(limits[column])
+    return Finding(constraint, unit, value, bound, value - bound, float(time[index]), names[column])
