@@ -1,7 +1,8 @@
 """Distance of capsules: all points within a radius of a segment (paper, section IV, fig. 3c).
 
 The distance of two capsules is that of their segments less both radii; negative where they
-overlap. It stands here twice: in numpy to check with, and as an expression to optimise with.
+overlap. It stands here twice: in numpy, exact, to check with, and as an expression, smoothed a
+little, to optimise with.
 """
 
 from __future__ import annotations
@@ -16,6 +17,8 @@ _TINY = 1e-14
 """m^2; squared lengths below this are those of points."""
 _PARALLEL = 1e-10
 """Squared sine of the angle below which two segments count as parallel."""
+SOFTNESS = 1e-5
+"""Pull of the nearest points towards the segments' middles, over the mean squared length."""
 
 
 def segment_distance(
@@ -37,19 +40,28 @@ def segment_distance(
 
 
 def segment_distance_squared(start_a: ca.SX, end_a: ca.SX, start_b: ca.SX, end_b: ca.SX) -> ca.SX:
-    """Squared distance between two segments, (3, 1) points, as an expression [m^2].
+    """Squared distance between two segments, (3, 1) points, as a smooth expression [m^2].
 
-    Finds the nearest point on a, then on b, then on a again, each clamped to its segment:
-    for segments that is the minimum. Parallel ones start from a's beginning.
+    The distance of parallel segments does not tell which points are nearest, and those of nearly
+    parallel ones jump from end to end: the distance then has a kink, and derivatives without
+    bound. So what is minimised over the places s, t on the segments is
+
+        |gap(s, t)|^2 + soft ((s - 1/2)^2 + (t - 1/2)^2 - 1/2),   soft = SOFTNESS * mean length^2
+
+    which has one minimum, a continuous gradient, and is never more than the squared distance; it
+    is less by no more than soft / 2. For a clamped convex quadratic in two variables the minimum
+    is s, then t, then s again, each clamped (C. Ericson, Real-Time Collision Detection, 5.1.9).
     """
     way_a, way_b, between = end_a - start_a, end_b - start_b, start_a - start_b
     a, b, e = ca.dot(way_a, way_a), ca.dot(way_a, way_b), ca.dot(way_b, way_b)
-    c, f = ca.dot(way_a, between), ca.dot(way_b, between)
-    s = _clamp((b * f - c * e) / ca.fmax(a * e - b * b, _PARALLEL * a * e + _TINY * _TINY))
-    t = _clamp((b * s + f) / ca.fmax(e, _TINY))
-    s = _clamp((b * t - c) / ca.fmax(a, _TINY))
+    soft = SOFTNESS * (a + e) / 2.0 + _TINY
+    a, e = a + soft, e + soft
+    c, f = ca.dot(way_a, between) - soft / 2.0, ca.dot(way_b, between) + soft / 2.0
+    s = _clamp((b * f - c * e) / (a * e - b * b))
+    t = _clamp((b * s + f) / e)
+    s = _clamp((b * t - c) / a)
     gap = between + s * way_a - t * way_b
-    return ca.dot(gap, gap)
+    return ca.dot(gap, gap) + soft * ((s - 0.5) ** 2 + (t - 0.5) ** 2 - 0.5)
 
 
 def _clamp(value: ca.SX) -> ca.SX:

@@ -56,7 +56,9 @@ def test_state_values_by_pinocchio(body: Body, collocation: Collocation) -> None
     values = collocation.evaluate(states, scene_of(body))
     seen = track(body.robot, body.robot.from_legs(states))
     np.testing.assert_allclose(values.cop, seen.com[:, :2], atol=1e-12)
-    np.testing.assert_allclose(values.distances, seen.distances, atol=1e-9)
+    # The expression is smoothed: at most this much nearer, and never farther.
+    np.testing.assert_array_less(values.distances, seen.distances + 1e-9)
+    np.testing.assert_allclose(values.distances, seen.distances, atol=2e-6)
 
 
 def test_torques_by_pinocchio(body: Body, collocation: Collocation) -> None:
