@@ -207,7 +207,7 @@ class PlannerSettings(Settings):
     # Own steps
     step_lift: float = setting(0.015, "m", "how high a foot is lifted to be carried", minimum=5e-3)
     step_pace: float = setting(
-        1.5, "", "factor on all speeds while one foot carries: its motors get hot",
+        2.5, "", "factor on all speeds while one foot carries: its motors get hot",
         minimum=0.1, maximum=5.0,
     )  # fmt: skip
     step_error: float = setting(
