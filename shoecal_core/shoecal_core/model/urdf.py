@@ -103,7 +103,7 @@ def _check_joints(path: Path, model: pin.Model) -> None:
 
 
 class _Reader:
-    """What stands in a URDF and the parser does not tell.
+    """What stands in a URDF and the parser does not tell, or does not tell where.
 
     Attributes:
         masses: of each link as it is written down [kg].
@@ -116,9 +116,10 @@ class _Reader:
         self._path = path
         self._place: list[str] = []
         self._name = ""
+        self._limitless = False
         parser = expat.ParserCreate()
         parser.StartElementHandler = self._start
-        parser.EndElementHandler = lambda _: self._place.pop()
+        parser.EndElementHandler = self._end
         # Entities can unfold a small file into gigabytes.
         parser.StartDoctypeDeclHandler = self._refuse
         try:
@@ -130,24 +131,41 @@ class _Reader:
         self._place.append(tag)
         if self._place in (["robot", "link"], ["robot", "joint"]):
             self._name = attributes.get("name", "")
+            self._limitless = attributes.get("type") in ("revolute", "prismatic")
         elif self._place == ["robot", "link", "inertial", "mass"]:
             self.masses[self._name] = _mass(self._path, self._name, attributes.get("value", ""))
+        elif self._place == ["robot", "joint", "limit"]:
+            self._limitless = False
+            for key in ("effort", "velocity"):
+                self._joint_number(attributes, key, "", minimum=0.0)
+            for key in ("lower", "upper"):
+                self._joint_number(attributes, key, "0")
         elif self._place == ["robot", "joint", "mimic"]:
             self.mimics[self._name] = Mimic(
                 leader=attributes.get("joint", ""),
-                multiplier=self._mimic_number(attributes.get("multiplier", "1")),
-                offset=self._mimic_number(attributes.get("offset", "0")),
+                multiplier=self._joint_number(attributes, "multiplier", "1"),
+                offset=self._joint_number(attributes, "offset", "0"),
             )
 
-    def _mimic_number(self, text: str) -> float:
+    def _end(self, _: str) -> None:
+        if self._place == ["robot", "joint"] and self._limitless:
+            raise self._joint_error("has no <limit>; give lower, upper, effort and velocity")
+        self._place.pop()
+
+    def _joint_number(
+        self, attributes: dict[str, str], key: str, default: str, minimum: float = -math.inf
+    ) -> float:
+        text = attributes.get(key, default)
         number = _number(text)
-        if not math.isfinite(number):
-            raise FileError(
-                self._path,
-                f"mimics by '{text[:30]}', which is not a number",
-                field=f"joint {self._name}",
+        if not (math.isfinite(number) and number >= minimum):
+            tag, least = self._place[-1], " of zero or more" if minimum == 0.0 else ""
+            raise self._joint_error(
+                f'{key}="{text[:30]}" of its <{tag}> is not a number{least}; give one'
             )
         return number
+
+    def _joint_error(self, problem: str) -> FileError:
+        return FileError(self._path, problem, field=f"joint {self._name}")
 
     def _refuse(self, *_: object) -> None:
         raise FileError(self._path, "declares a document type; leave <!DOCTYPE> out")

@@ -405,7 +405,7 @@ BAD_MIMICS = {
     "itself": ("right_shoulder", 'joint="right_shoulder"', "no other moving joint"),
     "an offset": ("right_shoulder", 'joint="left_shoulder" offset="0.1"', "offset 0.1"),
     "no ratio": ("right_shoulder", 'joint="left_shoulder" multiplier="0"', "multiplier 0"),
-    "text": ("right_shoulder", 'joint="left_shoulder" multiplier="two"', "'two', which is not"),
+    "text": ("right_shoulder", 'joint="left_shoulder" multiplier="two"', '"two" of its <mimic>'),
 }
 
 
@@ -471,8 +471,22 @@ BAD_URDF = {
     "equal limits": (
         'lower="-0.5" upper="0.8"', 'lower="0.8" upper="0.8"', "joint waist_pitch", "crossed"
     ),
-    "a limit that is none": ('upper="0.8"', 'upper="nan"', "", "not a usable URDF"),
-    "no limits": (WAIST, "", "", "not a usable URDF"),
+    "a limit that is none": (
+        'upper="0.8"', 'upper="nan"', "joint waist_pitch", 'upper="nan" of its <limit> is not'
+    ),
+    "no limits": (WAIST, "", "joint waist_pitch", "has no <limit>; give lower, upper, effort"),
+    "no effort limit": (
+        'effort="12"', "", "joint waist_pitch", 'effort="" of its <limit> is not a number'
+    ),
+    "no velocity limit": (
+        'effort="12" velocity="5"', 'effort="12"', "joint waist_pitch", 'velocity="" of its'
+    ),
+    "an endless velocity": (
+        'effort="12" velocity="5"', 'effort="12" velocity="inf"', "joint waist_pitch", '"inf"'
+    ),
+    "a negative effort": (
+        'effort="12"', 'effort="-12"', "joint waist_pitch", "is not a number of zero or more"
+    ),
     "no position limits": (
         'lower="-0.5" upper="0.8"', "", "joint waist_pitch", "missing or crossed"
     ),
