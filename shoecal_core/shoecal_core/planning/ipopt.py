@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import dataclasses
+from typing import TypeVar
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.planning.collocation import TASKS, Collocation, HorizonProblem, Solution
+from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
+Expression = TypeVar("Expression", ca.SX, ca.MX)
 
 _OPTIONS: dict[str, bool | int | float | str] = {
     "print_time": False,
@@ -23,42 +26,62 @@ _OPTIONS: dict[str, bool | int | float | str] = {
 }
 
 
+def horizon_programme(collocation: Collocation, symbols: type[Expression]) -> dict[str, Expression]:
+    """The whole problem over one horizon, as CasADi's nlpsol takes it.
+
+    Args:
+        collocation: the functions of one state.
+        symbols: kind of the expressions; scalars (SX), or matrices that call those functions (MX).
+    """
+    settings, edges = collocation.settings, collocation.edges
+    count, size = settings.horizon, len(collocation.lower)
+    states = symbols.sym("q", size, count)
+    start, previous = symbols.sym("start", size), symbols.sym("previous", size)
+    targets, weights = symbols.sym("targets", TASKS, count), symbols.sym("weights", TASKS)
+    # Columns: normals' x, then y.
+    normals = symbols.sym("normals", 2 * edges, count)
+    foot_poses, shares = symbols.sym("foot_poses", 12, count), symbols.sym("shares", 2, count)
+    others = symbols.sym("others", len(collocation.legs.robot.joint_names))
+    cost, constraints = symbols(0), []
+    before, moved = start, previous
+    for index in range(count):
+        now = states[:, index]
+        tasks, error, distances, torques = collocation.state(
+            now, foot_poses[:, index], others, shares[:, index]
+        )
+        move = now - before
+        cost += ca.dot(weights, (tasks - targets[:, index]) ** 2)
+        cost += settings.transition_weight * ca.sumsqr(move - moved)
+        beyond = ca.reshape(normals[:, index], edges, 2) @ tasks[:2]
+        constraints += [error, beyond, distances, torques, move]
+        before, moved = now, move
+    parameters = ca.veccat(start, previous, targets, weights, normals, foot_poses, shares, others)
+    return {"x": ca.vec(states), "p": parameters, "f": cost, "g": ca.vertcat(*constraints)}
+
+
+def ipopt_options(settings: PlannerSettings) -> dict[str, bool | int | float | str]:
+    """What CasADi's nlpsol is told beside the problem."""
+    return _OPTIONS | {"ipopt.max_iter": settings.iterations}
+
+
 class IpoptSolver:
     """Solves the whole problem at once; one compiled object for every step and support."""
 
-    def __init__(self, collocation: Collocation) -> None:
+    def __init__(self, collocation: Collocation, solver: ca.Function | None = None) -> None:
+        """Build the problem.
+
+        Args:
+            collocation: the functions of one state.
+            solver: made by nlpsol from `horizon_programme` in another way, if it shall be.
+        """
         self._collocation = collocation
-        settings = collocation.settings
-        count, size = settings.horizon, len(collocation.lower)
         self._edges = collocation.edges
-        states = ca.SX.sym("q", size, count)
-        start, previous = ca.SX.sym("start", size), ca.SX.sym("previous", size)
-        targets, weights = ca.SX.sym("targets", TASKS, count), ca.SX.sym("weights", TASKS)
-        # Columns: normals' x, then y.
-        normals = ca.SX.sym("normals", 2 * self._edges, count)
-        foot_poses, shares = ca.SX.sym("foot_poses", 12, count), ca.SX.sym("shares", 2, count)
-        others = ca.SX.sym("others", len(collocation.legs.robot.joint_names))
-        cost, constraints = ca.SX(0), []
-        before, moved = start, previous
-        for index in range(count):
-            now = states[:, index]
-            tasks, error, distances, torques = collocation.state(
-                now, foot_poses[:, index], others, shares[:, index]
-            )
-            move = now - before
-            cost += ca.dot(weights, (tasks - targets[:, index]) ** 2)
-            cost += settings.transition_weight * ca.sumsqr(move - moved)
-            beyond = ca.reshape(normals[:, index], self._edges, 2) @ tasks[:2]
-            constraints += [error, beyond, distances, torques, move]
-            before, moved = now, move
-        parameters = ca.veccat(
-            start, previous, targets, weights, normals, foot_poses, shares, others
+        self._solver = solver or ca.nlpsol(
+            "horizon",
+            "ipopt",
+            horizon_programme(collocation, ca.SX),
+            ipopt_options(collocation.settings),
         )
-        problem = {
-            "x": ca.vec(states), "p": parameters, "f": cost, "g": ca.vertcat(*constraints),
-        }  # fmt: skip
-        options = {**_OPTIONS, "ipopt.max_iter": settings.iterations}
-        self._solver = ca.nlpsol("horizon", "ipopt", problem, options)
 
     def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
         """See Solver."""
