@@ -3,17 +3,23 @@
 CasADi's own C handles one sample after another, and no compiler vectorises thousands of
 statements in a row; GNU C's vector types (gcc and clang have them, for any processor) leave it no
 choice. Sine and cosine are written out for vectors too: libm's take one number at a time, which
-would be most of the time.
+would be most of the time. The statements are divided into parts, because the time that a compiler
+takes grows faster than a function's length.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import casadi as ca
 
 from shoecal_core.compiler import CompilerError
 
+_PART = 250
+"""Instructions of a part: the planner's 16000 are compiled four times as fast as in one piece."""
+_LARGEST = 8192
+"""Vectors of registers and outputs: they lie on the stack, half a megabyte of it."""
 _OPERATIONS = {
     ca.OP_ASSIGN: "{0}",
     ca.OP_ADD: "{0} + {1}",
@@ -103,19 +109,29 @@ static inline V input(const double *const *rows, int i)
              rows[4][i], rows[5][i], rows[6][i], rows[7][i]}};
 }}
 
+{parts}
+
 void batch(const double *in, double *out, long count)
 {{
   const V zero = {{0.0}};
   for (long first = 0; first < count; first += LANES) {{
     int used = count - first < LANES ? (int)(count - first) : LANES;
     const double *rows[LANES];
-    V y[OUTPUTS];
+    V w[{registers}], y[OUTPUTS];
     for (int l = 0; l < LANES; ++l) rows[l] = in + INPUTS * (first + (l < used ? l : used - 1));
     for (int k = 0; k < OUTPUTS; ++k) y[k] = zero;
-{body}
+{calls}
     for (int l = 0; l < used; ++l)
       for (int k = 0; k < OUTPUTS; ++k) out[OUTPUTS * (first + l) + k] = y[k][l];
   }}
+}}
+"""
+
+_PART_FRAME = """\
+static __attribute__((noinline)) void part_{number}(const double *const *rows, V *w, V *y)
+{{
+  const V zero = {{0.0}};
+{lines}
 }}
 """
 
@@ -131,39 +147,93 @@ def batch_source(function: ca.Function) -> str:
     """
     if not function.is_a("SXFunction") or (function.n_in(), function.n_out()) != (1, 1):
         raise CompilerError(f"'{function.name()}' is no SX function of one vector")
-    rows = function.sparsity_out(0).row()
-    held: dict[int, str] = {}  # names by the function's work registers, which it uses again
-    turned: set[str] = set()
-    lines: list[str] = []
-    for index in range(function.n_instructions()):
-        operation = function.instruction_id(index)
-        takes, gives = function.instruction_input(index), function.instruction_output(index)
-        name = f"v{index}"
-        if operation == ca.OP_OUTPUT:
-            lines.append(f"y[{rows[gives[1]]}] = {held[takes[0]]};")
-            continue
-        if operation == ca.OP_INPUT:
-            lines.append(f"V {name} = input(rows, {takes[1]});")
-        elif operation == ca.OP_CONST:
-            lines.append(f"V {name} = zero + {function.instruction_constant(index).hex()};")
-        elif operation in {ca.OP_SIN, ca.OP_COS}:
-            angle = held[takes[0]]
-            if angle not in turned:
-                turned.add(angle)
-                lines.append(f"V s_{angle}, c_{angle}; turn({angle}, &s_{angle}, &c_{angle});")
-            name = f"{'s' if operation == ca.OP_SIN else 'c'}_{angle}"
-        else:
-            operands = [held[place] for place in takes]
-            lines.append(_statement(function.name(), operation, name, operands))
-        held[gives[0]] = name
+    if function.sz_w() + function.size1_out(0) > _LARGEST:
+        raise CompilerError(f"'{function.name()}' is too large for batches")
+    instructions = range(function.n_instructions())
+    parts = [
+        _Part(function, instructions[begin : begin + _PART])
+        for begin in range(0, len(instructions), _PART)
+    ]
     return _FRAME.format(
         inputs=function.size1_in(0),
         outputs=function.size1_out(0),
+        registers=max(1, function.sz_w()),
         per_quadrant=(2.0 / math.pi).hex(),
         sine=_series(3, 17),
         cosine=_series(2, 16),
-        body="\n".join(f"    {line}" for line in lines),
+        parts="\n".join(_definitions(parts)),
+        calls="\n".join(f"    part_{number}(rows, w, y);" for number in range(len(parts))),
     )
+
+
+def _definitions(parts: Sequence[_Part]) -> list[str]:
+    """C functions of the parts, each storing only what a later one loads."""
+    wanted: set[int] = set()
+    texts = []
+    for number, part in reversed(list(enumerate(parts))):
+        stores = [f"w[{place}] = {name};" for place, name in part.made.items() if place in wanted]
+        lines = "\n".join(f"  {line}" for line in (*part.lines, *stores))
+        texts.append(_PART_FRAME.format(number=number, lines=lines))
+        wanted = (wanted - set(part.made)) | part.loaded
+    return texts
+
+
+class _Part:
+    """Some instructions in a row, in C.
+
+    CasADi keeps what it computes in registers, which it uses again. A part holds values under
+    names of its own; what is from before it loads from the registers.
+
+    Attributes:
+        lines: C statements.
+        loaded: registers that are read before they are written.
+        made: name of the last value of each register that is written.
+    """
+
+    def __init__(self, function: ca.Function, instructions: range) -> None:
+        self.lines: list[str] = []
+        self.loaded: set[int] = set()
+        self.made: dict[int, str] = {}
+        self._function = function
+        self._rows = function.sparsity_out(0).row()
+        self._turned: set[str] = set()
+        for index in instructions:
+            self._add(index)
+
+    def _add(self, index: int) -> None:
+        function, operation = self._function, self._function.instruction_id(index)
+        takes, gives = function.instruction_input(index), function.instruction_output(index)
+        name = f"v{index}"
+        if operation == ca.OP_OUTPUT:
+            value = self._value(takes[0])
+            self.lines.append(f"y[{self._rows[gives[1]]}] = {value};")
+            return
+        if operation == ca.OP_INPUT:
+            self.lines.append(f"V {name} = input(rows, {takes[1]});")
+        elif operation == ca.OP_CONST:
+            self.lines.append(f"V {name} = zero + {function.instruction_constant(index).hex()};")
+        elif operation in {ca.OP_SIN, ca.OP_COS}:
+            name = self._turn(self._value(takes[0]), sine=operation == ca.OP_SIN)
+        else:
+            operands = [self._value(place) for place in takes]
+            self.lines.append(_statement(function.name(), operation, name, operands))
+        self.made[gives[0]] = name
+
+    def _value(self, place: int) -> str:
+        """Name of what a register holds."""
+        if place in self.made:
+            return self.made[place]
+        if place not in self.loaded:
+            self.loaded.add(place)
+            self.lines.append(f"V w{place} = w[{place}];")
+        return f"w{place}"
+
+    def _turn(self, angle: str, *, sine: bool) -> str:
+        """Name of an angle's sine or cosine; the two are computed together."""
+        if angle not in self._turned:
+            self._turned.add(angle)
+            self.lines.append(f"V s_{angle}, c_{angle}; turn({angle}, &s_{angle}, &c_{angle});")
+        return f"s_{angle}" if sine else f"c_{angle}"
 
 
 def _statement(function: str, operation: int, name: str, operands: list[str]) -> str:

@@ -14,6 +14,7 @@ from hypothesis.extra import numpy as npst
 from numpy.typing import NDArray
 
 from core.compile_cache import libraries
+from shoecal_core import batch_source
 from shoecal_core.batch import LEAST, Batch
 from shoecal_core.errors import ShapeError
 
@@ -46,6 +47,39 @@ def test_values_are_those_of_the_function(samples: FloatArray) -> None:
     values = Batch(FUNCTION, least=1)(samples)
     expected = interpreted(FUNCTION, samples)
     np.testing.assert_allclose(values, expected, rtol=1e-14, atol=4e-16)
+
+
+@pytest.mark.parametrize("length", [1, 3, 10])
+def test_parts_of_any_length(
+    monkeypatch: pytest.MonkeyPatch, length: int, library_cache: Path
+) -> None:
+    monkeypatch.setattr(batch_source, "_PART", length)
+    samples = np.random.default_rng(length).uniform(0.1, 1.0, (10, 3))
+    values = Batch(FUNCTION, least=1)(samples)
+    np.testing.assert_allclose(values, interpreted(FUNCTION, samples), rtol=1e-15)
+    assert len(libraries(library_cache)) == 1
+
+
+def test_a_long_function_in_many_parts() -> None:
+    """Values from far back are used again, registers in between for others."""
+    x = ca.SX.sym("x", 3)
+    terms = [x[0], x[1], x[2]]
+    for index in range(600):
+        early, late = terms[index // 3], terms[-1 - index % 3]
+        terms.append(ca.sin(early) * ca.cos(late) + 0.5 * terms[index // 2] * late)
+    function = ca.Function("long", [x], [ca.vertcat(*terms[::20])])
+    samples = np.random.default_rng(0).uniform(-1.0, 1.0, (10, 3))
+    values = Batch(function, least=1)(samples)
+    np.testing.assert_allclose(values, interpreted(function, samples), rtol=1e-12, atol=1e-14)
+
+
+def test_a_function_too_large_for_the_stack(
+    library_cache: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    x = ca.SX.sym("x", 1)
+    batch = Batch(ca.Function("huge", [x], [ca.repmat(2.0 * x, 10_000)]), least=1)
+    np.testing.assert_array_equal(batch(np.ones((1, 1))), np.full((1, 10_000), 2.0))
+    assert "'huge' is too large" in caplog.text
 
 
 def test_sine_and_cosine_to_rounding() -> None:
