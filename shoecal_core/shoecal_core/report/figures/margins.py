@@ -44,7 +44,7 @@ def used(finding: Finding) -> float:
 def told(finding: Finding) -> str:
     """The worst value, its limit and where it was."""
     unit, scale = SCALES.get(finding.unit, (finding.unit, 1.0))
-    decimals = _decimals(scale * finding.limit)
+    decimals = _decimals(abs(scale * finding.limit))
     value, limit = (number(scale * each, decimals) for each in (finding.value, finding.limit))
     bound = "at least" if at_least(finding) else "at most"
     space = "" if unit == "°" else SPACE

@@ -1,0 +1,33 @@
+"""Planned motions for the tests of their pictures, planned once a test run."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from core.planning.motions import SETTINGS, SUPPORTS, planner_of
+from shoecal_core.planning.check import check_motion
+from shoecal_core.report.plan_content import PlannedMotion
+
+
+@cache
+def planned(name: str, motion: str = "landmarks", support: int = 0) -> PlannedMotion:
+    """A motion of one of the robots, checked."""
+    planner = planner_of(name)
+    found = planner.plan(SUPPORTS[support], motion)
+    report = check_motion(planner.legs, found, SETTINGS)
+    return PlannedMotion("motion_001", planner.legs.robot, found, report, SETTINGS)
+
+
+def reaching() -> PlannedMotion:
+    """The second robot, twelve leg joints; all landmarks are reached."""
+    return planned("odd_biped", support=1)
+
+
+def missing() -> PlannedMotion:
+    """The NAO where one landmark is out of reach."""
+    return planned("nao", support=2)
+
+
+def stepping() -> PlannedMotion:
+    """The second robot lifts its left foot for a moment."""
+    return planned("odd_biped", "unload_left")

@@ -1,0 +1,213 @@
+"""The page of a plan: whole, alone, safe, and its animation shows the motion."""
+
+from __future__ import annotations
+
+import base64
+import dataclasses
+import hashlib
+import json
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from core.report import plans
+from core.report.pages import Document, read
+from shoecal_core.errors import FileError, ShapeError
+from shoecal_core.planning.findings import Report
+from shoecal_core.report.html import render
+from shoecal_core.report.page import Player
+from shoecal_core.report.plan_animation import animation, lifted
+from shoecal_core.report.plan_content import PlannedMotion
+from shoecal_core.report.plan_figures import motion_pictures
+from shoecal_core.report.plan_report import plan_page, verdict, write_plan
+from shoecal_core.report.player import Frames, View
+
+FloatArray = NDArray[np.float64]
+
+HOSTILE = "<script>alert(1)</script>\"'&amp;"
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def page(*motions: PlannedMotion) -> str:
+    return render(plan_page(motions, [motion_pictures(motion) for motion in motions]))
+
+
+@pytest.fixture(scope="module")
+def html() -> str:
+    return page(plans.missing(), plans.stepping())
+
+
+@pytest.fixture(scope="module")
+def document(html: str) -> Document:
+    return read(html)
+
+
+@pytest.fixture(scope="module")
+def player() -> Player:
+    return animation(plans.stepping())
+
+
+def test_nothing_comes_from_elsewhere(html: str, document: Document) -> None:
+    assert all(link.startswith("#") for link in document.links)
+    assert {link.removeprefix("#") for link in document.links} <= set(document.ids)
+    assert not re.search(r"@import|url\(\s*['\"]?(?!#)|https?:", html)
+    assert not {"link", "iframe", "object", "embed", "img"} & set(document.tags)
+    assert not {name for name in document.attributes if name.startswith("on")}
+
+
+def test_only_the_pages_own_script_may_run(html: str) -> None:
+    scripts = re.findall(r"<script([^>]*)>(.*?)</script>", html, flags=re.DOTALL)
+    running = [text for kind, text in scripts if "application/json" not in kind]
+    assert len(scripts) == 3
+    assert len(running) == 1
+    digest = base64.b64encode(hashlib.sha256(running[0].encode()).digest()).decode()
+    assert f"script-src 'sha256-{digest}'" in html
+    assert "default-src 'none'" in html
+    assert not re.search(r"fetch|XMLHttp|import\(|eval|innerHTML", running[0])
+
+
+def test_it_says_that_it_is_a_plan(document: Document) -> None:
+    assert "A plan, computed from the robot’s model; nothing was measured." in document.text
+    assert "Computed from the model: nothing was measured." in document.text
+
+
+def test_playing_by_keyboard_and_with_less_motion(html: str, document: Document) -> None:
+    assert document.tags["button"] == document.tags["select"] == 2
+    assert html.count('type="range"') == html.count('aria-label="Time"') == 2
+    assert "prefers-reduced-motion" in html
+    assert "@media print{.controls{display:none}}" in html
+    # Without a script there is a still, and no control that does nothing.
+    assert html.count('<div class="controls" hidden>') == 2
+
+
+def test_numbers_are_the_motions(document: Document) -> None:
+    for planned in (plans.missing(), plans.stepping()):
+        assert f"{planned.motion.duration:.1f}" in document.text
+        reached = sum(one.reached for one in planned.targets)
+        assert f"{reached} of {len(planned.targets)}" in document.text
+    away = 1e3 * plans.missing().motion.path.nearest[2]
+    assert f"landmark 3 {away:.1f} mm off" in document.text
+    assert "WARN" in document.text
+
+
+def test_a_plan_is_small(html: str) -> None:
+    """Five motions stay well below 3 MB."""
+    assert len(html) < 2 * 500_000
+
+
+def test_verdicts() -> None:
+    assert verdict([plans.reaching()]).level == "PASS"
+    planned = plans.reaching()
+    first, *others = planned.report.findings
+    broken = Report((dataclasses.replace(first, excess=1.0), *others))
+    found = verdict([dataclasses.replace(planned, report=broken), plans.missing()])
+    assert found.level == "FAIL"
+    assert [reason.level for reason in found.reasons] == ["FAIL", "WARN"]
+    assert first.constraint in found.reasons[0].text
+
+
+def test_names_cannot_enter_the_page() -> None:
+    planned = plans.reaching()
+    robot = dataclasses.replace(planned.robot, name=HOSTILE)
+    motion = dataclasses.replace(planned.motion, name=HOSTILE)
+    hostile = dataclasses.replace(planned, robot=robot, motion=motion)
+    document = read(page(hostile))
+    assert document.tags["script"] == 2
+    assert "<script>alert(1)</script>" in document.text
+
+
+def test_files_that_stand_by_themselves(tmp_path: Path) -> None:
+    write_plan(tmp_path, [plans.missing()])
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["motion_001.svg", "plan.html"]
+    text = (tmp_path / "motion_001.svg").read_text()
+    root = ElementTree.fromstring(text)
+    assert root.tag == f"{SVG}svg"
+    assert "as planned" in root.attrib["aria-label"]
+    assert len([one for one in root.iter(f"{SVG}svg") if one is not root]) == 6
+    assert all(one.get("href", "#").startswith("#") for one in root.iter())
+    assert "A plan, computed from the robot’s model; nothing was measured." in set(root.itertext())
+    read((tmp_path / "plan.html").read_text())
+    with pytest.raises(FileError):
+        write_plan(tmp_path / "none", [plans.missing()])
+
+
+def points_of(player: Player) -> tuple[FloatArray, str]:
+    """(F, P, 3) in millimetres, as the script sees them, and its letters."""
+    told = json.loads(player.frames)
+    count = len(told["lifted"])
+    tracks = [
+        [np.full(count, axis) if isinstance(axis, int | float) else np.array(axis) for axis in one]
+        for one in told["points"]
+    ]
+    return np.array(tracks, dtype=np.float64).transpose(2, 0, 1), told["lifted"]
+
+
+def test_frames_follow_the_motion(player: Player) -> None:
+    planned = plans.stepping()
+    points, letters = points_of(player)
+    count = len(points)
+    assert count == int(np.ceil(planned.motion.duration * 10.0)) + 1
+    samples = np.round(np.linspace(0, len(planned.motion.time) - 1, count)).astype(int)
+    assert letters == lifted(planned, samples)
+    assert set(letters) == {"-", "l"}
+    wanted = 1e3 * planned.cop[samples]
+    on_floor = [
+        point
+        for point in range(points.shape[1])
+        if np.abs(points[:, point, :2] - wanted).max() < 0.06
+    ]
+    assert {float(points[0, point, 2]) > 0.0 for point in on_floor} == {True, False}
+
+
+@pytest.mark.parametrize("name", ["odd_biped", "nao"])
+def test_the_still_is_what_the_script_would_draw(name: str) -> None:
+    player = animation(plans.planned(name, support=2))
+    points, _ = points_of(player)
+    still = len(points) // 2
+    drawn = 0
+    for svg in player.svgs:
+        for view in ElementTree.fromstring(svg).iter("g"):
+            a, sa, oa, b, sb, ob = map(float, view.attrib["data-view"].split())
+            for shape in view:
+                through = [int(one) for one in shape.attrib["data-through"].split()]
+                rows = points[: still + 1, through[0]]
+                if shape.attrib["data-kind"] != "trace":
+                    rows = points[still, through]
+                wanted = np.column_stack((oa + sa * rows[:, int(a)], ob + sb * rows[:, int(b)]))
+                numbers = [
+                    float(number)
+                    for key in ("d", "cx", "cy")
+                    for number in re.findall(r"-?[\d.]+", shape.get(key, ""))
+                ]
+                # Points of the body are told in whole millimetres.
+                room = 0.55e-3 * 1e3 * max(abs(sa), abs(sb)) + 0.1
+                np.testing.assert_allclose(numbers, wanted.ravel(), atol=room)
+                drawn += 1
+    assert drawn > 20
+
+
+def test_a_robot_without_capsules() -> None:
+    planned = plans.reaching()
+    bare = dataclasses.replace(planned.robot, capsules=(), collision_pairs=())
+    slim = dataclasses.replace(planned, robot=bare)
+    assert 'class="c"' in animation(planned).svgs[0]
+    assert 'class="c"' not in animation(slim).svgs[0]
+    for picture in motion_pictures(slim):
+        ElementTree.fromstring(picture.svg)
+
+
+def test_frames_must_fit() -> None:
+    with pytest.raises(ShapeError):
+        Frames(1.0, np.zeros((3, 2, 3)), "--", (0, 0))
+    told = Frames(1.0, np.zeros((2, 1, 3)), "--", (0,)).to_json()
+    assert json.loads(told)["points"] == [[0, 0, 0]]
+
+
+def test_a_view_projects_like_its_attribute() -> None:
+    view = View((1, 2), (300.0, -300.0), (20.0, 90.0))
+    np.testing.assert_allclose(view.project(np.array([1.0, 0.1, 0.2])), [50.0, 30.0])
+    assert view.attribute == "1 0.3 20 2 -0.3 90"
