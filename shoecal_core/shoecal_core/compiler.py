@@ -82,7 +82,9 @@ def _found(named: str, path: str) -> Compiler:
     program = next(filter(None, programs), None)
     if program is None:
         raise CompilerError(
-            f"CC names '{wanted}', which is no program" if wanted else "there is no C compiler"
+            f"CC names '{wanted}', which is no program"
+            if wanted
+            else "there is no C compiler (cc, gcc or clang)"
         )
     said = _run([program, *arguments, "--version"])
     return Compiler((program, *arguments), said.splitlines()[0] if said else "")
