@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import sys
 import time
-from typing import Any
+from typing import Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rclpy.duration import Duration
 from sensor_msgs.msg import Imu, JointState, Temperature
-from shoecal_msgs.action import Plan
+from shoecal_msgs.action import Plan, ReachSupport
 from shoecal_msgs.msg import ShoeState, ShoeVoltages
 from std_msgs.msg import Bool
 from std_srvs.srv import SetBool
@@ -37,8 +37,11 @@ from shoecal_ros.planner import heat, planning_work
 from shoecal_ros.planner.arming import Arming
 from shoecal_ros.planner.execution import Execution
 from shoecal_ros.planner.plan_job import PlanJob
+from shoecal_ros.planner.reach_job import ReachJob
 from shoecal_ros.planner.settings import MovingSettings
 from shoecal_ros.planner.watch import Senses
+
+R = TypeVar("R", Plan.Result, ReachSupport.Result)
 
 LAST_WORDS = Duration(seconds=1)
 """Wall-clock time that the robot gets to hear the last commands."""
@@ -66,10 +69,14 @@ class Planner(ShoecalNode):
         self.subscribe(JointState, "joint_states", self._hear, qos.NEWEST)
         self.senses = self._listen()
         self.create_service(SetBool, "shoe/arm", self._arm)
-        self._server = ActionServer(
-            self, Plan, "shoe/plan", self._execute,
-            cancel_callback=lambda _: CancelResponse.ACCEPT,
-        )  # fmt: skip
+        self._servers = [
+            ActionServer(self, kind, name, do, cancel_callback=lambda _: CancelResponse.ACCEPT)
+            for kind, name, do, offered in (
+                (Plan, "shoe/plan", self._plan, True),
+                (ReachSupport, "robot/reach_support", self._reach, self.moving.steps),
+            )
+            if offered
+        ]
 
     def _hear(self, messages: list[Any]) -> None:
         self.joints.take(messages)
@@ -155,16 +162,20 @@ class Planner(ShoecalNode):
         )
         return response
 
-    async def _execute(self, goal: ServerGoalHandle) -> Plan.Result:
+    async def _plan(self, goal: ServerGoalHandle) -> Plan.Result:
         result = Plan.Result()
+        return await self._carry_out(goal, PlanJob(self, goal, result), result)
+
+    async def _reach(self, goal: ServerGoalHandle) -> ReachSupport.Result:
+        return await self._carry_out(goal, ReachJob(self, goal), ReachSupport.Result())
+
+    async def _carry_out(self, goal: ServerGoalHandle, job: PlanJob | ReachJob, result: R) -> R:
+        """One at a time; how it ended is in the result."""
         try:
             if self._busy:
-                raise RefusedError(
-                    Plan.Result.BUSY, "another motion is under way; wait or cancel it"
-                )
+                raise RefusedError(result.BUSY, "another motion is under way; wait or cancel it")
             self._busy = True
             try:
-                job = PlanJob(self, goal, result)
                 self._execution = job.execution
                 await job.run()
             finally:
@@ -172,11 +183,10 @@ class Planner(ShoecalNode):
         except RefusedError as refusal:
             result.error_code, result.message = refusal.code, str(refusal)
         else:
+            degc = self.senses.temperatures.degc
             result.success = True
-            result.message = (
-                f"done; {heat.margin(self.senses.temperatures.degc, self.moving.hot_degc)}"
-            )
-        finish(goal, result, canceled=Plan.Result.CANCELED)
+            result.message = f"done; {heat.margin(degc, self.moving.hot_degc)}"
+        finish(goal, result, canceled=result.CANCELED)
         return result
 
 

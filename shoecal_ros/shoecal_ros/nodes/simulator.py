@@ -12,7 +12,6 @@ import numpy as np
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import JointState
 from shoecal_msgs.action import ReachSupport
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
@@ -31,8 +30,6 @@ from shoecal_core.workspace import config_dir
 from shoecal_ros.common import qos
 from shoecal_ros.common.actions import finish
 from shoecal_ros.common.conversions import (
-    JointSample,
-    joints_to_ros,
     support_from_ros,
     time_to_ros,
     trajectory_from_ros,
@@ -40,14 +37,14 @@ from shoecal_ros.common.conversions import (
 from shoecal_ros.common.health import Level
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.common.runtime import ShoecalNode, publish_all, run, until
+from shoecal_ros.common.runtime import ShoecalNode, run, until
 from shoecal_ros.inputs.armed_input import ArmedInput
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info
+from shoecal_ros.simulator.body_publishers import PATIENCE_S, BodyPublishers
 from shoecal_ros.simulator.simulated_body import Pacer, Samples, SimulatedBody, is_hold
 
 TICK_S = 0.02
-PATIENCE_S = 5.0
 FEEDBACK_S = 0.2
 BATCH_S = 0.2
 """Most simulated time in one go: bounds how late commands are heard."""
@@ -69,6 +66,9 @@ class SimulatorSettings(Settings):
         10.0, "s", "simulated time in which a placed robot must come to rest", minimum=1.0
     )
     needs_arming: bool = setting(True, "", "the robot moves only while armed")
+    offer_reach_support: bool = setting(
+        True, "", "it places itself in supports; false: the planner's own steps do (steps)"
+    )
 
 
 class Simulator(ShoecalNode):
@@ -106,12 +106,14 @@ class Simulator(ShoecalNode):
         self._reaching = False
         self._refused = ""
         self._clock_publisher = self.create_publisher(Clock, "/clock", qos.CLOCK)
-        self._joints = self.create_publisher(JointState, "joint_states", qos.RAW)
+        self._body_publishers = BodyPublishers(self, self._robot)
         self.subscribe(JointTrajectoryMsg, "joint_trajectory", self._follow, qos.COMMAND)
-        self._server = ActionServer(
-            self, ReachSupport, "robot/reach_support", self._execute,
-            cancel_callback=lambda _: CancelResponse.ACCEPT,
-        )  # fmt: skip
+        self._server: ActionServer | None = None
+        if settings.offer_reach_support:
+            self._server = ActionServer(
+                self, ReachSupport, "robot/reach_support", self._execute,
+                cancel_callback=lambda _: CancelResponse.ACCEPT,
+            )  # fmt: skip
         most = max(1, round(BATCH_S * settings.rate))
         self._pacer = Pacer(settings.speed, settings.rate, most, time.monotonic())
         self.wall_timer(TICK_S, self._tick)
@@ -147,7 +149,7 @@ class Simulator(ShoecalNode):
         # Nothing is stamped later than the clock shows.
         self._clock_publisher.publish(Clock(clock=time_to_ros(self._body.after(count))))
         samples = self._body.advance(count)
-        self._send_joints(samples)
+        self._body_publishers.publish(samples)
         self._send_frames(samples)
         if self._truth is not None:
             truth = samples.truth
@@ -155,14 +157,6 @@ class Simulator(ShoecalNode):
                 self._truth.write(
                     stamp_ns, truth.cop[index], truth.foot_cop[index], truth.foot_grf[index]
                 )
-
-    def _send_joints(self, samples: Samples) -> None:
-        names = self._robot.joint_names
-        for stamp_ns, angles, efforts in zip(
-            samples.stamp_ns.tolist(), samples.joints.angles, samples.joints.efforts, strict=True
-        ):
-            message = joints_to_ros(JointSample(stamp_ns, names, angles, efforts))
-            publish_all(self._joints, message, PATIENCE_S)
 
     def _send_frames(self, samples: Samples) -> None:
         for stamp_ns, counts, status in zip(

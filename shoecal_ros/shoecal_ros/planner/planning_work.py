@@ -9,12 +9,14 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.check import check_motion
 from shoecal_core.planning.course import cop_course
 from shoecal_core.planning.menu import kind_named
 from shoecal_core.planning.motion import Motion, timed
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.steps import Stepper
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link
 
@@ -94,6 +96,30 @@ def plan_chunk(
     check_motion(legs, part, paced).require()
     left = len(path.switches)
     return Chunk(part, targets[left:], left, path.nearest[:left])
+
+
+def step(
+    link: Link,
+    files: RobotFiles,
+    settings: PlannerSettings,
+    joint_angles: FloatArray,
+    support: DoubleSupport,
+) -> Motion | None:
+    """The next own step to a double support from measured joint angles (m,) [rad], checked.
+
+    None when the feet stand there.
+
+    Raises:
+        UnreachableError: where the robot could not stand; no step is begun then.
+    """
+    stepper = _stepper(files, settings)
+    stepper.planner.stance(support)
+    return stepper.step(joint_angles, support, progress=link.progress, canceled=link.canceled)
+
+
+@cache
+def _stepper(files: RobotFiles, settings: PlannerSettings) -> Stepper:
+    return Stepper(_planner(files, settings))
 
 
 @cache

@@ -49,3 +49,8 @@ class MovingSettings(Settings):
     cool_by: float = setting(
         5.0, "degC", "by which every motor must be cooler than that to begin", minimum=0.0
     )
+    steps: bool = setting(
+        False,
+        "",
+        "offers robot/reach_support by own steps, for robots without a walk engine",
+    )

@@ -32,12 +32,14 @@ class Samples:
     Attributes:
         stamp_ns: (T,) times of sampling [ns].
         joints, readings, truth: arrays (T, ...).
+        orientation: (T, 4) of the torso over the floor: x, y, z, w.
     """
 
     stamp_ns: NDArray[np.int64]
     joints: JointReadings
     readings: Readings
     truth: FloorTruth
+    orientation: FloatArray
 
 
 class Pacer:
@@ -125,6 +127,7 @@ class SimulatedBody:
             self.robot.joints(together),
             self.robot.readings(together),
             self.robot.truth(together),
+            together.base_orientation,
         )
 
     def place(self, joint_angles: FloatArray) -> None:

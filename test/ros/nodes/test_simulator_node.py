@@ -4,8 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rclpy.action import ActionClient
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import JointState
+from sensor_msgs.msg import Imu, JointState, Temperature
 from shoecal_msgs.action import ReachSupport
 from shoecal_msgs.msg import DoubleSupport, ShoeVoltages
 from std_msgs.msg import Bool
@@ -20,6 +21,7 @@ from shoecal_core.sensing.shoe import load_shoe
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import time_from_ros, trajectory_to_ros
 from shoecal_ros.demo import write_device
+from shoecal_ros.inputs.imu import ImuInput
 
 NEAR = DoubleSupport(dx=0.02, dy=-0.11, dtheta=0.1)
 
@@ -74,6 +76,26 @@ def test_a_support_is_reached(world: World) -> None:
     assert support.dtheta == pytest.approx(NEAR.dtheta, abs=0.02)
     stamps = [time_from_ros(one.header.stamp) for one in joints.messages]
     assert np.all(np.diff(stamps) > 0)
+
+
+def test_it_tells_how_warm_its_motors_are_and_which_way_is_up(world: World) -> None:
+    start(world)
+    temperatures = world.hear(Temperature, "joint_temperatures")
+    imu = world.hear(Imu, "imu")
+    world.until(lambda: len(temperatures) >= 2 * (len(nao().joint_names) - 1) and len(imu))
+    joints = {one.header.frame_id for one in temperatures.messages}
+    assert joints == {*nao().joint_names} - {"RHipYawPitch"}, "one message a motor"
+    assert all(24.0 < one.temperature < 60.0 for one in temperatures.messages)
+    heard = ImuInput(nao())
+    heard.take(imu.messages)
+    assert heard.up == pytest.approx([0.0, 0.0, 1.0], abs=0.05)
+
+
+def test_it_leaves_supports_to_others_where_told_to(world: World) -> None:
+    start(world, offer_reach_support=False)
+    world.until_told("simulator", "robot", "stands")
+    client = ActionClient(world.node, ReachSupport, "robot/reach_support")
+    assert not client.server_is_ready()
 
 
 def test_nothing_moves_before_it_is_armed(world: World) -> None:

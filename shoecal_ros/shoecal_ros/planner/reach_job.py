@@ -1,0 +1,98 @@
+"""One goal of the action `robot/reach_support` by own steps: plan a step, send it, follow it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from functools import partial
+
+from rclpy.action.server import ServerGoalHandle
+from shoecal_msgs.action import Plan, ReachSupport
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_ros.common.conversions import support_from_ros
+from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.planner import planning_work
+from shoecal_ros.planner.execution import FEEDBACK_S, Execution
+from shoecal_ros.planner.order import Mover, Order
+
+STEPS_MAX = 12
+"""Steps to one support; who needs more goes astray."""
+
+_CODES: Mapping[int, int] = {
+    Plan.Result.NO_JOINT_STATES: ReachSupport.Result.NO_JOINT_STATES,
+    Plan.Result.INFEASIBLE: ReachSupport.Result.UNREACHABLE,
+    Plan.Result.CHECK_FAILED: ReachSupport.Result.CHECK_FAILED,
+    Plan.Result.NOT_ARMED: ReachSupport.Result.NOT_ARMED,
+    Plan.Result.CANCELED: ReachSupport.Result.CANCELED,
+    Plan.Result.NOT_FOLLOWED: ReachSupport.Result.NOT_FOLLOWED,
+    Plan.Result.TILTED: ReachSupport.Result.TILTED,
+    Plan.Result.LOAD_LOST: ReachSupport.Result.LOAD_LOST,
+    Plan.Result.SENSORS_STALE: ReachSupport.Result.SENSORS_STALE,
+    Plan.Result.HOT_JOINTS: ReachSupport.Result.HOT_JOINTS,
+}
+"""What refusals of an execution are called here; everything else has failed."""
+
+
+class ReachJob:
+    """Steps to one double support.
+
+    Attributes:
+        execution: what moves the robot.
+    """
+
+    def __init__(self, mover: Mover, goal: ServerGoalHandle) -> None:
+        self._mover = mover
+        self._goal = goal
+        self._done = 0
+        self._fed = 0.0
+        order = Order(True, lambda: bool(goal.is_cancel_requested), self._feed)
+        self.execution = Execution(mover, order)
+
+    async def run(self) -> None:
+        """Step until the feet stand there.
+
+        Raises:
+            RefusedError: when it ends otherwise than done, with a code of ReachSupport.
+        """
+        try:
+            support = support_from_ros(self._goal.request.support)
+        except ShoecalError as error:
+            raise RefusedError(ReachSupport.Result.UNREACHABLE, str(error)) from error
+        try:
+            await self._step_to(support)
+        except RefusedError as refusal:
+            code = _CODES.get(refusal.code, ReachSupport.Result.FAILED)
+            raise RefusedError(code, str(refusal)) from refusal
+
+    async def _step_to(self, support: DoubleSupport) -> None:
+        mover, execution = self._mover, self.execution
+        while self._done <= STEPS_MAX:
+            execution.check_ready()
+            start = execution.measured()
+            motion = await execution.planned(
+                partial(
+                    mover.worker.do,
+                    planning_work.step, mover.files, mover.planning, start, support,
+                )
+            )  # fmt: skip
+            if motion is None:
+                return
+            execution.check_start(start)
+            await execution.follow(execution.commanded(motion), motion)
+            self._done += 1
+        raise RefusedError(
+            Plan.Result.FAILED,
+            f"not at {support} after {STEPS_MAX} steps; see that the soles do not slip",
+        )
+
+    def _feed(self, phase: str, progress: float, landmark: int) -> None:
+        """Nobody knows how many steps there will be: each counts half of what is left."""
+        del landmark
+        now = time.monotonic()
+        if now - self._fed < FEEDBACK_S:
+            return
+        self._fed = now
+        steps = self._done + (progress if phase == "moving" else 0.0)
+        self._goal.publish_feedback(ReachSupport.Feedback(progress=1.0 - 0.5**steps))

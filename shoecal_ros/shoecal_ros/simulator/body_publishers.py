@@ -1,0 +1,66 @@
+"""What the simulated robot tells of itself: joints, torso, motors."""
+
+from __future__ import annotations
+
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from sensor_msgs.msg import Imu, JointState, Temperature
+
+from shoecal_core.model.robot import Robot
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import (
+    BASE_LINK,
+    SECOND_NS,
+    JointSample,
+    header_to_ros,
+    joints_to_ros,
+)
+from shoecal_ros.common.runtime import publish_all
+from shoecal_ros.simulator.simulated_body import Samples
+
+PATIENCE_S = 5.0
+"""Wall-clock time that the slowest listener may take."""
+HEAT_NS = SECOND_NS
+"""Simulated time between temperatures: motors warm up in minutes."""
+
+
+class BodyPublishers:
+    """Joint angles of every sample; orientation and temperatures of the last of some samples."""
+
+    def __init__(self, node: Node, robot: Robot) -> None:
+        self._names = robot.joint_names
+        shared = {one.joint for one in robot.shared}
+        self._motors = [index for index in range(len(self._names)) if index not in shared]
+        self._joints = node.create_publisher(JointState, "joint_states", qos.RAW)
+        self._imu = node.create_publisher(Imu, "imu", qos.RAW)
+        self._temperatures = node.create_publisher(Temperature, "joint_temperatures", qos.RAW)
+        self._heat_ns = 0
+
+    def publish(self, samples: Samples) -> None:
+        """Publish what has come of the simulation."""
+        stamps = samples.stamp_ns.tolist()
+        joints = samples.joints
+        for stamp_ns, angles, efforts in zip(stamps, joints.angles, joints.efforts, strict=True):
+            message = joints_to_ros(JointSample(stamp_ns, self._names, angles, efforts))
+            _send(self._joints, message)
+        _send(self._imu, _orientation(stamps[-1], samples.orientation[-1].tolist()))
+        if stamps[-1] - self._heat_ns >= HEAT_NS:
+            self._heat_ns = stamps[-1]
+            for index in self._motors:
+                header = header_to_ros(stamps[-1], self._names[index])
+                degc = float(joints.temperatures[-1, index])
+                _send(self._temperatures, Temperature(header=header, temperature=degc))
+
+
+def _send(publisher: Publisher, message: object) -> None:
+    publish_all(publisher, message, PATIENCE_S)
+
+
+def _orientation(stamp_ns: int, quaternion: list[float]) -> Imu:
+    """Orientation alone; covariances of what a sensor does not tell begin with -1."""
+    message = Imu(header=header_to_ros(stamp_ns, BASE_LINK))
+    q = message.orientation
+    q.x, q.y, q.z, q.w = quaternion
+    message.angular_velocity_covariance[0] = -1.0
+    message.linear_acceleration_covariance[0] = -1.0
+    return message

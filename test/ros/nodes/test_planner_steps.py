@@ -1,0 +1,76 @@
+"""Double supports reached by own steps, for robots without a walk engine."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import JointState
+from shoecal_msgs.action import Plan, ReachSupport
+from shoecal_msgs.msg import DoubleSupport
+from std_srvs.srv import SetBool
+
+from ros.bodies import nao
+from ros.world import Goal, Heard, World
+from shoecal_core.model.double_support import DoubleSupport as Support
+from shoecal_core.model.kinematics import Kinematics
+
+PATIENT = {"stale_s": 3.0}
+"""For a busy machine."""
+NEAR = DoubleSupport(dx=0.02, dy=-0.115, dtheta=0.1)
+
+
+def reach(world: World, support: DoubleSupport) -> Goal:
+    return world.goal(ReachSupport, "robot/reach_support", ReachSupport.Goal(support=support))
+
+
+def stands(joints: Heard) -> Support:
+    angles = nao().from_measured(joints.last.name, np.array(joints.last.position))
+    return Kinematics(nao()).states(angles[None]).support()
+
+
+@pytest.fixture
+def walking(world: World) -> World:
+    """The simulated robot, which has to step by itself."""
+    body = {"port": world.folder / "port", "speed": 6.0, "offer_reach_support": False}
+    world.start("simulator", body)
+    world.start("planner", {**PATIENT, "use_sim_time": True, "steps": True})
+    world.until_told("planner", "planning", "ready")
+    world.until_told("planner", "joints", "come")
+    return world
+
+
+def test_a_support_is_reached_by_own_steps(walking: World) -> None:
+    joints = walking.hear(JointState, "joint_states")
+    refused = reach(walking, NEAR).result()
+    assert refused.error_code == ReachSupport.Result.NOT_ARMED
+    assert walking.call(SetBool, "shoe/arm", SetBool.Request(data=True)).success
+    for nowhere in (DoubleSupport(dx=0.5, dy=-0.1), DoubleSupport(dx=float("nan"))):
+        far = reach(walking, nowhere).result()
+        assert far.error_code == ReachSupport.Result.UNREACHABLE, far.message
+
+    goal = reach(walking, NEAR)
+    walking.until(lambda: goal.done or any(one.progress > 0.1 for one in goal.feedback))
+    busy = walking.goal(Plan, "shoe/plan", Plan.Goal(motion="landmarks")).result()
+    assert busy.error_code == Plan.Result.BUSY
+    result = goal.result(120.0)
+    assert (result.success, result.error_code) == (True, ReachSupport.Result.OK), result.message
+    told = [one.progress for one in goal.feedback]
+    assert told == sorted(told)
+    there = stands(joints)
+    assert there.dx == pytest.approx(NEAR.dx, abs=0.005)
+    assert there.dy == pytest.approx(NEAR.dy, abs=0.005)
+    assert there.dtheta == pytest.approx(NEAR.dtheta, abs=0.03)
+    walking.until_told("simulator", "robot", "stands")
+
+    again = reach(walking, DoubleSupport(dx=-0.02, dy=-0.12, dtheta=-0.1))
+    walking.until(partial(_is_stepping, again))
+    again.cancel()
+    assert again.result().error_code == ReachSupport.Result.CANCELED
+    walking.until_told("simulator", "robot", "stands")
+
+
+def _is_stepping(goal: Goal) -> bool:
+    assert not goal.done, goal.result().message
+    return any(one.progress > 0.05 for one in goal.feedback)
