@@ -13,6 +13,8 @@ from shoecal_core import cli
 ROOT = Path(__file__).resolve().parents[3]
 ROBOT = ROOT / "test" / "data" / "robots" / "odd_biped.yaml"
 SHOE = ROOT / "test" / "data" / "shoes" / "odd_shoe.yaml"
+WREN = ROOT / "config" / "robots" / "wren.yaml"
+WREN_SHOE = ROOT / "config" / "shoes" / "wren_shoe.yaml"
 
 Run = Callable[..., tuple[int, str, str]]
 

@@ -10,14 +10,12 @@ from pathlib import Path
 import pytest
 import yaml
 
-from core.commands.conftest import ROOT
+from core.commands.conftest import ROOT, WREN, WREN_SHOE
 from core.sensing import mutations
 from core.sensing.mutations import DELETE, Key
 
 Run = Callable[..., tuple[int, str, str]]
 
-WREN = ROOT / "config/robots/wren.yaml"
-WREN_SHOE = ROOT / "config/shoes/wren_shoe.yaml"
 LEFT: tuple[Key, ...] = ("feet", "left")
 KNEE = r'(name="left_knee".*?<limit )lower="-0.03" upper="2.2" effort="2.5" velocity="5.5"'
 
