@@ -173,5 +173,5 @@ def test_a_program_shows_the_reason_on_standard_error(library_cache: Path) -> No
     assert done.stdout == "42\n"
     assert done.stderr == (
         "shoecal: functions are interpreted, which is slower: there is no C compiler "
-        "(cc, gcc or clang)\n"
+        "(cc, gcc, clang)\n"
     )
