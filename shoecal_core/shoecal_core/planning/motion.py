@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -101,17 +102,18 @@ def timed(
     """
     robot = legs.robot
     ways = [_way(legs, course, path, others, settings) for course, path in parts]
-    begins, now = [], settings.hold_time
+    # Whole samples, so that at the borders of parts there is one at rest.
+    hold = math.ceil(settings.hold_time * settings.sample_rate)
+    begins = [hold]
     for (course, _), way in zip(parts, ways, strict=True):
-        begins.append(now)
-        now += float(way.profile.times[-1]) + course.pause
-    samples = int(np.ceil((now + settings.hold_time) * settings.sample_rate))
-    time = np.arange(samples + 1) / settings.sample_rate
+        seconds = float(way.profile.times[-1]) + course.pause
+        begins.append(begins[-1] + math.ceil(seconds * settings.sample_rate))
+    time = np.arange(begins.pop() + hold + 1) / settings.sample_rate
     leg_angles = np.zeros((len(time), len(robot.legs)))
     leg_rates = np.zeros_like(leg_angles)
     for begin, way in zip(begins, ways, strict=True):
-        since = time >= begin if begin > begins[0] else slice(None)
-        leg_angles[since], leg_rates[since] = way.at(time[since] - begin)
+        since = slice(begin if begin > hold else 0, None)
+        leg_angles[since], leg_rates[since] = way.at(time[since] - time[begin])
     still = np.zeros(len(robot.joint_names))
     positions = robot.from_legs(leg_angles, others)
     first = parts[0][0].pose(0)
@@ -125,7 +127,7 @@ def timed(
         velocities=robot.from_legs(leg_rates, still),
         cop=legs.cop(positions),
         path=Path.joined([path for _, path in parts]),
-        phases=_phases([course for course, _ in parts], begins, float(time[-1])),
+        phases=_phases([course for course, _ in parts], time[begins[1:]], float(time[-1])),
     )
 
 
@@ -164,8 +166,8 @@ def _way(
     return _Way(spline, fastest(spline, com[:, :2], grid, rates))
 
 
-def _phases(courses: Sequence[Course], begins: Sequence[float], end: float) -> tuple[Phase, ...]:
-    borders = [0.0, *begins[1:], end]
+def _phases(courses: Sequence[Course], inner: FloatArray, end: float) -> tuple[Phase, ...]:
+    borders = [0.0, *inner.tolist(), end]
     return tuple(
         Phase(
             course.name,

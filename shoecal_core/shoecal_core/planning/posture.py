@@ -29,7 +29,7 @@ _RESIDUAL = 1e-7
 
 
 _ASIDE = 0.008
-"""m; on one foot the CoP may be that far from its middle where this spares the motors."""
+"""m; on one foot the CoP may be so far from its middle where this spares the motors."""
 _ASIDE_WEIGHT = 100.0
 """1/m^2, of that against joint angles near the nominal ones."""
 
@@ -68,6 +68,8 @@ class StanceSolver:
 
     def __init__(self, legs: Legs, settings: PlannerSettings) -> None:
         self._legs = legs
+        # A way to the CoP ends within the radius of it.
+        self._kept_from_edge = settings.one_foot_margin + settings.landmark_radius
         self._lower, self._upper = legs.bounds(settings, settings.stance_margin)
         robot = legs.robot
         self._torque = robot.effort_limit[robot.legs] * settings.torque_share
@@ -113,9 +115,11 @@ class StanceSolver:
         Raises:
             UnreachableError: when no posture within the margins does it.
         """
-        centre = carrying.polygon(self._legs.robot, foot_pose).centroid
+        polygon = carrying.polygon(self._legs.robot, foot_pose)
+        centre = polygon.centroid
+        room = (polygon.exterior.distance(centre) - self._kept_from_edge) / np.sqrt(2.0)
         target = np.array([centre.x, centre.y])
-        return self._solved(foot_pose, carrying, target, _ASIDE, others)
+        return self._solved(foot_pose, carrying, target, np.clip(room, 0.0, _ASIDE), others)
 
     def _solved(
         self,
