@@ -112,12 +112,16 @@ class Scene:
     @property
     def first(self) -> Scene:
         """Of the first state."""
+        return self.head(1)
+
+    def head(self, count: int) -> Scene:
+        """Of the first states; also where all keep the same."""
         return dataclasses.replace(
             self,
-            foot_poses=self.foot_poses[:1],
-            shares=self.shares[:1],
-            normals=self.normals[:1],
-            offsets=self.offsets[:1],
+            foot_poses=self.foot_poses[:count],
+            shares=self.shares[:count],
+            normals=self.normals[:count],
+            offsets=self.offsets[:count],
         )
 
     def beyond(self, cop: FloatArray) -> FloatArray:
@@ -182,6 +186,16 @@ class Limits:
     transition: FloatArray
     torque: FloatArray
 
+    def head(self, count: int) -> Limits:
+        """Of the first states."""
+        return dataclasses.replace(
+            self,
+            lower=self.lower[:count],
+            upper=self.upper[:count],
+            offsets=self.offsets[:count],
+            clearances=self.clearances[:count],
+        )
+
 
 @dataclass(frozen=True)
 class StateValues:
@@ -218,7 +232,8 @@ class Solution:
     Attributes:
         states: (N, k) leg angles q[1] to q[N] [rad].
         cost: of the states.
-        violation: largest violation of any constraint [m, rad or N m].
+        violation: largest violation of any constraint by any state, or by those that are applied
+            where the mode is not `converged` [m, rad or N m].
         converged: the solver's own word, and the violation within tolerance.
         status: of the solver, for people.
         iterations: that it took.
@@ -331,11 +346,16 @@ class Collocation:
         return float(pull + self.settings.transition_weight * np.sum(change**2))
 
     def assess(
-        self, problem: HorizonProblem, limits: Limits, states: FloatArray
+        self,
+        problem: HorizonProblem,
+        limits: Limits,
+        states: FloatArray,
+        first: int | None = None,
     ) -> tuple[float, float]:
         """Cost (equation 9) and largest violation of any constraint [m, rad, N m] of states (N, k).
 
-        The violation is zero or more.
+        The violation is zero or more; it is that of so many first states, of all where no number
+        is given.
         """
         values = self.evaluate(states, problem.scene)
         moves = self.transitions(problem, states)
@@ -348,16 +368,31 @@ class Collocation:
             np.abs(values.torques) - limits.torque,
             np.abs(moves) - limits.transition,
         ]
-        worst = max(float(part.max()) for part in excess if part.size)
+        worst = max(float(part[:first].max()) for part in excess if part.size)
         return self.cost(problem, states, values), max(0.0, worst)
 
     def certified(
-        self, problem: HorizonProblem, states: FloatArray, status: str, iterations: int, done: bool
+        self,
+        problem: HorizonProblem,
+        states: FloatArray,
+        status: str,
+        iterations: int,
+        done: bool,
+        first: int | None = None,
     ) -> Solution:
-        """A solution with its own evidence."""
+        """A solution with its own evidence.
+
+        Args:
+            problem: that is solved.
+            states: (N, k) [rad].
+            status: of the solver.
+            iterations: that it took.
+            done: the solver's own word.
+            first: so many states' violation counts; all where not given.
+        """
         cost, violation = np.inf, np.inf
         if np.all(np.isfinite(states)):
-            cost, violation = self.assess(problem, self.limits(problem), states)
+            cost, violation = self.assess(problem, self.limits(problem), states, first)
         return Solution(
             states=states,
             cost=cost,

@@ -15,6 +15,7 @@ from shoecal_core.planning.collocation import (
     Collocation,
     HorizonProblem,
     Limits,
+    Scene,
     StateValues,
 )
 
@@ -58,10 +59,10 @@ class Linearisation:
         )
         self._slopes = Batch(function, least=1)
 
-    def __call__(self, problem: HorizonProblem, states: FloatArray) -> Linearised:
-        """Of states (N, k) [rad]."""
+    def __call__(self, states: FloatArray, scene: Scene) -> Linearised:
+        """Of states (N, k) [rad] in their scenes."""
         count, size = self._shape
-        found = self._slopes(self._collocation.inputs(states, problem.scene))
+        found = self._slopes(self._collocation.inputs(states, scene))
         slopes = found[:, count:].reshape(len(states), count, size)
         foot = TASKS + FOOT_ROWS
         return Linearised(
@@ -77,11 +78,13 @@ class Inequalities:
     """What the states of one problem keep, in rows: edges, distances, torques, limits, moves.
 
     Attributes:
+        scene: that they belong to.
         low, high: (N, r) bounds of the rows.
     """
 
     def __init__(self, problem: HorizonProblem, limits: Limits) -> None:
-        self._problem = problem
+        self.scene = problem.scene
+        self._start = problem.start
         shape = limits.lower.shape
         torque, move = (
             np.broadcast_to(bound, shape) for bound in (limits.torque, limits.transition)
@@ -96,15 +99,15 @@ class Inequalities:
 
     def values(self, linear: Linearised) -> FloatArray:
         """(N, r) of the rows."""
-        states, problem = linear.states, self._problem
+        states = linear.states
         values = np.empty_like(self.low)
         pairs, size = linear.values.distances.shape[1], states.shape[1]
         edges = values.shape[1] - pairs - 3 * size
-        values[:, :edges] = problem.scene.beyond(linear.values.cop)
+        values[:, :edges] = self.scene.beyond(linear.values.cop)
         values[:, edges : edges + pairs] = linear.values.distances
         values[:, -3 * size : -2 * size] = linear.values.torques
         values[:, -2 * size : -size] = states
-        values[0, -size:] = states[0] - problem.start
+        values[0, -size:] = states[0] - self._start
         values[1:, -size:] = states[1:] - states[:-1]
         return values
 

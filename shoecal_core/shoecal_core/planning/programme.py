@@ -18,6 +18,9 @@ from shoecal_core.planning.linearisation import Inequalities, Linearised
 
 FloatArray = NDArray[np.float64]
 
+_FEASIBLE = 1e-9
+"""Largest violation of a row by a programme's solution."""
+
 
 @dataclass(frozen=True)
 class Step:
@@ -55,6 +58,7 @@ class Programme:
         self._hessian, self._gradient = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
         # CasADi stores by columns: rows of this matrix belong to unknowns.
         matrix = np.zeros((count, free, count, rows))
+        self._matrix = matrix.reshape(unknowns, -1)
         self._low, self._high = np.zeros((count, rows)), np.zeros((count, rows))
         # Rows of a state depend on it alone, transitions on the state before as well.
         self._own = np.einsum("iaib->iab", matrix)
@@ -67,7 +71,7 @@ class Programme:
                 "h": ca.Sparsity.dense(unknowns, unknowns),
                 "a": ca.Sparsity.dense(count * rows, unknowns),
             },
-            {"error_on_fail": False},
+            {"error_on_fail": False, "daqp": {"primal_tol": _FEASIBLE}},
         )
         # CasADi's stubs do not know what its buffers take.
         self._buffer: Any
@@ -80,29 +84,40 @@ class Programme:
         }  # fmt: skip
         self._memory = list(given.values())
         for name, array in given.items():
-            self._buffer.set_arg(self._solver.index_in(name), memoryview(array))
+            self._buffer.set_arg(self._solver.index_in(name), array.data)
         for name, array in (("x", self._found), ("lam_a", self._prices)):
-            self._buffer.set_res(self._solver.index_out(name), memoryview(array))
+            self._buffer.set_res(self._solver.index_out(name), array.data)
 
     def solve(
         self, problem: HorizonProblem, linear: Linearised, inequalities: Inequalities
     ) -> Step | None:
         """The step from states that `linear` describes; None where the programme has none."""
-        # step = fixed + basis @ free: the feet are put right whatever the free part is.
-        factor, triangle = np.linalg.qr(linear.foot.swapaxes(1, 2), mode="complete")
-        basis = factor[:, :, FOOT_ROWS:]
-        error = linear.values.foot_error[..., None]
-        inner = np.linalg.solve(triangle[:, :FOOT_ROWS].swapaxes(1, 2), -error)
-        fixed = (factor[:, :, :FOOT_ROWS] @ inner)[..., 0]
+        fixed, basis = _feet(linear)
         self._set_cost(problem, linear, fixed, basis)
-        self._set_rows(problem, linear, inequalities, fixed, basis)
+        return self._solved(linear, inequalities, fixed, basis)
+
+    def nearest(self, linear: Linearised, inequalities: Inequalities) -> Step | None:
+        """The shortest step that keeps everything to first order; None where there is none."""
+        fixed, basis = _feet(linear)
+        np.fill_diagonal(self._hessian, 1.0)
+        return self._solved(linear, inequalities, fixed, basis)
+
+    def _solved(
+        self,
+        linear: Linearised,
+        inequalities: Inequalities,
+        fixed: FloatArray,
+        basis: FloatArray,
+    ) -> Step | None:
+        self._set_rows(linear, inequalities, fixed, basis)
         self._run()
-        if not self._buffer.stats()["success"]:
+        found = self._found.ravel()
+        # A dual method's answer keeps the rows only when it is the solution.
+        rows = found @ self._matrix
+        missed = max((self._low.ravel() - rows).max(), (rows - self._high.ravel()).max())
+        if not missed < 10.0 * _FEASIBLE:
             return None
         change = fixed + (basis @ self._found[..., None])[..., 0]
-        if not np.all(np.isfinite(change)):
-            return None
-        found = self._found.ravel()
         gain = -found @ (self._gradient + 0.5 * self._hessian @ found)
         return Step(change, float(gain), self._prices.copy())
 
@@ -130,7 +145,6 @@ class Programme:
 
     def _set_rows(
         self,
-        problem: HorizonProblem,
         linear: Linearised,
         inequalities: Inequalities,
         fixed: FloatArray,
@@ -138,7 +152,7 @@ class Programme:
     ) -> None:
         size = fixed.shape[1]
         values = inequalities.values(linear)
-        edges = problem.scene.normals @ linear.tasks[:, :2]
+        edges = inequalities.scene.normals @ linear.tasks[:, :2]
         local = np.concatenate([edges, linear.rest], axis=1)
         self._own[..., : -2 * size] = (local @ basis).swapaxes(1, 2)
         turned = basis.swapaxes(1, 2)
@@ -150,3 +164,11 @@ class Programme:
         values[1:, -size:] -= fixed[:-1]
         np.subtract(inequalities.low, values, out=self._low)
         np.subtract(inequalities.high, values, out=self._high)
+
+
+def _feet(linear: Linearised) -> tuple[FloatArray, FloatArray]:
+    """(N, k), (N, k, f): a step is fixed + basis @ free, which puts the feet right."""
+    factor, triangle = np.linalg.qr(linear.foot.swapaxes(1, 2), mode="complete")
+    error = linear.values.foot_error[..., None]
+    inner = np.linalg.solve(triangle[:, :FOOT_ROWS].swapaxes(1, 2), -error)
+    return (factor[:, :, :FOOT_ROWS] @ inner)[..., 0], factor[:, :, FOOT_ROWS:]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.settings import Settings, setting
 
 SOLVERS = ("sqp", "ipopt")
+MODES = ("converged", "bounded", "realtime")
 CHOICES = ("spread", "d_optimal", "e_optimal")
 
 
@@ -144,6 +145,11 @@ class PlannerSettings(Settings):
     solver: str = setting(
         "sqp", "", "sqp (fast, falls back to ipopt) or ipopt (reference)", choices=SOLVERS
     )
+    mode: str = setting(
+        "converged", "", "of sqp: converged (to an optimum), bounded (three iterations) or "
+        "realtime (one), of which only the states that are applied keep all constraints",
+        choices=MODES,
+    )  # fmt: skip
     tolerance: float = setting(
         1.0e-5, "m, rad, N m", "largest violation of a constraint that a solution may have",
         minimum=1e-9, maximum=1e-3,

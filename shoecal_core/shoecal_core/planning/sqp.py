@@ -1,7 +1,12 @@
 """The fast solver: sequential quadratic programmes with Gauss-Newton second derivatives.
 
-An active set hardly changes from one programme to the next, nor from one horizon to the next.
-Where this solver fails, another has to step in.
+From a near guess a few programmes are enough, and full steps nearly always do; a filter (Fletcher
+and Leyffer, "Nonlinear programming without a penalty function", 2002) refuses the others. Where
+this solver fails, another has to step in.
+
+Only the first states of a horizon are ever taken over, and the next horizon begins with the rest
+as its guess. So a robot that has no time stops after few programmes and puts these first states
+right: a projection on the feet's transform and on all other constraints.
 """
 
 from __future__ import annotations
@@ -11,73 +16,158 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.planning.collocation import Collocation, HorizonProblem, Solution
+from shoecal_core.planning.collocation import Collocation, HorizonProblem, Limits, Solution
 from shoecal_core.planning.linearisation import Inequalities, Linearisation, Linearised
-from shoecal_core.planning.programme import Programme
+from shoecal_core.planning.programme import Programme, Step
 
 FloatArray = NDArray[np.float64]
 
-_ITERATIONS = 12
+_ITERATIONS = 15
 """More are not worth it: interior points are surer then."""
-_STEP = 1e-3
-"""rad; after a step this small, what is left of the curvature is far below the tolerance."""
-_SHORTENINGS = 4
+_ENOUGH = {"converged": _ITERATIONS, "bounded": 3, "realtime": 1}
+"""Programmes after which a mode asks only for first states that keep everything."""
+_OPTIMAL = 1e-7
+"""Of the cost; a smaller gain is none."""
+_FEASIBLE = 3e-8
+"""m, rad, N m; a smaller violation is none."""
+_STEP = 1e-4
+"""rad; a shorter step is none."""
+_SHORT = 1e-3
+"""rad; a shorter step needs no guard: what it does to cost and violation is lost in rounding."""
+_CONTRACTION = 0.3
+"""From one step to the next, before two are known."""
+_SHORTENINGS = 7
+_MARGIN = 1e-3
+"""By which the filter wants to see things better."""
+_ROUNDING = 1e-12
+"""Of the cost."""
+_PROJECTIONS = 5
+_PROJECTED = 1e-10
+"""m, rad, N m; violation of projected states."""
 
 
 class SqpSolver:
     """Solves a horizon's problem from a near guess in a few small quadratic programmes.
 
-    One at a time: memory is used again.
+    One at a time: memory is used again. Modes (`settings.mode`):
+
+    - converged: to an optimum; all states keep all constraints.
+    - bounded, realtime: after three programmes or one, the states that are applied keep all
+      constraints, and the solution's violation is theirs. More programmes only where they do not.
     """
 
     def __init__(self, collocation: Collocation) -> None:
         self._collocation = collocation
-        count, size = collocation.settings.horizon, len(collocation.lower)
+        settings = collocation.settings
+        count, size = settings.horizon, len(collocation.lower)
         self._edges = collocation.edges
+        self._applied = min(settings.applied_states, count)
         rows = self._edges + len(collocation.legs.robot.collision_pairs) + 3 * size
         self._linearised = Linearisation(collocation)
-        self._programme = Programme(count, size, rows, collocation.settings.transition_weight)
+        self._programme = Programme(count, size, rows, settings.transition_weight)
+        self._projection = Programme(self._applied, size, rows, settings.transition_weight)
 
     def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
         """See Solver."""
-        collocation = self._collocation
+        collocation, mode = self._collocation, self._collocation.settings.mode
         problem = dataclasses.replace(problem, scene=problem.scene.padded(self._edges))
         limits = collocation.limits(problem)
-        inequalities = Inequalities(problem, limits)
-        linear = self._linearised(problem, np.clip(guess, limits.lower, limits.upper))
-        penalty = self._penalty(problem, linear)
-
-        def merit_of(tried: Linearised) -> float:
-            cost = collocation.cost(problem, tried.states, tried.values)
-            return cost + penalty * inequalities.violation(tried)
-
-        merit = merit_of(linear)
+        descent = _Descent(collocation, problem, Inequalities(problem, limits), self._linearised)
+        descent.begin(np.clip(guess, limits.lower, limits.upper))
         for iteration in range(1, _ITERATIONS + 1):
-            step = self._programme.solve(problem, linear, inequalities)
+            step = self._programme.solve(problem, descent.linear, descent.inequalities)
             if step is None:
-                return collocation.certified(
-                    problem, linear.states, "Programme_Failed", iteration, False
+                return self._failed(problem, descent, "Programme_Failed", iteration)
+            if not descent.take(step):
+                return self._failed(problem, descent, "Step_Rejected", iteration)
+            if mode == "converged":
+                if descent.arrived:
+                    states = descent.linear.states
+                    return collocation.certified(problem, states, "Solved", iteration, True)
+            elif iteration >= _ENOUGH[mode] or descent.arrived:
+                states = self._projected(problem, limits, descent.linear.states)
+                solution = collocation.certified(
+                    problem, states, "Applicable", iteration, True, self._applied
                 )
-            for shortening in range(_SHORTENINGS):
-                tried = self._linearised(problem, linear.states + step.change / 2.0**shortening)
-                merit_tried = merit_of(tried)
-                if merit_tried < merit:
-                    break
-            done = float(np.abs(step.change).max()) < _STEP
-            if merit_tried < merit:
-                linear, merit = tried, merit_tried
-            elif not done:
-                return collocation.certified(
-                    problem, linear.states, "Step_Rejected", iteration, False
-                )
-            if done:
-                return collocation.certified(problem, linear.states, "Solved", iteration, True)
-        return collocation.certified(
-            problem, linear.states, "Iterations_Exceeded", _ITERATIONS, False
-        )
+                if solution.converged:
+                    return solution
+        return self._failed(problem, descent, "Iterations_Exceeded", _ITERATIONS)
 
-    def _penalty(self, problem: HorizonProblem, linear: Linearised) -> float:
-        """Weight of violations in the merit: well above what they could buy in cost."""
-        aim = problem.aim
-        away = np.abs(linear.values.tasks - aim.targets).max(axis=0)
-        return float(20.0 * len(linear.states) * np.max(aim.weights * (away + 0.01)))
+    def _failed(
+        self, problem: HorizonProblem, descent: _Descent, status: str, iteration: int
+    ) -> Solution:
+        return self._collocation.certified(problem, descent.linear.states, status, iteration, False)
+
+    def _projected(self, problem: HorizonProblem, limits: Limits, states: FloatArray) -> FloatArray:
+        """States (N, k) of which those that are applied are moved onto all constraints."""
+        scene = problem.scene.head(self._applied)
+        problem = dataclasses.replace(problem, scene=scene)
+        inequalities = Inequalities(problem, limits.head(self._applied))
+        first = states[: self._applied]
+        for _ in range(_PROJECTIONS):
+            linear = self._linearised(first, scene)
+            if inequalities.violation(linear) < _PROJECTED:
+                break
+            step = self._projection.nearest(linear, inequalities)
+            if step is None:
+                break
+            first = first + step.change
+        return np.vstack([first, states[self._applied :]])
+
+
+class _Descent:
+    """The way from a guess to an optimum, guarded by a filter."""
+
+    def __init__(
+        self,
+        collocation: Collocation,
+        problem: HorizonProblem,
+        inequalities: Inequalities,
+        linearised: Linearisation,
+    ) -> None:
+        self._collocation = collocation
+        self._problem = problem
+        self.inequalities = inequalities
+        self._linearised = linearised
+        self._filter: list[tuple[float, float]] = []
+        self._length = np.inf
+        self.arrived = False
+
+    def begin(self, states: FloatArray) -> None:
+        self.linear, cost, violation = self._at(states)
+        self._filter.append((cost, violation))
+
+    def take(self, step: Step) -> bool:
+        """Go as much of a step as the filter lets pass; False where it lets nothing."""
+        length = float(np.abs(step.change).max())
+        for shortening in range(_SHORTENINGS):
+            part = 0.5**shortening
+            linear, cost, violation = self._at(self.linear.states + part * step.change)
+            if length < _SHORT or self._passes(cost, violation):
+                break
+        else:
+            return False
+        self._filter.append((cost, violation))
+        contraction = min(1.0, length / self._length) if np.isfinite(self._length) else _CONTRACTION
+        # What is left of a linearly convergent method's gain after this step.
+        left = contraction**2 * abs(step.gain)
+        near = part == 1.0 and (left < _OPTIMAL * cost or length < _STEP)
+        self.arrived = near and violation < _FEASIBLE
+        self.linear, self._length = linear, part * length
+        return True
+
+    def _passes(self, cost: float, violation: float) -> bool:
+        """Does it improve on everything before, either in cost or in violation?"""
+        beyond = max(0.0, violation - _FEASIBLE)
+        for other_cost, other_violation in self._filter:
+            other = max(0.0, other_violation - _FEASIBLE)
+            cheaper = cost <= other_cost + _ROUNDING * abs(other_cost) - _MARGIN * other
+            if not cheaper and not beyond < (1.0 - _MARGIN) * other:
+                return False
+        return True
+
+    def _at(self, states: FloatArray) -> tuple[Linearised, float, float]:
+        """Linearised states, their cost and violation."""
+        linear = self._linearised(states, self._problem.scene)
+        cost = self._collocation.cost(self._problem, states, linear.values)
+        return linear, cost, self.inequalities.violation(linear)
