@@ -160,10 +160,11 @@ class PlannedMotion:
     def _in_world(self, place: FloatArray, sample: int) -> FloatArray:
         """A place (2,) in the left sole's frame where it is when the feet next stand [m].
 
-        Targets of a part in which the left foot moves are told from where it comes down.
+        Targets of a part in which the left foot moves are told from where it comes down. A sample
+        at the border of two parts is the last one of the first.
         """
-        ends = [stand.end - 1 for stand in self.stands if stand.begin <= sample < stand.end]
-        rotation, origin = (pose[ends[0], 0] for pose in self.soles)
+        stand = next(one for one in self.stands if sample <= one.end)
+        rotation, origin = (pose[stand.end - 1, 0] for pose in self.soles)
         world: FloatArray = rotation[:2, :2] @ place[:2] + origin[:2]
         return world
 

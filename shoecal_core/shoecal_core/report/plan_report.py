@@ -23,7 +23,6 @@ from shoecal_core.report.page import (
 from shoecal_core.report.plan_animation import animation
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_figures import motion_pictures
-from shoecal_core.report.plan_targets import Target
 from shoecal_core.report.quantities import quantity
 from shoecal_core.report.sheet import Part, write_sheet
 from shoecal_core.report.svg import readable
@@ -103,21 +102,20 @@ def verdict(motions: Sequence[PlannedMotion]) -> Verdict:
                 reasons.append(Reason("FAIL", f"{text}{where}; do not send it."))
     violated = bool(reasons)
     for planned in motions:
-        reasons += [
-            Reason("WARN", f"{planned.label}: {_missed(one, planned)}.")
+        missed = [
+            f"{one.number} ({one.off(planned.settings.landmark_radius)})"
             for one in planned.targets
             if not one.reached
         ]
+        if missed:
+            text = f"{planned.label}: out of reach: landmark {', '.join(missed)}."
+            reasons.append(Reason("WARN", text))
     if violated:
         return Verdict("FAIL", "Not every motion keeps its limits.", tuple(reasons))
     meaning = "Every motion keeps all limits in a check that is independent of the planner."
     if reasons:
         return Verdict("WARN", f"{meaning} Not every landmark is reached.", tuple(reasons))
     return Verdict("PASS", f"{meaning} Every landmark is reached.", ())
-
-
-def _missed(target: Target, planned: PlannedMotion) -> str:
-    return f"landmark {target.number} {target.off(planned.settings.landmark_radius)}"
 
 
 def heading(planned: PlannedMotion) -> str:

@@ -69,7 +69,7 @@ class Mark:
 
     @property
     def label(self) -> str:
-        """All that stands beside it."""
+        """All that is to be told of it."""
         return f"{self.numbers}: {self.missing}" if self.missing else self.numbers
 
 

@@ -148,7 +148,8 @@ const step = now => {
 if (!playing) return;
 if (before !== null) run += (now - before) / 1000 * Number(speed.value);
 before = now;
-time = Math.min(calm.matches ? Math.floor(run) : run, data.duration);
+const still = Number(speed.value);
+time = Math.min(calm.matches ? Math.floor(run / still) * still : run, data.duration);
 if (run >= data.duration) { time = data.duration; set(false); }
 show();
 if (playing) requestAnimationFrame(step);

@@ -74,3 +74,15 @@ def test_one_foot_alone_carries_all() -> None:
     share, joint = planned.peak_torque
     assert share == np.abs(planned.torque_share).max()
     assert joint in planned.robot.leg_names
+
+
+def test_targets_stand_where_the_left_foot_was_when_they_were_told() -> None:
+    """The first one leads the CoP over the right foot, the next one keeps it there."""
+    planned = plans.stepping()
+    first, lifted, lowered, back = planned.targets
+    foot = planned.robot.feet[1]
+    middle = planned.motion.support.right_to_left(foot.sensing_polygon).mean(axis=0)
+    for one in (first, lifted, lowered):
+        assert np.linalg.norm(one.place - middle) < 0.02
+        assert one.cop_distance < planned.settings.landmark_radius
+    np.testing.assert_allclose(back.place, planned.cop[0], atol=2e-3)

@@ -90,7 +90,7 @@ def test_numbers_are_the_motions(document: Document) -> None:
         reached = sum(one.reached for one in planned.targets)
         assert f"{reached} of {len(planned.targets)}" in document.text
     away = 1e3 * plans.missing().motion.path.nearest[2]
-    assert f"landmark 3 {away:.1f} mm off" in document.text
+    assert f"motion_001: out of reach: landmark 3 ({away:.1f} mm off)." in document.text
     assert "WARN" in document.text
 
 

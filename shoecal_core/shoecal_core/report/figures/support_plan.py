@@ -15,16 +15,16 @@ from numpy.typing import NDArray
 from shoecal_core.report.figures.plane import FootShape, draw_feet
 from shoecal_core.report.palette import CARD, FAIL, INK, MUTED, SLATE, SOLE, STEPS, Look
 from shoecal_core.report.plan_targets import Mark
-from shoecal_core.report.svg import SMALL, WIDTH, Canvas, canvas, draw_line
+from shoecal_core.report.svg import SMALL, TEXT, WIDTH, Canvas, canvas, draw_line
 
 FloatArray = NDArray[np.float64]
 
 LEFT, TOP, BOTTOM = 50.0, 84.0, 36.0
-ROOM_MM, LABEL_MM = 14.0, 13.0
-"""Around the feet, and from a landmark to its number."""
+ROOM = 0.05
+"""Around the feet, as part of what is shown."""
+LABEL, LINE, LETTER = 15.0, 4.0, 3.0
+"""Units from a landmark to its number; more for a second line and for each further letter."""
 TALLEST = 330.0
-SHORT = 6
-"""Letters of a label that fit beside a landmark wherever it is."""
 
 
 @dataclass(frozen=True)
@@ -73,8 +73,9 @@ def support_plan(plan: SupportPlan) -> str:
             *(mark.place[None] for mark in plan.marks),
         ]
     )
-    low, high = 1e3 * points.min(axis=0) - ROOM_MM, 1e3 * points.max(axis=0) + ROOM_MM
-    low[0] -= ROOM_MM / 2.0
+    low, high = 1e3 * points.min(axis=0), 1e3 * points.max(axis=0)
+    room = ROOM * float((high - low).max())
+    low, high = low - [1.5 * room, room], high + room
     width = WIDTH - LEFT - 8.0
     scale = min(width / (high[1] - low[1]), TALLEST / (high[0] - low[0]))
     height = scale * (high[0] - low[0])
@@ -91,7 +92,7 @@ def support_plan(plan: SupportPlan) -> str:
         for swing in plan.swings:
             _draw_swing(axes, swing)
         _draw_path(axes, plan)
-        _draw_marks(axes, plan)
+        _draw_marks(axes, plan, scale)
         axes.set_ylim(low[0], high[0])
         axes.set_xlim(high[1] + spare / 2.0, low[1] - spare / 2.0)
         axes.locator_params(nbins=6)
@@ -157,7 +158,8 @@ def _arrow(axes: Axes, points: FloatArray, colour: str) -> None:
     axes.annotate("", (x, y), (x_before, y_before), arrowprops=style, zorder=3.0)
 
 
-def _draw_marks(axes: Axes, plan: SupportPlan) -> None:
+def _draw_marks(axes: Axes, plan: SupportPlan, scale: float) -> None:
+    """Rings and numbers; the scale is in units a millimetre."""
     if not plan.marks:
         return
     places = 1e3 * np.array([mark.place for mark in plan.marks])
@@ -168,20 +170,16 @@ def _draw_marks(axes: Axes, plan: SupportPlan) -> None:
         axes.add_patch(Circle(place[::-1], 1e3 * plan.radius, facecolor="none", edgecolor=colour,
                               linewidth=1.2, linestyle=dashes, zorder=4.0))  # fmt: skip
         axes.plot(place[1], place[0], "+", color=colour, markersize=4.0, zorder=4.0)
-        at, side = _beside(place, centre, mark.label)
-        axes.text(at[1], at[0], mark.label, color=colour, ha=side, va="center", fontsize=10.0,
-                  fontweight="bold", zorder=5.0)  # fmt: skip
-
-
-def _beside(place: FloatArray, centre: FloatArray, text: str) -> tuple[FloatArray, str]:
-    """Where a label stands [mm], and its alignment: outwards, a long one in front or behind."""
-    away = place - centre
-    length = np.linalg.norm(away)
-    outward = away / length if length > 1.0 else np.array([1.0, 0.0])
-    if len(text) <= SHORT:
-        return place + outward * (LABEL_MM, LABEL_MM + 2.0 * (len(text) - 1)), "center"
-    side = "left" if outward[1] > 0.5 else "right" if outward[1] < -0.5 else "center"
-    return place + (LABEL_MM - 2.0) * np.array([np.sign(outward[0]) or 1.0, 0.0]), side
+        away = place - centre
+        length = np.linalg.norm(away)
+        outward = away / length if length > 1.0 else np.array([1.0, 0.0])
+        lines = [mark.numbers]
+        if mark.missing:
+            lines.append(mark.missing.removesuffix(" off"))
+        room = [LINE * (len(lines) - 1), LETTER * (max(map(len, lines)) - 1)]
+        x, y = place + (LABEL + np.array(room)) / scale * outward
+        axes.text(y, x, "\n".join(lines), color=colour, ha="center", va="center", fontsize=TEXT,
+                  fontweight="bold", linespacing=1.1, zorder=5.0)  # fmt: skip
 
 
 def _draw_swing(axes: Axes, swing: Swing) -> None:
@@ -218,5 +216,5 @@ def _path_keys(plan: SupportPlan) -> list[Artist]:
     if plan.marks:
         keys.append(ring(INK.light, "landmark, in order"))
     if any(mark.missing for mark in plan.marks):
-        keys.append(ring(FAIL.light, "not reached"))
+        keys.append(ring(FAIL.light, "not reached: distance"))
     return keys
