@@ -19,6 +19,7 @@ FloatArray = NDArray[np.float64]
 
 LEAST = 4096
 """Samples of one call that pay for compiling a function of some 1000 operations (0.4 s)."""
+_FUSED = ("-ffp-contract=fast", "-fexpensive-optimizations")
 _CHECKED = 21
 """Samples that compiled code is tried on: whole blocks and a part of one."""
 
@@ -26,7 +27,7 @@ _CHECKED = 21
 class Batch:
     """Evaluates a function (n,) -> (m,) for T samples, (T, n) -> (T, m)."""
 
-    def __init__(self, function: ca.Function, least: int = LEAST) -> None:
+    def __init__(self, function: ca.Function, least: int = LEAST, *, fused: bool = False) -> None:
         """Take a function; nothing is compiled before it pays.
 
         Args:
@@ -34,9 +35,12 @@ class Batch:
             least: samples of a call from which on machine code is used; fewer are interpreted, with
                 the same values but for rounding. A call's own size decides, so that one call has
                 one result, whatever was called before.
+            fused: round a product and its sum once, where the processor can: a fifth faster. Not
+                for functions with roots or comparisons: `x * x - x * x` is no more zero then.
         """
         self._function = function
         self._least = least
+        self._flags = _FUSED if fused else ()
         self._code: Callable[[FloatArray], FloatArray] | None = None
         self._tried = False
 
@@ -62,7 +66,7 @@ class Batch:
         return np.array(self._function(samples.T)).T
 
     def _load(self) -> Callable[[FloatArray], FloatArray]:
-        file = library(batch_source(self._function))
+        file = library(batch_source(self._function), *self._flags)
         code = _loaded(file, self._function.size1_out(0))
         trial = np.random.default_rng(0).uniform(
             -np.pi, np.pi, (_CHECKED, self._function.size1_in(0))

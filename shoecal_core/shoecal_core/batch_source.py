@@ -16,8 +16,8 @@ import casadi as ca
 
 from shoecal_core.compiler import CompilerError
 
-_PART = 250
-"""Instructions of a part: the planner's 16000 are compiled four times as fast as in one piece."""
+_PART = 1200
+"""Instructions of a part: the planner's 16000 are compiled three times as fast as in one piece."""
 _LARGEST = 8192
 """Vectors of registers and outputs: they lie on the stack, half a megabyte of it."""
 _OPERATIONS = {
@@ -54,13 +54,14 @@ _LIBM = {
 
 _FRAME = """\
 #include <math.h>
+#include <stdint.h>
 
 #define LANES 8
 #define INPUTS {inputs}
 #define OUTPUTS {outputs}
 
 typedef double V __attribute__((vector_size(64)));
-typedef long long I __attribute__((vector_size(64)));
+typedef int64_t I __attribute__((vector_size(64)));
 
 static inline V choose(I which, V a, V b)
 {{
@@ -75,15 +76,25 @@ static inline V truth(I which)
 
 /* Sine and cosine by their series about the nearest multiple of pi/2. The multiple of pi/2 is taken
    off in three parts, the first two of so few bits that their products with a whole number below
-   2^20 are exact. Beyond that, and for what is no number, libm's own. */
-#define FARTHEST 1e5
+   2^20 are exact. Larger angles, and what is no number, clear the sign bits of `near`: their block
+   is done again with libm's. */
+static const double FARTHEST = 1e5;
 static const double ROUNDS = 0x1.8p52;
 static const double PART_1 = 0x1.921fb54400000p+0;
 static const double PART_2 = 0x1.0b4611a600000p-34;
 static const double PART_3 = 0x1.3198a2e037073p-69;
 
-static inline void turn(V x, V *sine, V *cosine)
+static inline void turn(V x, V *sine, V *cosine, I *near)
 {{
+  if (!near) {{
+    for (int l = 0; l < LANES; ++l) {{
+      (*sine)[l] = sin(x[l]);
+      (*cosine)[l] = cos(x[l]);
+    }}
+    return;
+  }}
+  V zero = {{0.0}};
+  *near &= ((I)x & INT64_MAX) - (I)(zero + FARTHEST);
   V shifted = x * {per_quadrant} + ROUNDS;
   V whole = shifted - ROUNDS;
   V r = ((x - whole * PART_1) - whole * PART_2) - whole * PART_3;
@@ -94,13 +105,6 @@ static inline void turn(V x, V *sine, V *cosine)
   I odd = -(quadrant & 1);
   *sine = (V)((I)choose(odd, c, s) ^ ((quadrant & 2) << 62));
   *cosine = (V)((I)choose(odd, s, c) ^ (((quadrant + 1) & 2) << 62));
-  I near = (x >= -FARTHEST) & (x <= FARTHEST);
-  for (int l = 0; l < LANES; ++l) {{
-    if (!near[l]) {{
-      (*sine)[l] = sin(x[l]);
-      (*cosine)[l] = cos(x[l]);
-    }}
-  }}
 }}
 
 static inline V input(const double *const *rows, int i)
@@ -111,6 +115,11 @@ static inline V input(const double *const *rows, int i)
 
 {parts}
 
+static void all_parts(const double *const *rows, V *w, V *y, I *near)
+{{
+{calls}
+}}
+
 void batch(const double *in, double *out, long count)
 {{
   const V zero = {{0.0}};
@@ -120,7 +129,11 @@ void batch(const double *in, double *out, long count)
     V w[{registers}], y[OUTPUTS];
     for (int l = 0; l < LANES; ++l) rows[l] = in + INPUTS * (first + (l < used ? l : used - 1));
     for (int k = 0; k < OUTPUTS; ++k) y[k] = zero;
-{calls}
+    I near = ~(I)zero;
+    all_parts(rows, w, y, &near);
+    int64_t signs = -1;
+    for (int l = 0; l < LANES; ++l) signs &= near[l];
+    if (signs >= 0) all_parts(rows, w, y, 0);
     for (int l = 0; l < used; ++l)
       for (int k = 0; k < OUTPUTS; ++k) out[OUTPUTS * (first + l) + k] = y[k][l];
   }}
@@ -128,7 +141,8 @@ void batch(const double *in, double *out, long count)
 """
 
 _PART_FRAME = """\
-static __attribute__((noinline)) void part_{number}(const double *const *rows, V *w, V *y)
+static __attribute__((noinline))
+void part_{number}(const double *const *rows, V *w, V *y, I *near)
 {{
   const V zero = {{0.0}};
 {lines}
@@ -162,7 +176,7 @@ def batch_source(function: ca.Function) -> str:
         sine=_series(3, 17),
         cosine=_series(2, 16),
         parts="\n".join(_definitions(parts)),
-        calls="\n".join(f"    part_{number}(rows, w, y);" for number in range(len(parts))),
+        calls="\n".join(f"  part_{number}(rows, w, y, near);" for number in range(len(parts))),
     )
 
 
@@ -230,10 +244,12 @@ class _Part:
 
     def _turn(self, angle: str, *, sine: bool) -> str:
         """Name of an angle's sine or cosine; the two are computed together."""
+        both = f"s_{angle}", f"c_{angle}"
         if angle not in self._turned:
             self._turned.add(angle)
-            self.lines.append(f"V s_{angle}, c_{angle}; turn({angle}, &s_{angle}, &c_{angle});")
-        return f"s_{angle}" if sine else f"c_{angle}"
+            self.lines.append(f"V {both[0]}, {both[1]};")
+            self.lines.append(f"turn({angle}, &{both[0]}, &{both[1]}, near);")
+        return both[0 if sine else 1]
 
 
 def _statement(function: str, operation: int, name: str, operands: list[str]) -> str:

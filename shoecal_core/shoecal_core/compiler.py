@@ -17,6 +17,7 @@ import shutil
 import stat
 import subprocess
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -80,12 +81,10 @@ def _found(named: str, path: str) -> Compiler:
         raise CompilerError(f"CC is '{named}' ({error})") from error
     programs = (shutil.which(name, path=path) for name in ([wanted] if wanted else _NAMES))
     program = next(filter(None, programs), None)
+    if program is None and wanted:
+        raise CompilerError(f"CC names '{wanted}', which is no program")
     if program is None:
-        raise CompilerError(
-            f"CC names '{wanted}', which is no program"
-            if wanted
-            else "there is no C compiler (cc, gcc or clang)"
-        )
+        raise CompilerError(f"there is no C compiler ({', '.join(_NAMES)})")
     said = _run([program, *arguments, "--version"])
     return Compiler((program, *arguments), said.splitlines()[0] if said else "")
 
@@ -100,22 +99,20 @@ def cache_folder() -> Path:
     return base / "shoecal"
 
 
-def library(source: str) -> Path:
+def library(source: str, *flags: str) -> Path:
     """The shared library of a C source: from the cache, else compiled and put there.
+
+    Args:
+        source: C.
+        flags: for the compiler, behind those of every source.
 
     Raises:
         CompilerError: where there is no compiler, it fails, or the cache cannot be used.
     """
     compiler = find_compiler()
     folder = _private_folder()
-    made_of = (
-        source,
-        *compiler.command,
-        compiler.version,
-        *_FLAGS,
-        _processor(),
-        ca.CasadiMeta.version(),
-    )
+    command = (*compiler.command, *_FLAGS, *flags)
+    made_of = (source, *command, compiler.version, _processor(), ca.CasadiMeta.version())
     key = hashlib.sha256("\0".join(made_of).encode()).hexdigest()[:32]
     file = folder / f"{key}.so"
     if _is_sound(file):
@@ -124,7 +121,7 @@ def library(source: str) -> Path:
         return file
     if not os.access(folder, os.W_OK):
         raise CompilerError(f"{folder}: cannot be written; check its rights")
-    code = _compile(compiler, source)
+    code = _compile(command, source)
     try:
         atomic_write(file, code + hashlib.sha256(code).digest(), mode=0o600)
     except FileError as error:
@@ -167,18 +164,18 @@ def _is_sound(file: Path) -> bool:
     return hashlib.sha256(content[:-_DIGEST]).digest() == content[-_DIGEST:]
 
 
-def _compile(compiler: Compiler, source: str) -> bytes:
+def _compile(command: Sequence[str], source: str) -> bytes:
     try:
         with tempfile.TemporaryDirectory(prefix="shoecal-") as folder:
             text, made = Path(folder) / "source.c", Path(folder) / "source.so"
             text.write_text(source)
-            _run([*compiler.command, *_FLAGS, "-o", str(made), str(text), "-lm"])
+            _run([*command, "-o", str(made), str(text), "-lm"])
             return made.read_bytes()
     except OSError as error:
-        raise CompilerError(f"{compiler.command[0]}: nothing made ({error.strerror})") from error
+        raise CompilerError(f"{command[0]}: nothing made ({error.strerror})") from error
 
 
-def _run(command: list[str]) -> str:
+def _run(command: Sequence[str]) -> str:
     """What a program prints, in English; CompilerError where it fails."""
     try:
         done = subprocess.run(

@@ -79,7 +79,8 @@ class Kinematics:
             left.translation,
         ]
         self._body = Batch(
-            ca.Function("body", [symbolic.joint_angles], [ca.vertcat(*outputs)], {"cse": True})
+            ca.Function("body", [symbolic.joint_angles], [ca.vertcat(*outputs)], {"cse": True}),
+            fused=True,
         )
 
     def states(self, joint_angles: FloatArray) -> BodyStates:
