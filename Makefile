@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-floor lint bench solve-speed kinematics demo-table paper trust coverage chosen-supports caught-faults lock clean
+.PHONY: help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports demo-table paper trust coverage chosen-supports caught-faults lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -33,7 +33,7 @@ lint: setup  ## ruff and mypy
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 
-bench: solve-speed kinematics demo-table paper  ## all measurements
+bench: solve-speed kinematics planner-speed planner-supports demo-table paper  ## all measurements
 
 solve-speed: export OPENBLAS_NUM_THREADS := 1
 solve-speed: setup  ## the least squares beside scipy's, into docs/performance.md
@@ -42,6 +42,14 @@ solve-speed: setup  ## the least squares beside scipy's, into docs/performance.m
 kinematics: export OPENBLAS_NUM_THREADS := 1
 kinematics: setup  ## CoM and soles beside a loop over Pinocchio, into docs/performance.md
 	$(BIN)/python benchmarks/kinematics.py $(ARGS)
+
+planner-speed: export OPENBLAS_NUM_THREADS := 1
+planner-speed: setup  ## the planner's solvers side by side (ARGS="--supports 1 --problems 8")
+	$(BIN)/python benchmarks/planner_speed.py $(ARGS)
+
+planner-supports: export OPENBLAS_NUM_THREADS := 1
+planner-supports: setup  ## motions in many double supports (ARGS="--nao 20 --wren 5")
+	$(BIN)/python benchmarks/planner_supports.py $(ARGS)
 
 demo-table: setup  ## the errors of the demo over ten seeds, into docs/demo.md (ARGS="--seeds 3")
 	$(BIN)/python benchmarks/demo_seeds.py $(ARGS)

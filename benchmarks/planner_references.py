@@ -1,0 +1,89 @@
+"""The same problem solved by IPOPT in the ways that users of CasADi know.
+
+All are `IpoptSolver`: the same order of unknowns and constraints, the same options, the same start.
+What differs is how values and derivatives are computed.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+
+import casadi as ca
+
+from planner_cases import OUT
+from shoecal_core.compiler import find_compiler
+from shoecal_core.files import atomic_write
+from shoecal_core.planning.collocation import Collocation
+from shoecal_core.planning.ipopt import IpoptSolver, horizon_programme, ipopt_options
+
+LIBRARIES = OUT / "compiled"
+FLAGS = ("-O3", "-march=native", "-fPIC", "-shared", "-w")
+"""Slower to compile than -O1 by far, and a tenth faster then: the reference shall be fast."""
+_JUDGE: dict[str, bool | int | float | str] = {
+    "ipopt.tol": 1e-10,
+    "ipopt.dual_inf_tol": 1e-8,
+    "ipopt.compl_inf_tol": 1e-10,
+    "ipopt.constr_viol_tol": 1e-10,
+    "ipopt.bound_relax_factor": 0.0,
+    "ipopt.max_iter": 1000,
+}
+
+
+def mx_ipopt(collocation: Collocation) -> IpoptSolver:
+    """Matrix expressions (MX) that call the functions of one state: what CasADi's guide shows."""
+    return IpoptSolver(collocation, _from_mx(collocation))
+
+
+def judge(collocation: Collocation) -> IpoptSolver:
+    """Tight tolerances and unrelaxed bounds, to tell what the optimum is."""
+    options = ipopt_options(collocation.settings) | _JUDGE
+    programme = horizon_programme(collocation, ca.SX)
+    return IpoptSolver(collocation, ca.nlpsol("judge", "ipopt", programme, options))
+
+
+def compiled_ipopt(collocation: Collocation, folder: Path = LIBRARIES) -> IpoptSolver:
+    """All functions of the MX problem (f, g, their first and second derivatives) as machine code.
+
+    CasADi writes them out, the system's compiler translates them once; the library is kept.
+
+    Args:
+        collocation: the functions of one state.
+        folder: for the libraries.
+    """
+    options = ipopt_options(collocation.settings)
+    library = _library(_source(_from_mx(collocation)), folder)
+    return IpoptSolver(collocation, ca.nlpsol("compiled", "ipopt", str(library), options))
+
+
+def _from_mx(collocation: Collocation) -> ca.Function:
+    programme = horizon_programme(collocation, ca.MX)
+    return ca.nlpsol("horizon", "ipopt", programme, ipopt_options(collocation.settings))
+
+
+def _source(solver: ca.Function) -> str:
+    # CasADi writes into the current folder alone.
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        return Path(solver.generate_dependencies("programme.c")).read_text()
+
+
+def _library(source: str, folder: Path) -> Path:
+    compiler = find_compiler()
+    made_of = "\0".join((source, *compiler.command, compiler.version, *FLAGS))
+    library = folder / f"{hashlib.sha256(made_of.encode()).hexdigest()[:32]}.so"
+    if library.is_file():
+        return library
+    print(f"compiling {len(source) / 1e6:.1f} MB of C, once: some minutes", flush=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    begin = time.perf_counter()
+    with tempfile.TemporaryDirectory() as scratch:
+        written, made = Path(scratch) / "programme.c", Path(scratch) / "programme.so"
+        written.write_text(source)
+        subprocess.run([*compiler.command, *FLAGS, str(written), "-o", str(made)], check=True)
+        atomic_write(library, made.read_bytes())
+    print(f"compiled in {time.perf_counter() - begin:.0f} s", flush=True)
+    return library
