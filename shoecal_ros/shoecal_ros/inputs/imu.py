@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_ros.common.conversions import time_from_ros
@@ -85,8 +84,9 @@ def _from_orientation(message: Any) -> FloatArray | None:
     length = float(np.linalg.norm(quaternion))
     if message.orientation_covariance[0] < 0.0 or not 0.5 < length < 2.0:
         return None
-    up: FloatArray = Rotation.from_quat(quaternion).inv().apply([0.0, 0.0, 1.0])
-    return up
+    x, y, z, w = quaternion / length
+    # The world's upward axis in the sensor's frame: the rotation's third row.
+    return np.array([2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)])
 
 
 def _from_acceleration(message: Any) -> FloatArray | None:
