@@ -38,7 +38,7 @@ _OPERATIONS = {
     ca.OP_AND: "truth(({0} != 0.0) & ({1} != 0.0))",
     ca.OP_OR: "truth(({0} != 0.0) | ({1} != 0.0))",
     ca.OP_IF_ELSE_ZERO: "choose({0} != 0.0, {1}, zero)",
-    ca.OP_FABS: "choose({0} < 0.0, -{0}, {0})",
+    ca.OP_FABS: "(V)((I){0} & INT64_MAX)",
     # What is no number loses, as in libm.
     ca.OP_FMIN: "choose(({0} <= {1}) | ({1} != {1}), {0}, {1})",
     ca.OP_FMAX: "choose(({0} >= {1}) | ({1} != {1}), {0}, {1})",
