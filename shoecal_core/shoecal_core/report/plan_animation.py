@@ -5,13 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.report.figures.stick_figure import (
-    Cast,
-    Ground,
-    cast_of,
-    from_above,
-    from_the_side,
-)
+from shoecal_core.report.figures.cast import Cast, cast_of
+from shoecal_core.report.figures.feet_from_above import Ground, from_above
+from shoecal_core.report.figures.stick_figure import from_the_side
 from shoecal_core.report.page import Player
 from shoecal_core.report.plan_body import moved, polygons
 from shoecal_core.report.plan_content import BOTH, PlannedMotion
@@ -37,6 +33,7 @@ def animation(planned: PlannedMotion) -> Player:
         [moved(planned, sample) for sample in samples],
         [polygons(planned, sample) for sample in samples],
         [capsule.radius for capsule in planned.robot.capsules],
+        lifted(planned, samples),
     )
     still = count // 2
     moment = round(float(time[samples[still]]), 1)
@@ -45,18 +42,18 @@ def animation(planned: PlannedMotion) -> Player:
     return Player(
         title="The motion",
         svgs=(from_the_side(cast, still, label), from_above(cast, ground, still, label)),
-        frames=frames(planned, cast, samples).to_json(),
+        frames=frames(planned, cast).to_json(),
         duration=round(planned.motion.duration, 1),
         still=moment,
         caption=CAPTION,
     )
 
 
-def frames(planned: PlannedMotion, cast: Cast, samples: NDArray[np.int64]) -> Frames:
+def frames(planned: PlannedMotion, cast: Cast) -> Frames:
     """Points of the body in mm, those of CoM and CoP a digit finer."""
     decimals = [0] * cast.points.shape[1]
     decimals[cast.com] = decimals[cast.cop] = 1
-    return Frames(planned.motion.duration, cast.points, lifted(planned, samples), tuple(decimals))
+    return Frames(planned.motion.duration, cast.points, cast.lifted, tuple(decimals))
 
 
 def lifted(planned: PlannedMotion, samples: NDArray[np.int64]) -> str:
