@@ -56,12 +56,21 @@ _FRAME = """\
 #include <math.h>
 #include <stdint.h>
 
+#if defined(__AVX512F__)
 #define LANES 8
+#define EACH(f) f(0), f(1), f(2), f(3), f(4), f(5), f(6), f(7)
+#elif defined(__AVX__)
+#define LANES 4
+#define EACH(f) f(0), f(1), f(2), f(3)
+#else
+#define LANES 2
+#define EACH(f) f(0), f(1)
+#endif
 #define INPUTS {inputs}
 #define OUTPUTS {outputs}
 
-typedef double V __attribute__((vector_size(64)));
-typedef int64_t I __attribute__((vector_size(64)));
+typedef double V __attribute__((vector_size(8 * LANES)));
+typedef int64_t I __attribute__((vector_size(8 * LANES)));
 
 static inline V choose(I which, V a, V b)
 {{
@@ -70,8 +79,8 @@ static inline V choose(I which, V a, V b)
 
 static inline V truth(I which)
 {{
-  const V one = {{1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0}};
-  return (V)((I)one & which);
+  const V zero = {{0.0}};
+  return (V)((I)(zero + 1.0) & which);
 }}
 
 /* Sine and cosine by their series about the nearest multiple of pi/2. The multiple of pi/2 is taken
@@ -109,8 +118,8 @@ static inline void turn(V x, V *sine, V *cosine, I *near)
 
 static inline V input(const double *const *rows, int i)
 {{
-  return (V){{rows[0][i], rows[1][i], rows[2][i], rows[3][i],
-             rows[4][i], rows[5][i], rows[6][i], rows[7][i]}};
+#define SAMPLE(l) rows[l][i]
+  return (V){{EACH(SAMPLE)}};
 }}
 
 {parts}
