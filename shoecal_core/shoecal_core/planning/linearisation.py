@@ -45,9 +45,7 @@ class Linearisation:
 
     def __init__(self, collocation: Collocation) -> None:
         self._collocation = collocation
-        state = collocation.state
-        given = [ca.SX.sym(state.name_in(i), state.size1_in(i)) for i in range(state.n_in())]
-        rows = ca.vertcat(*state(*given))
+        given, rows = _expressions(collocation)
         slopes = ca.densify(ca.jacobian(rows, given[0]))
         self._shape = slopes.shape
         # CasADi stores by columns.
@@ -57,7 +55,7 @@ class Linearisation:
             [ca.vertcat(rows, ca.vec(slopes.T))],
             {"cse": True},
         )
-        self._slopes = Batch(function, least=1)
+        self._slopes = _compiled(function)
 
     def __call__(self, states: FloatArray, scene: Scene) -> Linearised:
         """Of states (N, k) [rad] in their scenes."""
@@ -72,6 +70,33 @@ class Linearisation:
             foot=slopes[:, TASKS:foot],
             rest=slopes[:, foot:],
         )
+
+
+class Curvature:
+    """Second derivatives of what is pursued and of the foot transform, weighted and summed.
+
+    Those of capsule distances and torques are left out: they matter little, and are most of the
+    work. Holding one means that they have been compiled.
+    """
+
+    def __init__(self, collocation: Collocation) -> None:
+        self._collocation = collocation
+        given, rows = _expressions(collocation)
+        prices = ca.SX.sym("prices", TASKS + FOOT_ROWS)
+        second = ca.hessian(ca.dot(prices, rows[: TASKS + FOOT_ROWS]), given[0])[0]
+        function = ca.Function(
+            "state_curvature",
+            [ca.vertcat(*given, prices)],
+            [ca.vec(ca.densify(second))],
+            {"cse": True},
+        )
+        self._second = _compiled(function)
+
+    def __call__(self, states: FloatArray, scene: Scene, prices: FloatArray) -> FloatArray:
+        """(N, k, k) of states (N, k) [rad] in their scenes, with prices (N, 11) of the rows."""
+        count, size = states.shape
+        given = np.hstack([self._collocation.inputs(states, scene), prices])
+        return self._second(given).reshape(count, size, size)
 
 
 class Inequalities:
@@ -116,3 +141,18 @@ class Inequalities:
         values = self.values(linear)
         foot = float(np.abs(linear.values.foot_error).max())
         return max(foot, float((self.low - values).max()), float((values - self.high).max()))
+
+
+def _expressions(collocation: Collocation) -> tuple[list[ca.SX], ca.SX]:
+    """What a state's values take, and the values."""
+    state = collocation.state
+    given = [ca.SX.sym(state.name_in(i), state.size1_in(i)) for i in range(state.n_in())]
+    rows: ca.SX = ca.vertcat(*state.call(given))
+    return given, rows
+
+
+def _compiled(function: ca.Function) -> Batch:
+    """Now, not at the first solve."""
+    batch = Batch(function, least=1)
+    batch(np.zeros((1, function.size1_in(0))))
+    return batch

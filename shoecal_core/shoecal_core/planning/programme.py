@@ -29,7 +29,8 @@ class Step:
     Attributes:
         change: (N, k) of the states [rad].
         gain: how much less the cost is after it, to second order.
-        prices: (N, r) multipliers of the inequalities.
+        prices: (N, 11) multipliers of the CoP (of the edges that bound it), of the other tasks
+            (zero) and of the foot transform.
     """
 
     change: FloatArray
@@ -56,6 +57,7 @@ class Programme:
         self._difference = np.diag(ones) - 2.0 * np.diag(ones[1:], -1) + np.diag(ones[2:], -2)
         unknowns = count * free
         self._hessian, self._gradient = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
+        self._blocks = np.einsum("iaib->iab", self._hessian.reshape(count, free, count, free))
         # CasADi stores by columns: rows of this matrix belong to unknowns.
         matrix = np.zeros((count, free, count, rows))
         self._matrix = matrix.reshape(unknowns, -1)
@@ -89,47 +91,59 @@ class Programme:
             self._buffer.set_res(self._solver.index_out(name), array.data)
 
     def solve(
-        self, problem: HorizonProblem, linear: Linearised, inequalities: Inequalities
-    ) -> Step | None:
-        """The step from states that `linear` describes; None where the programme has none."""
-        fixed, basis = _feet(linear)
-        self._set_cost(problem, linear, fixed, basis)
-        return self._solved(linear, inequalities, fixed, basis)
-
-    def nearest(self, linear: Linearised, inequalities: Inequalities) -> Step | None:
-        """The shortest step that keeps everything to first order; None where there is none."""
-        fixed, basis = _feet(linear)
-        np.fill_diagonal(self._hessian, 1.0)
-        return self._solved(linear, inequalities, fixed, basis)
-
-    def _solved(
         self,
+        problem: HorizonProblem,
         linear: Linearised,
         inequalities: Inequalities,
-        fixed: FloatArray,
-        basis: FloatArray,
+        curvature: FloatArray | None = None,
     ) -> Step | None:
-        self._set_rows(linear, inequalities, fixed, basis)
-        self._run()
+        """The step from states that `linear` describes; None where the programme has none.
+
+        Args:
+            problem: whose cost.
+            linear: where to begin.
+            inequalities: to be kept.
+            curvature: (N, k, k) what the constraints and the way to the target add to the
+                Gauss-Newton Hessian.
+        """
+        feet = _Feet.of(linear)
+        self._set_cost(problem, linear, feet)
+        if curvature is not None:
+            self._add(curvature, feet)
+        change = self._solved(linear, inequalities, feet)
+        if change is None:
+            return None
         found = self._found.ravel()
+        gain = -found @ (self._gradient + 0.5 * self._hessian @ found)
+        prices = self._multipliers(problem, linear, inequalities, feet, change)
+        return Step(change, float(gain), prices)
+
+    def nearest(self, linear: Linearised, inequalities: Inequalities) -> FloatArray:
+        """(N, k) shortest change that keeps everything to first order.
+
+        Where none does, the shortest that puts the feet right.
+        """
+        np.fill_diagonal(self._hessian, 1.0)
+        feet = _Feet.of(linear)
+        change = self._solved(linear, inequalities, feet)
+        return feet.fixed if change is None else change
+
+    def _solved(
+        self, linear: Linearised, inequalities: Inequalities, feet: _Feet
+    ) -> FloatArray | None:
+        self._set_rows(linear, inequalities, feet)
+        self._run()
         # A dual method's answer keeps the rows only when it is the solution.
-        rows = found @ self._matrix
+        rows = self._found.ravel() @ self._matrix
         missed = max((self._low.ravel() - rows).max(), (rows - self._high.ravel()).max())
         if not missed < 10.0 * _FEASIBLE:
             return None
-        change = fixed + (basis @ self._found[..., None])[..., 0]
-        gain = -found @ (self._gradient + 0.5 * self._hessian @ found)
-        return Step(change, float(gain), self._prices.copy())
+        return feet.fixed + (feet.basis @ self._found[..., None])[..., 0]
 
-    def _set_cost(
-        self, problem: HorizonProblem, linear: Linearised, fixed: FloatArray, basis: FloatArray
-    ) -> None:
+    def _set_cost(self, problem: HorizonProblem, linear: Linearised, feet: _Feet) -> None:
         """Gauss-Newton Hessian and gradient at the states + fixed."""
-        aim, count = problem.aim, len(fixed)
+        aim, fixed, basis = problem.aim, feet.fixed, feet.basis
         states = linear.states + fixed
-        moves = np.diff(
-            np.vstack([problem.start - problem.previous, problem.start, states]), axis=0
-        )
         turned = self._difference[:, None, :, None] * basis.swapaxes(0, 1)
         turned = turned.reshape(states.size, -1)
         pursued = aim.weights > 0.0
@@ -138,18 +152,49 @@ class Programme:
         away = (linear.values.tasks - aim.targets)[:, pursued] + (slope @ fixed[..., None])[..., 0]
         slope = slope @ basis
         np.matmul(turned.T, (2.0 * self._weight) * turned, out=self._hessian)
-        blocks = self._hessian.reshape(count, basis.shape[2], count, basis.shape[2])
-        np.einsum("iaib->iab", blocks)[...] += slope.swapaxes(1, 2) @ (weights[:, None] * slope)
-        self._gradient[:] = (2.0 * self._weight) * (turned.T @ np.diff(moves, axis=0).ravel())
+        self._blocks += slope.swapaxes(1, 2) @ (weights[:, None] * slope)
+        changes = _changes(problem, states)
+        self._gradient[:] = (2.0 * self._weight) * (turned.T @ changes.ravel())
         self._gradient += ((weights * away)[:, None] @ slope).ravel()
 
-    def _set_rows(
+    def _add(self, curvature: FloatArray, feet: _Feet) -> None:
+        """Curvature as it is; without what is negative where the programme were not convex."""
+        turned = feet.basis.swapaxes(1, 2)
+        blocks = turned @ curvature @ feet.basis
+        self._gradient += (turned @ (curvature @ feet.fixed[..., None])).ravel()
+        self._blocks += blocks
+        try:
+            np.linalg.cholesky(self._hessian)
+        except np.linalg.LinAlgError:
+            values, vectors = np.linalg.eigh(blocks)
+            negative = np.minimum(values, 0.0)[:, None]
+            self._blocks -= (vectors * negative) @ vectors.swapaxes(1, 2)
+
+    def _multipliers(
         self,
+        problem: HorizonProblem,
         linear: Linearised,
         inequalities: Inequalities,
-        fixed: FloatArray,
-        basis: FloatArray,
-    ) -> None:
+        feet: _Feet,
+        change: FloatArray,
+    ) -> FloatArray:
+        """Those of Step: what the feet have to bear of the Lagrangian's gradient."""
+        size, aim, prices = change.shape[1], problem.aim, self._prices
+        edges = inequalities.scene.normals.shape[1]
+        tasks = np.zeros_like(linear.values.tasks)
+        tasks[:, :2] = (prices[:, None, :edges] @ inequalities.scene.normals)[:, 0]
+        reached = linear.values.tasks + (linear.tasks @ change[..., None])[..., 0]
+        pulls = tasks + 2.0 * aim.weights * (reached - aim.targets)
+        changes = _changes(problem, linear.states + change)
+        gradient = 2.0 * self._weight * self._difference.T @ changes
+        gradient += (pulls[:, None] @ linear.tasks)[:, 0]
+        gradient += (prices[:, None, edges : -2 * size] @ linear.rest)[:, 0]
+        gradient += prices[:, -2 * size : -size] + prices[:, -size:]
+        gradient[:-1] -= prices[1:, -size:]
+        return np.hstack([tasks, feet.borne(gradient)])
+
+    def _set_rows(self, linear: Linearised, inequalities: Inequalities, feet: _Feet) -> None:
+        fixed, basis = feet.fixed, feet.basis
         size = fixed.shape[1]
         values = inequalities.values(linear)
         edges = inequalities.scene.normals @ linear.tasks[:, :2]
@@ -166,9 +211,37 @@ class Programme:
         np.subtract(inequalities.high, values, out=self._high)
 
 
-def _feet(linear: Linearised) -> tuple[FloatArray, FloatArray]:
-    """(N, k), (N, k, f): a step is fixed + basis @ free, which puts the feet right."""
-    factor, triangle = np.linalg.qr(linear.foot.swapaxes(1, 2), mode="complete")
-    error = linear.values.foot_error[..., None]
-    inner = np.linalg.solve(triangle[:, :FOOT_ROWS].swapaxes(1, 2), -error)
-    return (factor[:, :, :FOOT_ROWS] @ inner)[..., 0], factor[:, :, FOOT_ROWS:]
+@dataclass(frozen=True)
+class _Feet:
+    """A step is fixed + basis @ free, which puts the feet right whatever the free part is.
+
+    Attributes:
+        fixed: (N, k).
+        basis: (N, k, f).
+        factor, triangle: (N, k, 6), (N, 6, 6) of the feet's slopes, transposed.
+    """
+
+    fixed: FloatArray
+    basis: FloatArray
+    factor: FloatArray
+    triangle: FloatArray
+
+    @classmethod
+    def of(cls, linear: Linearised) -> _Feet:
+        """By orthogonal factors."""
+        factor, triangle = np.linalg.qr(linear.foot.swapaxes(1, 2), mode="complete")
+        across, triangle = factor[:, :, :FOOT_ROWS], triangle[:, :FOOT_ROWS]
+        error = linear.values.foot_error[..., None]
+        fixed = across @ np.linalg.solve(triangle.swapaxes(1, 2), -error)
+        return cls(fixed[..., 0], factor[:, :, FOOT_ROWS:], across, triangle)
+
+    def borne(self, gradient: FloatArray) -> FloatArray:
+        """(N, 6) multipliers that take away what a gradient (N, k) has across the basis."""
+        across = self.factor.swapaxes(1, 2) @ gradient[..., None]
+        return np.linalg.solve(self.triangle, -across)[..., 0].astype(np.float64, copy=False)
+
+
+def _changes(problem: HorizonProblem, states: FloatArray) -> FloatArray:
+    """(N, k) u[i] - u[i-1]."""
+    before = [problem.start - problem.previous, problem.start]
+    return np.diff(np.vstack([*before, states]), 2, axis=0)

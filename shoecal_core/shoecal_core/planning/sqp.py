@@ -1,8 +1,9 @@
-"""The fast solver: sequential quadratic programmes with Gauss-Newton second derivatives.
+"""The fast solver: sequential quadratic programmes.
 
-From a near guess a few programmes are enough, and full steps nearly always do; a filter (Fletcher
-and Leyffer, "Nonlinear programming without a penalty function", 2002) refuses the others. Where
-this solver fails, another has to step in.
+Their second derivatives are Gauss-Newton's at first, then the Lagrangian's (Nocedal and Wright,
+"Numerical optimization", chapter 18). From a near guess a few programmes are enough, and full
+steps nearly always do; a filter (Fletcher and Leyffer, "Nonlinear programming without a penalty
+function", 2002) refuses the others. Where this solver fails, another has to step in.
 
 Only the first states of a horizon are ever taken over, and the next horizon begins with the rest
 as its guess. So a robot that has no time stops after few programmes and puts these first states
@@ -16,8 +17,8 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.planning.collocation import Collocation, HorizonProblem, Limits, Solution
-from shoecal_core.planning.linearisation import Inequalities, Linearisation, Linearised
+from shoecal_core.planning.collocation import TASKS, Collocation, HorizonProblem, Limits, Solution
+from shoecal_core.planning.linearisation import Curvature, Inequalities, Linearisation, Linearised
 from shoecal_core.planning.programme import Programme, Step
 
 FloatArray = NDArray[np.float64]
@@ -28,7 +29,7 @@ _ENOUGH = {"converged": _ITERATIONS, "bounded": 3, "realtime": 1}
 """Programmes after which a mode asks only for first states that keep everything."""
 _OPTIMAL = 1e-7
 """Of the cost; a smaller gain is none."""
-_FEASIBLE = 3e-8
+_FEASIBLE = 1e-8
 """m, rad, N m; a smaller violation is none."""
 _STEP = 1e-4
 """rad; a shorter step is none."""
@@ -43,7 +44,7 @@ _ROUNDING = 1e-12
 """Of the cost."""
 _PROJECTIONS = 5
 _PROJECTED = 1e-10
-"""m, rad, N m; violation of projected states."""
+"""m, rad; what is left between the feet of projected states and their places."""
 
 
 class SqpSolver:
@@ -64,6 +65,7 @@ class SqpSolver:
         self._applied = min(settings.applied_states, count)
         rows = self._edges + len(collocation.legs.robot.collision_pairs) + 3 * size
         self._linearised = Linearisation(collocation)
+        self._curvature = Curvature(collocation)
         self._programme = Programme(count, size, rows, settings.transition_weight)
         self._projection = Programme(self._applied, size, rows, settings.transition_weight)
 
@@ -72,10 +74,14 @@ class SqpSolver:
         collocation, mode = self._collocation, self._collocation.settings.mode
         problem = dataclasses.replace(problem, scene=problem.scene.padded(self._edges))
         limits = collocation.limits(problem)
-        descent = _Descent(collocation, problem, Inequalities(problem, limits), self._linearised)
+        descent = _Descent(
+            collocation, problem, Inequalities(problem, limits), self._linearised, self._curvature
+        )
         descent.begin(np.clip(guess, limits.lower, limits.upper))
         for iteration in range(1, _ITERATIONS + 1):
-            step = self._programme.solve(problem, descent.linear, descent.inequalities)
+            step = self._programme.solve(
+                problem, descent.linear, descent.inequalities, descent.curvature()
+            )
             if step is None:
                 return self._failed(problem, descent, "Programme_Failed", iteration)
             if not descent.take(step):
@@ -106,12 +112,10 @@ class SqpSolver:
         first = states[: self._applied]
         for _ in range(_PROJECTIONS):
             linear = self._linearised(first, scene)
-            if inequalities.violation(linear) < _PROJECTED:
+            feet = float(np.abs(linear.values.foot_error).max())
+            if feet < _PROJECTED and inequalities.violation(linear) < _FEASIBLE:
                 break
-            step = self._projection.nearest(linear, inequalities)
-            if step is None:
-                break
-            first = first + step.change
+            first = first + self._projection.nearest(linear, inequalities)
         return np.vstack([first, states[self._applied :]])
 
 
@@ -124,11 +128,14 @@ class _Descent:
         problem: HorizonProblem,
         inequalities: Inequalities,
         linearised: Linearisation,
+        curvature: Curvature,
     ) -> None:
         self._collocation = collocation
         self._problem = problem
         self.inequalities = inequalities
         self._linearised = linearised
+        self._curvature = curvature
+        self._prices: FloatArray | None = None
         self._filter: list[tuple[float, float]] = []
         self._length = np.inf
         self.arrived = False
@@ -136,6 +143,15 @@ class _Descent:
     def begin(self, states: FloatArray) -> None:
         self.linear, cost, violation = self._at(states)
         self._filter.append((cost, violation))
+
+    def curvature(self) -> FloatArray | None:
+        """(N, k, k) of the Lagrangian beyond Gauss-Newton's; None before prices are known."""
+        if self._prices is None:
+            return None
+        aim, linear = self._problem.aim, self.linear
+        prices = self._prices.copy()
+        prices[:, :TASKS] += 2.0 * aim.weights * (linear.values.tasks - aim.targets)
+        return self._curvature(linear.states, self._problem.scene, prices)
 
     def take(self, step: Step) -> bool:
         """Go as much of a step as the filter lets pass; False where it lets nothing."""
@@ -154,6 +170,7 @@ class _Descent:
         near = part == 1.0 and (left < _OPTIMAL * cost or length < _STEP)
         self.arrived = near and violation < _FEASIBLE
         self.linear, self._length = linear, part * length
+        self._prices = step.prices
         return True
 
     def _passes(self, cost: float, violation: float) -> bool:
