@@ -1,0 +1,133 @@
+"""The section of docs/performance.md on motions in many double supports."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+
+import pages
+from planner_outcomes import FAILED, PLANNED, REFUSED, Outcome
+
+BODY = """\
+## The planner: motions in many double supports
+
+Made by `{command}`.
+
+Double supports drawn from all of each robot's range whose feet do not collide. Some are refused
+before anything is planned: the robot cannot stand there, or not above enough landmarks. In every
+other one a motion round the landmarks is planned and then checked independently; failed is what
+ends without one. Times are those of planning and checking one motion, median (95th percentile), by
+the clock and of the processor, with two processes at work.
+
+{robots}
+
+{failures}
+
+{unreached}
+
+All motions of the menu, in the first double supports of each robot:
+
+{menu}
+"""
+
+
+def supports_body(command: str, drawn: Sequence[Outcome], menu: Sequence[Outcome]) -> str:
+    """The section."""
+    return BODY.format(
+        command=command,
+        robots=_robots(drawn),
+        failures=_failures([*drawn, *menu]),
+        unreached=_unreached(drawn),
+        menu=_menu(menu),
+    )
+
+
+def _names(outcomes: Sequence[Outcome]) -> list[str]:
+    return list(dict.fromkeys(outcome.job.robot for outcome in outcomes))
+
+
+def _robots(drawn: Sequence[Outcome]) -> str:
+    rows = [
+        ["robot", "drawn", "refused", "planned", "failed", "violate a constraint",
+         "landmarks reached", "by the clock [s]", "processor [s]", "motion [s]",
+         "optimisations", "of them by IPOPT"]
+    ]  # fmt: skip
+    for robot in _names(drawn):
+        own = [outcome for outcome in drawn if outcome.job.robot == robot]
+        ends = Counter(outcome.end for outcome in own)
+        planned = [outcome for outcome in own if outcome.end == PLANNED]
+        landmarks = sum(len(outcome.nearest) for outcome in planned)
+        missed = sum(len(outcome.unreached) for outcome in planned)
+        rows.append(
+            [
+                robot,
+                str(len(own)),
+                *(str(ends[end]) for end in (REFUSED, PLANNED, FAILED)),
+                str(sum(bool(outcome.violated) for outcome in planned)),
+                f"{landmarks - missed} of {landmarks}",
+                *(_spread([getattr(o, of) for o in planned]) for of in ("wall", "cpu", "duration")),
+                str(sum(outcome.solves for outcome in planned)),
+                str(sum(outcome.rescues for outcome in planned)),
+            ]
+        )
+    return pages.table(rows)
+
+
+def _spread(values: Sequence[float]) -> str:
+    if not values:
+        return "-"
+    median, most = np.percentile(values, [50, 95])
+    return f"{median:.2f} ({most:.2f})"
+
+
+def _failures(outcomes: Sequence[Outcome]) -> str:
+    failed = [outcome for outcome in outcomes if outcome.end == FAILED]
+    if not failed:
+        return "Nothing failed."
+    counts = Counter((o.job.robot, o.job.motion, o.cause[0]) for o in failed)
+    said = {(o.job.robot, o.job.motion, o.cause[0]): o.cause[1] for o in reversed(failed)}
+    head = ["robot", "motion", "cause", "times", "for example"]
+    rows = [[*key, str(count), said[key]] for key, count in counts.most_common()]
+    return f"What failed, by cause:\n\n{pages.table([head, *rows])}"
+
+
+def _unreached(drawn: Sequence[Outcome]) -> str:
+    rows = [["robot", "dx [m]", "dy [m]", "dtheta [rad]", "landmark", "distance [mm]"]]
+    for outcome in drawn:
+        for number, away in outcome.unreached:
+            place = (f"{value:.3f}" for value in outcome.support)
+            rows.append([outcome.job.robot, *place, str(number), f"{1e3 * away:.1f}"])
+    if len(rows) == 1:
+        return "Every landmark was reached."
+    return (
+        "Landmarks that were not reached, and how far the CoP stayed away from each "
+        f"({len(rows) - 1}):\n\n{pages.table(rows)}"
+    )
+
+
+def _menu(menu: Sequence[Outcome]) -> str:
+    rows = [
+        ["robot", "motion", "planned", "violate a constraint", "places reached", "processor [s]",
+         "motion [s]"]
+    ]  # fmt: skip
+    for robot in _names(menu):
+        own = [outcome for outcome in menu if outcome.job.robot == robot]
+        for motion in dict.fromkeys(outcome.job.motion for outcome in own):
+            asked = [outcome for outcome in own if outcome.job.motion == motion]
+            planned = [outcome for outcome in asked if outcome.end == PLANNED]
+            places = sum(len(outcome.nearest) for outcome in planned)
+            missed = sum(len(outcome.unreached) for outcome in planned)
+            rows.append(
+                [
+                    robot,
+                    motion,
+                    f"{len(planned)} of {len(asked)}",
+                    str(sum(bool(outcome.violated) for outcome in planned)),
+                    f"{places - missed} of {places}",
+                    _spread([outcome.cpu for outcome in planned]),
+                    _spread([outcome.duration for outcome in planned]),
+                ]
+            )
+    return pages.table(rows)
