@@ -73,7 +73,7 @@ def way_between(
     turns = Slerp([0.0, 1.0], ends)(parts)
     places = first.translation + parts[:, None] * (last.translation - first.translation)
     outward = 1.0 if carrying is Carrying.RIGHT else -1.0
-    places[:, 1] += outward * aside * np.sin(np.pi * parts) ** 2
+    places[:, 1] += outward * aside * np.sin(np.pi * parts)
     inner = [
         _of_air(FootPose(turn, place), carrying)
         for turn, place in zip(turns.as_matrix(), places, strict=True)
@@ -98,7 +98,7 @@ def carried(
     above, below = (lifted(pose, carrying, settings.step_lift) for pose in (begin, end))
     up = vertical_states(settings.step_lift, settings)
     for aside in _ASIDE:
-        states = _states(above, below, aside, settings)
+        states = _states(above, below, carrying, aside, settings)
         along = way_between(above, below, carrying, states, aside)
         if _gap(robot, along) >= min(settings.foot_clearance, _gap(robot, (begin,))) - 1e-9:
             return (
@@ -112,9 +112,12 @@ def carried(
     )
 
 
-def _states(begin: FootPose, end: FootPose, aside: float, settings: PlannerSettings) -> int:
-    way = float(np.linalg.norm(end.translation - begin.translation)) + 2.0 * aside
-    turn = Rotation.from_matrix(begin.rotation.T @ end.rotation).magnitude()
+def _states(
+    begin: FootPose, end: FootPose, carrying: Carrying, aside: float, settings: PlannerSettings
+) -> int:
+    first, last = _of_air(begin, carrying), _of_air(end, carrying)
+    way = float(np.linalg.norm(last.translation - first.translation)) + math.pi * aside
+    turn = Rotation.from_matrix(first.rotation.T @ last.rotation).magnitude()
     return max(6, math.ceil(_HASTE * max(way / settings.step_way, turn / settings.step_turn)))
 
 

@@ -1,0 +1,63 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given
+from hypothesis import strategies as st
+
+from core.planning.bodies import NAMES, load_body
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.body_track import load_share
+from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.landmarks import sensing_hull
+from shoecal_core.planning.legs import FootPose
+
+supports = st.builds(
+    DoubleSupport, st.floats(-0.1, 0.1), st.floats(-0.2, -0.08), st.floats(-0.6, 0.6)
+)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@given(support=supports)
+def test_the_polygon_of_one_foot_is_its_own(name: str, support: DoubleSupport) -> None:
+    robot, pose = load_body(name).robot, FootPose.of(support)
+    left, right = (shapely.Polygon(foot.sensing_polygon) for foot in robot.feet)
+    assert Carrying.LEFT.polygon(robot, pose).equals(left)
+    placed = Carrying.RIGHT.polygon(robot, pose)
+    corners = support.left_to_right(np.array(placed.exterior.coords))
+    np.testing.assert_allclose(corners, right.exterior.coords, atol=1e-12)
+    both = Carrying.BOTH.polygon(robot, pose)
+    assert both.equals(sensing_hull(robot, support))
+    assert both.buffer(1e-9).contains(left)
+    assert both.buffer(1e-9).contains(placed)
+
+
+def test_the_polygon_of_the_right_foot_while_the_left_one_is_in_the_air() -> None:
+    """Seen from the left sole the floor is lower then; places along it are the same."""
+    robot, support = load_body("nao").robot, DoubleSupport(0.02, -0.12, 0.2)
+    down = FootPose.of(support)
+    aloft = FootPose(down.rotation, down.translation - [0.0, 0.0, 0.02])
+    assert Carrying.RIGHT.polygon(robot, aloft).equals(Carrying.RIGHT.polygon(robot, down))
+
+
+@pytest.mark.parametrize("name", NAMES)
+@given(support=supports, x=st.floats(-0.05, 0.1), y=st.floats(-0.2, 0.1))
+def test_one_foot_has_all_the_weight_where_the_cop_is(
+    name: str, support: DoubleSupport, x: float, y: float
+) -> None:
+    robot, pose, cop = load_body(name).robot, FootPose.of(support), np.array([x, y])
+    for carrying, foot in ((Carrying.LEFT, 0), (Carrying.RIGHT, 1)):
+        share, places = load_share(
+            robot, pose.rotation[None], pose.translation[None], cop[None], carrying.share
+        )
+        assert share[0] == 1.0 - foot
+        np.testing.assert_allclose(places[0, foot], cop, atol=1e-12)
+    share, _ = load_share(
+        robot, pose.rotation[None], pose.translation[None], cop[None], Carrying.BOTH.share
+    )
+    assert 0.0 <= share[0] <= 1.0
+
+
+def test_the_other_foot() -> None:
+    assert [one.other for one in Carrying] == [Carrying.BOTH, Carrying.RIGHT, Carrying.LEFT]
