@@ -102,12 +102,12 @@ class Scene:
 
     def padded(self, edges: int) -> Scene:
         """With as many edges, those that are missing as 0 * c <= infinity."""
-        missing = ((0, 0), (0, edges - self.offsets.shape[1]))
-        return dataclasses.replace(
-            self,
-            normals=np.pad(self.normals, (*missing, (0, 0))),
-            offsets=np.pad(self.offsets, missing, constant_values=np.inf),
-        )
+        count, present = self.offsets.shape
+        if present == edges:
+            return self
+        normals, offsets = np.zeros((count, edges, 2)), np.full((count, edges), np.inf)
+        normals[:, :present], offsets[:, :present] = self.normals, self.offsets
+        return dataclasses.replace(self, normals=normals, offsets=offsets)
 
     @property
     def first(self) -> Scene:
@@ -309,11 +309,12 @@ class Collocation:
 
     def inputs(self, states: FloatArray, scene: Scene) -> FloatArray:
         """(n, i) what `state` takes, side by side, of states (n, k) [rad] in their scenes."""
-        given = (states, scene.foot_poses, scene.others[None], scene.shares)
-        ends = np.cumsum([rows.shape[1] for rows in given])
-        inputs = np.empty((len(states), ends[-1]))
-        for rows, end in zip(given, ends, strict=True):
-            inputs[:, end - rows.shape[1] : end] = rows
+        size, others = states.shape[1], len(scene.others)
+        inputs = np.empty((len(states), size + 12 + others + 2))
+        inputs[:, :size] = states
+        inputs[:, size : size + 12] = scene.foot_poses
+        inputs[:, size + 12 : -2] = scene.others
+        inputs[:, -2:] = scene.shares
         return inputs
 
     def limits(self, problem: HorizonProblem) -> Limits:
@@ -378,7 +379,9 @@ class Collocation:
         status: str,
         iterations: int,
         done: bool,
+        *,
         first: int | None = None,
+        limits: Limits | None = None,
     ) -> Solution:
         """A solution with its own evidence.
 
@@ -389,10 +392,11 @@ class Collocation:
             iterations: that it took.
             done: the solver's own word.
             first: so many states' violation counts; all where not given.
+            limits: of the problem, where they are known.
         """
         cost, violation = np.inf, np.inf
         if np.all(np.isfinite(states)):
-            cost, violation = self.assess(problem, self.limits(problem), states, first)
+            cost, violation = self.assess(problem, limits or self.limits(problem), states, first)
         return Solution(
             states=states,
             cost=cost,

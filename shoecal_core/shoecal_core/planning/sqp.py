@@ -78,31 +78,31 @@ class SqpSolver:
             collocation, problem, Inequalities(problem, limits), self._linearised, self._curvature
         )
         descent.begin(np.clip(guess, limits.lower, limits.upper))
+
+        def certified(
+            states: FloatArray, status: str, *, done: bool = False, first: int | None = None
+        ) -> Solution:
+            return collocation.certified(
+                problem, states, status, iteration, done, first=first, limits=limits
+            )
+
         for iteration in range(1, _ITERATIONS + 1):
             step = self._programme.solve(
                 problem, descent.linear, descent.inequalities, descent.curvature()
             )
             if step is None:
-                return self._failed(problem, descent, "Programme_Failed", iteration)
+                return certified(descent.linear.states, "Programme_Failed")
             if not descent.take(step):
-                return self._failed(problem, descent, "Step_Rejected", iteration)
+                return certified(descent.linear.states, "Step_Rejected")
             if mode == "converged":
                 if descent.arrived:
-                    states = descent.linear.states
-                    return collocation.certified(problem, states, "Solved", iteration, True)
+                    return certified(descent.linear.states, "Solved", done=True)
             elif iteration >= _ENOUGH[mode] or descent.arrived:
                 states = self._projected(problem, limits, descent.linear.states)
-                solution = collocation.certified(
-                    problem, states, "Applicable", iteration, True, self._applied
-                )
+                solution = certified(states, "Applicable", done=True, first=self._applied)
                 if solution.converged:
                     return solution
-        return self._failed(problem, descent, "Iterations_Exceeded", _ITERATIONS)
-
-    def _failed(
-        self, problem: HorizonProblem, descent: _Descent, status: str, iteration: int
-    ) -> Solution:
-        return self._collocation.certified(problem, descent.linear.states, status, iteration, False)
+        return certified(descent.linear.states, "Iterations_Exceeded")
 
     def _projected(self, problem: HorizonProblem, limits: Limits, states: FloatArray) -> FloatArray:
         """States (N, k) of which those that are applied are moved onto all constraints."""
