@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from functools import cache
 
+from core.planning.bodies import NAMES
 from core.planning.motions import SETTINGS, SUPPORTS, planner_of
 from shoecal_core.planning.check import check_motion
 from shoecal_core.report.plan_content import PlannedMotion
+
+SECOND = next(name for name in NAMES if name != "nao")
+"""Another robot: twelve leg joints, none of which share a motor."""
 
 
 @cache
@@ -19,8 +23,8 @@ def planned(name: str, motion: str = "landmarks", support: int = 0) -> PlannedMo
 
 
 def reaching() -> PlannedMotion:
-    """The second robot, twelve leg joints; all landmarks are reached."""
-    return planned("odd_biped", support=1)
+    """The second robot; all landmarks are reached."""
+    return planned(SECOND, support=1)
 
 
 def missing() -> PlannedMotion:
@@ -30,4 +34,4 @@ def missing() -> PlannedMotion:
 
 def stepping() -> PlannedMotion:
     """The second robot lifts its left foot for a moment."""
-    return planned("odd_biped", "unload_left")
+    return planned(SECOND, "unload_left")

@@ -165,7 +165,7 @@ def test_frames_follow_the_motion(player: Player) -> None:
     assert {float(points[0, point, 2]) > 0.0 for point in on_floor} == {True, False}
 
 
-@pytest.mark.parametrize("name", ["odd_biped", "nao"])
+@pytest.mark.parametrize("name", [plans.SECOND, "nao"])
 def test_the_still_is_what_the_script_would_draw(name: str) -> None:
     player = animation(plans.planned(name, support=2))
     points, _ = points_of(player)

@@ -20,6 +20,8 @@ FloatArray = NDArray[np.float64]
 HEIGHT, GAP, TOP, STRIP = 120.0, 16.0, 34.0, 12.0
 CARRIERS: dict[str, Colour] = {"both": SLATE, "left": BLUE, "right": RED}
 LABELS = ("CoP x (mm)", "CoP y (mm)")
+APART = 0.03
+"""Part of the time shown that two numbers need between them."""
 LEAST = 4.0
 """mm that are shown at least."""
 
@@ -80,7 +82,7 @@ def cop_plan(
             axes.yaxis.set_label_coords(-0.115, 0.5)
             axes.tick_params(labelbottom=row == len(LABELS) - 1)
             if row == 0:
-                _number(axes, arrivals, 0.03 * float(time[-1] - time[0]))
+                _number(axes, arrivals, APART * float(time[-1] - time[0]))
         axes.set_xlabel("time (s)")
         return page.svg(_alt(time, arrivals, carried))
 
@@ -107,7 +109,8 @@ def _number(axes: Axes, arrivals: Sequence[Arrival], apart: float) -> None:
     """Numbers above the lines; those of lines less than a time [s] apart stand together."""
     groups: list[list[Arrival]] = []
     for one in arrivals:
-        if groups and one.time - groups[-1][-1].time < apart:
+        # The numbers of a group are as wide as there are many.
+        if groups and one.time - groups[-1][-1].time < apart * (1 + len(groups[-1])) / 2:
             groups[-1].append(one)
         else:
             groups.append([one])
