@@ -324,11 +324,13 @@ class Collocation:
         steps = np.arange(1, settings.horizon + 1)[:, None]
         turn = settings.recovery * self.transition * steps
         way = settings.recovery * settings.com_speed * settings.step_time * steps
-        outside = scene.beyond(now.cop)
+        # Edges that move with a foot are those of the foot that stands: of the first state.
+        first = scene.first
+        beyond = first.beyond(_seen_at_first(now, first)) - first.offsets
         return Limits(
             lower=np.minimum(self.lower, problem.start + turn),
             upper=np.maximum(self.upper, problem.start - turn),
-            offsets=np.maximum(scene.offsets, outside - way),
+            offsets=scene.offsets + np.maximum(0.0, beyond - way),
             clearances=np.minimum(settings.capsule_clearance, now.distances[0] + way),
             transition=self.transition,
             torque=np.maximum(self.torque, np.abs(now.torques[0])),
@@ -405,3 +407,16 @@ class Collocation:
             status=status,
             iterations=iterations,
         )
+
+
+def _seen_at_first(now: StateValues, first: Scene) -> FloatArray:
+    """(1, 2) a start's CoP [m], in the left sole's frame as it is at the first state.
+
+    Where the right foot alone stands, the left sole moves with it from state to state.
+    """
+    if first.shares[0, 1] > 0.0:
+        return now.cop
+    away, turn = now.foot_error[0, :2], now.foot_error[0, 5]
+    place = first.foot_poses[0, 9:11]
+    x, y = now.cop[0] - place - away
+    return np.array([[place[0] + x + turn * y, place[1] + y - turn * x]])
