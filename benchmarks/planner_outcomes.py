@@ -14,6 +14,7 @@ import numpy as np
 import shoecal_core
 from planner_cases import Case, Stopwatch
 from shoecal_core.errors import ShoecalError
+from shoecal_core.files import atomic_write
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.check import check_motion
 from shoecal_core.planning.feasible import Feasible
@@ -88,11 +89,13 @@ class Memory:
     def __init__(self, folder: Path) -> None:
         self.file = folder / f"outcomes-{_digest()}.jsonl"
         folder.mkdir(parents=True, exist_ok=True)
+        text = self.file.read_text() if self.file.is_file() else ""
+        # A run that was killed may have left a part of a line.
+        atomic_write(self.file, text[: text.rfind("\n") + 1])
 
     def known(self) -> dict[Job, Outcome]:
-        """All that stand in it whole."""
-        text = self.file.read_text() if self.file.is_file() else ""
-        lines = (line for line in text.splitlines(keepends=True) if line.endswith("\n"))
+        """All that stand in it."""
+        lines = self.file.read_text().splitlines()
         return {outcome.job: outcome for outcome in map(Outcome.of_json, lines)}
 
     def add(self, outcome: Outcome) -> None:

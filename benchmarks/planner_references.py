@@ -11,6 +11,7 @@ import hashlib
 import subprocess
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 import casadi as ca
@@ -22,8 +23,9 @@ from shoecal_core.planning.collocation import Collocation
 from shoecal_core.planning.ipopt import IpoptSolver, horizon_programme, ipopt_options
 
 LIBRARIES = OUT / "compiled"
-FLAGS = ("-O3", "-march=native", "-fPIC", "-shared", "-w")
+FASTEST = ("-O3", "-march=native")
 """Slower to compile than -O1 by far, and a tenth faster then: the reference shall be fast."""
+_SHARED = ("-fPIC", "-shared", "-w")
 _JUDGE: dict[str, bool | int | float | str] = {
     "ipopt.tol": 1e-10,
     "ipopt.dual_inf_tol": 1e-8,
@@ -46,7 +48,9 @@ def judge(collocation: Collocation) -> IpoptSolver:
     return IpoptSolver(collocation, ca.nlpsol("judge", "ipopt", programme, options))
 
 
-def compiled_ipopt(collocation: Collocation, folder: Path = LIBRARIES) -> IpoptSolver:
+def compiled_ipopt(
+    collocation: Collocation, folder: Path = LIBRARIES, optimisation: Sequence[str] = FASTEST
+) -> IpoptSolver:
     """All functions of the MX problem (f, g, their first and second derivatives) as machine code.
 
     CasADi writes them out, the system's compiler translates them once; the library is kept.
@@ -54,9 +58,10 @@ def compiled_ipopt(collocation: Collocation, folder: Path = LIBRARIES) -> IpoptS
     Args:
         collocation: the functions of one state.
         folder: for the libraries.
+        optimisation: arguments of the compiler.
     """
     options = ipopt_options(collocation.settings)
-    library = _library(_source(_from_mx(collocation)), folder)
+    library = _library(_source(_from_mx(collocation)), folder, optimisation)
     return IpoptSolver(collocation, ca.nlpsol("compiled", "ipopt", str(library), options))
 
 
@@ -71,9 +76,9 @@ def _source(solver: ca.Function) -> str:
         return Path(solver.generate_dependencies("programme.c")).read_text()
 
 
-def _library(source: str, folder: Path) -> Path:
-    compiler = find_compiler()
-    made_of = "\0".join((source, *compiler.command, compiler.version, *FLAGS))
+def _library(source: str, folder: Path, optimisation: Sequence[str]) -> Path:
+    compiler, flags = find_compiler(), (*optimisation, *_SHARED)
+    made_of = "\0".join((source, *compiler.command, compiler.version, *flags))
     library = folder / f"{hashlib.sha256(made_of.encode()).hexdigest()[:32]}.so"
     if library.is_file():
         return library
@@ -83,7 +88,7 @@ def _library(source: str, folder: Path) -> Path:
     with tempfile.TemporaryDirectory() as scratch:
         written, made = Path(scratch) / "programme.c", Path(scratch) / "programme.so"
         written.write_text(source)
-        subprocess.run([*compiler.command, *FLAGS, str(written), "-o", str(made)], check=True)
+        subprocess.run([*compiler.command, *flags, str(written), "-o", str(made)], check=True)
         atomic_write(library, made.read_bytes())
     print(f"compiled in {time.perf_counter() - begin:.0f} s", flush=True)
     return library
