@@ -25,7 +25,13 @@ from shoecal_ros.common.conversions import (
 from shoecal_ros.inputs.stillness import Stillness
 
 SUPPORT = DoubleSupport(dx=0.02, dy=-0.11, dtheta=0.1)
-QUICK = {"stale_s": 3.0, "horizon": 5, "landmark_radius": 0.012, "com_speed": 0.03}
+QUICK = {
+    "stale_s": 3.0,
+    "follow_late": 4.0,
+    "horizon": 5,
+    "landmark_radius": 0.012,
+    "com_speed": 0.03,
+}
 """Shorter planning and motions, and patience on a busy machine."""
 
 

@@ -16,7 +16,7 @@ from ros.world import Goal, Heard, World
 from shoecal_core.model.double_support import DoubleSupport as Support
 from shoecal_core.model.kinematics import Kinematics
 
-PATIENT = {"stale_s": 3.0}
+PATIENT = {"stale_s": 3.0, "follow_late": 4.0}
 """For a busy machine."""
 NEAR = DoubleSupport(dx=0.02, dy=-0.115, dtheta=0.1)
 
