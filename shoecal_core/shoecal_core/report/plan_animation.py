@@ -20,8 +20,9 @@ RATE = 10.0
 """Frames a second: motions are slow, and between frames the page interpolates."""
 CAPTION = (
     "Computed from the model: nothing was measured. The robot moves slowly; 4× is a good speed to "
-    "look at. Soles with a dashed outline are in the air."
+    "look at."
 )
+IN_THE_AIR = "Soles with a dashed outline are in the air."
 
 
 def animation(planned: PlannedMotion) -> Player:
@@ -45,7 +46,7 @@ def animation(planned: PlannedMotion) -> Player:
         frames=frames(planned, cast).to_json(),
         duration=round(planned.motion.duration, 1),
         still=moment,
-        caption=CAPTION,
+        caption=f"{CAPTION} {IN_THE_AIR}" if cast.lifted.strip("-") else CAPTION,
     )
 
 
