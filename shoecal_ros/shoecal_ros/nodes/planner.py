@@ -24,7 +24,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_ros.common import qos
 from shoecal_ros.common.actions import finish
 from shoecal_ros.common.conversions import trajectory_to_ros
-from shoecal_ros.common.health import Level
+from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.runtime import ShoecalNode, run
@@ -39,7 +39,7 @@ from shoecal_ros.planner.execution import Execution
 from shoecal_ros.planner.plan_job import PlanJob
 from shoecal_ros.planner.reach_job import ReachJob
 from shoecal_ros.planner.settings import MovingSettings
-from shoecal_ros.planner.watch import Senses
+from shoecal_ros.planner.watch import Senses, tilt_now
 
 R = TypeVar("R", Plan.Result, ReachSupport.Result)
 
@@ -137,19 +137,30 @@ class Planner(ShoecalNode):
 
     def _tell_senses(self) -> None:
         """What is watched during a motion, and what is not because it does not come."""
-        for subject, age_s, told in (
-            ("tilt", self.senses.imu.age_s, "imu"),
-            ("shoes", self.senses.shoes.ages["shoe/voltages"], "shoe/voltages"),
-        ):
-            comes = age_s <= self.moving.stale_s
-            self.health.tell(
-                subject, Level.OK, f"{told} comes" if comes else f"no {told}: not watched"
-            )
+        self.health.note("tilt", self._tilt_condition())
+        comes = self.senses.shoes.ages["shoe/voltages"] <= self.moving.stale_s
+        told = "shoe/voltages comes" if comes else "no shoe/voltages: not watched"
+        self.health.tell("shoes", Level.OK, told)
         degc = self.senses.temperatures.degc
         found = heat.hottest(degc)
         level = Level.WARN if heat.too_hot(degc, self.moving.hot_degc) else Level.OK
         values = {} if found is None else {"joint": found[0], "degc": f"{found[1]:.1f}"}
         self.health.tell("heat", level, heat.margin(degc, self.moving.hot_degc), **values)
+
+    def _tilt_condition(self) -> Condition:
+        latest = self.joints.latest
+        tilt = None
+        if latest is not None:
+            tilt = tilt_now(self.senses, self.kinematics, self.moving, latest.angles[0])
+        if tilt is None:
+            return Condition(Level.OK, "no imu: not watched")
+        if not tilt.usable:
+            return Condition(
+                Level.WARN,
+                f"imu and joints disagree by {tilt.offset:.1f} rad: not watched; let its frame_id "
+                "name a link of the URDF on the torso, or the robot stand",
+            )
+        return Condition(Level.OK, "imu comes", {"offset_rad": f"{tilt.offset:.3f}"})
 
     def _arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         self.arming.set(request.data)

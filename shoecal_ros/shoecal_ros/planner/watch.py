@@ -64,10 +64,8 @@ class MotionWatch:
         self._silence = Silence(senses.ages, settings.stale_s)
         self._phases: tuple[Phase, ...] = ()
         self._load: LoadWatch | None = None
-        self._tilt: Tilt | None = None
-        if senses.imu.up is not None and senses.imu.age_s <= settings.stale_s:
-            tilt = Tilt(senses.imu.up, upward(kinematics.states(joint_angles[None]), 0))
-            self._tilt = tilt if tilt.usable else None
+        tilt = tilt_now(senses, kinematics, settings, joint_angles)
+        self._tilt = tilt if tilt is not None and tilt.usable else None
 
     def begin(self, motion: Motion) -> None:
         """A part of the motion is sent now."""
@@ -132,6 +130,16 @@ class MotionWatch:
             f"nothing comes any more from {gone}; check the driver and its cable",
             can_wait=True,
         )
+
+
+def tilt_now(
+    senses: Senses, kinematics: Kinematics, settings: MovingSettings, joint_angles: FloatArray
+) -> Tilt | None:
+    """How the torso leans at joint angles (m,) [rad], both feet flat; None where nobody tells."""
+    up = senses.imu.up
+    if up is None or senses.imu.age_s > settings.stale_s:
+        return None
+    return Tilt(up, upward(kinematics.states(joint_angles[None]), 0))
 
 
 def hot(senses: Senses, limit: float) -> Concern | None:
