@@ -186,7 +186,9 @@ def _in_the_air(
     legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
 ) -> list[Finding]:
     """A foot in the air: no corner below the floor, and no overlap with the other foot."""
-    robot, samples = legs.robot, span.samples
+    robot = legs.robot
+    # The motion's begin leads: a foot may be put down again where it stood.
+    samples = np.concatenate([[0], np.arange(span.samples.start, span.samples.stop)])
     left, right = (
         np.column_stack([foot.outline, np.zeros(len(foot.outline))]) for foot in robot.feet
     )
@@ -203,11 +205,11 @@ def _in_the_air(
     gaps = shapely.distance(shapely.Polygon(left[:, :2]), shapely.polygons(right_in_left[..., :2]))
     return [
         at_least(
-            "height of the foot in the air", "m", lowest[:, None],
+            "height of the foot in the air", "m", lowest[1:, None],
             _from_begin(0.0, lowest, settings), time, from_begin=False,
         ),
         at_least(
-            "gap between the outlines of the feet", "m", gaps[:, None],
+            "gap between the outlines of the feet", "m", gaps[1:, None],
             _from_begin(settings.foot_clearance * settings.margin_kept, gaps, settings), time,
             from_begin=False,
         ),
@@ -215,15 +217,19 @@ def _in_the_air(
 
 
 def _from_begin(limit: float, values: FloatArray, settings: PlannerSettings) -> float:
-    """Of a foot that encoders may have shown as a little tilted or too near while it stood."""
-    return min(limit, float(values[0])) - settings.foot_drift
+    """Of a foot that encoders may have shown as a little tilted or too near while it stood.
+
+    Values are those at the motion's begin, and then from the phase's begin on.
+    """
+    return min(limit, float(values[0]), float(values[1])) - settings.foot_drift
 
 
 def _joint_speed(legs: Legs, span: _Span, motion: Motion, settings: PlannerSettings) -> Finding:
     robot, time = legs.robot, motion.time[span.samples]
     speed = np.abs(np.diff(motion.positions[span.samples], axis=0)) / np.diff(time)[:, None]
     limit = np.minimum(robot.velocity_limit, settings.joint_speed) * _RATE_SLACK
-    return at_most("joint speed", "rad/s", speed, limit, time[:-1], robot.joint_names)
+    names = robot.joint_names
+    return at_most("joint speed", "rad/s", speed, limit, time[:-1], names, rate=True)
 
 
 def _com(
@@ -238,21 +244,20 @@ def _com(
     shift = np.linalg.norm(bend, axis=1) / wide**2 * com[half:-half, 2] / GRAVITY
     return (
         at_most(
-            "CoM speed", "m/s", speed[:, None], settings.com_speed * _RATE_SLACK, time[:-half]
+            "CoM speed", "m/s", speed[:, None], settings.com_speed * _RATE_SLACK, time[:-half],
+            rate=True,
         ),
         at_most(
             "shift of the CoP by acceleration", "m", shift[:, None],
-            settings.dynamic_cop_error * _RATE_SLACK, time[half:-half],
+            settings.dynamic_cop_error * _RATE_SLACK, time[half:-half], rate=True,
         ),
     )  # fmt: skip
 
 
 def _torque(legs: Legs, body: BodyTrack, time: FloatArray, settings: PlannerSettings) -> Finding:
     robot = legs.robot
-    limit = np.maximum(
-        robot.effort_limit[robot.legs] * settings.torque_share * _TORQUE_SLACK,
-        np.abs(body.torques[0]),
-    )
+    share = robot.effort_limit[robot.legs] * settings.torque_share
+    limit = np.maximum(share, np.abs(body.torques[0])) * _TORQUE_SLACK
     return at_most("static torque", "N m", np.abs(body.torques), limit, time, robot.leg_names)
 
 

@@ -20,6 +20,10 @@ FloatArray = NDArray[np.float64]
 
 _ASIDE = np.linspace(0.0, 0.12, 25)
 """m; how far to the side a foot may be led round the other one."""
+_OUTWARD = np.arange(0.0, 0.04, 0.001)
+"""m; how far outward a foot may be lifted."""
+_STATES_MIN = 6
+"""Of a part of a way."""
 _HASTE = 15.0 / 8.0
 """Greatest speed of a way that begins and ends without speed and acceleration, over its mean."""
 
@@ -52,7 +56,7 @@ def lifted(pose: FootPose, carrying: Carrying, height: float) -> FootPose:
 
 def vertical_states(height: float, settings: PlannerSettings) -> int:
     """States that lifting a foot takes."""
-    return max(6, math.ceil(_HASTE * height / settings.step_way))
+    return max(_STATES_MIN, math.ceil(_HASTE * height / settings.step_way))
 
 
 def way_between(
@@ -86,39 +90,61 @@ def carried(
 ) -> tuple[FootPose, ...]:
     """Up, along, down: poses that lead a foot past the other one without touching it.
 
+    Gears give: a foot in the air hangs lower and nearer to the other one than encoders show. So
+    it is led farther from it than where it stands.
+
     Args:
         robot: whose feet.
         begin, end: of the right sole in the left sole's frame, both on the floor.
         carrying: the foot that stands.
-        settings: lift, clearance, and the way from state to state.
+        settings: lift, clearances, and the way from state to state.
 
     Raises:
         NoWayError: when there is none.
     """
-    above, below = (lifted(pose, carrying, settings.step_lift) for pose in (begin, end))
-    up = vertical_states(settings.step_lift, settings)
-    for aside in _ASIDE:
-        states = _states(above, below, carrying, aside, settings)
-        along = way_between(above, below, carrying, states, aside)
-        if _gap(robot, along) >= min(settings.foot_clearance, _gap(robot, (begin,))) - 1e-9:
-            return (
-                *way_between(begin, above, carrying, up),
-                *along[1:],
-                *way_between(below, end, carrying, up)[1:],
-            )
+    if _gap(robot, (end,)) >= min(settings.foot_clearance, _gap(robot, (begin,))) - 1e-9:
+        above, below = (_above(robot, pose, carrying, settings) for pose in (begin, end))
+        for aside in _ASIDE:
+            along = _led(above, below, carrying, aside, settings)
+            if _gap(robot, along) >= settings.step_clearance - 1e-9:
+                return (
+                    *_led(begin, above, carrying, 0.0, settings),
+                    *along[1:],
+                    *_led(below, end, carrying, 0.0, settings)[1:],
+                )
     raise NoWayError(
         "a foot cannot be carried past the other one without touching it; go by way of a wider "
         "double support"
     )
 
 
-def _states(
+def _above(robot: Robot, pose: FootPose, carrying: Carrying, settings: PlannerSettings) -> FootPose:
+    """A foot lifted from where it stands, and outward where it is too near to the other one."""
+    up = lifted(pose, carrying, settings.step_lift)
+    for aside in _OUTWARD:
+        moved = _outward(up, carrying, aside)
+        if _gap(robot, (moved,)) >= settings.step_clearance:
+            return moved
+    return up
+
+
+def _outward(pose: FootPose, carrying: Carrying, way: float) -> FootPose:
+    """The foot in the air farther from the other one, to that one's side [m]."""
+    aloft = _of_air(pose, carrying)
+    side = 1.0 if carrying is Carrying.RIGHT else -1.0
+    moved = aloft.translation + np.array([0.0, side * way, 0.0])
+    return _of_air(FootPose(aloft.rotation, moved), carrying)
+
+
+def _led(
     begin: FootPose, end: FootPose, carrying: Carrying, aside: float, settings: PlannerSettings
-) -> int:
+) -> tuple[FootPose, ...]:
+    """As way_between, in as many states as the settings allow at least."""
     first, last = _of_air(begin, carrying), _of_air(end, carrying)
     way = float(np.linalg.norm(last.translation - first.translation)) + math.pi * aside
     turn = Rotation.from_matrix(first.rotation.T @ last.rotation).magnitude()
-    return max(6, math.ceil(_HASTE * max(way / settings.step_way, turn / settings.step_turn)))
+    states = math.ceil(_HASTE * max(way / settings.step_way, turn / settings.step_turn))
+    return way_between(begin, end, carrying, max(_STATES_MIN, states), aside)
 
 
 def _gap(robot: Robot, poses: tuple[FootPose, ...]) -> float:

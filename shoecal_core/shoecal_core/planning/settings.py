@@ -124,10 +124,10 @@ class PlannerSettings(Settings):
         0.25, "s", "time from one state to the next at full speed", minimum=0.01
     )
     cop_weight_x: float = setting(
-        1.0e4, "1/m^2", "Q_c, weight of the CoP's distance to the landmark, forward", minimum=0.0
+        1.0e4, "1/m^2", "Q_c, weight of the CoP's distance to the landmark, forward", minimum=1e-6
     )
     cop_weight_y: float = setting(
-        1.0e4, "1/m^2", "Q_c, weight of the CoP's distance to the landmark, sideways", minimum=0.0
+        1.0e4, "1/m^2", "Q_c, weight of the CoP's distance to the landmark, sideways", minimum=1e-6
     )
     transition_weight: float = setting(
         5.0e3, "1/rad^2", "Q_u, weight of the change from one transition to the next", minimum=1e-6
@@ -203,7 +203,9 @@ class PlannerSettings(Settings):
 
     # Motions beyond the paper's
     dwell_time: float = setting(8.0, "s", "standing still at each landmark of `hold`", minimum=0.0)
-    lift: float = setting(0.006, "m", "how high an unloaded foot is lifted", minimum=1e-3)
+    lift: float = setting(
+        0.012, "m", "how high an unloaded foot is lifted; gears take some", minimum=1e-3
+    )
     unloaded_time: float = setting(3.0, "s", "how long it stays there", minimum=0.0)
     tilt: float = setting(
         0.1, "rad", "how far `torso_tilt` leans the torso each way", minimum=0.0, maximum=0.5
@@ -212,6 +214,9 @@ class PlannerSettings(Settings):
 
     # Own steps
     step_lift: float = setting(0.015, "m", "how high a foot is lifted to be carried", minimum=5e-3)
+    step_clearance: float = setting(
+        0.015, "m", "least gap between the feet while one is carried; gears take some", minimum=0.0
+    )
     step_pace: float = setting(
         2.5, "", "factor on all speeds while one foot carries: its motors get hot",
         minimum=0.1, maximum=5.0,
@@ -245,6 +250,16 @@ class PlannerSettings(Settings):
                 self.lean_weight,
                 self.height_weight,
             ]
+        )
+
+    def finer(self) -> Self:
+        """Settings under which a motion has twice as many states, half as far apart."""
+        return dataclasses.replace(
+            self,
+            step_time=self.step_time / 2.0,
+            steps_max=self.steps_max * 2,
+            progress_min=self.progress_min / 2.0,
+            progress_patience=self.progress_patience * 2,
         )
 
     def paced(self, pace: float) -> Self:
