@@ -23,7 +23,7 @@ from shoecal_core.planning.programme import Programme, Step
 
 FloatArray = NDArray[np.float64]
 
-_ITERATIONS = 15
+_ITERATIONS = 30
 """More are not worth it: interior points are surer then."""
 _ENOUGH = {"converged": _ITERATIONS, "bounded": 3, "realtime": 1}
 """Programmes after which a mode asks only for first states that keep everything."""
