@@ -43,6 +43,8 @@ class Course:
     def __post_init__(self) -> None:
         if not self.foot_poses:
             raise ShoecalError(f"part '{self.name}' of a motion tells no pose of the feet")
+        if not np.all(np.isfinite(self.targets)):
+            raise ShoecalError(f"part '{self.name}' has targets that are not finite numbers")
         if len(self.foot_poses) > 1 and not len(self.targets):
             raise ShoecalError(f"part '{self.name}' moves a foot but pursues nothing")
 

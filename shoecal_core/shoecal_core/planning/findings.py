@@ -25,6 +25,7 @@ class Finding:
         excess: how far the value is beyond the limit; negative where it is kept.
         time: of the worst, from the motion's begin [s].
         where: joint, capsules or foot; empty where there is nothing to tell.
+        rate: whether doing the same more slowly makes the value smaller.
     """
 
     constraint: str
@@ -34,6 +35,7 @@ class Finding:
     excess: float
     time: float
     where: str
+    rate: bool = False
 
     @property
     def kept(self) -> bool:
@@ -74,6 +76,12 @@ class Report:
     def kept(self) -> bool:
         """Whether all constraints hold."""
         return all(finding.kept for finding in self.findings)
+
+    @property
+    def too_fast(self) -> bool:
+        """Whether it fails, and only by what doing the same more slowly makes smaller."""
+        violated = [finding for finding in self.findings if not finding.kept]
+        return bool(violated) and all(finding.rate for finding in violated)
 
     def of(self, constraint: str) -> Finding:
         """The finding of one constraint."""
@@ -127,9 +135,12 @@ def at_most(
     limit: FloatArray | float,
     time: FloatArray,
     names: tuple[str, ...] = ("",),
+    *,
+    rate: bool = False,
 ) -> Finding:
     """The worst of values (T, n) that must not exceed a limit, compared by their ratio."""
     limits = np.broadcast_to(limit, values.shape[1:])
     index, column = np.unravel_index(np.argmax(values / limits), values.shape)
     value, bound = float(values[index, column]), float(limits[column])
-    return Finding(constraint, unit, value, bound, value - bound, float(time[index]), names[column])
+    at, where = float(time[index]), names[column]
+    return Finding(constraint, unit, value, bound, value - bound, at, where, rate)

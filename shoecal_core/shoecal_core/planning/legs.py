@@ -25,6 +25,8 @@ FloatArray = NDArray[np.float64]
 
 _LEAST_JOINTS = 8
 """Both feet in place take six of them, the CoP two."""
+_AT_KNEE = 0.01
+"""m; joints nearer to a knee than this are a part of it."""
 
 
 class LegsError(ShoecalError):
@@ -193,19 +195,17 @@ class Legs:
 def _check(robot: Robot) -> None:
     if len(robot.legs) < _LEAST_JOINTS:
         raise LegsError(
-            f"robot '{robot.name}': {len(robot.legs)} joints under 'legs' cannot move the CoP "
-            f"while both feet stay; list at least {_LEAST_JOINTS}"
+            f"{robot.path}: legs: {len(robot.legs)} joints cannot move the CoP while both feet "
+            f"stay; list at least {_LEAST_JOINTS}"
         )
     for side, foot in zip(FEET, robot.feet, strict=True):
         if not _chain(robot, foot):
-            raise LegsError(
-                f"robot '{robot.name}': no joint under 'legs' moves the {side} foot; list its leg"
-            )
+            raise LegsError(f"{robot.path}: legs: none of them moves the {side} foot; list its leg")
     for kind, limits in (("effort", robot.effort_limit), ("velocity", robot.velocity_limit)):
         for name, limit in zip(robot.leg_names, limits[robot.legs], strict=True):
             if not limit > 0.0:
                 raise LegsError(
-                    f"{robot.urdf}: joint '{name}' has the {kind} limit {limit:g}; give its motor's"
+                    f"{robot.urdf}: joint {name}: the {kind} limit is {limit:g}; give its motor's"
                 )
 
 
@@ -241,21 +241,33 @@ def _chain(robot: Robot, foot: Foot) -> list[int]:
 def _knee(robot: Robot, foot: int) -> Knee:
     """Found by how each joint changes the distance from the leg's first joint to its last.
 
-    Hips and ankles turn about axes that (nearly) meet there, so they hardly change it.
+    Hips and ankles turn about axes that (nearly) meet there, so they hardly change it. Straight is
+    where the joints above and below the knee are farthest apart.
     """
     chain = _chain(robot, robot.feet[foot])
     leader = {shared.joint: shared.leader for shared in robot.shared}
     angles = ca.SX.sym("q", len(robot.joint_names))
     body = SymbolicKinematics(robot, angles)
-    way = body.joints[chain[-1] + 2].translation - body.joints[chain[0] + 2].translation
-    length = ca.norm_2(way)
-    rate = ca.Function("rate", [angles], [ca.gradient(length, angles)])
+    places = [body.joints[index + 2].translation for index in chain]
+    rate = ca.Function("rate", [angles], [ca.gradient(ca.norm_2(places[-1] - places[0]), angles)])
     fan = np.linspace(0.1, 0.9, 9)[:, None]
     samples = robot.lower + fan * (robot.upper - robot.lower)
     change = np.abs(np.array(rate(samples.T))).mean(axis=1)
     joint = max(chain, key=lambda index: float(change[index]))
     grid = np.tile(robot.posture, (2001, 1))
     grid[:, joint] = np.linspace(robot.lower[joint], robot.upper[joint], 2001)
-    lengths = np.array(ca.Function("length", [angles], [length])(grid.T)).ravel()
+    above, below = _ends(robot, angles, places, chain.index(joint))
+    length = ca.Function("length", [angles], [ca.norm_2(below - above)])
     column = list(robot.legs).index(leader.get(joint, joint))
-    return Knee(column, float(grid[np.argmax(lengths), joint]))
+    return Knee(column, float(grid[np.argmax(np.array(length(grid.T)).ravel()), joint]))
+
+
+def _ends(robot: Robot, angles: ca.SX, places: list[ca.SX], knee: int) -> tuple[ca.SX, ca.SX]:
+    """Places of the nearest joints above and below a knee that are not at the knee itself."""
+    apart = ca.horzcat(*[ca.norm_2(place - places[knee]) for place in places])
+    away = np.array(ca.Function("apart", [angles], [apart])(robot.posture)).ravel() > _AT_KNEE
+    above, below = np.flatnonzero(away[:knee]), knee + np.flatnonzero(away[knee:])
+    return (
+        places[above[-1] if len(above) else 0],
+        places[below[0] if len(below) else len(places) - 1],
+    )

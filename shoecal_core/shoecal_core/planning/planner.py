@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -15,6 +16,7 @@ from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.check import check_motion
 from shoecal_core.planning.collocation import Collocation, Scene, Solver
 from shoecal_core.planning.course import Course
+from shoecal_core.planning.findings import Report
 from shoecal_core.planning.ipopt import IpoptSolver
 from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.legs import FootPose, Legs
@@ -26,6 +28,9 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.sqp import SqpSolver
 
 FloatArray = NDArray[np.float64]
+
+_PACES = (1.0, 0.85, 0.7)
+"""Factors on all speeds that are tried in turn."""
 
 
 class StartError(PlanningError):
@@ -101,12 +106,48 @@ class Planner:
     ) -> Motion:
         """A checked motion along courses, one after another, from all joint angles (m,) [rad].
 
+        A motion that its check finds too fast is done more slowly. One that does not pass for
+        another reason is planned once more in finer steps, unless a foot is on its way in it:
+        between two states it leaves what they keep by a quarter then.
+
         Raises:
             PlanningError, PlanningCanceledError, CheckFailedError: when there is no motion.
         """
-        robot, settings = self.legs.robot, self.settings
+        if not courses:
+            raise PlanningError(f"motion '{name}' has no parts; give at least one")
+
+        def checked(horizon: RollingHorizon) -> tuple[Motion, Report]:
+            parts = self._parts(horizon, joint_angles, courses, progress, canceled)
+            for pace in _PACES:
+                paced = horizon.collocation.settings.paced(pace)
+                found = timed(self.legs, parts, name, joint_angles, paced)
+                seen = check_motion(self.legs, found, self.settings)
+                if not seen.too_fast:
+                    break
+            return found, seen
+
+        planned, report = checked(self.horizon)
+        if not report.kept and not any(course.moving for course in courses):
+            planned, report = checked(self._finer)
+        report.require()
+        return planned
+
+    @cached_property
+    def _finer(self) -> RollingHorizon:
+        collocation = Collocation(self.legs, self.settings.finer())
+        return RollingHorizon(collocation, _solvers(collocation))
+
+    def _parts(
+        self,
+        horizon: RollingHorizon,
+        joint_angles: FloatArray,
+        courses: Sequence[Course],
+        progress: Callable[[Progress], None],
+        canceled: Callable[[], bool],
+    ) -> list[tuple[Course, Path]]:
+        """Every course with its path, each from where the one before has ended."""
         parts: list[tuple[Course, Path]] = []
-        start = joint_angles[robot.legs]
+        start = joint_angles[self.legs.robot.legs]
         landmarks, states = sum(len(course.targets) for course in courses), 0
         before = 0
 
@@ -114,13 +155,11 @@ class Planner:
             progress(Progress(before + now.landmark, landmarks, states + now.steps, now.distance))
 
         for course in courses:
-            path = self.horizon.roll(start, course, joint_angles, progress=told, canceled=canceled)
+            path = horizon.roll(start, course, joint_angles, progress=told, canceled=canceled)
             parts.append((course, path))
             start = path.states[-1]
             before, states = before + len(course.targets), states + len(path.states) - 1
-        planned = timed(self.legs, parts, name, joint_angles, settings)
-        check_motion(self.legs, planned, settings).require()
-        return planned
+        return parts
 
     def standing(self, joint_angles: FloatArray) -> Standing:
         """What all joint angles (m,) [rad] of a robot on both feet say.

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
+from shoecal_core.model.standing import feet_gap
 from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.legs import FootPose, LegExpressions, Legs
 from shoecal_core.planning.settings import PlannerSettings
@@ -63,6 +64,19 @@ class UnreachableError(ShoecalError):
         )
 
 
+class FeetOverlapError(UnreachableError):
+    """A double support in which one foot would stand on the other."""
+
+    def __init__(self, robot: str, support: DoubleSupport) -> None:
+        self.support, self.miss, self.overload = support, 0.0, 0.0
+        ShoecalError.__init__(
+            self,
+            f"robot '{robot}': the outlines of the feet overlap with the right foot at dx "
+            f"{support.dx:g} m, dy {support.dy:g} m, dtheta {support.dtheta:g} rad; choose a place "
+            "farther from the left foot",
+        )
+
+
 class StanceSolver:
     """Inverse kinematics of one robot, compiled once for all its stances."""
 
@@ -94,9 +108,11 @@ class StanceSolver:
                 polygons where not given.
 
         Raises:
-            UnreachableError: when no posture within the margins does it.
+            UnreachableError: when no posture within the margins does it, or the feet overlap.
         """
         robot = self._legs.robot
+        if not feet_gap(robot, support) > 0.0:
+            raise FeetOverlapError(robot.name, support)
         target = middle(robot, support) if cop_target is None else cop_target
         return self._solved(FootPose.of(support), Carrying.BOTH, target, 0.0, robot.posture)
 

@@ -192,10 +192,22 @@ class RollingHorizon:
         found: list[Solution] = []
         for solver in self._solvers:
             for begin in (guess, still):
-                found.append(solver.solve(problem, begin))
+                found.append(self._tried(solver, problem, begin))
                 if found[-1].converged:
                     return found[-1]
         return min(found, key=lambda solution: solution.violation)
+
+    def _tried(self, solver: Solver, problem: HorizonProblem, begin: FloatArray) -> Solution:
+        """What a solver finds; one that raises, or returns no numbers, has found nothing."""
+        try:
+            solution = solver.solve(problem, begin)
+        except (RuntimeError, ArithmeticError, np.linalg.LinAlgError) as error:
+            status, states = type(error).__name__, np.full_like(begin, np.nan)
+        else:
+            if np.all(np.isfinite(solution.states)):
+                return solution
+            status, states = solution.status, solution.states
+        return self.collocation.certified(problem, states, status, 0, False)
 
     def roll(
         self,

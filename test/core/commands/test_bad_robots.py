@@ -67,7 +67,7 @@ BAD: dict[str, tuple[tuple[Key, ...], object, str]] = {
         ("legs",), lambda legs: legs[:6], "wren.yaml: legs: none of them moves the right foot",
     ),
     "one motor of the right leg alone": (
-        ("legs",), lambda legs: legs[:7], "under 'legs' cannot move the CoP",
+        ("legs",), lambda legs: legs[:7], "wren.yaml: legs: 7 joints cannot move",
     ),
     "no legs": (("legs",), DELETE, "wren.yaml: legs: 0 joints cannot keep two feet in place"),
 }  # fmt: skip
@@ -91,11 +91,11 @@ BAD_LIMITS = {
     ),
     "no torque": (
         'lower="-0.03" upper="2.2" effort="0" velocity="5.5"',
-        "joint 'left_knee' has the effort limit 0; give its motor's",
+        "joint left_knee: the effort limit is 0; give its motor's",
     ),
     "no speed": (
         'lower="-0.03" upper="2.2" effort="2.5" velocity="0"',
-        "joint 'left_knee' has the velocity limit 0; give its motor's",
+        "joint left_knee: the velocity limit is 0; give its motor's",
     ),
 }  # fmt: skip
 

@@ -227,7 +227,7 @@ BAD: dict[str, tuple[tuple[Key, ...], object, str, str]] = {
     ),
     "feet that overlap": (
         ("feet", "right", "outline_m"),
-        lambda points: [[x, 1.6 * y] for x, y in points],
+        lambda points: [[x, 2.0 * y] for x, y in points],
         "support_range.dy_m.neutral",
         "overlap at dx 0 m, dy -0.12 m",
     ),

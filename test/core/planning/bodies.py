@@ -15,9 +15,11 @@ ROOT = Path(__file__).parents[3]
 
 _FILES = {
     "nao": ("config/robots/nao.yaml", "config/shoes/nao_shoe.yaml"),
+    "wren": ("config/robots/wren.yaml", "config/shoes/wren_shoe.yaml"),
     "odd_biped": ("test/data/robots/odd_biped.yaml", "test/data/shoes/odd_shoe.yaml"),
 }
-NAMES = tuple(_FILES)
+NAMES = ("nao", "odd_biped")
+"""Those that most tests are run with."""
 
 
 @dataclass(frozen=True)

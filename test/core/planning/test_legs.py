@@ -45,13 +45,15 @@ def with_limit(robot: Robot, name: str, kind: str) -> Robot:
 
 def test_legs_that_cannot_be_planned_with(nao: Body) -> None:
     robot = nao.robot
-    with pytest.raises(LegsError, match=r"6 joints under 'legs' .* at least 8"):
+    with pytest.raises(LegsError, match=r"nao\.yaml: legs: 6 joints .* at least 8"):
         Legs(dataclasses.replace(robot, legs=robot.legs[:6]))
     others = np.setdiff1d(np.arange(len(robot.joint_names)), robot.legs)
     left_only = np.array([*robot.legs[:6], *others[:4]])
     with pytest.raises(LegsError, match="moves the right foot"):
         Legs(dataclasses.replace(robot, legs=left_only, shared=()))
-    with pytest.raises(LegsError, match="'RKneePitch' has the effort limit 0"):
+    with pytest.raises(
+        LegsError, match=r"nao\.urdf: joint RKneePitch: the effort limit is 0; give"
+    ):
         Legs(with_limit(robot, "RKneePitch", "effortLimit"))
-    with pytest.raises(LegsError, match="'LHipRoll' has the velocity limit 0"):
+    with pytest.raises(LegsError, match="joint LHipRoll: the velocity limit is 0; give"):
         Legs(with_limit(robot, "LHipRoll", "velocityLimit"))

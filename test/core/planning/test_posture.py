@@ -1,15 +1,23 @@
 from __future__ import annotations
 
 import dataclasses
+import pickle
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
-from core.planning.bodies import Body
+from core.planning.bodies import Body, load_body
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.standing import feet_gap
 from shoecal_core.planning.landmarks import Contour
-from shoecal_core.planning.posture import StanceSolver, UnreachableError, middle, stance
+from shoecal_core.planning.posture import (
+    FeetOverlapError,
+    StanceSolver,
+    UnreachableError,
+    middle,
+    stance,
+)
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.settings import SettingError
 
@@ -18,8 +26,9 @@ SETTINGS = PlannerSettings()
 
 def random_supports(body: Body, count: int) -> list[DoubleSupport]:
     span = body.robot.support_range
-    draws = np.random.default_rng(2).uniform(span.lower, span.upper, (count, 3))
-    return [DoubleSupport(*(float(value) for value in draw)) for draw in draws]
+    draws = np.random.default_rng(2).uniform(span.lower, span.upper, (4 * count, 3))
+    supports = [DoubleSupport(*(float(value) for value in draw)) for draw in draws]
+    return [support for support in supports if feet_gap(body.robot, support) > 0.0][:count]
 
 
 def test_feet_com_and_limits_by_pinocchio(body: Body) -> None:
@@ -71,10 +80,24 @@ def test_margins_without_room_are_refused(body: Body) -> None:
         body.legs.bounds(tight)
 
 
-def test_knees_are_found_and_kept_bent(body: Body) -> None:
+def test_one_foot_on_the_other(body: Body) -> None:
+    with pytest.raises(
+        FeetOverlapError, match=r"overlap .* dy -0\.05 m.*; choose a place"
+    ) as caught:
+        StanceSolver(body.legs, SETTINGS).solve(DoubleSupport(0.0, -0.05, 0.0))
+    assert caught.value.support.dy == -0.05
+    assert pickle.loads(pickle.dumps(caught.value)).support == caught.value.support
+
+
+@pytest.mark.parametrize("name", ["nao", "wren", "odd_biped"])
+def test_knees_are_found_and_kept_bent(name: str) -> None:
+    body = load_body(name)
     names = [body.robot.leg_names[knee.column] for knee in body.legs.knees]
     assert all("knee" in name.lower() for name in names)
     assert names[0] != names[1]
-    lower, _ = body.legs.bounds(SETTINGS)
+    lower, upper = body.legs.bounds(SETTINGS)
     for knee in body.legs.knees:
-        assert lower[knee.column] == pytest.approx(knee.straight + SETTINGS.knee_margin)
+        assert knee.straight == pytest.approx(0.0, abs=0.05)
+        bent = np.sign(body.legs.nominal[knee.column])
+        bound = lower if bent > 0.0 else upper
+        assert bound[knee.column] == pytest.approx(knee.straight + bent * SETTINGS.knee_margin)
