@@ -34,7 +34,8 @@ class FollowingRobot(StandingRobot):
         self._command: JointTrajectoryMsg | None = None
         self._begun_ns = 0
         node = world.node
-        self._imu = node.create_publisher(Imu, "imu", qos.RAW)
+        # As sensors of many robots are published: not reliably.
+        self._imu = node.create_publisher(Imu, "imu", qos.EITHER)
         self._states = node.create_publisher(ShoeState, "shoe/state", qos.LATCHED)
         self._heat = node.create_publisher(Temperature, "joint_temperatures", qos.RAW)
         node.create_subscription(JointTrajectoryMsg, "joint_trajectory", self._follow, qos.COMMAND)

@@ -3,6 +3,7 @@
 | publisher's topics                                           | profile     |
 |--------------------------------------------------------------|-------------|
 | `joint_states`, `shoe/voltages` (by simulator and driver)    | RAW         |
+| `imu`, `joint_temperatures` (by the simulator)               | RAW         |
 | `joint_trajectory`                                           | COMMAND     |
 | `shoe/cop`, `shoe/grf`, `shoe/left/…`, `shoe/right/…`        | LIVE        |
 | `shoe/model/com`, `shoe/model/cop`                           | LIVE        |
@@ -31,6 +32,9 @@ COMMAND = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 """For subscribers that need the present only, and are to be woken by it."""
+
+EITHER = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)
+"""For subscribers of what robots publish reliably or not: both are heard."""
 
 LIVE = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 """What controllers read: the newest matters."""

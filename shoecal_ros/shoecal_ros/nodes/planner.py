@@ -85,8 +85,8 @@ class Planner(ShoecalNode):
         """To what is watched beside the joints, where it comes."""
         imu, temperatures = ImuInput(self.robot), TemperatureInput(self.robot)
         shoes = ShoeReports(lambda: states.get_publisher_count() > 0)
-        self.subscribe(Imu, "imu", imu.take, qos.NEWEST)
-        self.subscribe(Temperature, "joint_temperatures", temperatures.take, qos.RAW)
+        self.subscribe(Imu, "imu", imu.take, qos.EITHER)
+        self.subscribe(Temperature, "joint_temperatures", temperatures.take, qos.EITHER)
         self.subscribe(
             DiagnosticArray, "diagnostics", temperatures.take_diagnostics, qos.DIAGNOSTICS
         )

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from ros.clock import Clock
 from shoecal_ros.common.conversions import VoltageFrame
 from shoecal_ros.inputs.joining import (
     NO_DATA,
@@ -144,13 +145,6 @@ def test_time_may_begin_anew() -> None:
     join.add(frame(500))
     again = joined(join.add(frame(1, sequence=501)))
     np.testing.assert_allclose(again.readings, 1 + 0.1 * np.arange(4))
-
-
-class Clock:
-    now = 50.0
-
-    def __call__(self) -> float:
-        return self.now
 
 
 def test_what_is_wrong_with_voltages_is_told_in_turn() -> None:

@@ -5,15 +5,9 @@ import pytest
 from sensor_msgs.msg import JointState
 
 from ros.bodies import nao
+from ros.clock import Clock
 from shoecal_ros.common.conversions import JointSample, joints_to_ros
 from shoecal_ros.inputs.joints import JointInput
-
-
-class Clock:
-    now = 50.0
-
-    def __call__(self) -> float:
-        return self.now
 
 
 def message(stamp_ns: int, changes: dict[str, float] | None = None) -> JointState:

@@ -4,15 +4,8 @@ import math
 
 from shoecal_msgs.msg import FootState, ShoeState, ShoeVoltages
 
+from ros.clock import Clock
 from shoecal_ros.inputs.shoe_reports import ShoeReports
-
-
-class Clock:
-    def __init__(self) -> None:
-        self.now = 100.0
-
-    def __call__(self) -> float:
-        return self.now
 
 
 def state(

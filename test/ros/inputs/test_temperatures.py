@@ -4,16 +4,9 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from sensor_msgs.msg import Temperature
 
 from ros.bodies import nao
+from ros.clock import Clock
 from shoecal_ros.common.conversions import header_to_ros
 from shoecal_ros.inputs.temperatures import KEEP_S, TemperatureInput
-
-
-class Clock:
-    def __init__(self) -> None:
-        self.now = 100.0
-
-    def __call__(self) -> float:
-        return self.now
 
 
 def told(joint: str, degc: float) -> Temperature:

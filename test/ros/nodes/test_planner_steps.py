@@ -64,6 +64,9 @@ def test_a_support_is_reached_by_own_steps(walking: World) -> None:
     assert there.dtheta == pytest.approx(NEAR.dtheta, abs=0.03)
     walking.until_told("simulator", "robot", "stands")
 
+    unloaded = walking.goal(Plan, "shoe/plan", Plan.Goal(motion="unload_left", send=True))
+    assert unloaded.result(120.0).success, unloaded.result().message
+
     again = reach(walking, DoubleSupport(dx=-0.02, dy=-0.12, dtheta=-0.1))
     walking.until(partial(_is_stepping, again))
     again.cancel()

@@ -1,14 +1,7 @@
 from __future__ import annotations
 
+from ros.clock import Clock
 from shoecal_ros.planner.arming import Arming
-
-
-class Clock:
-    def __init__(self) -> None:
-        self.now = 100.0
-
-    def __call__(self) -> float:
-        return self.now
 
 
 def test_nothing_is_armed_by_itself() -> None:

@@ -9,6 +9,7 @@ from shoecal_msgs.action import Plan
 from shoecal_msgs.msg import FootState, ShoeState, ShoeVoltages
 
 from ros.bodies import nao
+from ros.clock import Clock
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.carrying import Carrying
@@ -27,14 +28,6 @@ KINEMATICS = Kinematics(nao())
 SETTINGS = MovingSettings()
 POSE = FootPose.of(DoubleSupport(0.0, -0.12, 0.0))
 ANGLES = nao().posture
-
-
-class Clock:
-    def __init__(self) -> None:
-        self.now = 100.0
-
-    def __call__(self) -> float:
-        return self.now
 
 
 def motion() -> Motion:
