@@ -5,11 +5,12 @@ from __future__ import annotations
 import functools
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 import shoecal_core
 from planner_cases import Case, Stopwatch
@@ -19,9 +20,11 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.check import check_motion
 from shoecal_core.planning.feasible import Feasible
 from shoecal_core.planning.planner import Planner
+from shoecal_core.planning.posture import StanceSolver, UnreachableError
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.workspace import config_dir
 
+FloatArray = NDArray[np.float64]
 PLANNED, REFUSED, FAILED = "planned", "refused", "failed"
 FAST = ("Solved", "Applicable")
 """What the fast solver says of its solutions; others are those of IPOPT."""
@@ -49,7 +52,8 @@ class Outcome:
         wall, cpu: what planning and checking took [s].
         solves, rescues: optimisations, and how many of them were left to IPOPT.
         duration: of the motion [s].
-        nearest: how near the CoP came to each target; none of the last one's [m].
+        nearest: how near the CoP came to each place that it was to reach [m].
+        standable: indices of those not reached above which the robot can stand.
         violated: constraints that the independent check finds violated.
     """
 
@@ -63,21 +67,21 @@ class Outcome:
     rescues: int = 0
     duration: float = 0.0
     nearest: tuple[float, ...] = ()
+    standable: tuple[int, ...] = ()
     violated: tuple[str, ...] = ()
 
     @classmethod
     def of_json(cls, line: str) -> Outcome:
         known = json.loads(line)
         known["job"] = Job(**known["job"])
-        for name in ("support", "cause", "nearest", "violated"):
+        for name in ("support", "cause", "nearest", "standable", "violated"):
             known[name] = tuple(known[name])
         return cls(**known)
 
     @property
-    def unreached(self) -> list[tuple[int, float]]:
-        """Landmarks by number, and how far the CoP stayed away [m]."""
-        radius = PlannerSettings().landmark_radius
-        return [(i, away) for i, away in enumerate(self.nearest, start=1) if not away < radius]
+    def unreached(self) -> list[int]:
+        """Indices of places that the CoP did not come near enough to."""
+        return _beyond_radius(self.nearest)
 
 
 class Memory:
@@ -119,13 +123,32 @@ def attempt(job: Job) -> Outcome:
         return Outcome(job, place, FAILED, cause, span.wall, span.cpu)
     span = watch.read()
     path = motion.path
+    standable = [
+        index
+        for index in _beyond_radius(path.nearest)
+        if _can_stand_above(planner, support, path.targets[index])
+    ]
     report = check_motion(planner.legs, motion, planner.settings)
     return Outcome(
         job, place, PLANNED, wall=span.wall, cpu=span.cpu, solves=len(path.statuses),
         rescues=sum(status not in FAST for status in path.statuses), duration=motion.duration,
-        nearest=tuple(float(away) for away in path.nearest),
+        nearest=tuple(float(away) for away in path.nearest), standable=tuple(standable),
         violated=tuple(finding.constraint for finding in report.findings if not finding.kept),
     )  # fmt: skip
+
+
+def _beyond_radius(nearest: Iterable[float]) -> list[int]:
+    radius = PlannerSettings().landmark_radius
+    return [index for index, away in enumerate(nearest) if not away < radius]
+
+
+def _can_stand_above(planner: Planner, support: DoubleSupport, place: FloatArray) -> bool:
+    """Within the margins of standing, which are a little wider than those of moving."""
+    try:
+        StanceSolver(planner.legs, planner.settings).solve(support, place)
+    except UnreachableError:
+        return False
+    return True
 
 
 @functools.cache

@@ -53,7 +53,8 @@ def compiled_ipopt(
 ) -> IpoptSolver:
     """All functions of the MX problem (f, g, their first and second derivatives) as machine code.
 
-    CasADi writes them out, the system's compiler translates them once; the library is kept.
+    CasADi writes them out, the system's compiler translates them once; the library is kept. (Those
+    of the SX problem are four times as much C and were slower when they were tried.)
 
     Args:
         collocation: the functions of one state.

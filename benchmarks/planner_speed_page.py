@@ -49,9 +49,9 @@ the 95th and the 99th percentiles and of the totals.
 {ratios}
 
 IPOPT uses MUMPS and the planner's own tolerances and warm start throughout; its three variants find
-the same optimum (objectives differ by {spread:.0e} of them at most). The functions compiled are
-those of the MX problem, by the system's compiler with -O3: compiled from SX they are no faster than
-SX interpreted.
+the same optimum (objectives differ by {spread:.0e} of them at most). Machine code is that of all
+functions of the MX problem, values and first and second derivatives, by the system's compiler with
+-O3.
 
 {crocoddyl}
 
@@ -184,7 +184,7 @@ def _loops(loops: Mapping[str, Sequence[Loop]]) -> str:
     for mode, found in loops.items():
         solves = sum(len(loop.solves) for loop in found)
         rescued = sum(len(loop.rescues) for loop in found)
-        nearest = np.concatenate([loop.planned.nearest for loop in found])
+        nearest = np.concatenate([loop.planned.nearest[1:] for loop in found])
         failed = [finding for loop in found for finding in loop.findings if not finding.kept]
         rows.append(
             [

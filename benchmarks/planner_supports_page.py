@@ -10,6 +10,9 @@ import numpy as np
 import pages
 from planner_outcomes import FAILED, PLANNED, REFUSED, Outcome
 
+LANDMARKS = 4
+"""Of a double support; before them, the middle of a side of their contour is pursued."""
+
 BODY = """\
 ## The planner: motions in many double supports
 
@@ -58,8 +61,8 @@ def _robots(drawn: Sequence[Outcome]) -> str:
         own = [outcome for outcome in drawn if outcome.job.robot == robot]
         ends = Counter(outcome.end for outcome in own)
         planned = [outcome for outcome in own if outcome.end == PLANNED]
-        landmarks = sum(len(outcome.nearest) for outcome in planned)
-        missed = sum(len(outcome.unreached) for outcome in planned)
+        landmarks = LANDMARKS * len(planned)
+        missed = sum(index > 0 for outcome in planned for index in outcome.unreached)
         rows.append(
             [
                 robot,
@@ -94,15 +97,20 @@ def _failures(outcomes: Sequence[Outcome]) -> str:
 
 
 def _unreached(drawn: Sequence[Outcome]) -> str:
-    rows = [["robot", "dx [m]", "dy [m]", "dtheta [rad]", "landmark", "distance [mm]"]]
+    head = ["robot", "dx [m]", "dy [m]", "dtheta [rad]", "landmark", "distance [mm]", "standing"]
+    rows = [head]
     for outcome in drawn:
-        for number, away in outcome.unreached:
+        for index in outcome.unreached:
             place = (f"{value:.3f}" for value in outcome.support)
-            rows.append([outcome.job.robot, *place, str(number), f"{1e3 * away:.1f}"])
+            away = f"{1e3 * outcome.nearest[index]:.1f}"
+            standing = "possible" if index in outcome.standable else "impossible"
+            number = str(index) if index else "start"
+            rows.append([outcome.job.robot, *place, number, away, standing])
     if len(rows) == 1:
         return "Every landmark was reached."
     return (
-        "Landmarks that were not reached, and how far the CoP stayed away from each "
+        "Landmarks that were not reached, numbered as they are pursued, how far the CoP stayed "
+        "away\nfrom each, and whether the robot could stand above it at all "
         f"({len(rows) - 1}):\n\n{pages.table(rows)}"
     )
 

@@ -31,5 +31,5 @@ def test_outcomes_are_remembered_also_when_the_last_line_was_cut(tmp_path: Path)
 def test_the_page_tells_failures_and_landmarks_out_of_reach() -> None:
     body = supports_body("make it", [DONE, UNDONE], [DONE])
     assert "| nao | landmarks | PlanningError | 1 | no way |" in body
-    assert "| nao | 0.000 | -0.100 | 0.200 | 2 | 12.3 |" in body
-    assert "| nao | 2 | 0 | 1 | 1 | 0 | 1 of 3 | 2.00 (2.00) |" in body
+    assert "| nao | 0.000 | -0.100 | 0.200 | 1 | 12.3 | impossible |" in body
+    assert "| nao | 2 | 0 | 1 | 1 | 0 | 2 of 4 | 2.00 (2.00) |" in body
