@@ -62,7 +62,11 @@ def python_with_crocoddyl(venv: Path = VENV) -> Path:
 
 
 class Crocoddyl:
-    """A process that solves horizons of one robot; as a context, it ends with it."""
+    """A process that solves horizons of one robot; as a context, it ends with it.
+
+    Raises:
+        UnavailableError: when it does not start.
+    """
 
     def __init__(self, collocation: Collocation, python: Path, **setup: object) -> None:
         self._collocation = collocation
@@ -80,6 +84,7 @@ class Crocoddyl:
             [str(python), str(worker)], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
         )
         self._send(told | setup)
+        self._receive()
 
     def __enter__(self) -> Self:
         return self
@@ -114,8 +119,7 @@ class Crocoddyl:
         # JSON has no infinity; what is beyond any bound is as good.
         large = {key: np.nan_to_num(value, posinf=1e9, neginf=-1e9) for key, value in given.items()}
         self._send({key: value.tolist() for key, value in large.items()})
-        assert self._process.stdout is not None
-        answer = json.loads(self._process.stdout.readline())
+        answer = self._receive()
         solution = self._collocation.certified(
             problem,
             np.array(answer["states"]),
@@ -129,6 +133,14 @@ class Crocoddyl:
         assert self._process.stdin is not None
         self._process.stdin.write(json.dumps(told) + "\n")
         self._process.stdin.flush()
+
+    def _receive(self) -> dict[str, Any]:
+        assert self._process.stdout is not None
+        line = self._process.stdout.readline()
+        if not line:
+            raise UnavailableError(f"its process ended with code {self._process.wait()}")
+        answer: dict[str, Any] = json.loads(line)
+        return answer
 
 
 def _stage(collocation: Collocation) -> tuple[str, str, int]:

@@ -1,7 +1,7 @@
 """Solves horizons with crocoddyl; runs in a virtual environment that has it, and nothing of ours.
 
-Reads a line of JSON that says what a state's function is called and where its library lies, then
-one line a problem, and answers each with a line: states, seconds, iterations.
+Reads a line of JSON that says what a state's function is called and where its library lies, says
+that it is ready, then reads one line a problem and answers each: states, seconds, iterations.
 
 The state of the shooting problem is (q, u) of the step before, the control is u, so that the state
 equation and the cost of equation 9 are exact, and |u| is bounded by the solver itself (a box).
@@ -173,6 +173,7 @@ class Worker:
 def main() -> None:
     """Serve until the input ends."""
     worker = Worker(json.loads(sys.stdin.readline()))
+    print(json.dumps({"ready": True}), flush=True)
     for line in sys.stdin:
         print(json.dumps(worker.solve(json.loads(line))), flush=True)
 
