@@ -13,6 +13,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.planning.active_set import active_set_solution
 from shoecal_core.planning.collocation import FOOT_ROWS, HorizonProblem
 from shoecal_core.planning.linearisation import Inequalities, Linearised
 
@@ -20,6 +21,38 @@ FloatArray = NDArray[np.float64]
 
 _FEASIBLE = 1e-9
 """Largest violation of a row by a programme's solution."""
+_TOUCHED = 1e-7
+"""A row nearer to its bound at the guess is thought to be active."""
+
+
+@dataclass(frozen=True)
+class Feet:
+    """A step is fixed + basis @ free, which puts the feet right whatever the free part is.
+
+    Attributes:
+        fixed: (N, k).
+        basis: (N, k, f).
+        factor, triangle: (N, k, 6), (N, 6, 6) of the feet's slopes, transposed.
+    """
+
+    fixed: FloatArray
+    basis: FloatArray
+    factor: FloatArray
+    triangle: FloatArray
+
+    @classmethod
+    def of(cls, linear: Linearised) -> Feet:
+        """By orthogonal factors."""
+        factor, triangle = np.linalg.qr(linear.foot.swapaxes(1, 2), mode="complete")
+        across, triangle = factor[:, :, :FOOT_ROWS], triangle[:, :FOOT_ROWS]
+        error = linear.values.foot_error[..., None]
+        fixed = across @ np.linalg.solve(triangle.swapaxes(1, 2), -error)
+        return cls(fixed[..., 0], factor[:, :, FOOT_ROWS:], across, triangle)
+
+    def borne(self, gradient: FloatArray) -> FloatArray:
+        """(N, 6) multipliers that take away what a gradient (N, k) has across the basis."""
+        across = self.factor.swapaxes(1, 2) @ gradient[..., None]
+        return np.linalg.solve(self.triangle, -across)[..., 0].astype(np.float64, copy=False)
 
 
 @dataclass(frozen=True)
@@ -29,13 +62,16 @@ class Step:
     Attributes:
         change: (N, k) of the states [rad].
         gain: how much less the cost is after it, to second order.
-        prices: (N, 11) multipliers of the CoP (of the edges that bound it), of the other tasks
-            (zero) and of the foot transform.
+        prices: (N, r) multipliers of the inequalities.
+        linear: where it begins.
+        feet: of those states.
     """
 
     change: FloatArray
     gain: float
     prices: FloatArray
+    linear: Linearised
+    feet: Feet
 
 
 class Programme:
@@ -95,6 +131,7 @@ class Programme:
         problem: HorizonProblem,
         linear: Linearised,
         inequalities: Inequalities,
+        before: Step | None = None,
         curvature: FloatArray | None = None,
     ) -> Step | None:
         """The step from states that `linear` describes; None where the programme has none.
@@ -103,20 +140,20 @@ class Programme:
             problem: whose cost.
             linear: where to begin.
             inequalities: to be kept.
+            before: the step that led there; the same rows are thought to be active.
             curvature: (N, k, k) what the constraints and the way to the target add to the
                 Gauss-Newton Hessian.
         """
-        feet = _Feet.of(linear)
+        feet = Feet.of(linear)
         self._set_cost(problem, linear, feet)
         if curvature is not None:
             self._add(curvature, feet)
-        change = self._solved(linear, inequalities, feet)
+        change = self._solved(linear, inequalities, feet, before)
         if change is None:
             return None
         found = self._found.ravel()
         gain = -found @ (self._gradient + 0.5 * self._hessian @ found)
-        prices = self._multipliers(problem, linear, inequalities, feet, change)
-        return Step(change, float(gain), prices)
+        return Step(change, float(gain), self._prices.copy(), linear, feet)
 
     def nearest(self, linear: Linearised, inequalities: Inequalities) -> FloatArray:
         """(N, k) shortest change that keeps everything to first order.
@@ -124,23 +161,37 @@ class Programme:
         Where none does, the shortest that puts the feet right.
         """
         np.fill_diagonal(self._hessian, 1.0)
-        feet = _Feet.of(linear)
+        feet = Feet.of(linear)
         change = self._solved(linear, inequalities, feet)
         return feet.fixed if change is None else change
 
     def _solved(
-        self, linear: Linearised, inequalities: Inequalities, feet: _Feet
+        self,
+        linear: Linearised,
+        inequalities: Inequalities,
+        feet: Feet,
+        before: Step | None = None,
     ) -> FloatArray | None:
         self._set_rows(linear, inequalities, feet)
-        self._run()
-        # A dual method's answer keeps the rows only when it is the solution.
-        rows = self._found.ravel() @ self._matrix
-        missed = max((self._low.ravel() - rows).max(), (rows - self._high.ravel()).max())
-        if not missed < 10.0 * _FEASIBLE:
-            return None
+        low, high = self._low.ravel(), self._high.ravel()
+        if before is None:
+            active = (high < _TOUCHED).astype(np.float64) - (low > -_TOUCHED)
+        else:
+            active = np.sign(before.prices.ravel())
+        near = active_set_solution(
+            self._hessian, self._gradient, self._matrix, low, high, active, _FEASIBLE
+        )
+        if near is not None:
+            self._found.ravel()[:], self._prices.ravel()[:] = near
+        else:
+            self._run()
+            # A dual method's answer keeps the rows only when it is the solution.
+            rows = self._found.ravel() @ self._matrix
+            if not max((low - rows).max(), (rows - high).max()) < 10.0 * _FEASIBLE:
+                return None
         return feet.fixed + (feet.basis @ self._found[..., None])[..., 0]
 
-    def _set_cost(self, problem: HorizonProblem, linear: Linearised, feet: _Feet) -> None:
+    def _set_cost(self, problem: HorizonProblem, linear: Linearised, feet: Feet) -> None:
         """Gauss-Newton Hessian and gradient at the states + fixed."""
         aim, fixed, basis = problem.aim, feet.fixed, feet.basis
         states = linear.states + fixed
@@ -157,7 +208,7 @@ class Programme:
         self._gradient[:] = (2.0 * self._weight) * (turned.T @ changes.ravel())
         self._gradient += ((weights * away)[:, None] @ slope).ravel()
 
-    def _add(self, curvature: FloatArray, feet: _Feet) -> None:
+    def _add(self, curvature: FloatArray, feet: Feet) -> None:
         """Curvature as it is; without what is negative where the programme were not convex."""
         turned = feet.basis.swapaxes(1, 2)
         blocks = turned @ curvature @ feet.basis
@@ -170,17 +221,15 @@ class Programme:
             negative = np.minimum(values, 0.0)[:, None]
             self._blocks -= (vectors * negative) @ vectors.swapaxes(1, 2)
 
-    def _multipliers(
-        self,
-        problem: HorizonProblem,
-        linear: Linearised,
-        inequalities: Inequalities,
-        feet: _Feet,
-        change: FloatArray,
+    def multipliers(
+        self, problem: HorizonProblem, inequalities: Inequalities, step: Step
     ) -> FloatArray:
-        """Those of Step: what the feet have to bear of the Lagrangian's gradient."""
-        size, aim, prices = change.shape[1], problem.aim, self._prices
-        edges = inequalities.scene.normals.shape[1]
+        """(N, 11) of the CoP (of the edges that bound it), other tasks (zero), foot transform.
+
+        Those of the feet are what they have to bear of the Lagrangian's gradient after a step.
+        """
+        linear, change, prices, aim = step.linear, step.change, step.prices, problem.aim
+        size, edges = change.shape[1], inequalities.scene.normals.shape[1]
         tasks = np.zeros_like(linear.values.tasks)
         tasks[:, :2] = (prices[:, None, :edges] @ inequalities.scene.normals)[:, 0]
         reached = linear.values.tasks + (linear.tasks @ change[..., None])[..., 0]
@@ -191,9 +240,9 @@ class Programme:
         gradient += (prices[:, None, edges : -2 * size] @ linear.rest)[:, 0]
         gradient += prices[:, -2 * size : -size] + prices[:, -size:]
         gradient[:-1] -= prices[1:, -size:]
-        return np.hstack([tasks, feet.borne(gradient)])
+        return np.hstack([tasks, step.feet.borne(gradient)])
 
-    def _set_rows(self, linear: Linearised, inequalities: Inequalities, feet: _Feet) -> None:
+    def _set_rows(self, linear: Linearised, inequalities: Inequalities, feet: Feet) -> None:
         fixed, basis = feet.fixed, feet.basis
         size = fixed.shape[1]
         values = inequalities.values(linear)
@@ -209,36 +258,6 @@ class Programme:
         values[1:, -size:] -= fixed[:-1]
         np.subtract(inequalities.low, values, out=self._low)
         np.subtract(inequalities.high, values, out=self._high)
-
-
-@dataclass(frozen=True)
-class _Feet:
-    """A step is fixed + basis @ free, which puts the feet right whatever the free part is.
-
-    Attributes:
-        fixed: (N, k).
-        basis: (N, k, f).
-        factor, triangle: (N, k, 6), (N, 6, 6) of the feet's slopes, transposed.
-    """
-
-    fixed: FloatArray
-    basis: FloatArray
-    factor: FloatArray
-    triangle: FloatArray
-
-    @classmethod
-    def of(cls, linear: Linearised) -> _Feet:
-        """By orthogonal factors."""
-        factor, triangle = np.linalg.qr(linear.foot.swapaxes(1, 2), mode="complete")
-        across, triangle = factor[:, :, :FOOT_ROWS], triangle[:, :FOOT_ROWS]
-        error = linear.values.foot_error[..., None]
-        fixed = across @ np.linalg.solve(triangle.swapaxes(1, 2), -error)
-        return cls(fixed[..., 0], factor[:, :, FOOT_ROWS:], across, triangle)
-
-    def borne(self, gradient: FloatArray) -> FloatArray:
-        """(N, 6) multipliers that take away what a gradient (N, k) has across the basis."""
-        across = self.factor.swapaxes(1, 2) @ gradient[..., None]
-        return np.linalg.solve(self.triangle, -across)[..., 0].astype(np.float64, copy=False)
 
 
 def _changes(problem: HorizonProblem, states: FloatArray) -> FloatArray:

@@ -74,9 +74,7 @@ class SqpSolver:
         collocation, mode = self._collocation, self._collocation.settings.mode
         problem = dataclasses.replace(problem, scene=problem.scene.padded(self._edges))
         limits = collocation.limits(problem)
-        descent = _Descent(
-            collocation, problem, Inequalities(problem, limits), self._linearised, self._curvature
-        )
+        descent = _Descent(collocation, problem, Inequalities(problem, limits), self._linearised)
         descent.begin(np.clip(guess, limits.lower, limits.upper))
 
         def certified(
@@ -87,9 +85,7 @@ class SqpSolver:
             )
 
         for iteration in range(1, _ITERATIONS + 1):
-            step = self._programme.solve(
-                problem, descent.linear, descent.inequalities, descent.curvature()
-            )
+            step = self._proposed(problem, descent)
             if step is None:
                 return certified(descent.linear.states, "Programme_Failed")
             if not descent.take(step):
@@ -103,6 +99,17 @@ class SqpSolver:
                 if solution.converged:
                     return solution
         return certified(descent.linear.states, "Iterations_Exceeded")
+
+    def _proposed(self, problem: HorizonProblem, descent: _Descent) -> Step | None:
+        """The next step, with the Lagrangian's second derivatives where prices are known."""
+        linear, inequalities, before = descent.linear, descent.inequalities, descent.step
+        if before is None:
+            return self._programme.solve(problem, linear, inequalities)
+        prices = self._programme.multipliers(problem, inequalities, before)
+        aim = problem.aim
+        prices[:, :TASKS] += 2.0 * aim.weights * (linear.values.tasks - aim.targets)
+        curvature = self._curvature(linear.states, problem.scene, prices)
+        return self._programme.solve(problem, linear, inequalities, before, curvature)
 
     def _projected(self, problem: HorizonProblem, limits: Limits, states: FloatArray) -> FloatArray:
         """States (N, k) of which those that are applied are moved onto all constraints."""
@@ -128,14 +135,12 @@ class _Descent:
         problem: HorizonProblem,
         inequalities: Inequalities,
         linearised: Linearisation,
-        curvature: Curvature,
     ) -> None:
         self._collocation = collocation
         self._problem = problem
         self.inequalities = inequalities
         self._linearised = linearised
-        self._curvature = curvature
-        self._prices: FloatArray | None = None
+        self.step: Step | None = None
         self._filter: list[tuple[float, float]] = []
         self._length = np.inf
         self.arrived = False
@@ -143,15 +148,6 @@ class _Descent:
     def begin(self, states: FloatArray) -> None:
         self.linear, cost, violation = self._at(states)
         self._filter.append((cost, violation))
-
-    def curvature(self) -> FloatArray | None:
-        """(N, k, k) of the Lagrangian beyond Gauss-Newton's; None before prices are known."""
-        if self._prices is None:
-            return None
-        aim, linear = self._problem.aim, self.linear
-        prices = self._prices.copy()
-        prices[:, :TASKS] += 2.0 * aim.weights * (linear.values.tasks - aim.targets)
-        return self._curvature(linear.states, self._problem.scene, prices)
 
     def take(self, step: Step) -> bool:
         """Go as much of a step as the filter lets pass; False where it lets nothing."""
@@ -170,7 +166,7 @@ class _Descent:
         near = part == 1.0 and (left < _OPTIMAL * cost or length < _STEP)
         self.arrived = near and violation < _FEASIBLE
         self.linear, self._length = linear, part * length
-        self._prices = step.prices
+        self.step = step
         return True
 
     def _passes(self, cost: float, violation: float) -> bool:

@@ -123,14 +123,14 @@ def test_prices_balance_the_gradient(body: Body) -> None:
     case = case_of(body)
     step = case.programme.solve(case.problem, case.linear, case.inequalities)
     assert step is not None
-    prices = case.programme._prices
-    size = step.change.shape[1]
+    prices, size = step.prices, step.change.shape[1]
+    borne = case.programme.multipliers(case.problem, case.inequalities, step)[:, 5:]
 
     def lagrangian(flat: FloatArray) -> float:
         change = flat.reshape(step.change.shape)
         value = cost_after(case, change) + float(np.sum(prices * rows_after(case, change)))
         feet = np.einsum("nrk,nk->nr", case.linear.foot, change)
-        return value + float(np.sum(step.prices[:, 5:] * feet))
+        return value + float(np.sum(borne * feet))
 
     flat = step.change.ravel()
     scale = float(np.abs(prices).max()) + 1.0
@@ -154,7 +154,7 @@ def test_curvature_that_is_not_convex_is_left_out(nao: Body) -> None:
     count, size = case.linear.states.shape
     plain = case.programme.solve(case.problem, case.linear, case.inequalities)
     concave = np.tile(-1e7 * np.eye(size), (count, 1, 1))
-    left_out = case.programme.solve(case.problem, case.linear, case.inequalities, concave)
+    left_out = case.programme.solve(case.problem, case.linear, case.inequalities, None, concave)
     assert plain is not None
     assert left_out is not None
     assert kept(case, left_out.change) < 1e-8
