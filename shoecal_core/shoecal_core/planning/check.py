@@ -114,7 +114,7 @@ def _stability(
     return at_least(
         "distance of the CoP from the edge of the sensing polygon",
         "m", distance[:, None], margin * settings.margin_kept, time[span.samples],
-        from_begin=span.first,
+        from_begin=span.first, slack=settings.foot_drift,
     )  # fmt: skip
 
 
@@ -128,6 +128,7 @@ def _joint_limits(
     return at_least(
         "distance from joint limits",
         "rad", room, settings.joint_margin * settings.margin_kept, time, names,
+        slack=settings.foot_drift,
     )  # fmt: skip
 
 
@@ -144,6 +145,7 @@ def _collision(
         "distance between capsules",
         "m", body.distances,
         settings.capsule_clearance * settings.margin_kept, time, names,
+        slack=settings.foot_drift,
     )  # fmt: skip
     return (finding,)
 

@@ -117,12 +117,15 @@ def at_least(
     names: tuple[str, ...] = ("",),
     *,
     from_begin: bool = True,
+    slack: float = 0.0,
 ) -> Finding:
     """The worst of values (T, n) that must not fall below a limit.
 
-    Where a motion begins outside of it, not below their own begin.
+    Where a motion begins outside of it, not below their own begin less a slack.
     """
-    allowed = np.minimum(limit, values[0]) if from_begin else np.full(values.shape[1], limit)
+    allowed = (
+        np.minimum(limit, values[0] - slack) if from_begin else np.full(values.shape[1], limit)
+    )
     index, column = np.unravel_index(np.argmin(values - allowed), values.shape)
     value, bound = float(values[index, column]), float(allowed[column])
     return Finding(constraint, unit, value, bound, bound - value, float(time[index]), names[column])
