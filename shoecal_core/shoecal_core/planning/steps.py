@@ -67,8 +67,9 @@ class Stepper:
         standing = self.planner.standing(joint_angles)
         if self.arrived(standing.foot_pose, goal):
             return None
+        self._require_reach(goal)
         reasons: list[str] = []
-        for via in self._ways(standing.foot_pose.support, goal):
+        for via in self._ways(standing.foot_pose, goal):
             for carrying in (self.carrying.other, self.carrying):
                 try:
                     motion = self._planned(
@@ -92,13 +93,21 @@ class Stepper:
             way < settings.step_error and abs(there.dtheta - goal.dtheta) < settings.step_yaw_error
         )
 
-    def _ways(self, here: DoubleSupport, goal: DoubleSupport) -> tuple[DoubleSupport, ...]:
+    def _require_reach(self, goal: DoubleSupport) -> None:
+        """No step towards a goal in which the robot could not stand."""
+        try:
+            self.planner.stance(goal)
+        except UnreachableError as error:
+            raise StepError(f"no step leads to {goal}: {error}") from error
+
+    def _ways(self, foot_pose: FootPose, goal: DoubleSupport) -> list[DoubleSupport]:
         """Where the next step may lead, best first: there at once, or by way of neutral."""
+        here = foot_pose.support
         neutral = DoubleSupport(*map(float, self.planner.legs.robot.support_range.neutral))
         half = DoubleSupport(
             (here.dx + goal.dx) / 2.0, (here.dy + goal.dy) / 2.0, (here.dtheta + goal.dtheta) / 2.0
         )
-        return goal, half, neutral
+        return [via for via in (goal, half, neutral) if not self.arrived(foot_pose, via)]
 
     def _planned(
         self,
