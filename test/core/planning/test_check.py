@@ -125,3 +125,11 @@ def test_torques_do_the_work_of_lifting() -> None:
     lifted = robot.weight * np.diff(seen.com[:, 2])
     assert np.abs(lifted).max() > 0.02
     np.testing.assert_allclose(work, lifted, atol=1e-3)
+
+
+def test_too_fast_is_told_from_what_slowness_does_not_mend() -> None:
+    motion = motion_of("nao")
+    assert not checked(motion).too_fast
+    hasty = SPOILT["CoM speed"](motion)
+    assert checked(hasty).too_fast
+    assert not checked(SPOILT["distance from joint limits"](hasty)).too_fast

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 import pinocchio as pin
@@ -14,11 +15,13 @@ from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
 from shoecal_core.errors import NameNotFoundError, ShapeError
 from shoecal_core.planning.body_track import track
 from shoecal_core.planning.check import check_motion
-from shoecal_core.planning.course import cop_course
+from shoecal_core.planning.course import Course, cop_course
 from shoecal_core.planning.landmarks import Contour, sensing_hull
-from shoecal_core.planning.motion import timed
+from shoecal_core.planning.legs import Legs
+from shoecal_core.planning.motion import Motion, timed
 from shoecal_core.planning.planner import Planner, StartError, plan_motion
-from shoecal_core.planning.rolling import PlanningCanceledError, Progress
+from shoecal_core.planning.rolling import Path, PlanningCanceledError, Progress
+from shoecal_core.planning.settings import PlannerSettings
 
 CASES = [(name, index) for name in NAMES for index in range(len(SUPPORTS))]
 
@@ -184,3 +187,25 @@ def test_starts_that_are_none() -> None:
         planner.plan_from(np.full_like(stance, np.nan))
     with pytest.raises(ShapeError, match="joint angles"):
         planner.plan_from(stance[:5])
+
+
+def test_what_is_too_fast_is_done_more_slowly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Timing that takes its limits for higher than they are."""
+    name = "odd_biped"
+    paces: list[float] = []
+
+    def optimistic(
+        legs: Legs,
+        parts: Sequence[tuple[Course, Path]],
+        motion: str,
+        others: np.ndarray,
+        settings: PlannerSettings,
+    ) -> Motion:
+        paces.append(settings.com_speed / SETTINGS.com_speed)
+        return timed(legs, parts, motion, others, settings.paced(1.3))
+
+    monkeypatch.setattr("shoecal_core.planning.planner.timed", optimistic)
+    motion = planner_of(name).plan(SUPPORTS[0])
+    assert paces == sorted(paces, reverse=True)
+    assert len(paces) > 1
+    assert check_motion(planner_of(name).legs, motion, SETTINGS).kept

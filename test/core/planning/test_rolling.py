@@ -8,13 +8,16 @@ from numpy.typing import NDArray
 
 from core.planning.bodies import Body
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.collocation import Collocation, HorizonProblem, Scene, Solution
 from shoecal_core.planning.course import Course, cop_course
 from shoecal_core.planning.ipopt import IpoptSolver
 from shoecal_core.planning.landmarks import Contour, sensing_hull
 from shoecal_core.planning.legs import FootPose
+from shoecal_core.planning.lifting import lifted, way_between
 from shoecal_core.planning.posture import StanceSolver
 from shoecal_core.planning.rolling import (
+    Path,
     PlanningCanceledError,
     PlanningError,
     Progress,
@@ -72,6 +75,35 @@ def test_the_last_one_is_pursued_too() -> None:
     pursuit.observe(np.array([0.049, 0.0]))
     assert pursuit.done
     assert pursuit.distance == 0.0
+
+
+def test_lean_and_height_count_by_their_weights() -> None:
+    targets = np.array([[0.0, 0.0, 0.1, 0.0, 0.3]])
+    weights = np.array([1.0e4, 1.0e4, 1.0e2, 1.0e2, 4.0e4])
+    now = np.array([0.003, 0.0, 0.1, 0.04, 0.302])
+    pursuit = Pursuit(targets, now, SETTINGS, weights)
+    assert pursuit.distance == pytest.approx(np.hypot(0.003, np.hypot(0.1 * 0.04, 2.0 * 0.002)))
+    alone = Pursuit(targets, now, SETTINGS)
+    assert alone.distance == pytest.approx(0.003)
+
+
+def test_paths_that_follow_each_other_are_one() -> None:
+    def path(states: list[float], switches: list[int], nearest: list[float]) -> Path:
+        return Path(
+            states=np.array(states)[:, None],
+            targets=np.array(nearest)[:, None] * [1.0, 2.0],
+            nearest=np.array(nearest),
+            switches=np.array(switches),
+            statuses=("Solved",) * len(states),
+            solve_times=np.ones(len(states)),
+        )
+
+    whole = Path.joined([path([0.0, 1.0, 2.0], [1, 2], [5.0, 6.0]), path([2.0, 3.0], [1], [7.0])])
+    np.testing.assert_array_equal(whole.states[:, 0], [0.0, 1.0, 2.0, 3.0])
+    np.testing.assert_array_equal(whole.switches, [1, 2, 3])
+    np.testing.assert_array_equal(whole.nearest, [5.0, 6.0, 7.0])
+    assert whole.targets.shape == (3, 2)
+    assert len(whole.statuses) == len(whole.solve_times) == 5
 
 
 def scene_of(body: Body) -> tuple[FloatArray, Scene]:
@@ -165,6 +197,35 @@ def test_the_next_solver_steps_in(nao: Body, collocation: Collocation, ipopt: Ip
     )
     assert path.nearest[0] < SETTINGS.landmark_radius
     assert failing.calls == 2 * len(path.statuses)
+
+
+def test_a_shorter_way_is_taken_where_the_whole_one_fails(
+    nao: Body, collocation: Collocation, ipopt: IpoptSolver
+) -> None:
+    """A solver that only dares to aim at places near by."""
+
+    class Timid:
+        def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
+            cop = collocation.evaluate(problem.start[None], problem.scene.first).cop[0]
+            if np.linalg.norm(problem.aim.targets[0, :2] - cop) > 0.02:
+                return collocation.certified(problem, guess + 0.1, "Too_Far", 1, False)
+            return ipopt.solve(problem, guess)
+
+    start, _ = scene_of(nao)
+    course = course_of(two_targets(nao))
+    path = RollingHorizon(collocation, [Timid()]).roll(start, course, nao.robot.posture)
+    assert np.all(path.nearest < SETTINGS.landmark_radius)
+    assert "Too_Far" in path.statuses
+
+
+def test_a_foot_that_cannot_go_on_is_told(nao: Body, collocation: Collocation) -> None:
+    start, _ = scene_of(nao)
+    pose = FootPose.of(SUPPORT)
+    way = way_between(pose, lifted(pose, Carrying.LEFT, 0.01), Carrying.LEFT, 6)
+    target, weights = np.zeros((1, 5)), SETTINGS.task_weights
+    course = Course("lift", target, weights, way, Carrying.LEFT)
+    with pytest.raises(PlanningError, match="part 'lift': the foot cannot go on after state 0"):
+        RollingHorizon(collocation, [Failing(collocation)]).roll(start, course, nao.robot.posture)
 
 
 def test_solvers_that_always_fail_end_with_an_error(nao: Body, collocation: Collocation) -> None:
