@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.check import check_motion
 from shoecal_core.planning.course import cop_course
 from shoecal_core.planning.menu import kind_named
-from shoecal_core.planning.motion import Motion, timed
+from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.steps import Stepper
@@ -79,23 +78,17 @@ def plan_chunk(
         targets: (L, 2) still to pursue; None: the motion begins.
         states: most planned states of the part.
     """
-    planner = _planner(files, dataclasses.replace(settings, steps_max=states))
+    # The chunks follow each other: only the whole motion begins and ends with a hold.
+    planner = _planner(files, dataclasses.replace(settings, steps_max=states, hold_time=0.0))
     standing = planner.standing(joint_angles)
     (course,) = kind_named(motion).courses(standing)
     if targets is not None:
         course = cop_course(motion, targets, standing.foot_pose, settings, pace=course.pace)
-    targets = course.left_targets
-    legs = planner.legs
-    path = planner.horizon.roll(
-        joint_angles[legs.robot.legs], course, joint_angles,
-        progress=link.progress, canceled=link.canceled,
-    )  # fmt: skip
-    # The chunks follow each other: only the whole motion begins and ends with a hold.
-    paced = dataclasses.replace(settings, hold_time=0.0)
-    part = timed(legs, [(course, path)], motion, joint_angles, paced)
-    check_motion(legs, part, paced).require()
-    left = len(path.switches)
-    return Chunk(part, targets[left:], left, path.nearest[:left])
+    part = planner.follow(
+        joint_angles, motion, (course,), progress=link.progress, canceled=link.canceled
+    )
+    left = len(part.path.switches)
+    return Chunk(part, course.left_targets[left:], left, part.path.nearest[:left])
 
 
 def step(
@@ -108,13 +101,10 @@ def step(
     """The next own step to a double support from measured joint angles (m,) [rad], checked.
 
     None when the feet stand there.
-
-    Raises:
-        UnreachableError: where the robot could not stand; no step is begun then.
     """
-    stepper = _stepper(files, settings)
-    stepper.planner.stance(support)
-    return stepper.step(joint_angles, support, progress=link.progress, canceled=link.canceled)
+    return _stepper(files, settings).step(
+        joint_angles, support, progress=link.progress, canceled=link.canceled
+    )
 
 
 @cache
