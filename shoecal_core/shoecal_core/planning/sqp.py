@@ -31,6 +31,8 @@ _OPTIMAL = 1e-7
 """Of the cost; a smaller gain is none."""
 _FEASIBLE = 1e-8
 """m, rad, N m; a smaller violation is none."""
+_NEARLY = 1e-3
+"""Of the cost; where less is left to gain, a way that ends nowhere ends near an optimum."""
 _STEP = 1e-4
 """rad; a shorter step is none."""
 _SHORT = 1e-3
@@ -52,7 +54,8 @@ class SqpSolver:
 
     One at a time: memory is used again. Modes (`settings.mode`):
 
-    - converged: to an optimum; all states keep all constraints.
+    - converged: to an optimum, or nearly where it lies at a kink (status `Solved_Nearly`); all
+      states keep all constraints.
     - bounded, realtime: after three programmes or one, the states that are applied keep all
       constraints, and the solution's violation is theirs. More programmes only where they do not.
     """
@@ -89,16 +92,20 @@ class SqpSolver:
             if step is None:
                 return certified(descent.linear.states, "Programme_Failed")
             if not descent.take(step):
-                return certified(descent.linear.states, "Step_Rejected")
+                break
             if mode == "converged":
                 if descent.arrived:
                     return certified(descent.linear.states, "Solved", done=True)
             elif iteration >= _ENOUGH[mode] or descent.arrived:
-                states = self._projected(problem, limits, descent.linear.states)
+                states = self._projected(problem, limits, descent.linear.states, self._projection)
                 solution = certified(states, "Applicable", done=True, first=self._applied)
                 if solution.converged:
                     return solution
-        return certified(descent.linear.states, "Iterations_Exceeded")
+        if descent.nearly:
+            # Torques and distances have kinks, and steps may jump from one side to the other.
+            states = self._projected(problem, limits, descent.linear.states, self._programme)
+            return certified(states, "Solved_Nearly", done=True)
+        return certified(descent.linear.states, "No_Progress")
 
     def _proposed(self, problem: HorizonProblem, descent: _Descent) -> Step | None:
         """The next step, with the Lagrangian's second derivatives where prices are known."""
@@ -111,19 +118,21 @@ class SqpSolver:
         curvature = self._curvature(linear.states, problem.scene, prices)
         return self._programme.solve(problem, linear, inequalities, before, curvature)
 
-    def _projected(self, problem: HorizonProblem, limits: Limits, states: FloatArray) -> FloatArray:
-        """States (N, k) of which those that are applied are moved onto all constraints."""
-        scene = problem.scene.head(self._applied)
+    def _projected(
+        self, problem: HorizonProblem, limits: Limits, states: FloatArray, programme: Programme
+    ) -> FloatArray:
+        """States (N, k) of which a programme's first ones are moved onto all constraints."""
+        scene = problem.scene.head(programme.count)
         problem = dataclasses.replace(problem, scene=scene)
-        inequalities = Inequalities(problem, limits.head(self._applied))
-        first = states[: self._applied]
+        inequalities = Inequalities(problem, limits.head(programme.count))
+        first = states[: programme.count]
         for _ in range(_PROJECTIONS):
             linear = self._linearised(first, scene)
             feet = float(np.abs(linear.values.foot_error).max())
             if feet < _PROJECTED and inequalities.violation(linear) < _FEASIBLE:
                 break
-            first = first + self._projection.nearest(linear, inequalities)
-        return np.vstack([first, states[self._applied :]])
+            first = first + programme.nearest(linear, inequalities)
+        return np.vstack([first, states[programme.count :]])
 
 
 class _Descent:
@@ -143,7 +152,7 @@ class _Descent:
         self.step: Step | None = None
         self._filter: list[tuple[float, float]] = []
         self._length = np.inf
-        self.arrived = False
+        self.arrived = self.nearly = False
 
     def begin(self, states: FloatArray) -> None:
         self.linear, cost, violation = self._at(states)
@@ -165,6 +174,7 @@ class _Descent:
         left = contraction**2 * abs(step.gain)
         near = part == 1.0 and (left < _OPTIMAL * cost or length < _STEP)
         self.arrived = near and violation < _FEASIBLE
+        self.nearly = abs(step.gain) < _NEARLY * cost
         self.linear, self._length = linear, part * length
         self.step = step
         return True

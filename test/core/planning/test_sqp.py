@@ -14,6 +14,7 @@ from core.planning.bodies import Body, load_body
 from core.planning.horizons import lifting, problems
 from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
 from shoecal_core.compiler import SWITCH
+from shoecal_core.planning import sqp
 from shoecal_core.planning.collocation import Collocation, HorizonProblem
 from shoecal_core.planning.ipopt import IpoptSolver
 from shoecal_core.planning.linearisation import Inequalities, Linearisation
@@ -134,6 +135,21 @@ def test_applied_states_keep_everything(body: Body, mode: str) -> None:
         assert violation < 1e-7
         feet = collocation.evaluate(solution.states, padded.scene).foot_error[:first]
         assert np.abs(feet).max() < 1e-9
+
+
+def test_a_way_that_ends_nowhere(nao: Body, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Near an optimum all states are moved onto all constraints; elsewhere it is a failure."""
+    problem, guess = problems(nao)[1]
+    solver, best = in_mode("nao", "converged"), in_mode("nao", "converged").solve(problem, guess)
+    monkeypatch.setattr(sqp, "_ITERATIONS", 1)
+    assert solver.solve(problem, guess).status == "No_Progress"
+    assert not solver.solve(problem, guess).converged
+    monkeypatch.setattr(sqp, "_ITERATIONS", best.iterations - 1)
+    solution = solver.solve(problem, guess)
+    assert solution.status == "Solved_Nearly"
+    assert solution.converged
+    assert solution.violation < 1e-7
+    assert solution.cost == pytest.approx(best.cost, rel=1e-2)
 
 
 def test_more_programmes_come_nearer(nao: Body) -> None:
