@@ -4,10 +4,18 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
+from collections.abc import Mapping
 from pathlib import Path
 
 from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.robot import Robot
+from shoecal_core.planning.feasible import Feasible
+from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.named_supports import NAMED, named_support
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports import draw_supports
+from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.settings import SettingError, load_settings
 from shoecal_core.workspace import config_dir
 
@@ -64,10 +72,41 @@ def add_sets(parser: argparse.ArgumentParser) -> None:
 
 
 def add_planning(parser: argparse.ArgumentParser) -> None:
-    """`--supports`, `--seed` and `--settings` of planning."""
-    parser.add_argument("--supports", type=int, help="double supports (default: as configured)")
+    """`--motion`, `--supports` or `--stance`, `--seed` and `--settings` of planning."""
+    parser.add_argument(
+        "--motion",
+        choices=list(MENU),
+        default="landmarks",
+        metavar="NAME",
+        help=_listed("what to do", {name: kind.doc for name, kind in MENU.items()}),
+    )
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument(
+        "--supports", type=int, help="double supports drawn (default: as configured)"
+    )
+    where.add_argument(
+        "--stance",
+        nargs="+",
+        choices=list(NAMED),
+        metavar="NAME",
+        help=_listed("double supports by name", {name: at.doc for name, at in NAMED.items()}),
+    )
     parser.add_argument("--seed", type=seed_number, default=1, help="draws whatever is random")
     parser.add_argument("--settings", type=Path, help="parameter file of the planner node")
+
+
+def _listed(what: str, choices: Mapping[str, str]) -> str:
+    return f"{what}: " + "; ".join(f"{name} ({doc})" for name, doc in choices.items())
+
+
+def chosen_supports(
+    args: argparse.Namespace, robot: Robot, shoe: Shoe, settings: PlannerSettings
+) -> list[DoubleSupport]:
+    """The double supports of `--stance`, else as many as the settings say, drawn."""
+    if args.stance is None:
+        return draw_supports(robot, shoe, settings, settings.supports, args.seed)
+    feasible = Feasible(robot, settings)
+    return [named_support(name, feasible) for name in args.stance]
 
 
 def planner_settings(args: argparse.Namespace) -> PlannerSettings:

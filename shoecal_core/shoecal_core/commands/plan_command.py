@@ -10,7 +10,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.commands.arguments import add_planning, planner_settings
+from shoecal_core.commands.arguments import add_planning, chosen_supports, planner_settings
 from shoecal_core.commands.forecast_lines import addition_lines, forecast_table, weak_lines
 from shoecal_core.commands.progress import shown_progress
 from shoecal_core.errors import FileError
@@ -24,12 +24,11 @@ from shoecal_core.planning.forecast import (
     total_information,
     worst_part,
 )
-from shoecal_core.planning.menu import MENU
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.observability import Visit
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports import draw_supports, trained_supports
+from shoecal_core.planning.supports import trained_supports
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_report import PAGE, picture_name, write_plan
 from shoecal_core.sensing.shoe import Shoe, load_shoe
@@ -43,7 +42,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
     parser.add_argument("robot", type=Path, help="robot file")
     parser.add_argument("--shoe", type=Path, help="shoe file (default: the NAO's shoe)")
-    parser.add_argument("--motion", choices=sorted(MENU), default="landmarks")
     parser.add_argument("--out", type=Path, required=True, help="folder for the motions")
     add_planning(parser)
 
@@ -53,7 +51,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     settings = planner_settings(args)
     shoe = load_shoe(args.shoe or config_dir() / "shoes" / "nao_shoe.yaml")
     robot = load_robot(args.robot, shoe)
-    supports = draw_supports(robot, shoe, settings, settings.supports, args.seed)
+    supports = chosen_supports(args, robot, shoe, settings)
     planner = Planner(robot, settings)
     _make_folder(args.out)
     rows: list[dict[str, object]] = []

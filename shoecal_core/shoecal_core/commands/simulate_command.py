@@ -8,12 +8,16 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.commands.arguments import add_planning, planner_settings, rate_hz, seed_number
+from shoecal_core.commands.arguments import (
+    add_planning,
+    chosen_supports,
+    planner_settings,
+    rate_hz,
+    seed_number,
+)
 from shoecal_core.commands.progress import shown_progress
 from shoecal_core.commands.simulated_session import SimulationPlan, simulate_session
 from shoecal_core.model.robot_file import load_robot
-from shoecal_core.planning.menu import MENU
-from shoecal_core.planning.supports import draw_supports
 from shoecal_core.sensing.shoe import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir
@@ -24,7 +28,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("robot", type=Path, help="robot file")
     parser.add_argument("shoe", type=Path, help="shoe file")
     parser.add_argument("--reality", type=Path, help="changes to the default simulated reality")
-    parser.add_argument("--motion", choices=sorted(MENU), default="landmarks")
+    parser.add_argument(
+        "--own-steps",
+        action="store_true",
+        help="walk from one double support to the next instead of being placed there",
+    )
     parser.add_argument("--rate", type=rate_hz, default=100.0, help="samples a second (Hz)")
     parser.add_argument(
         "--robot-seed",
@@ -42,17 +50,18 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     robot = load_robot(args.robot, shoe)
     reality = load_reality(config_dir() / "realities" / "default.yaml", args.reality)
     with shown_progress() as progress:
-        progress("drawing double supports", 0.0)
+        progress("choosing double supports", 0.0)
         plan = SimulationPlan(
             robot=robot,
             shoe=shoe,
             reality=reality,
             settings=settings,
-            supports=draw_supports(robot, shoe, settings, settings.supports, args.seed),
+            supports=chosen_supports(args, robot, shoe, settings),
             motion=args.motion,
             rate=args.rate,
             seed=args.seed,
             robot_seed=args.seed if args.robot_seed is None else args.robot_seed,
+            own_steps=args.own_steps,
         )
         session = simulate_session(plan, args.out, progress)
     runs = [

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from shoecal_core.commands.simulated_walk import walk
 from shoecal_core.files import write_yaml
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.joint_trajectory import JointTrajectory
@@ -15,6 +16,7 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.steps import Stepper
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import Shoe
@@ -41,6 +43,7 @@ class SimulationPlan:
         rate: samples a second [Hz].
         seed: draws the noise.
         robot_seed: draws robot and cells: the same ones for the same number.
+        own_steps: whether it walks from support to support, instead of being placed.
     """
 
     robot: Robot
@@ -52,12 +55,15 @@ class SimulationPlan:
     rate: float
     seed: int
     robot_seed: int
+    own_steps: bool = False
 
 
 def simulate_session(
     plan: SimulationPlan, out: Path, progress: Callable[[str, float], None]
 ) -> Session:
     """Draw the robot, move it in each double support, record.
+
+    Steps from one to the next are no runs.
 
     The truth goes to `truth/`, the drawn reality to `truth/reality.yaml`: nothing that
     calibrates opens either.
@@ -73,12 +79,17 @@ def simulate_session(
     drawn = draw(plan.reality, robot, shoe, plan.robot_seed)
     simulated = SimulatedRobot(robot, shoe, drawn, np.random.default_rng([plan.seed, 1]))
     planner = Planner(robot, plan.settings)
+    stepper = Stepper(planner)
     session = Session.create(out, robot.path, robot.urdf, shoe.path, seed=plan.seed)
     clock_ns = START_NS
     for index, support in enumerate(supports):
         share = index / len(supports)
+        if plan.own_steps and index > 0:
+            progress(f"stepping to run {index + 1} of {len(supports)}", share)
+            walk(simulated, stepper, support)
+        else:
+            simulated.place(planner.stance(support))
         progress(f"planning run {index + 1} of {len(supports)}", share)
-        simulated.place(planner.stance(support))
         motion = planner.plan_from(simulated.joints().angles, plan.motion)
         progress(f"moving in run {index + 1} of {len(supports)}", share + 0.5 / len(supports))
         trajectory = JointTrajectory(motion.joint_names, motion.time, motion.positions)

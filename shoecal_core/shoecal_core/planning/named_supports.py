@@ -1,0 +1,74 @@
+"""Double supports that people ask for by name."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from shoecal_core.errors import NameNotFoundError
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.feasible import Feasible, SupportRangeError, feet_distance
+
+
+@dataclass(frozen=True)
+class NamedSupport:
+    """What a name means.
+
+    Attributes:
+        doc: for people.
+        most: what it has the most of within a robot's range; None for neutral itself.
+    """
+
+    doc: str
+    most: Callable[[DoubleSupport], float] | None
+
+
+NAMED: Mapping[str, NamedSupport] = {
+    "neutral": NamedSupport("as in normal standing", None),
+    "toes_in": NamedSupport("turned inward as far as can be", lambda at: at.dtheta),
+    "toes_out": NamedSupport("turned outward as far as can be", lambda at: -at.dtheta),
+    "wide": NamedSupport("as far apart as can be", lambda at: -at.dy),
+    "left_ahead": NamedSupport("the left foot ahead as far as can be", lambda at: -at.dx),
+    "right_ahead": NamedSupport("the right foot ahead as far as can be", lambda at: at.dx),
+}
+
+
+_TRIED = 4
+"""Of those that have equally much; to try all takes minutes."""
+
+
+def named_support(name: str, feasible: Feasible) -> DoubleSupport:
+    """The double support of a robot's range that a name means.
+
+    Of those that have equally much of it, one of the few nearest to neutral.
+
+    Args:
+        name: one of NAMED.
+        feasible: of the robot.
+
+    Raises:
+        NameNotFoundError: for another name.
+        SupportRangeError: when the robot can stand nowhere in its range.
+    """
+    if name not in NAMED:
+        raise NameNotFoundError("stance", name, tuple(NAMED))
+    most, settings = NAMED[name].most, feasible.settings
+    neutral = feasible.robot.support_range.neutral
+    if most is None:
+        return DoubleSupport(*map(float, neutral))
+
+    def away(support: DoubleSupport) -> float:
+        way = np.array([support.dx - neutral[0], support.dy - neutral[1]])
+        return float(feet_distance(way, support.dtheta - neutral[2], settings))
+
+    alike: defaultdict[float, list[DoubleSupport]] = defaultdict(list)
+    for support in feasible.apart():
+        alike[most(support)].append(support)
+    for much in sorted(alike, reverse=True):
+        for support in sorted(alike[much], key=away)[:_TRIED]:
+            if feasible.can_stand(support):
+                return support
+    raise SupportRangeError(feasible.robot.name, 0, 1)
