@@ -98,8 +98,7 @@ class Programme:
         self._weight = transition_weight
         free = size - FOOT_ROWS
         # u[i] - u[i-1] = (difference @ q)[i] + what start and previous transition add.
-        ones = np.ones(count)
-        self._difference = np.diag(ones) - 2.0 * np.diag(ones[1:], -1) + np.diag(ones[2:], -2)
+        self._difference = np.eye(count) - 2.0 * np.eye(count, k=-1) + np.eye(count, k=-2)
         unknowns = count * free
         self._hessian, self._gradient = np.zeros((unknowns, unknowns)), np.zeros(unknowns)
         self._blocks = np.einsum("iaib->iab", self._hessian.reshape(count, free, count, free))

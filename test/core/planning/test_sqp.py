@@ -160,6 +160,20 @@ def test_more_programmes_come_nearer(nao: Body) -> None:
         assert few.cost == pytest.approx(many.cost, rel=2e-2)
 
 
+@pytest.mark.parametrize(("horizon", "applied"), [(2, 1), (2, 5), (20, 20)])
+def test_horizons_of_any_length(nao: Body, horizon: int, applied: int) -> None:
+    settings = dataclasses.replace(
+        SETTINGS, horizon=horizon, applied_states=applied, mode="realtime"
+    )
+    collocation = Collocation(nao.legs, settings)
+    problem, guess = problems(nao)[0]
+    guess = np.tile(guess[:1], (horizon, 1))
+    solution = SqpSolver(collocation).solve(problem, guess)
+    assert solution.converged
+    limits = collocation.limits(problem)
+    assert collocation.assess(problem, limits, solution.states, applied)[1] < 1e-7
+
+
 def test_the_same_problem_gives_the_same_bits(nao: Body) -> None:
     (one, guess), (other, elsewhere) = problems(nao)[:2]
     solver = in_mode("nao", "converged")
