@@ -35,11 +35,12 @@ Made by `{command}`.
 The motions of a simulated NAO in {supports} double supports, N = {horizon} states, planned in
 closed loop by the fast solver until it converges: {recorded} optimisations,
 {sampled}. The same problems from the same guesses go to all solvers in turns, problem by problem,
-in one run; a first round is not counted. Times are processor time of all threads, which other
-programs on the machine leave alone; by the clock beside it. A solution counts as converged when it
-keeps all constraints to {feasible:g} and its objective is within {converged:g} of the best known,
-as a share of it; the judge is IPOPT with a tolerance of 1e-10 and unrelaxed bounds, started at the
-best of all solutions.
+in one run. Before its time is taken, each solver solves the problem before once more, so that it is
+as warm as in a closed loop. Times are processor time of all threads, which other programs on the
+machine hardly touch; by the clock beside it. A solution counts as converged when it keeps all
+constraints to {feasible:g} and its objective is within {converged:g} of the best known, as a share
+of it; the judge is IPOPT with a tolerance of 1e-10 and unrelaxed bounds, started at the best of all
+solutions.
 
 {times}
 

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import dataclasses
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -32,25 +34,25 @@ def solve(cost: float, violation: float = 0.0, seconds: float = 1.0) -> Solve:
 
 
 class Counting:
-    """Takes one second longer each time."""
+    """Tells whose turn it is, and takes one second longer each time."""
 
     def __init__(self, calls: list[str], name: str) -> None:
         self._calls, self._name, self._count = calls, name, 0
 
     def run(self, problem: HorizonProblem, guess: np.ndarray) -> tuple[Solution, Span]:
         assert problem is PROBLEM
-        assert guess is not None
-        self._calls.append(self._name)
+        self._calls.append(f"{self._name}{guess[0, 0]:.0f}")
         self._count += 1
         return solve(1.0).solution, Span(float(self._count), float(self._count))
 
 
-def test_solvers_take_turns_and_the_first_round_is_forgotten() -> None:
+def test_solvers_take_turns_and_are_warm_when_their_time_is_taken() -> None:
     calls: list[str] = []
     racers = {name: Counting(calls, name) for name in "ab"}
-    found = race(racers, [solve(1.0), solve(2.0)])
-    assert "".join(calls) == "ababab"
-    assert [one.span.cpu for one in found["a"]] == [2.0, 3.0]
+    problems = [dataclasses.replace(solve(1.0), guess=STILL[None] + i) for i in range(2)]
+    found = race(racers, problems)
+    assert " ".join(calls) == "a0 a0 b0 b0 a0 a1 b0 b1"
+    assert [one.span.cpu for one in found["a"]] == [2.0, 4.0]
 
 
 @given(st.lists(st.floats(1e-4, 1.0), min_size=1, max_size=50), st.floats(1.0, 100.0))
