@@ -13,6 +13,8 @@ FloatArray = NDArray[np.float64]
 
 DIRECTIONS = 72
 """In which the feet's outlines are compared: every 5 degrees."""
+UNEVEN = 0.2
+"""Part of the weight by which a foot may carry less than the lever rule gives it."""
 
 
 def least_shares(cop: FloatArray, own: FloatArray, other: FloatArray) -> FloatArray:
@@ -34,6 +36,22 @@ def least_shares(cop: FloatArray, own: FloatArray, other: FloatArray) -> FloatAr
     shares = (cop @ directions[:, ahead] - others[ahead]) / way[ahead]
     least: FloatArray = np.clip(shares.max(axis=1, initial=0.0), 0.0, 1.0)
     return least
+
+
+def needed_shares(cop: FloatArray, own: FloatArray, other: FloatArray) -> FloatArray:
+    """(T,) part of the weight below which a foot does not carry as it should, 0 to 1.
+
+    The least one by statics; or, where that is more, what the lever rule between the middles of
+    both feet gives, less what legs and floor may change of it.
+
+    Args:
+        cop, own, other: as for `least_shares`.
+    """
+    middle = other.mean(axis=0)
+    way = own.mean(axis=0) - middle
+    lever = np.clip((cop - middle) @ way / (way @ way), 0.0, 1.0)
+    needed: FloatArray = np.maximum(least_shares(cop, own, other), lever - UNEVEN)
+    return needed
 
 
 class LoadWatch:

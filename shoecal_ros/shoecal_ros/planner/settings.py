@@ -38,7 +38,7 @@ class MovingSettings(Settings):
         0.1, "rad", "a torso (/imu) that leans farther from what is meant stops it", minimum=1e-3
     )
     load_needed: float = setting(
-        12.0, "N", "a foot on which the planned CoP puts more than this has to carry", minimum=1.0
+        8.0, "N", "a foot on which the planned CoP puts more than this has to carry", minimum=1.0
     )
     load_lost_s: float = setting(
         0.3, "s", "without load for that long (robot's time) such a foot stops it", minimum=0.0

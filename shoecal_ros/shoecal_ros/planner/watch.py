@@ -15,7 +15,7 @@ from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.shoe_reports import ShoeReports
 from shoecal_ros.inputs.temperatures import TemperatureInput
 from shoecal_ros.planner.concern import Concern
-from shoecal_ros.planner.foot_load import LoadWatch, least_shares
+from shoecal_ros.planner.foot_load import LoadWatch, needed_shares
 from shoecal_ros.planner.heat import too_hot
 from shoecal_ros.planner.settings import MovingSettings
 from shoecal_ros.planner.silence import Silence
@@ -149,7 +149,7 @@ def hot(senses: Senses, limit: float) -> Concern | None:
 
 
 def needed_loads(motion: Motion, kinematics: Kinematics) -> FloatArray:
-    """(T, 2) load that the left and the right foot have at least, by statics [N]."""
+    """(T, 2) load that the left and the right foot should have at least [N]."""
     robot = kinematics.robot
     shares = np.zeros((len(motion.time), 2))
     for phase in motion.phases:
@@ -159,6 +159,6 @@ def needed_loads(motion: Motion, kinematics: Kinematics) -> FloatArray:
             continue
         left, right = (foot.outline for foot in robot.feet)
         right = phase.foot_poses[0].support.right_to_left(right)
-        shares[during, 0] = least_shares(motion.cop[during], left, right)
-        shares[during, 1] = least_shares(motion.cop[during], right, left)
+        shares[during, 0] = needed_shares(motion.cop[during], left, right)
+        shares[during, 1] = needed_shares(motion.cop[during], right, left)
     return shares * robot.weight

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from ros.bodies import nao
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_ros.planner.foot_load import LoadWatch, least_shares
+from shoecal_ros.planner.foot_load import UNEVEN, LoadWatch, least_shares, needed_shares
 
 LEFT, RIGHT = (foot.outline for foot in nao().feet)
 SUPPORT = DoubleSupport(0.02, -0.11, 0.1)
@@ -40,6 +40,14 @@ def test_the_least_share_is_found() -> None:
     cop = np.array([[0.0, -0.05], [0.0, -0.1], [0.0, -0.15]])
     assert least_shares(cop, other, square) == pytest.approx([0.0, 0.25, 0.5])
     assert least_shares(cop, square, other) == pytest.approx([0.5, 0.25, 0.0])
+
+
+def test_between_the_feet_both_should_carry() -> None:
+    middle = ((LEFT.mean(axis=0) + AT_RIGHT.mean(axis=0)) / 2.0)[None]
+    for own, other in ((LEFT, AT_RIGHT), (AT_RIGHT, LEFT)):
+        assert needed_shares(middle, own, other) == pytest.approx([0.5 - UNEVEN])
+        assert needed_shares(other.mean(axis=0)[None], own, other) == pytest.approx([0.0])
+        assert needed_shares(own.mean(axis=0)[None], own, other)[0] >= 1.0 - UNEVEN
 
 
 def watch(needed_left: float = 20.0, needed_right: float = 20.0) -> LoadWatch:
