@@ -50,12 +50,17 @@ def walk(
                 f"not at {goal} after {STEPS_MAX} steps; let step_error be larger than what "
                 "gears give, and see that the soles do not slip"
             )
-        _take(simulated, motion, watch)
+        take(simulated, motion, watch)
         taken.append(motion)
     return taken
 
 
-def _take(simulated: SimulatedRobot, motion: Motion, watch: Watch) -> None:
+def take(simulated: SimulatedRobot, motion: Motion, watch: Watch = lambda *_: None) -> None:
+    """Let the robot follow a motion, and then stand still.
+
+    Raises:
+        RobotFellError: when it falls.
+    """
     begin = simulated.time
     simulated.command(JointTrajectory(motion.joint_names, motion.time, motion.positions))
     for index in range(1, round((motion.duration + SETTLE_S) / PERIOD_S) + 1):

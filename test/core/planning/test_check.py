@@ -8,11 +8,15 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from core.planning.bodies import load_body
-from core.planning.motions import SETTINGS, motion_of
+from core.planning.bodies import NAMES, load_body
+from core.planning.motions import SETTINGS, motion_of, planner_of, step_of
+from shoecal_core.model.standing import feet_gap
 from shoecal_core.planning.body_track import load_share, track
+from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.check import check_motion
+from shoecal_core.planning.collocation import Scene
 from shoecal_core.planning.findings import CheckFailedError, Report
+from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
 
@@ -133,3 +137,101 @@ def test_too_fast_is_told_from_what_slowness_does_not_mend() -> None:
     hasty = SPOILT["CoM speed"](motion)
     assert checked(hasty).too_fast
     assert not checked(SPOILT["distance from joint limits"](hasty)).too_fast
+
+
+def while_carried(motion: Motion, size: float) -> np.ndarray:
+    """A swelling of a joint in the middle of the one phase in which a foot is carried."""
+    swing = motion.phases[1]
+    part = np.clip((motion.time - swing.begin) / (swing.end - swing.begin), 0.0, 1.0)
+    return np.asarray(size * np.sin(np.pi * part) ** 2)
+
+
+def said_elsewhere(motion: Motion) -> Motion:
+    """The foot is put down 2 mm from where the motion says that it will stand."""
+    shift, swing, back = motion.phases
+    support = back.foot_poses[0].support
+    pose = FootPose.of(dataclasses.replace(support, dx=support.dx + 0.002))
+    swing = dataclasses.replace(swing, foot_poses=(swing.foot_poses[0], pose))
+    back = dataclasses.replace(back, foot_poses=(pose, pose))
+    return dataclasses.replace(motion, phases=(shift, swing, back))
+
+
+SPOILT_STEPS: dict[str, Callable[[Motion], Motion]] = {
+    "height of the foot in the air": lambda motion: with_joint(
+        motion, "RKneePitch", while_carried(motion, -0.35)
+    ),
+    "drift of the way between the feet": said_elsewhere,
+    "distance of the CoP from the edge of the sensing polygon": lambda motion: with_joint(
+        motion, "LAnkleRoll", while_carried(motion, 0.2)
+    ),
+    "gap between the outlines of the feet": lambda motion: with_joint(
+        motion, "RHipRoll", while_carried(motion, 0.25)
+    ),
+}
+
+
+@pytest.mark.parametrize("constraint", SPOILT_STEPS)
+def test_a_violation_by_a_step_is_named(constraint: str) -> None:
+    motion = step_of("nao", Carrying.LEFT)
+    checked(motion).require()
+    finding = checked(SPOILT_STEPS[constraint](motion)).of(constraint)
+    assert not finding.kept
+    assert motion.phases[1].begin <= finding.time
+
+
+def test_weak_motors_on_one_foot() -> None:
+    motion = step_of("nao", Carrying.LEFT)
+    swing = motion.phases[1]
+    finding = checked(motion, dataclasses.replace(SETTINGS, torque_share=0.5)).of("static torque")
+    assert not finding.kept
+    assert swing.begin <= finding.time <= swing.end
+    assert finding.where.startswith("L")
+
+
+def test_a_foot_that_was_there_all_along_may_be_put_down_again() -> None:
+    """Feet nearer than the clearance: going back there is no violation, going nearer is."""
+    motion = step_of("nao", Carrying.LEFT)
+    wide = dataclasses.replace(SETTINGS, foot_clearance=0.05)
+    finding = checked(motion, wide).of("gap between the outlines of the feet")
+    first, last = motion.phases[0].foot_poses[0], motion.phases[-1].foot_poses[1]
+    begin, end = (feet_gap(BODY.robot, pose.support) for pose in (first, last))
+    assert finding.limit == pytest.approx(min(0.8 * 0.05, begin) - SETTINGS.foot_drift, abs=1e-6)
+    assert finding.kept is (end >= finding.limit)
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("carrying", [Carrying.LEFT, Carrying.RIGHT])
+def test_torques_on_one_foot_do_the_work_of_lifting(name: str, carrying: Carrying) -> None:
+    """That foot stays, so each motor's torque is what turning it alone changes of the height."""
+    body, motion = load_body(name), step_of(name, carrying)
+    robot, side = body.robot, 0 if carrying is Carrying.LEFT else 1
+    shift, swing, _ = motion.path.switches
+    legs = motion.path.states[(shift + swing) // 2]
+    torques = track(robot, robot.from_legs(legs)[None], carrying.share).torques[0]
+    step = 1e-5
+    turned = legs + step * np.vstack([np.eye(len(legs)), -np.eye(len(legs))])
+    height = body.legs.kinematics.states(robot.from_legs(turned)).com[:, side, 2]
+    up, down = np.split(robot.weight * height, 2)
+    np.testing.assert_allclose(torques, (up - down) / (2.0 * step), atol=2e-4)
+    # What hangs in the air weighs less than what stands.
+    names = np.array(robot.leg_names)
+    hanging = np.char.startswith(np.char.lower(names), "r" if side == 0 else "l")
+    assert np.abs(torques[hanging]).max() < np.abs(torques[~hanging]).max()
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("carrying", [Carrying.LEFT, Carrying.RIGHT])
+def test_planner_and_check_agree_on_one_foot(name: str, carrying: Carrying) -> None:
+    """Expressions of the planner against Pinocchio and numpy, in states that were planned."""
+    motion, planner = step_of(name, carrying), planner_of(name)
+    robot = load_body(name).robot
+    shift, swing, _ = motion.path.switches
+    states = motion.path.states[shift + 1 : swing + 1]
+    seen = track(robot, robot.from_legs(states), carrying.share)
+    for index, state in enumerate(states[::6]):
+        pose = FootPose(seen.right_rotation[6 * index], seen.right_translation[6 * index])
+        scene = Scene.of(carrying.polygon(robot, pose), 0.0, pose, robot.posture, carrying.share)
+        told = planner.horizon.collocation.evaluate(state[None], scene)
+        # The planner takes soles as level, which a foot just lifted is but nearly.
+        np.testing.assert_allclose(told.torques[0], seen.torques[6 * index], atol=1e-3)
+        np.testing.assert_allclose(told.cop[0], seen.com[6 * index, :2], atol=1e-9)

@@ -3,37 +3,23 @@
 from __future__ import annotations
 
 import dataclasses
-from functools import cache
 
 import numpy as np
 import pytest
 import shapely
 
 from core.planning.bodies import NAMES, load_body
-from core.planning.motions import SETTINGS, SUPPORTS, planner_of
+from core.planning.motions import SETTINGS, SUPPORTS, planner_of, step_of
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.body_track import track
 from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.check import check_motion
-from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner, StartError
 from shoecal_core.planning.rolling import PlanningCanceledError, Progress
 from shoecal_core.planning.steps import StepError, Stepper
 
 HERE, THERE = SUPPORTS[0], SUPPORTS[1]
 FEET = (Carrying.LEFT, Carrying.RIGHT)
-
-
-@cache
-def step_of(name: str, carrying: Carrying) -> Motion:
-    """From one double support to another, on the foot asked for."""
-    planner = planner_of(name)
-    stepper = Stepper(planner)
-    stepper.carrying = carrying.other
-    motion = stepper.step(planner.stance(HERE), THERE)
-    assert motion is not None
-    assert stepper.carrying is carrying
-    return motion
 
 
 @pytest.mark.parametrize("name", NAMES)
