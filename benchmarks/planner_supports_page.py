@@ -110,8 +110,8 @@ def _unreached(drawn: Sequence[Outcome]) -> str:
         return "Every landmark was reached."
     return (
         "Landmarks that were not reached, numbered as they are pursued, how far the CoP stayed "
-        "away\nfrom each, and whether the robot could stand above it at all "
-        f"({len(rows) - 1}):\n\n{pages.table(rows)}"
+        "away\nfrom each, and whether the robot could stand above it in any posture, maybe far "
+        f"from that in which it\ncame there ({len(rows) - 1}):\n\n{pages.table(rows)}"
     )
 
 
