@@ -336,6 +336,36 @@ class Collocation:
             torque=np.maximum(self.torque, np.abs(now.torques[0])),
         )
 
+    def outside(self, state: FloatArray, scene: Scene) -> tuple[str, ...]:
+        """What a state (k,) [rad] does not keep of the first state's scene, for people."""
+        robot, settings = self.legs.robot, self.settings
+        now = self.evaluate(state[None], scene.first)
+        found = [
+            f"joint '{name}' is {excess:.3f} rad beyond its limit less joint_margin or knee_margin"
+            for name, excess in zip(
+                robot.leg_names, np.maximum(self.lower - state, state - self.upper), strict=True
+            )
+            if excess > settings.tolerance
+        ]
+        beyond = float(np.max(scene.first.beyond(now.cop) - scene.first.offsets))
+        if beyond > settings.tolerance:
+            found.append(f"the CoP is {1e3 * beyond:.1f} mm beyond stability_margin")
+        found += [
+            f"capsules '{robot.capsules[a].name}' and '{robot.capsules[b].name}' are "
+            f"{1e3 * distance:.1f} mm apart, capsule_clearance is "
+            f"{1e3 * settings.capsule_clearance:g} mm"
+            for (a, b), distance in zip(robot.collision_pairs, now.distances[0], strict=True)
+            if distance < settings.capsule_clearance - settings.tolerance
+        ]
+        found += [
+            f"motor '{name}' holds {abs(torque):.2f} N m, torque_share allows {limit:.2f} N m"
+            for name, torque, limit in zip(
+                robot.leg_names, now.torques[0], self.torque, strict=True
+            )
+            if abs(torque) > limit + settings.tolerance
+        ]
+        return tuple(found)
+
     def transitions(self, problem: HorizonProblem, states: FloatArray) -> FloatArray:
         """(N, k) u[0] to u[N-1] of states (N, k) [rad]."""
         return np.diff(np.vstack([problem.start, states]), axis=0)

@@ -335,9 +335,11 @@ class _Roll:
     def path(self) -> Path:
         course = self._course
         if len(self._states) == 1 and len(course.targets):
+            outside = self._collocation.outside(self._states[0], self._begin)
+            begins = f"; it begins outside: {', '.join(outside)}" if outside else ""
             raise PlanningError(
                 f"no motion towards any of {len(course.targets)} landmarks was found (solver: "
-                f"{self._statuses[-1]}); start from another posture or lower the margins"
+                f"{self._statuses[-1]}{begins}); start from another posture or lower the margins"
             )
         return Path(
             states=np.array(self._states),

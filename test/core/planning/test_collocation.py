@@ -242,3 +242,25 @@ def test_no_pairs_no_distances(nao: Body) -> None:
     solver = IpoptSolver(collocation)
     assert solver.solve(problem, np.tile(problem.start, (10, 1))).converged
     assert track(bare, bare.posture[None]).distances.shape == (1, 0)
+
+
+def test_what_a_start_does_not_keep_is_told(nao: Body) -> None:
+    problem = problem_of(nao)
+    collocation = Collocation(nao.legs, SETTINGS)
+    assert collocation.outside(problem.start, problem.scene) == ()
+    column = nao.robot.leg_names.index("LKneePitch")
+    straight = problem.start.copy()
+    straight[column] = collocation.lower[column] - 0.1
+    (told,) = (
+        line for line in collocation.outside(straight, problem.scene) if "LKneePitch" in line
+        and "joint" in line
+    )  # fmt: skip
+    assert "0.100 rad" in told
+    strict = dataclasses.replace(SETTINGS, capsule_clearance=0.2, torque_share=0.01)
+    told_all = Collocation(nao.legs, strict).outside(problem.start, problem.scene)
+    assert sum("capsules" in line for line in told_all) == len(nao.robot.collision_pairs)
+    assert any("motor 'LKneePitch' holds" in line for line in told_all)
+    far = dataclasses.replace(problem.scene, offsets=problem.scene.offsets - 0.2)
+    assert any(
+        "mm beyond stability_margin" in line for line in collocation.outside(problem.start, far)
+    )
