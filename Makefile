@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports demo-table paper trust coverage chosen-supports caught-faults lock clean
+.PHONY: help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports demo-table paper trust coverage chosen-supports caught-faults own-steps motion-menu lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -33,6 +33,8 @@ lint: setup  ## ruff and mypy
 	$(BIN)/ruff format --check
 	$(BIN)/mypy
 
+# Each measurement has arguments of its own.
+bench: override ARGS :=
 bench: solve-speed kinematics planner-speed planner-supports demo-table paper  ## all measurements
 
 solve-speed: export OPENBLAS_NUM_THREADS := 1
@@ -53,6 +55,13 @@ planner-supports: setup  ## motions in many double supports (ARGS="--nao 20 --wr
 
 demo-table: setup  ## the errors of the demo over ten seeds, into docs/demo.md (ARGS="--seeds 3")
 	$(BIN)/python benchmarks/demo_seeds.py $(ARGS)
+
+own-steps: export OPENBLAS_NUM_THREADS := 1
+own-steps: setup  ## walks by own steps in the physics, into docs/motions.md (ARGS="--seeds 2")
+	$(BIN)/python benchmarks/own_steps.py $(ARGS)
+
+motion-menu: setup  ## every motion of the menu and how long it takes, into docs/motions.md
+	$(BIN)/python benchmarks/motion_menu.py
 
 paper: setup  ## the paper's evaluation over ten robots, into docs/paper.md (ARGS="--seeds 20")
 	$(BIN)/python benchmarks/paper.py $(ARGS)
