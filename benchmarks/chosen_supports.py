@@ -26,9 +26,9 @@ from chosen_supports_results import Examination, Floor, Result, examine
 from pages import write_trust
 from population import ROOT, different_robots, make_session, nao, sessions
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.feasible import Feasible
 from shoecal_core.planning.settings import CHOICES, PlannerSettings
-from shoecal_core.planning.supports import draw_supports
+from shoecal_core.planning.supports.draw import draw_supports
+from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.sensing import Sensing
 

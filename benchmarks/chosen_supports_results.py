@@ -13,9 +13,9 @@ from shoecal_core.calibration.evaluate import Errors, Series, errors, measured_s
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session, load_data
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.files import read_yaml
-from shoecal_core.planning.forecast import Forecast, forecast, forecast_visits
-from shoecal_core.planning.observability import Visit, relative_information
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.forecast import Forecast, forecast, forecast_visits
+from shoecal_core.planning.supports.observability import Visit, relative_information
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.load_cases import double_support_outputs
 from shoecal_core.sensing.sensing import Sensing

@@ -12,12 +12,12 @@ from collections.abc import Sequence
 
 from own_steps import PAGE, ROBOTS, robot_of
 from pages import table, write_section
-from shoecal_core.planning.feasible import Feasible
 from shoecal_core.planning.menu import MENU
 from shoecal_core.planning.motion import Motion, Phase
-from shoecal_core.planning.named_supports import named_support
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.feasible import Feasible
+from shoecal_core.planning.supports.named import named_support
 
 
 def planned(name: str) -> dict[str, Motion]:

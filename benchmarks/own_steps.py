@@ -34,11 +34,11 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.feasible import Feasible
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.steps import Stepper
+from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.sensing.shoe import load_shoe
 from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.reality_file import load_reality

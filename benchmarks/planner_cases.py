@@ -14,19 +14,20 @@ from pages import ROOT
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
-from shoecal_core.planning.check import check_motion
-from shoecal_core.planning.collocation import Collocation, HorizonProblem, Solution, Solver
+from shoecal_core.planning.checking.check import check_motion
+from shoecal_core.planning.checking.findings import Finding
 from shoecal_core.planning.course import Course
-from shoecal_core.planning.findings import Finding
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.problem import HorizonProblem, Solution, Solver
+from shoecal_core.planning.horizon.rolling import Path as Planned
+from shoecal_core.planning.horizon.rolling import RollingHorizon
+from shoecal_core.planning.horizon.sqp import SqpSolver
 from shoecal_core.planning.legs import Legs
 from shoecal_core.planning.menu import kind_named
 from shoecal_core.planning.motion import Motion, timed
 from shoecal_core.planning.planner import Planner
-from shoecal_core.planning.rolling import Path as Planned
-from shoecal_core.planning.rolling import RollingHorizon
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.sqp import SqpSolver
-from shoecal_core.planning.supports import draw_supports
+from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.sensing.shoe import Shoe, load_shoe
 from shoecal_core.workspace import config_dir
 

@@ -17,13 +17,8 @@ from numpy.typing import NDArray
 from pages import ROOT
 from planner_cases import Span
 from shoecal_core.compiler import library
-from shoecal_core.planning.collocation import (
-    FOOT_ROWS,
-    TASKS,
-    Collocation,
-    HorizonProblem,
-    Solution,
-)
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.problem import FOOT_ROWS, TASKS, HorizonProblem, Solution
 
 FloatArray = NDArray[np.float64]
 VENV = ROOT / "out" / "crocoddyl-venv"

@@ -12,7 +12,7 @@ import pages
 from pages import ROOT
 from planner_cases import Case, closed_loop, evenly, with_horizon
 from planner_race import InProcess, Times, race
-from shoecal_core.planning.ipopt import IpoptSolver
+from shoecal_core.planning.horizon.ipopt import IpoptSolver
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.report.palette import BLUE, RED, Look

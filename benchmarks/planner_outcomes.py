@@ -17,11 +17,11 @@ from planner_cases import Case, Stopwatch
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.check import check_motion
-from shoecal_core.planning.feasible import Feasible
+from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.posture import StanceSolver, UnreachableError
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.workspace import config_dir
 
 FloatArray = NDArray[np.float64]

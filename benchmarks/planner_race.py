@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from planner_cases import Solve, Span, Stopwatch
-from shoecal_core.planning.collocation import HorizonProblem, Solution, Solver
+from shoecal_core.planning.horizon.problem import HorizonProblem, Solution, Solver
 
 FloatArray = NDArray[np.float64]
 Results = Mapping[str, Sequence[Solve]]

@@ -19,8 +19,8 @@ import casadi as ca
 from planner_cases import OUT
 from shoecal_core.compiler import find_compiler
 from shoecal_core.files import atomic_write
-from shoecal_core.planning.collocation import Collocation
-from shoecal_core.planning.ipopt import IpoptSolver, horizon_programme, ipopt_options
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.ipopt import IpoptSolver, horizon_programme, ipopt_options
 
 LIBRARIES = OUT / "compiled"
 FASTEST = ("-O3", "-march=native")

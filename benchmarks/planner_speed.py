@@ -36,7 +36,7 @@ from planner_growth import measure_growth, write_growth
 from planner_race import InProcess, Racer, best_known, race
 from planner_references import compiled_ipopt, judge, mx_ipopt
 from planner_speed_page import speed_body
-from shoecal_core.planning.ipopt import IpoptSolver
+from shoecal_core.planning.horizon.ipopt import IpoptSolver
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import MODES, PlannerSettings
 

@@ -24,7 +24,7 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports import draw_supports
+from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import Shoe, load_shoe
 from shoecal_core.simulation.reality_file import load_reality

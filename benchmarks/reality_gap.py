@@ -25,7 +25,7 @@ from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports import draw_supports
+from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.sensing.shoe import Shoe, load_shoe
 from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.reality import Reality

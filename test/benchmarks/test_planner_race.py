@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from planner_cases import Solve, Span
 from planner_race import FEASIBLE, Times, disagreements, gaps, race, share_converged
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.collocation import Aim, HorizonProblem, Scene, Solution
+from shoecal_core.planning.horizon.problem import Aim, HorizonProblem, Scene, Solution
 from shoecal_core.planning.legs import FootPose
 
 STILL = np.zeros(3)

@@ -9,13 +9,14 @@ from planner_cases import Case, with_horizon
 from planner_references import compiled_ipopt, judge, mx_ipopt
 from shoecal_core.compiler import CompilerError, find_compiler
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.collocation import Aim, Collocation, HorizonProblem, Scene, Solver
-from shoecal_core.planning.ipopt import IpoptSolver
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.ipopt import IpoptSolver
+from shoecal_core.planning.horizon.problem import Aim, HorizonProblem, Scene, Solver
+from shoecal_core.planning.horizon.sqp import SqpSolver
 from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.posture import StanceSolver
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.sqp import SqpSolver
 
 SETTINGS = with_horizon(PlannerSettings(), 2)
 SUPPORT = DoubleSupport(0.02, -0.12, -0.2)

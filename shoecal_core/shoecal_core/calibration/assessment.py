@@ -16,14 +16,14 @@ from shoecal_core.calibration.stance import Stance
 from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
 from shoecal_core.calibration.uncertainty import Uncertainty, estimate_uncertainty
 from shoecal_core.model.robot import Robot
-from shoecal_core.planning.forecast import Addition, Forecast, best_additions, forecast
-from shoecal_core.planning.observability import (
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.forecast import Addition, Forecast, best_additions, forecast
+from shoecal_core.planning.supports.observability import (
     from_relative,
     observable,
     reference_information,
     relative_information,
 )
-from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.sensing.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]

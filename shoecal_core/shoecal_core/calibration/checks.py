@@ -10,7 +10,7 @@ import numpy as np
 from shoecal_core.calibration.initial_guess import InitialGuess
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.planning.forecast import Addition, Forecast
+from shoecal_core.planning.supports.forecast import Addition, Forecast
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 

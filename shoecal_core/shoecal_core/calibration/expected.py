@@ -17,7 +17,7 @@ from shoecal_core.calibration.tolerances import Effects, ModelTolerances
 from shoecal_core.calibration.uncertainty import Uncertainty
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.landmarks import sensing_hull
-from shoecal_core.planning.polygon_error import places_over
+from shoecal_core.planning.supports.polygon_error import places_over
 from shoecal_core.sensing.expected_error import wrench_slopes
 from shoecal_core.sensing.load_cases import double_support_outputs, single_support_outputs
 from shoecal_core.sensing.sensing import MINIMUM_FORCE

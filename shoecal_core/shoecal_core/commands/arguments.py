@@ -10,11 +10,11 @@ from pathlib import Path
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
-from shoecal_core.planning.feasible import Feasible
 from shoecal_core.planning.menu import MENU
-from shoecal_core.planning.named_supports import NAMED, named_support
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports import draw_supports
+from shoecal_core.planning.supports.draw import draw_supports
+from shoecal_core.planning.supports.feasible import Feasible
+from shoecal_core.planning.supports.named import NAMED, named_support
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.settings import SettingError, load_settings
 from shoecal_core.workspace import config_dir

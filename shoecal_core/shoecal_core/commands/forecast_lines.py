@@ -8,8 +8,8 @@ import numpy as np
 from rich.table import Table
 
 from shoecal_core.commands.tables import new_table
-from shoecal_core.planning.forecast import Addition, Forecast, describe_support
-from shoecal_core.planning.polygon_error import PolygonError
+from shoecal_core.planning.supports.forecast import Addition, Forecast, describe_support
+from shoecal_core.planning.supports.polygon_error import PolygonError
 
 
 def forecast_table(rows: Sequence[tuple[str, Forecast]]) -> Table:

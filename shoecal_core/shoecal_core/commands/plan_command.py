@@ -17,18 +17,18 @@ from shoecal_core.errors import FileError
 from shoecal_core.files import atomic_write
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
-from shoecal_core.planning.check import check_motion
-from shoecal_core.planning.forecast import (
+from shoecal_core.planning.checking.check import check_motion
+from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.planner import Planner
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.draw import trained_supports
+from shoecal_core.planning.supports.forecast import (
     best_additions,
     forecast_visits,
     total_information,
     worst_part,
 )
-from shoecal_core.planning.motion import Motion
-from shoecal_core.planning.observability import Visit
-from shoecal_core.planning.planner import Planner
-from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports import trained_supports
+from shoecal_core.planning.supports.observability import Visit
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_report import PAGE, picture_name, write_plan
 from shoecal_core.sensing.shoe import Shoe, load_shoe

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.collocation import Aim, Scene
+from shoecal_core.planning.horizon.problem import Aim, Scene
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.settings import PlannerSettings
 

@@ -14,8 +14,8 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.course import Course
+from shoecal_core.planning.horizon.rolling import Path
 from shoecal_core.planning.legs import FootPose, Legs
-from shoecal_core.planning.rolling import Path
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.timing import GRID, Profile, Rates, fastest
 

@@ -13,19 +13,20 @@ from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.check import check_motion
-from shoecal_core.planning.collocation import Collocation, Scene, Solver
+from shoecal_core.planning.checking.check import check_motion
+from shoecal_core.planning.checking.findings import Report
 from shoecal_core.planning.course import Course
-from shoecal_core.planning.findings import Report
-from shoecal_core.planning.ipopt import IpoptSolver
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.ipopt import IpoptSolver
+from shoecal_core.planning.horizon.problem import Scene, Solver
+from shoecal_core.planning.horizon.rolling import Path, PlanningError, Progress, RollingHorizon
+from shoecal_core.planning.horizon.sqp import SqpSolver
 from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.menu import Standing, kind_named
 from shoecal_core.planning.motion import Motion, timed
 from shoecal_core.planning.posture import StanceSolver
-from shoecal_core.planning.rolling import Path, PlanningError, Progress, RollingHorizon
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.sqp import SqpSolver
 
 FloatArray = NDArray[np.float64]
 

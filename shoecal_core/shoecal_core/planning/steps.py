@@ -13,21 +13,23 @@ from numpy.typing import NDArray
 
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.checking.findings import CheckFailedError
 from shoecal_core.planning.course import in_standing
-from shoecal_core.planning.findings import CheckFailedError
+from shoecal_core.planning.horizon.rolling import PlanningError, Progress
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.lifting import NoWayError, carried, in_the_air
 from shoecal_core.planning.menu import Standing
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.posture import UnreachableError
-from shoecal_core.planning.rolling import PlanningError, Progress
 from shoecal_core.planning.timing import TimingError
 
 FloatArray = NDArray[np.float64]
 
 NAME = "step"
 """Of the motion."""
+_MUCH_LONGER = 1.4
+"""Ways in the air whose numbers of states have this ratio."""
 _NO_STEP = (PlanningError, CheckFailedError, NoWayError, TimingError, UnreachableError)
 
 
@@ -40,7 +42,7 @@ class Stepper:
 
     Attributes:
         planner: that plans all of a step's parts.
-        carrying: the foot that carried last; the other one does next, so that motors cool.
+        carrying: the foot that carried last; mostly the other one does next, so that motors cool.
     """
 
     def __init__(self, planner: Planner) -> None:
@@ -70,7 +72,7 @@ class Stepper:
         self._require_reach(goal)
         reasons: list[str] = []
         for via in self._ways(standing.foot_pose, goal):
-            for carrying in (self.carrying.other, self.carrying):
+            for carrying in self._feet(standing.foot_pose, via):
                 try:
                     motion = self._planned(
                         joint_angles, standing, via, carrying, progress, canceled
@@ -108,6 +110,19 @@ class Stepper:
             (here.dx + goal.dx) / 2.0, (here.dy + goal.dy) / 2.0, (here.dtheta + goal.dtheta) / 2.0
         )
         return [via for via in (goal, half, neutral) if not self.arrived(foot_pose, via)]
+
+    def _feet(self, foot_pose: FootPose, via: DoubleSupport) -> tuple[Carrying, Carrying]:
+        """Which foot may carry, best first: the one that has rested, if that is not much longer."""
+        last, rested = self.carrying, self.carrying.other
+        robot, settings = self.planner.legs.robot, self.planner.settings
+        try:
+            long, short = (
+                len(carried(robot, foot_pose, FootPose.of(via), carrying, settings))
+                for carrying in (rested, last)
+            )
+        except NoWayError:
+            return rested, last
+        return (last, rested) if long > _MUCH_LONGER * short else (rested, last)
 
     def _planned(
         self,

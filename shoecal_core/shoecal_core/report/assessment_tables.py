@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from shoecal_core.calibration.screening.faults import Fault
-from shoecal_core.planning.forecast import Forecast
+from shoecal_core.planning.supports.forecast import Forecast
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.assessment_figures import cause_name, rms
 from shoecal_core.report.page import Table

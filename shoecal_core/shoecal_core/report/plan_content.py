@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.model.robot import Robot
-from shoecal_core.planning.body_track import BodyTrack, track
 from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.findings import Report
+from shoecal_core.planning.checking.body_track import BodyTrack, track
+from shoecal_core.planning.checking.findings import Report
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.report.plan_targets import Mark, Target, marks_of

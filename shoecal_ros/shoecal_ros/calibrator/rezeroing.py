@@ -11,7 +11,7 @@ from shoecal_msgs.srv import Rezero
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.rezero import Rezeroed, RezeroError, rezero
 from shoecal_core.errors import ShoecalError
-from shoecal_core.planning.polygon_error import polygon_error
+from shoecal_core.planning.supports.polygon_error import polygon_error
 from shoecal_ros.calibrator.calibration_store import NotApplicableError
 from shoecal_ros.common.runtime import until
 from shoecal_ros.inputs.joining import Joined

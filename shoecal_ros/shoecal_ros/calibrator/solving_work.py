@@ -10,7 +10,7 @@ from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports import draw_supports
+from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link

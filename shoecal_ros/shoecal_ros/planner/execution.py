@@ -13,10 +13,10 @@ from shoecal_msgs.action import Plan
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.findings import CheckFailedError
+from shoecal_core.planning.checking.findings import CheckFailedError
+from shoecal_core.planning.horizon.rolling import PlanningCanceledError, PlanningError, Progress
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.posture import UnreachableError
-from shoecal_core.planning.rolling import PlanningCanceledError, PlanningError, Progress
 from shoecal_core.planning.timing import TimingError
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.runtime import until

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from core.planning.bodies import Body
 from core.planning.motions import SETTINGS, SUPPORTS, motion_of
-from shoecal_core.planning.collocation import Aim, HorizonProblem, Scene
+from shoecal_core.planning.horizon.problem import Aim, HorizonProblem, Scene
 from shoecal_core.planning.landmarks import Contour, sensing_hull
 from shoecal_core.planning.legs import FootPose
 

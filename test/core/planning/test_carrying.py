@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 
 from core.planning.bodies import NAMES, load_body
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.body_track import load_share
 from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.checking.body_track import load_share
 from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.legs import FootPose
 

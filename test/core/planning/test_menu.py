@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
 from shoecal_core.errors import NameNotFoundError
-from shoecal_core.planning.body_track import BodyTrack, track
 from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.checking.body_track import BodyTrack, track
 from shoecal_core.planning.menu import MENU, kind_named
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.planner import Planner

@@ -18,18 +18,18 @@ from core.planning.motions import SETTINGS, planner_of
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
-from shoecal_core.planning.body_track import track
-from shoecal_core.planning.check import check_motion
-from shoecal_core.planning.collocation import HorizonProblem, Solution, Solver
+from shoecal_core.planning.checking.body_track import track
+from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.course import Course, cop_course
+from shoecal_core.planning.horizon.problem import HorizonProblem, Solution, Solver
+from shoecal_core.planning.horizon.rolling import PlanningError, RollingHorizon
+from shoecal_core.planning.horizon.sqp import SqpSolver
 from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner, StartError
 from shoecal_core.planning.posture import StanceSolver, UnreachableError
-from shoecal_core.planning.rolling import PlanningError, RollingHorizon
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.sqp import SqpSolver
 from shoecal_core.settings import SettingError
 
 FloatArray = NDArray[np.float64]

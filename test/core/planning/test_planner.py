@@ -13,14 +13,14 @@ import shapely
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
 from shoecal_core.errors import NameNotFoundError, ShapeError
-from shoecal_core.planning.body_track import track
-from shoecal_core.planning.check import check_motion
+from shoecal_core.planning.checking.body_track import track
+from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.course import Course, cop_course
+from shoecal_core.planning.horizon.rolling import Path, PlanningCanceledError, Progress
 from shoecal_core.planning.landmarks import Contour, sensing_hull
 from shoecal_core.planning.legs import Legs
 from shoecal_core.planning.motion import Motion, timed
 from shoecal_core.planning.planner import Planner, StartError, plan_motion
-from shoecal_core.planning.rolling import Path, PlanningCanceledError, Progress
 from shoecal_core.planning.settings import PlannerSettings
 
 CASES = [(name, index) for name in NAMES for index in range(len(SUPPORTS))]

@@ -11,11 +11,13 @@ import shapely
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS, SUPPORTS, planner_of, step_of
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.body_track import track
 from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.check import check_motion
+from shoecal_core.planning.checking.body_track import track
+from shoecal_core.planning.checking.check import check_motion
+from shoecal_core.planning.horizon.rolling import PlanningCanceledError, Progress
+from shoecal_core.planning.legs import FootPose
+from shoecal_core.planning.lifting import carried
 from shoecal_core.planning.planner import Planner, StartError
-from shoecal_core.planning.rolling import PlanningCanceledError, Progress
 from shoecal_core.planning.steps import StepError, Stepper
 
 HERE, THERE = SUPPORTS[0], SUPPORTS[1]
@@ -75,13 +77,30 @@ def test_the_foot_goes_up_along_and_down(carrying: Carrying) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_the_feet_take_turns(name: str) -> None:
     planner = planner_of(name)
-    stepper, angles, carried = Stepper(planner), planner.stance(HERE), []
+    stepper, angles, carrying = Stepper(planner), planner.stance(HERE), []
     for goal in (THERE, HERE, THERE):
         motion = stepper.step(angles, goal)
         assert motion is not None
-        carried.append(motion.phases[1].carrying)
+        carrying.append(motion.phases[1].carrying)
         angles = motion.positions[-1]
-    assert carried == [Carrying.LEFT, Carrying.RIGHT, Carrying.LEFT]
+    assert carrying == [Carrying.LEFT, Carrying.RIGHT, Carrying.LEFT]
+
+
+def test_a_foot_that_would_carry_much_longer_does_not() -> None:
+    """Turning the feet takes the left foot a long way round the right one."""
+    planner = planner_of("nao")
+    begin, goal = DoubleSupport(-0.02, -0.136, 0.468), DoubleSupport(0.07, -0.112, -0.156)
+    long, short = (
+        carried(planner.legs.robot, FootPose.of(begin), FootPose.of(goal), carrying, SETTINGS)
+        for carrying in (Carrying.RIGHT, Carrying.LEFT)
+    )
+    assert len(long) > 1.4 * len(short)
+    for last in FEET:
+        stepper = Stepper(planner)
+        stepper.carrying = last
+        motion = stepper.step(planner.stance(begin), goal)
+        assert motion is not None
+        assert motion.phases[1].carrying is Carrying.LEFT
 
 
 def test_too_far_for_one_step_is_gone_in_several() -> None:

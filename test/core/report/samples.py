@@ -25,9 +25,9 @@ from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
 from shoecal_core.calibration.uncertainty import estimate_uncertainty
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
-from shoecal_core.planning.forecast import Addition, forecast
-from shoecal_core.planning.observability import relative_information
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.forecast import Addition, forecast
+from shoecal_core.planning.supports.observability import relative_information
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.error_sources import error_sources

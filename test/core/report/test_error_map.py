@@ -12,7 +12,7 @@ from core.model import robots
 from core.report.pages import read_svg
 from core.sensing import shoes
 from shoecal_core.errors import ShapeError
-from shoecal_core.planning.polygon_error import places_over
+from shoecal_core.planning.supports.polygon_error import places_over
 from shoecal_core.report.figures.error_map import ErrorMap, common_levels, error_map
 from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.palette import SIZES

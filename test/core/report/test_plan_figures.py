@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.report import plans
 from core.report.pages import read_svg
 from shoecal_core.errors import ShapeError
-from shoecal_core.planning.findings import Finding
+from shoecal_core.planning.checking.findings import Finding
 from shoecal_core.report import palette
 from shoecal_core.report.figures.cop_plan import Arrival, Carried, cop_plan
 from shoecal_core.report.figures.margins import at_least, margins, told, used

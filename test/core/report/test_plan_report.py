@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from core.report import plans
 from core.report.pages import Document, read
 from shoecal_core.errors import FileError, ShapeError
-from shoecal_core.planning.findings import Report
+from shoecal_core.planning.checking.findings import Report
 from shoecal_core.report.html import render
 from shoecal_core.report.page import Player
 from shoecal_core.report.plan_animation import animation, lifted

@@ -13,9 +13,9 @@ from ros.clock import Clock
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.horizon.rolling import Path
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.motion import Motion, Phase
-from shoecal_core.planning.rolling import Path
 from shoecal_ros.common.conversions import header_to_ros
 from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.shoe_reports import ShoeReports

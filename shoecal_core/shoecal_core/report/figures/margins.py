@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from shoecal_core.planning.findings import Finding
+from shoecal_core.planning.checking.findings import Finding
 from shoecal_core.report.palette import FAIL, INK, MUTED, SOLE, TEAL
 from shoecal_core.report.quantities import SPACE, number
 from shoecal_core.report.svg import SMALL, WIDTH, canvas, readable

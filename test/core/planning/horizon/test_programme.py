@@ -12,9 +12,10 @@ from scipy.optimize import NonlinearConstraint, minimize
 from core.planning.bodies import Body
 from core.planning.horizons import problems
 from core.planning.motions import SETTINGS
-from shoecal_core.planning.collocation import Collocation, HorizonProblem
-from shoecal_core.planning.linearisation import Inequalities, Linearisation, Linearised
-from shoecal_core.planning.programme import Programme
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.linearisation import Inequalities, Linearisation, Linearised
+from shoecal_core.planning.horizon.problem import HorizonProblem
+from shoecal_core.planning.horizon.programme import Programme
 
 FloatArray = NDArray[np.float64]
 

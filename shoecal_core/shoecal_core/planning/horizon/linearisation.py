@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.batch import Batch
-from shoecal_core.planning.collocation import (
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.problem import (
     FOOT_ROWS,
     TASKS,
-    Collocation,
     HorizonProblem,
     Limits,
     Scene,

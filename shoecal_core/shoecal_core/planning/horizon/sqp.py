@@ -17,9 +17,15 @@ import dataclasses
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.planning.collocation import TASKS, Collocation, HorizonProblem, Limits, Solution
-from shoecal_core.planning.linearisation import Curvature, Inequalities, Linearisation, Linearised
-from shoecal_core.planning.programme import Programme, Step
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.linearisation import (
+    Curvature,
+    Inequalities,
+    Linearisation,
+    Linearised,
+)
+from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, Limits, Solution
+from shoecal_core.planning.horizon.programme import Programme, Step
 
 FloatArray = NDArray[np.float64]
 

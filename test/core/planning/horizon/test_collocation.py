@@ -12,9 +12,10 @@ from scipy.optimize import NonlinearConstraint, minimize
 
 from core.planning.bodies import Body
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.body_track import track
-from shoecal_core.planning.collocation import Aim, Collocation, HorizonProblem, Scene
-from shoecal_core.planning.ipopt import IpoptSolver
+from shoecal_core.planning.checking.body_track import track
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.ipopt import IpoptSolver
+from shoecal_core.planning.horizon.problem import Aim, HorizonProblem, Scene
 from shoecal_core.planning.landmarks import Contour, sensing_hull
 from shoecal_core.planning.legs import FootPose, LegExpressions, Legs
 from shoecal_core.planning.posture import StanceSolver, middle

@@ -5,8 +5,8 @@ import pytest
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS
 from shoecal_core.errors import NameNotFoundError
-from shoecal_core.planning.feasible import Feasible
-from shoecal_core.planning.named_supports import NAMED, named_support
+from shoecal_core.planning.supports.feasible import Feasible
+from shoecal_core.planning.supports.named import NAMED, named_support
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from shoecal_core.planning.active_set import active_set_solution
+from shoecal_core.planning.horizon.active_set import active_set_solution
 
 FloatArray = NDArray[np.float64]
 SIZE, ROWS = 8, 20

@@ -5,7 +5,7 @@ import pytest
 import shapely
 
 from core.planning.bodies import Body
-from shoecal_core.planning.polygon_error import places_over, polygon_error
+from shoecal_core.planning.supports.polygon_error import places_over, polygon_error
 from shoecal_core.sensing.wrench import ChannelParameters
 
 

@@ -11,11 +11,11 @@ import pytest
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS, motion_of, planner_of, step_of
 from shoecal_core.model.standing import feet_gap
-from shoecal_core.planning.body_track import load_share, track
 from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.check import check_motion
-from shoecal_core.planning.collocation import Scene
-from shoecal_core.planning.findings import CheckFailedError, Report
+from shoecal_core.planning.checking.body_track import load_share, track
+from shoecal_core.planning.checking.check import check_motion
+from shoecal_core.planning.checking.findings import CheckFailedError, Report
+from shoecal_core.planning.horizon.problem import Scene
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings

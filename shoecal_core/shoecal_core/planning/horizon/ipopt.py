@@ -9,7 +9,8 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.planning.collocation import TASKS, Collocation, HorizonProblem, Solution
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, Solution
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]

@@ -9,14 +9,11 @@ from numpy.typing import NDArray
 from core.planning.bodies import Body
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.collocation import Collocation, HorizonProblem, Scene, Solution
 from shoecal_core.planning.course import Course, cop_course
-from shoecal_core.planning.ipopt import IpoptSolver
-from shoecal_core.planning.landmarks import Contour, sensing_hull
-from shoecal_core.planning.legs import FootPose
-from shoecal_core.planning.lifting import lifted, way_between
-from shoecal_core.planning.posture import StanceSolver
-from shoecal_core.planning.rolling import (
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.ipopt import IpoptSolver
+from shoecal_core.planning.horizon.problem import HorizonProblem, Scene, Solution
+from shoecal_core.planning.horizon.rolling import (
     Path,
     PlanningCanceledError,
     PlanningError,
@@ -24,6 +21,10 @@ from shoecal_core.planning.rolling import (
     Pursuit,
     RollingHorizon,
 )
+from shoecal_core.planning.landmarks import Contour, sensing_hull
+from shoecal_core.planning.legs import FootPose
+from shoecal_core.planning.lifting import lifted, way_between
+from shoecal_core.planning.posture import StanceSolver
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]

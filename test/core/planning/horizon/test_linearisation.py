@@ -11,8 +11,13 @@ from numpy.typing import NDArray
 from core.planning.bodies import Body
 from core.planning.horizons import lifting, problems
 from core.planning.motions import SETTINGS
-from shoecal_core.planning.collocation import Collocation
-from shoecal_core.planning.linearisation import Curvature, Inequalities, Linearisation, Linearised
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.linearisation import (
+    Curvature,
+    Inequalities,
+    Linearisation,
+    Linearised,
+)
 
 FloatArray = NDArray[np.float64]
 STEP = 1e-6

@@ -10,7 +10,7 @@ import numpy as np
 
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.feasible import Feasible, SupportRangeError, feet_distance
+from shoecal_core.planning.supports.feasible import Feasible, SupportRangeError, feet_distance
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,10 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
-from shoecal_core.planning.design import CRITERIA
-from shoecal_core.planning.feasible import Feasible
-from shoecal_core.planning.observability import (
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.design import CRITERIA
+from shoecal_core.planning.supports.feasible import Feasible
+from shoecal_core.planning.supports.observability import (
     Visit,
     information,
     observable,
@@ -23,8 +24,7 @@ from shoecal_core.planning.observability import (
     rank,
     reference_information,
 )
-from shoecal_core.planning.polygon_error import PolygonError, polygon_error
-from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.polygon_error import PolygonError, polygon_error
 from shoecal_core.sensing.directions import describe_direction
 from shoecal_core.sensing.shoe import Shoe
 

@@ -13,7 +13,8 @@ from shoecal_core.calibration.residuals import Weights, normal_equations, pack
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.stance import make_stance
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.observability import (
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.observability import (
     Visit,
     best_rank,
     information,
@@ -23,7 +24,6 @@ from shoecal_core.planning.observability import (
     uncertainties,
     uneven_share,
 )
-from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.sensing.load_cases import double_support_outputs
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe

@@ -10,14 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.planning.collocation import (
-    Collocation,
-    HorizonProblem,
-    Scene,
-    Solution,
-    Solver,
-)
 from shoecal_core.planning.course import Course
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.problem import HorizonProblem, Scene, Solution, Solver
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]

@@ -12,9 +12,9 @@ import shapely
 from numpy.typing import NDArray
 
 from shoecal_core.model.robot import GRAVITY
-from shoecal_core.planning.body_track import BodyTrack, track
 from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.findings import Finding, Report, at_least, at_most, worst
+from shoecal_core.planning.checking.body_track import BodyTrack, track
+from shoecal_core.planning.checking.findings import Finding, Report, at_least, at_most, worst
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.settings import PlannerSettings

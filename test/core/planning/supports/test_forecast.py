@@ -9,8 +9,9 @@ from numpy.typing import NDArray
 
 from core.planning.bodies import Body
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.feasible import Feasible
-from shoecal_core.planning.forecast import (
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.feasible import Feasible
+from shoecal_core.planning.supports.forecast import (
     Forecast,
     best_additions,
     forecast,
@@ -18,8 +19,7 @@ from shoecal_core.planning.forecast import (
     total_information,
     worst_part,
 )
-from shoecal_core.planning.observability import Visit, parameter_scale
-from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.observability import Visit, parameter_scale
 
 SETTINGS = PlannerSettings()
 YAWED = (

@@ -13,9 +13,9 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.planning.active_set import active_set_solution
-from shoecal_core.planning.collocation import FOOT_ROWS, HorizonProblem
-from shoecal_core.planning.linearisation import Inequalities, Linearised
+from shoecal_core.planning.horizon.active_set import active_set_solution
+from shoecal_core.planning.horizon.linearisation import Inequalities, Linearised
+from shoecal_core.planning.horizon.problem import FOOT_ROWS, HorizonProblem
 
 FloatArray = NDArray[np.float64]
 

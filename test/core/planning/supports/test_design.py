@@ -8,10 +8,15 @@ from numpy.typing import NDArray
 
 from core.planning.bodies import Body
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.design import CRITERIA, Candidates, design
-from shoecal_core.planning.feasible import support_grid
-from shoecal_core.planning.observability import Visit, information, prior_information, uncertainties
 from shoecal_core.planning.settings import CHOICES, PlannerSettings
+from shoecal_core.planning.supports.design import CRITERIA, Candidates, design
+from shoecal_core.planning.supports.feasible import support_grid
+from shoecal_core.planning.supports.observability import (
+    Visit,
+    information,
+    prior_information,
+    uncertainties,
+)
 
 SETTINGS = PlannerSettings()
 FEW = 9

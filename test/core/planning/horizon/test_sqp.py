@@ -14,12 +14,13 @@ from core.planning.bodies import Body, load_body
 from core.planning.horizons import lifting, problems
 from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
 from shoecal_core.compiler import SWITCH
-from shoecal_core.planning import sqp
-from shoecal_core.planning.collocation import Collocation, HorizonProblem
-from shoecal_core.planning.ipopt import IpoptSolver
-from shoecal_core.planning.linearisation import Inequalities, Linearisation
+from shoecal_core.planning.horizon import sqp
+from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.ipopt import IpoptSolver
+from shoecal_core.planning.horizon.linearisation import Inequalities, Linearisation
+from shoecal_core.planning.horizon.problem import HorizonProblem
+from shoecal_core.planning.horizon.sqp import SqpSolver
 from shoecal_core.planning.settings import MODES
-from shoecal_core.planning.sqp import SqpSolver
 
 FloatArray = NDArray[np.float64]
 

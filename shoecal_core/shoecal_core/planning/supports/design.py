@@ -18,8 +18,13 @@ from numpy.typing import NDArray
 
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
-from shoecal_core.planning.observability import Visit, information, observable, prior_information
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.observability import (
+    Visit,
+    information,
+    observable,
+    prior_information,
+)
 from shoecal_core.sensing.shoe import Shoe
 
 FloatArray = NDArray[np.float64]

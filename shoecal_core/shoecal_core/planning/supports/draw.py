@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
-from shoecal_core.planning.design import Candidates, design
-from shoecal_core.planning.feasible import Feasible, SupportRangeError, feet_distance
-from shoecal_core.planning.observability import Visit, best_rank, information, rank
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.design import Candidates, design
+from shoecal_core.planning.supports.feasible import Feasible, SupportRangeError, feet_distance
+from shoecal_core.planning.supports.observability import Visit, best_rank, information, rank
 from shoecal_core.sensing.shoe import Shoe
 
 FloatArray = NDArray[np.float64]

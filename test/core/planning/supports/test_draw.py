@@ -12,12 +12,12 @@ from core.planning.bodies import Body
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
-from shoecal_core.planning.feasible import SupportRangeError
 from shoecal_core.planning.landmarks import Contour
-from shoecal_core.planning.observability import Visit, best_rank, information, rank
 from shoecal_core.planning.posture import StanceSolver, UnreachableError
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports import UnobservableError, draw_supports
+from shoecal_core.planning.supports.draw import UnobservableError, draw_supports
+from shoecal_core.planning.supports.feasible import SupportRangeError
+from shoecal_core.planning.supports.observability import Visit, best_rank, information, rank
 
 SETTINGS = PlannerSettings()
 QUICK = PlannerSettings(support_pool=6, design_pool=6, landmarks_in_reach=0, support_redraws=5)

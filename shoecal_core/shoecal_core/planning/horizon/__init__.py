@@ -1,0 +1,1 @@
+"""The optimisation over one horizon, its solvers, and the horizon that rolls."""

@@ -1,0 +1,1 @@
+"""Double supports: which are feasible, which to visit, what they will tell."""
