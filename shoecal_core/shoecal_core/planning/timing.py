@@ -71,12 +71,15 @@ class Profile:
     def at(self, time: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Place s and ds/dt at times (T,) from zero to the end [s]; clamped beyond."""
         times = self.times
+        arrived = time >= times[-1]
         time = np.clip(time, 0.0, times[-1])
         index = np.clip(np.searchsorted(times, time, side="right") - 1, 0, len(times) - 2)
         since = time - times[index]
         change = np.diff(self.rate) / np.diff(times)
         rate = self.rate[index] + change[index] * since
-        return self.s[index] + (self.rate[index] + rate) / 2.0 * since, rate
+        s = self.s[index] + (self.rate[index] + rate) / 2.0 * since
+        # At rest is at rest, whatever rounding says.
+        return np.where(arrived, self.s[-1], s), np.where(arrived, self.rate[-1], rate)
 
 
 def fastest(path: CubicSpline, com: FloatArray, s: FloatArray, rates: Rates) -> Profile:
