@@ -23,12 +23,12 @@ supports = st.builds(
 def test_the_polygon_of_one_foot_is_its_own(name: str, support: DoubleSupport) -> None:
     robot, pose = load_body(name).robot, FootPose.of(support)
     left, right = (shapely.Polygon(foot.sensing_polygon) for foot in robot.feet)
-    assert Carrying.LEFT.polygon(robot, pose).equals(left)
+    assert Carrying.LEFT.polygon(robot, pose).equals_exact(left, 1e-12)
     placed = Carrying.RIGHT.polygon(robot, pose)
     corners = support.left_to_right(np.array(placed.exterior.coords))
     np.testing.assert_allclose(corners, right.exterior.coords, atol=1e-12)
     both = Carrying.BOTH.polygon(robot, pose)
-    assert both.equals(sensing_hull(robot, support))
+    assert both.equals_exact(sensing_hull(robot, support), 1e-12)
     assert both.buffer(1e-9).contains(left)
     assert both.buffer(1e-9).contains(placed)
 
@@ -38,7 +38,9 @@ def test_the_polygon_of_the_right_foot_while_the_left_one_is_in_the_air() -> Non
     robot, support = load_body("nao").robot, DoubleSupport(0.02, -0.12, 0.2)
     down = FootPose.of(support)
     aloft = FootPose(down.rotation, down.translation - [0.0, 0.0, 0.02])
-    assert Carrying.RIGHT.polygon(robot, aloft).equals(Carrying.RIGHT.polygon(robot, down))
+    assert Carrying.RIGHT.polygon(robot, aloft).equals_exact(
+        Carrying.RIGHT.polygon(robot, down), 1e-12
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)
