@@ -38,7 +38,7 @@ class JointInput:
     """What a robot tells of its joints.
 
     Attributes:
-        problem: what is wrong at the moment and its cure, empty when all is well.
+        problem: what is wrong and its cure, empty while usable angles come often enough.
         latest: the last usable angles, None before there were any.
     """
 
@@ -71,11 +71,11 @@ class JointInput:
 
     @property
     def problem(self) -> str:
-        """What is wrong."""
-        if self._mismatch:
-            return self._mismatch
+        """What is wrong; of messages that cannot be used only once angles are stale."""
         if self.fresh:
             return ""
+        if self._mismatch:
+            return self._mismatch
         if self.latest is None:
             return "no joint angles yet; start the robot's driver (joint_states)"
         return f"no joint angles for {self._clock() - self._heard:.0f} s; check the robot's driver"

@@ -66,6 +66,30 @@ def test_numbers_that_cannot_be_used(broken: JointState, problem: str) -> None:
         raise AssertionError(joints.problem)
 
 
+@pytest.mark.parametrize(
+    ("broken", "problem"),
+    [
+        (message(20, {"LKneePitch": float("nan")}), "no number for joint"),
+        (JointState(name=["elbow"], position=[0.0]), "needs joint(s) HeadYaw"),
+        (message(0), "no stamps"),
+    ],
+)
+def test_a_message_that_cannot_be_used_is_no_news(broken: JointState, problem: str) -> None:
+    clock = Clock()
+    joints = JointInput(nao(), 0.5, clock)
+    good = joints.take([message(10)])
+    clock.now += 0.4
+    assert joints.take([broken]) is None
+    assert joints.problem == ""
+    assert good is not None
+    assert joints.latest is not None
+    assert joints.latest.stamp_ns.tolist() == good.stamp_ns.tolist()
+    clock.now += 0.2
+    assert problem in joints.problem
+    joints.take([message(30)])
+    assert joints.problem == ""
+
+
 def test_an_optional_joint_may_tell_nothing() -> None:
     joints = JointInput(nao(), 0.5)
     assert joints.take([message(10, {"LHand": float("nan")})]) is not None
