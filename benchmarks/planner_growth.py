@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 
 import pages
-from pages import ROOT
 from planner_cases import Case, closed_loop, evenly, with_horizon
 from planner_race import InProcess, Times, race
 from shoecal_core.planning.horizon.ipopt import IpoptSolver
@@ -20,7 +19,7 @@ from shoecal_core.report.sheet import Part, write_sheet
 from shoecal_core.report.svg import WIDTH, canvas, draw_line, line_key
 
 HORIZONS = (5, 10, 20, 40)
-FIGURE = ROOT / "docs" / "figures" / "planner-growth.svg"
+FIGURE = "planner-growth.svg"
 FAST, SLOW = "fast, converged", "IPOPT (SX)"
 LOOKS: Mapping[str, Look] = {FAST: Look(RED, 1.8), SLOW: Look(BLUE, 1.8, (4.0, 1.5))}
 HEIGHT = 190.0
@@ -65,8 +64,9 @@ def measure_growth(case: Case, problems: int, seed: int) -> list[Growth]:
     return found
 
 
-def write_growth(command: str, found: Sequence[Growth], figure: Path = FIGURE) -> None:
-    """Its section of docs/performance.md, and its figure."""
+def write_growth(command: str, found: Sequence[Growth], page: Path = pages.PERFORMANCE) -> None:
+    """Its section of docs/performance.md, and its figure in a folder beside."""
+    figure = page.parent / "figures" / FIGURE
     rows = [["N", *LOOKS, "ratio"]]
     for growth in found:
         cells = [growth.times[name].summary for name in LOOKS]
@@ -82,11 +82,12 @@ def write_growth(command: str, found: Sequence[Growth], figure: Path = FIGURE) -
     alt = "Median processor time of one optimisation in ms: " + "; ".join(
         f"N = {row[0]}: fast {row[1]}, IPOPT {row[2]}" for row in rows[1:]
     )
+    figure.parent.mkdir(exist_ok=True)
     write_sheet(figure, [[Part("Processor time of one optimisation", drawn(found, alt))]], alt)
     body = BODY.format(
         command=command, problems=problems, table=pages.table(rows), figure=figure.name
     )
-    pages.write_performance("planner-growth", body)
+    pages.write_performance("planner-growth", body, page)
 
 
 def drawn(found: Sequence[Growth], alt: str) -> str:

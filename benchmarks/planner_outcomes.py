@@ -169,12 +169,13 @@ def _planner(robot: str) -> tuple[Case, Planner]:
 def _digest() -> str:
     """Of everything that outcomes depend on."""
     digest = hashlib.sha256()
-    for file in _sources():
+    for file in sources():
         digest.update(file.read_bytes())
     return digest.hexdigest()[:16]
 
 
-def _sources() -> Iterator[Path]:
+def sources() -> Iterator[Path]:
+    """Files of the planner, its models and its robots."""
     package = Path(shoecal_core.__file__).parent
     for folder, pattern in (
         (package / "planning", "*.py"),
@@ -182,4 +183,4 @@ def _sources() -> Iterator[Path]:
         (config_dir() / "robots", "*"),
         (config_dir() / "shoes", "*"),
     ):
-        yield from sorted(folder.glob(pattern))
+        yield from sorted(file for file in folder.rglob(pattern) if file.is_file())

@@ -14,6 +14,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from contextlib import ExitStack
+from pathlib import Path
 
 import bench_json
 import pages
@@ -91,13 +92,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--problems", type=int, default=200, help="at most, evenly spaced")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--growth-problems", type=int, default=12, help="for each horizon")
+    parser.add_argument("--page", type=Path, default=pages.PERFORMANCE, help="page to write into")
+    parser.add_argument("--figures", type=Path, default=bench_json.PATH, help="figures as JSON")
     args = parser.parse_args(arguments)
     case = Case.named("nao")
     measured = measure(case, args.supports, args.problems, args.seed)
     found = figures(measured)
-    bench_json.record("planner", found)
-    pages.write_performance("planner", speed_body(COMMAND, measured))
-    write_growth(COMMAND, measure_growth(case, args.growth_problems, args.seed))
+    bench_json.record("planner", found, args.figures)
+    pages.write_performance("planner", speed_body(COMMAND, measured), args.page)
+    write_growth(COMMAND, measure_growth(case, args.growth_problems, args.seed), args.page)
     broken = missed(found, TARGETS) + require_same_optimum(measured.results)
     for line in missed(found, AIMS):
         print(f"aim not met: {line}")

@@ -61,7 +61,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--menu", type=int, default=3, help="double supports for all motions")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--out", type=Path, default=OUT)
+    parser.add_argument("--out", type=Path, default=OUT, help="folder that remembers outcomes")
+    parser.add_argument("--page", type=Path, default=pages.PERFORMANCE, help="page to write into")
     args = parser.parse_args(arguments)
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(args.workers, mp_context=spawn) as pool:
@@ -73,7 +74,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             few = [outcome.job.index for outcome in found if outcome.end == PLANNED][: args.menu]
             jobs = [Job(robot, args.seed, index, motion) for motion in MENU for index in few]
             menu += survey.of(jobs, f"{robot}, menu")
-    pages.write_performance("planner-supports", supports_body(COMMAND, drawn, menu))
+    pages.write_performance("planner-supports", supports_body(COMMAND, drawn, menu), args.page)
     wrong = [o for o in (*drawn, *menu) if o.end == FAILED or o.violated]
     for outcome in wrong:
         print(f"{outcome.job}: {outcome.cause[1] or ', '.join(outcome.violated)}")

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from planner_outcomes import FAILED, PLANNED, Job, Memory, Outcome
+import shoecal_core.planning
+from planner_outcomes import FAILED, PLANNED, Job, Memory, Outcome, sources
 from planner_supports_page import supports_body
 from shoecal_core.planning.settings import PlannerSettings
 
@@ -26,6 +27,12 @@ def test_outcomes_are_remembered_also_when_the_last_line_was_cut(tmp_path: Path)
     assert again.known() == {DONE.job: DONE}
     again.add(UNDONE)
     assert again.known() == {DONE.job: DONE, UNDONE.job: UNDONE}
+
+
+def test_outcomes_are_those_of_every_module_of_planning() -> None:
+    """Also of those in packages within it: a changed one begins a new file."""
+    folder = Path(shoecal_core.planning.__file__).parent
+    assert set(folder.rglob("*.py")) <= set(sources())
 
 
 def test_the_page_tells_failures_and_landmarks_out_of_reach() -> None:
