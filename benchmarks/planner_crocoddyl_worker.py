@@ -5,8 +5,8 @@ that it is ready, then reads one line a problem and answers each: states, second
 
 The state of the shooting problem is (q, u) of the step before, the control is u, so that the state
 equation and the cost of equation 9 are exact, and |u| is bounded by the solver itself (a box).
-crocoddyl's own solvers know no other inequalities: polygon, distances, torques and joint limits
-are quadratic penalties, as its examples have them, and so is the foot transform.
+The solver used knows no other constraints: polygon, distances, torques and joint limits are
+quadratic penalties, as crocoddyl's examples have them, and so is the foot transform.
 """
 
 from __future__ import annotations

@@ -37,7 +37,11 @@ class Measured:
 
 
 def figures(measured: Measured) -> dict[str, dict[str, float]]:
-    """The key `planner` of out/bench.json."""
+    """The key `planner` of out/bench.json.
+
+    `p99_ms` is by the clock: what counts is that the robot need not wait. `p99_cpu_ms` is the
+    processor's time.
+    """
     found: dict[str, dict[str, float]] = {}
     for mode, loops in measured.loops.items():
         fast = Times.of(measured.results[mode])
@@ -48,7 +52,8 @@ def figures(measured: Measured) -> dict[str, dict[str, float]]:
         if mode == "converged":
             found[mode]["share_converged"] = share_converged(measured.results[mode], measured.best)
         elif mode == "bounded":
-            found[mode]["p99_ms"] = 1e3 * fast.summary[2]
+            found[mode]["p99_ms"] = 1e3 * Times.of(measured.results[mode], "wall").summary[2]
+            found[mode]["p99_cpu_ms"] = 1e3 * fast.summary[2]
             found[mode]["max_violation"] = max(loop.violation for loop in loops)
         elif mode == "realtime":
             found[mode]["foot_error"] = max(loop.foot_error for loop in loops)
