@@ -35,6 +35,12 @@ class TemperatureInput:
         since = self._clock() - KEEP_S
         return {joint: degc for joint, (degc, heard) in self._heard.items() if heard >= since}
 
+    @property
+    def ages(self) -> dict[str, float]:
+        """By joint that has ever told its temperature, since when it has not [s]."""
+        now = self._clock()
+        return {joint: now - heard for joint, (_, heard) in self._heard.items()}
+
     def take(self, messages: Sequence[Any]) -> None:
         """Take sensor_msgs/Temperature, one a motor: the frame is the joint's name."""
         for message in messages:

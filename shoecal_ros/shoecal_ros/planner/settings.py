@@ -49,6 +49,12 @@ class MovingSettings(Settings):
     cool_by: float = setting(
         5.0, "degC", "by which every motor must be cooler than that to begin", minimum=0.0
     )
+    heat_stale_s: float = setting(
+        10.0,
+        "s",
+        "a motor that told its temperature before, and does not for that long, stops a motion",
+        minimum=0.1,
+    )
     steps: bool = setting(
         False,
         "",

@@ -6,6 +6,10 @@ import math
 from collections.abc import Mapping
 
 
+_NAMED = 3
+"""Sources that are told by name; of motors there may be two dozen."""
+
+
 class Silence:
     """Remembers who told something at the begin."""
 
@@ -21,9 +25,11 @@ class Silence:
 
     def look(self, ages: Mapping[str, float]) -> str:
         """The sources that fell silent, and for how long; empty when all go on."""
-        gone = {name: ages.get(name, math.inf) for name in self._sources}
-        return ", ".join(
+        now = {name: ages.get(name, math.inf) for name in self._sources}
+        gone = [
             f"{name} ({age:.1f} s)" if math.isfinite(age) else name
-            for name, age in gone.items()
+            for name, age in now.items()
             if age > self._stale_s
-        )
+        ]
+        more = len(gone) - _NAMED
+        return ", ".join([*gone[:_NAMED], *([f"{more} more"] if more > 0 else [])])

@@ -36,8 +36,15 @@ class Senses:
 
     @property
     def ages(self) -> dict[str, float]:
-        """By source, since when it has told nothing; infinite where it never did [s]."""
+        """By quick source, since when it has told nothing; infinite where it never did [s]."""
         return {"imu": self.imu.age_s, **self.shoes.ages}
+
+    @property
+    def motor_ages(self) -> dict[str, float]:
+        """The same of motors, which tell their temperatures once in a while."""
+        return {
+            f"the temperature of '{joint}'": age for joint, age in self.temperatures.ages.items()
+        }
 
 
 class MotionWatch:
@@ -62,6 +69,7 @@ class MotionWatch:
         self._kinematics = kinematics
         self._settings = settings
         self._silence = Silence(senses.ages, settings.stale_s)
+        self._motor_silence = Silence(senses.motor_ages, settings.heat_stale_s)
         self._phases: tuple[Phase, ...] = ()
         self._load: LoadWatch | None = None
         tilt = tilt_now(senses, kinematics, settings, joint_angles)
@@ -122,7 +130,8 @@ class MotionWatch:
         )
 
     def _silent(self) -> Concern | None:
-        gone = self._silence.look(self._senses.ages)
+        senses = self._senses
+        gone = self._silence.look(senses.ages) or self._motor_silence.look(senses.motor_ages)
         if not gone:
             return None
         return Concern(

@@ -50,3 +50,4 @@ def test_old_temperatures_are_forgotten() -> None:
     assert heard.degc
     clock.now += 2.0
     assert not heard.degc
+    assert heard.ages == {"LKneePitch": KEEP_S + 1.0}

@@ -19,3 +19,8 @@ def test_who_was_silent_before_is_no_concern() -> None:
 def test_a_source_that_is_gone_altogether() -> None:
     silence = Silence({"imu": 0.0, "shoe/state": 0.0}, 0.5)
     assert silence.look({"imu": 1.0}) == "imu (1.0 s), shoe/state"
+
+
+def test_many_sources_are_told_in_one_short_line() -> None:
+    silence = Silence({f"motor {number}": 0.0 for number in range(5)}, 0.5)
+    assert silence.look({}) == "motor 0, motor 1, motor 2, 2 more"

@@ -137,6 +137,19 @@ def test_silence_can_wait() -> None:
     assert "imu (0.6 s), shoe/voltages (0.6 s)" in concern.message
 
 
+def test_motors_that_tell_their_temperature_no_more() -> None:
+    watched = Watched()
+    for _ in range(round(SETTINGS.heat_stale_s)):
+        watched.clock.now += 1.0
+        watched.tell(degc=math.nan)
+        assert watched.look(1.0) is None
+    watched.clock.now += 0.1
+    concern = watched.look(1.0)
+    assert concern is not None
+    assert (concern.code, concern.can_wait) == (Plan.Result.SENSORS_STALE, True)
+    assert "the temperature of 'LKneePitch' (10.1 s)" in concern.message
+
+
 def test_who_never_told_anything_is_not_missed() -> None:
     watched = Watched(silent=True)
     watched.clock.now += 60.0
