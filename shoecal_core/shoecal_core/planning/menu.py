@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.course import Course, cop_course, in_standing
+from shoecal_core.planning.course import Course, cop_course, in_left, in_standing
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.lifting import (
@@ -21,6 +21,7 @@ from shoecal_core.planning.lifting import (
     vertical_states,
     way_between,
 )
+from shoecal_core.planning.posture import middle
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
@@ -31,11 +32,12 @@ class Standing:
     """Where a motion begins.
 
     Attributes:
-        robot: that stands on both feet.
+        robot: that stands on both feet, or on one.
         settings: of planning.
         foot_pose: of the right sole in the left sole's frame.
         tasks: (5,) CoP in the left sole's frame [m], lean, height of the base [m].
         on_one: the same for standing on one foot, the feet in a pose.
+        carrying: the feet that stand.
     """
 
     robot: Robot
@@ -43,6 +45,7 @@ class Standing:
     foot_pose: FootPose
     tasks: FloatArray
     on_one: Callable[[FootPose, Carrying], FloatArray]
+    carrying: Carrying = Carrying.BOTH
 
     @property
     def cop(self) -> FloatArray:
@@ -67,12 +70,14 @@ class MotionKind:
         doc: what it is, for people.
         courses: what it is made of, from where it begins.
         streams: whether it is one course of places for the CoP, and so can be planned part by
-            part while the robot moves.
+            part, each from where the robot has come to.
+        on_one: whether it begins on one foot.
     """
 
     doc: str
     courses: Callable[[Standing], tuple[Course, ...]]
     streams: bool = False
+    on_one: bool = False
 
 
 def kind_named(name: str) -> MotionKind:
@@ -81,9 +86,10 @@ def kind_named(name: str) -> MotionKind:
     Raises:
         NameNotFoundError: for a motion that is not on it.
     """
-    if name not in MENU:
-        raise NameNotFoundError("motion", name, tuple(MENU))
-    return MENU[name]
+    known = {**MENU, PUT_DOWN: _PUTTING_DOWN}
+    if name not in known:
+        raise NameNotFoundError("motion", name, tuple(known))
+    return known[name]
 
 
 def _landmarks(
@@ -148,6 +154,29 @@ def _unload(standing: Standing, carrying: Carrying) -> tuple[Course, ...]:
         standing.pursuing("back", standing.tasks[None]),
     )
 
+
+def _put_down(standing: Standing) -> tuple[Course, ...]:
+    """Straight down with the foot in the air, everything else as it is; the weight back."""
+    settings, pose, carrying = standing.settings, standing.foot_pose, standing.carrying
+    height = abs(float(pose.translation[2]))
+    down = lifted(pose, carrying, -height)
+    states = vertical_states(height, settings)
+    aim = in_standing(standing.tasks, pose, carrying)
+    ended = in_left(aim, down, carrying)
+    ended[:2] = middle(standing.robot, down.support)
+    ended[2:4] = 0.0
+    back = Course("back", ended[None], settings.task_weights, (down,))
+    return (
+        in_the_air("lower", aim, way_between(pose, down, carrying, states), carrying, settings),
+        back,
+    )
+
+
+PUT_DOWN = "put_down"
+"""Not on the menu: what a robot does that was stopped on one foot."""
+_PUTTING_DOWN = MotionKind(
+    "the foot in the air put down, the weight back over both", _put_down, on_one=True
+)
 
 MENU: Mapping[str, MotionKind] = {
     "landmarks": MotionKind("landmark to landmark, counter-clockwise", _landmarks, streams=True),

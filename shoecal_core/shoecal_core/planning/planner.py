@@ -21,9 +21,8 @@ from shoecal_core.planning.horizon.ipopt import IpoptSolver
 from shoecal_core.planning.horizon.problem import Scene, Solver
 from shoecal_core.planning.horizon.rolling import Path, PlanningError, Progress, RollingHorizon
 from shoecal_core.planning.horizon.sqp import SqpSolver
-from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.legs import FootPose, Legs
-from shoecal_core.planning.menu import Standing, kind_named
+from shoecal_core.planning.menu import PUT_DOWN, Standing, kind_named
 from shoecal_core.planning.motion import Motion, timed
 from shoecal_core.planning.posture import StanceSolver
 from shoecal_core.planning.settings import PlannerSettings
@@ -89,11 +88,13 @@ class Planner:
         led back inside gently.
 
         Raises:
-            StartError: when the robot does not stand on both feet, or leans too far.
+            StartError: when the robot does not stand on both feet (`put_down`: on one), or
+                leans too far.
             Else as `plan`.
         """
         kind = kind_named(motion)
-        courses = kind.courses(self.standing(joint_angles))
+        at = self.standing_on_one(joint_angles) if kind.on_one else self.standing(joint_angles)
+        courses = kind.courses(at)
         return self.follow(joint_angles, motion, courses, progress=progress, canceled=canceled)
 
     def follow(
@@ -168,41 +169,71 @@ class Planner:
         Raises:
             StartError: when it does not stand on both feet, or leans too far.
         """
-        robot = self.legs.robot
+        foot_pose = self._measured(joint_angles)
+        height = abs(float(foot_pose.translation[2]))
+        if height > self.settings.sole_height:
+            raise StartError(
+                f"one sole is {1e3 * height:.1f} mm above the other (sole_height "
+                f"{1e3 * self.settings.sole_height:g} mm); a robot on one foot puts the other one "
+                f"down by the motion '{PUT_DOWN}', else check the joint offsets"
+            )
+        return self._standing(joint_angles, foot_pose, Carrying.BOTH)
+
+    def standing_on_one(self, joint_angles: FloatArray) -> Standing:
+        """What all joint angles (m,) [rad] of a robot that was stopped on one foot say.
+
+        Raises:
+            StartError: when it stands on both feet, or leans too far.
+        """
+        foot_pose = self._measured(joint_angles)
+        height = float(foot_pose.translation[2])
+        if abs(height) <= self.settings.sole_height:
+            raise StartError(
+                f"both feet stand (one sole is {1e3 * abs(height):.1f} mm above the other); there "
+                "is none to put down"
+            )
+        carrying = Carrying.LEFT if height > 0.0 else Carrying.RIGHT
+        return self._standing(joint_angles, foot_pose, carrying)
+
+    def _measured(self, joint_angles: FloatArray) -> FootPose:
+        """The pose between the soles, level to each other."""
+        robot, settings = self.legs.robot, self.settings
         if joint_angles.shape != robot.posture.shape:
             raise ShapeError("joint angles", f"({len(robot.posture)},)", joint_angles.shape)
-        foot_pose = self._standing_on(joint_angles)
-        scene = Scene.of(sensing_hull(robot, foot_pose.support), 0.0, foot_pose, joint_angles)
+        if not np.all(np.isfinite(joint_angles)):
+            raise StartError("joint angles that are not finite numbers; wait for all joints")
+        pose = self.legs.foot_pose(joint_angles)
+        tilt = float(np.arccos(np.clip(pose.rotation[2, 2], -1.0, 1.0)))
+        if tilt > settings.sole_tilt:
+            raise StartError(
+                f"the soles are tilted by {tilt:.3f} rad against each other (sole_tilt "
+                f"{settings.sole_tilt:g} rad); let the robot stand flat, or check the joint offsets"
+            )
+        return pose
+
+    def _standing(
+        self, joint_angles: FloatArray, foot_pose: FootPose, carrying: Carrying
+    ) -> Standing:
+        robot = self.legs.robot
+        polygon = carrying.polygon(robot, foot_pose)
+        cop = self.legs.cop(joint_angles[None])[0]
+        beyond = polygon.distance(shapely.Point(cop))
+        if beyond > 0.0:
+            raise StartError(
+                f"the CoM is {1e3 * beyond:.1f} mm outside the sensing polygon of the feet that "
+                "stand; let the robot stand upright first"
+            )
+        scene = Scene.of(polygon, 0.0, foot_pose, joint_angles, carrying.share)
 
         def tasks(leg_angles: FloatArray) -> FloatArray:
             found: FloatArray = self.horizon.collocation.evaluate(leg_angles[None], scene).tasks[0]
             return found
 
-        def on_one(pose: FootPose, carrying: Carrying) -> FloatArray:
-            return tasks(self._stance.solve_on_one(pose, carrying, joint_angles))
+        def on_one(pose: FootPose, foot: Carrying) -> FloatArray:
+            return tasks(self._stance.solve_on_one(pose, foot, joint_angles))
 
-        return Standing(robot, self.settings, foot_pose, tasks(joint_angles[robot.legs]), on_one)
-
-    def _standing_on(self, joint_angles: FloatArray) -> FootPose:
-        robot, settings = self.legs.robot, self.settings
-        if not np.all(np.isfinite(joint_angles)):
-            raise StartError("joint angles that are not finite numbers; wait for all joints")
-        pose = self.legs.foot_pose(joint_angles)
-        height = abs(float(pose.translation[2]))
-        tilt = float(np.arccos(np.clip(pose.rotation[2, 2], -1.0, 1.0)))
-        if height > settings.sole_height or tilt > settings.sole_tilt:
-            raise StartError(
-                f"the soles are {1e3 * height:.1f} mm and {tilt:.3f} rad off one floor; let the "
-                "robot stand on both feet, or check the joint offsets"
-            )
-        cop = self.legs.cop(joint_angles[None])[0]
-        beyond = sensing_hull(robot, pose.support).distance(shapely.Point(cop))
-        if beyond > 0.0:
-            raise StartError(
-                f"the CoM is {1e3 * beyond:.1f} mm outside the sensing polygon of the double "
-                "support; let the robot stand upright first"
-            )
-        return pose
+        now = tasks(joint_angles[robot.legs])
+        return Standing(robot, self.settings, foot_pose, now, on_one, carrying)
 
 
 def plan_motion(

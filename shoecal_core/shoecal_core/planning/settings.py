@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.settings import Settings, setting
+from shoecal_core.settings import SettingError, Settings, setting
 
 SOLVERS = ("sqp", "ipopt")
 MODES = ("converged", "bounded", "realtime")
@@ -232,12 +232,21 @@ class PlannerSettings(Settings):
 
     # A start that is measured
     sole_height: float = setting(
-        0.015, "m", "largest difference of height between the soles of a standing robot",
-        minimum=0.0,
+        0.005, "m", "largest difference of height between the soles of a standing robot; at most "
+        "half of lift and step_lift", minimum=0.0,
     )  # fmt: skip
     sole_tilt: float = setting(
         0.1, "rad", "largest tilt between the soles of a standing robot", minimum=0.0
     )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if 2.0 * self.sole_height > min(self.lift, self.step_lift):
+            raise SettingError(
+                "sole_height",
+                f"{self.sole_height:g} m takes a foot in the air for one that stands; set it to at "
+                "most half of lift and step_lift",
+            )
 
     @property
     def task_weights(self) -> NDArray[np.float64]:

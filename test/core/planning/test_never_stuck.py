@@ -144,7 +144,7 @@ def test_random_starts(generator: np.random.Generator) -> None:
     start = stance + generator.uniform(-0.03, 0.03, len(stance))
     for shared in planner.legs.robot.shared:
         start[shared.joint] = shared.ratio * start[shared.leader]
-    motion = motion_or_cure(lambda: planner.plan_from(start), StartError, "off one floor; let")
+    motion = motion_or_cure(lambda: planner.plan_from(start), StartError, "check the joint offsets")
     if motion is not None:
         certified(planner, motion)
 

@@ -161,11 +161,3 @@ def test_from_encoders_that_are_off(name: str, seed: int) -> None:
     pose = planner.legs.foot_pose(motion.positions[-1])
     np.testing.assert_allclose(pose.translation, [*THERE.translation, 0.0], atol=1e-4)
     np.testing.assert_allclose(pose.rotation[2], [0.0, 0.0, 1.0], atol=1e-4)
-
-
-def test_a_robot_on_one_foot_takes_no_step() -> None:
-    planner, motion = planner_of("nao"), step_of("nao", Carrying.LEFT)
-    swing = motion.phases[1]
-    middle = int(np.searchsorted(motion.time, (swing.begin + swing.end) / 2.0))
-    with pytest.raises(StartError):
-        Stepper(planner).step(motion.positions[middle], THERE)

@@ -1,0 +1,95 @@
+"""A robot that was stopped on one foot puts the other one down, and does nothing else."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from core.planning.motions import SETTINGS, planner_of
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.checking.body_track import track
+from shoecal_core.planning.checking.check import check_motion
+from shoecal_core.planning.menu import PUT_DOWN
+from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.planner import StartError
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.steps import Stepper
+from shoecal_core.settings import SettingError
+
+FloatArray = NDArray[np.float64]
+
+HERE, THERE = DoubleSupport(0.0, -0.115, 0.0), DoubleSupport(0.04, -0.125, -0.2)
+
+
+@cache
+def lifting(motion: str) -> Motion:
+    planner = planner_of("nao")
+    if motion == "step":
+        step = Stepper(planner).step(planner.stance(HERE), THERE)
+        assert step is not None
+        return step
+    return planner.plan(HERE, motion)
+
+
+def in_the_air(motion: Motion) -> tuple[FloatArray, FloatArray]:
+    """(n, m) joint angles while one foot carries, and (n,) how high the other one is [m]."""
+    spans = [phase for phase in motion.phases if phase.carrying is not Carrying.BOTH]
+    within = (motion.time >= spans[0].begin) & (motion.time <= spans[-1].end)
+    angles = motion.positions[within]
+    return angles, np.abs(track(planner_of("nao").legs.robot, angles).right_translation[:, 2])
+
+
+@pytest.mark.parametrize("name", ["step", "unload_left", "unload_right"])
+def test_only_the_foot_in_the_air_moves_first(name: str) -> None:
+    """Wherever a motion is stopped, it is either put down or stands already."""
+    planner = planner_of("nao")
+    angles, heights = in_the_air(lifting(name))
+    assert heights.max() > 2.0 * SETTINGS.sole_height
+    for index in range(0, len(angles), 7):
+        if heights[index] <= SETTINGS.sole_height:
+            with pytest.raises(StartError, match="both feet stand"):
+                planner.standing_on_one(angles[index])
+            continue
+        with pytest.raises(StartError, match=r"mm above the other .*'put_down'"):
+            planner.standing(angles[index])
+        with pytest.raises(StartError):
+            Stepper(planner).step(angles[index], THERE)
+
+
+@pytest.mark.parametrize("name", ["step", "unload_left", "unload_right"])
+def test_the_foot_comes_down_where_it_is(name: str) -> None:
+    planner = planner_of("nao")
+    robot = planner.legs.robot
+    angles, heights = in_the_air(lifting(name))
+    for start in (int(np.argmax(heights)), int(np.argmax(heights > 1.2 * SETTINGS.sole_height))):
+        motion = planner.plan_from(angles[start], PUT_DOWN)
+        assert check_motion(planner.legs, motion, SETTINGS).kept
+        assert [phase.name for phase in motion.phases] == ["lower", "back"]
+        carrying = [phase.carrying for phase in lifting(name).phases]
+        one = next(foot for foot in carrying if foot is not Carrying.BOTH)
+        assert [phase.carrying for phase in motion.phases] == [one, Carrying.BOTH]
+        body = track(robot, motion.positions)
+        np.testing.assert_allclose(motion.positions[0], angles[start], atol=1e-12)
+        np.testing.assert_allclose(body.right_translation[-1, 2], 0.0, atol=SETTINGS.foot_drift)
+        standing = planner.standing(motion.positions[-1])
+        assert standing.carrying is Carrying.BOTH
+        if one is Carrying.LEFT:
+            moved = body.right_translation[:, :2] - body.right_translation[0, :2]
+            assert np.abs(moved).max() < 2e-4
+
+
+def test_feet_that_stand_are_not_put_down() -> None:
+    planner = planner_of("nao")
+    with pytest.raises(StartError, match="both feet stand"):
+        planner.plan(HERE, PUT_DOWN)
+
+
+def test_a_foot_in_the_air_is_never_taken_for_one_that_stands() -> None:
+    with pytest.raises(SettingError, match="sole_height"):
+        PlannerSettings(sole_height=0.007)
+    with pytest.raises(SettingError, match="half of lift"):
+        PlannerSettings(lift=0.008)
