@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,13 @@ from shoecal_core.sensing.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 
+Told = Callable[[int, int], None]
+"""Hears how many double supports have been tried, and how many will be at most."""
+
+_TRIES = 25
+"""Double supports tried for each one wanted; a robot that stands in fewer is hardly fit for it."""
+_TOLD = 20
+"""Tries from word to word."""
 _POOLS = 3
 """How often the pool of double supports is enlarged before the range is given up."""
 
@@ -41,8 +48,47 @@ class UnobservableError(ShoecalError):
         )
 
 
+class _Search:
+    """Looks for double supports that a robot can be asked to visit, in random order."""
+
+    def __init__(self, feasible: Feasible, generator: np.random.Generator, told: Told) -> None:
+        self.feasible = feasible
+        self._untried = feasible.shuffled(generator)
+        self._told = told
+
+    def pool(self, count: int, size: int) -> list[DoubleSupport]:
+        """As many as `size` if they are found soon, at least `count`.
+
+        Raises:
+            SupportRangeError: when there are fewer.
+        """
+        pool = self.more(max(count, size))
+        if len(pool) < count:
+            feasible = self.feasible
+            raise SupportRangeError(feasible.robot.name, len(pool), count, feasible.tally)
+        return pool
+
+    def more(self, wanted: int) -> list[DoubleSupport]:
+        """As many more; fewer where that takes too many tries."""
+        found: list[DoubleSupport] = []
+        most = _TRIES * wanted
+        for tried, support in enumerate(itertools.islice(self._untried, most)):
+            if tried % _TOLD == 0:
+                self._told(tried, most)
+            if self.feasible.can_stand(support):
+                found.append(support)
+                if len(found) == wanted:
+                    break
+        return found
+
+
 def draw_supports(
-    robot: Robot, shoe: Shoe, settings: PlannerSettings, count: int, seed: int
+    robot: Robot,
+    shoe: Shoe,
+    settings: PlannerSettings,
+    count: int,
+    seed: int,
+    told: Told = lambda _tried, _most: None,
 ) -> list[DoubleSupport]:
     """Draw `count` double supports, the same ones for the same seed.
 
@@ -52,25 +98,30 @@ def draw_supports(
     left out, the others fix every direction of gains and offsets that as many can fix; sets that
     do not are drawn again. (Fewer than `training_supports` are taken as they come.)
 
+    Args:
+        robot, shoe, settings: who visits them.
+        count: how many.
+        seed: of the draw.
+        told: hears of the search.
+
     Raises:
-        SupportRangeError: when the range holds fewer than `count`.
+        SupportRangeError: when the range holds fewer than `count`, or hardly any.
         UnobservableError: when no set fixes what should be fixed.
     """
     if count < 1:
         raise ShoecalError(f"{count} double supports asked for; ask for at least one")
     generator = np.random.default_rng(seed)
-    feasible = Feasible(robot, settings)
+    search = _Search(Feasible(robot, settings), generator, told)
     if settings.support_choice == "spread":
-        return _draw_spread(shoe, feasible, count, generator)
-    return _draw_design(shoe, feasible, count, generator)
+        return _draw_spread(shoe, search, count, generator)
+    return _draw_design(shoe, search, count, generator)
 
 
 def _draw_spread(
-    shoe: Shoe, feasible: Feasible, count: int, generator: np.random.Generator
+    shoe: Shoe, search: _Search, count: int, generator: np.random.Generator
 ) -> list[DoubleSupport]:
-    robot, settings = feasible.robot, feasible.settings
-    usable = feasible.draw(generator)
-    pool = _pool(usable, robot, count, settings.support_pool)
+    robot, settings = search.feasible.robot, search.feasible.settings
+    pool = search.pool(count, settings.support_pool)
     if count < settings.training_supports:
         return _spread(pool, count, settings, generator)
     possible = best_rank(robot, shoe, trained_supports(count, settings), settings)
@@ -83,16 +134,15 @@ def _draw_spread(
             if weakest >= possible:
                 return supports
             found = max(found, weakest)
-        pool += itertools.islice(usable, settings.support_pool)
+        pool += search.more(settings.support_pool)
     raise UnobservableError(robot.name, found, possible, 2 * len(shoe.channels))
 
 
 def _draw_design(
-    shoe: Shoe, feasible: Feasible, count: int, generator: np.random.Generator
+    shoe: Shoe, search: _Search, count: int, generator: np.random.Generator
 ) -> list[DoubleSupport]:
-    robot, settings = feasible.robot, feasible.settings
-    usable = feasible.draw(generator)
-    pool = _pool(usable, robot, count, settings.design_pool)
+    robot, settings = search.feasible.robot, search.feasible.settings
+    pool = search.pool(count, settings.design_pool)
     trained = trained_supports(count, settings)
     possible = best_rank(robot, shoe, trained, settings)
     weakest = 0
@@ -102,17 +152,8 @@ def _draw_design(
         weakest = weakest_rank(list(_parts(robot, shoe, supports, settings).values()), settings)
         if weakest >= possible or count < settings.training_supports:
             return supports
-        pool += itertools.islice(usable, settings.design_pool)
+        pool += search.more(settings.design_pool)
     raise UnobservableError(robot.name, weakest, possible, 2 * len(shoe.channels))
-
-
-def _pool(
-    usable: Iterator[DoubleSupport], robot: Robot, count: int, size: int
-) -> list[DoubleSupport]:
-    pool = list(itertools.islice(usable, max(count, size)))
-    if len(pool) < count:
-        raise SupportRangeError(robot.name, len(pool), count)
-    return pool
 
 
 def trained_supports(count: int, settings: PlannerSettings) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,14 +21,56 @@ from shoecal_core.planning.settings import PlannerSettings
 FloatArray = NDArray[np.float64]
 
 
-class SupportRangeError(ShoecalError):
-    """A range that does not hold the double supports that are wanted."""
+@dataclass
+class Tally:
+    """What became of double supports that were looked at.
 
-    def __init__(self, robot: str, found: int, wanted: int) -> None:
+    Attributes:
+        near: the feet overlap or are too near each other.
+        unreachable: the robot cannot stand there.
+        landmarks: it can, but not above enough landmarks.
+        usable: it can be asked to stand there.
+    """
+
+    near: int = 0
+    unreachable: int = 0
+    landmarks: int = 0
+    usable: int = 0
+
+    def __str__(self) -> str:
+        return (
+            f"{self.near} with feet too near, {self.unreachable} out of reach, {self.landmarks} "
+            f"with landmarks out of reach, {self.usable} usable"
+        )
+
+    @property
+    def cure(self) -> str:
+        """Of what rules most of them out."""
+        most = max(self.near, self.unreachable, self.landmarks)
+        if most == 0:
+            return "widen support_range"
+        if most == self.near:
+            return "widen support_range, or lower distance_min or foot_clearance"
+        named = "see that 'legs' of the robot file names every joint of both legs"
+        if most == self.unreachable:
+            return (
+                f"{named}, bring support_range nearer to the neutral stance, or lower stance_margin"
+            )
+        return f"{named}, widen support_range, or lower stance_margin or landmarks_in_reach"
+
+
+class SupportRangeError(ShoecalError):
+    """A range that does not hold the double supports that are wanted.
+
+    Attributes:
+        tally: of those that were looked at.
+    """
+
+    def __init__(self, robot: str, found: int, wanted: int, tally: Tally) -> None:
+        self.tally = tally
         super().__init__(
             f"robot '{robot}': {found} of {wanted} double supports found where the feet "
-            "neither collide nor are out of reach; widen support_range, or lower distance_min, "
-            "foot_clearance, stance_margin or landmarks_in_reach"
+            f"neither collide nor are out of reach (looked at: {tally}); {tally.cure}"
         )
 
 
@@ -62,16 +105,24 @@ class Feasible:
 
     They are points of its discretised range where the feet do not collide and are far enough
     apart (paper's distance d), and where the robot can stand, above most landmarks too.
+
+    Attributes:
+        robot, settings: whose they are.
+        tally: of all that have been looked at.
     """
 
     def __init__(self, robot: Robot, settings: PlannerSettings) -> None:
         self.robot, self.settings = robot, settings
+        self.tally = Tally()
         self._stance = StanceSolver(Legs(robot), settings)
 
     def draw(self, generator: np.random.Generator) -> Iterator[DoubleSupport]:
         """All of them in random order: the paper's draws."""
-        order = generator.permutation(support_grid(self.robot))
-        return (support for support in self._apart(order) if self.can_stand(support))
+        return (support for support in self.shuffled(generator) if self.can_stand(support))
+
+    def shuffled(self, generator: np.random.Generator) -> Iterator[DoubleSupport]:
+        """All of `apart` in random order."""
+        return self._apart(generator.permutation(support_grid(self.robot)))
 
     def apart(self) -> list[DoubleSupport]:
         """All whose feet neither collide nor are too near; not in each the robot can stand."""
@@ -80,19 +131,29 @@ class Feasible:
     def can_stand(self, support: DoubleSupport) -> bool:
         """Whether the robot can stand there, and above enough landmarks."""
         if not self._stands(support, None):
+            self.tally.unreachable += 1
             return False
         landmarks = Contour.of(self.robot, support).corners
         # As soon as too many are out of reach, the others need no look.
         spare = len(landmarks) - self.settings.landmarks_in_reach
         failed = (landmark for landmark in landmarks if not self._stands(support, landmark))
-        return len(list(itertools.islice(failed, spare + 1))) <= spare
+        if len(list(itertools.islice(failed, spare + 1))) > spare:
+            self.tally.landmarks += 1
+            return False
+        self.tally.usable += 1
+        return True
 
     def _apart(self, grid: FloatArray) -> Iterator[DoubleSupport]:
         distances = feet_distance(grid[:, :2], grid[:, 2], self.settings)
-        for point in grid[distances > self.settings.distance_min]:
+        for point, distance in zip(grid, distances, strict=True):
             support = DoubleSupport(*(float(value) for value in point))
-            if feet_gap(self.robot, support) >= self.settings.foot_clearance:
+            if (
+                distance > self.settings.distance_min
+                and feet_gap(self.robot, support) >= self.settings.foot_clearance
+            ):
                 yield support
+            else:
+                self.tally.near += 1
 
     def _stands(self, support: DoubleSupport, cop: FloatArray | None) -> bool:
         try:

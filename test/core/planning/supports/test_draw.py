@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from core.planning.bodies import Body
+from core.planning.bodies import Body, load_body
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
@@ -101,13 +101,29 @@ def test_yaw_that_never_differs_is_refused(body: Body, choice: str) -> None:
     assert caught.value.rank < caught.value.possible
 
 
+def test_a_robot_that_can_hardly_stand_is_given_up_by_the_likely_cause() -> None:
+    """Without one of its joints it stands nearly everywhere, but cannot move its CoP there."""
+    wren = load_body("wren")
+    legs = wren.robot.legs[np.array(wren.robot.leg_names) != "right_ankle_sway"]
+    stiff = dataclasses.replace(wren.robot, legs=legs)
+    settings = dataclasses.replace(SETTINGS, support_pool=2)
+    told: list[tuple[int, int]] = []
+    with pytest.raises(SupportRangeError, match=r"'legs' of the robot file") as caught:
+        draw_supports(stiff, wren.shoe, settings, 2, 0, lambda *tried: told.append(tried))
+    tally = caught.value.tally
+    assert told[0][0] == 0
+    assert {most for _, most in told} == {tally.unreachable + tally.landmarks + tally.usable}
+
+
 def test_ranges_too_small_are_refused(nao: Body) -> None:
     one = narrowed(nao.robot, lower=(0.0, -0.12, 0.1), upper=(0.0, -0.12, 0.1))
     assert draw_supports(one, nao.shoe, SETTINGS, 1, 0) == [DoubleSupport(0.0, -0.12, 0.1)]
     with pytest.raises(SupportRangeError, match=r"1 of 2 double supports .* widen"):
         draw_supports(one, nao.shoe, SETTINGS, 2, 0)
     colliding = narrowed(nao.robot, lower=(0.0, -0.06, 0.0), upper=(0.0, -0.06, 0.0))
-    with pytest.raises(SupportRangeError, match="0 of 1"):
+    with pytest.raises(
+        SupportRangeError, match=r"0 of 1 .* 1 with feet too near, .* lower distance"
+    ):
         draw_supports(colliding, nao.shoe, SETTINGS, 1, 0)
     with pytest.raises(ShoecalError, match="at least one"):
         draw_supports(nao.robot, nao.shoe, SETTINGS, 0, 0)
