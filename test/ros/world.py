@@ -64,11 +64,16 @@ class World:
         parameters: Mapping[str, object] | None = None,
         *arguments: str,
         name: str = "",
+        script: Path | None = None,
     ) -> subprocess.Popen[bytes]:
-        """Start one node with parameters and ROS arguments, under its own name or another."""
+        """Start one node with parameters and ROS arguments, under its own name or another.
+
+        Where a script is given it is the program.
+        """
         name = name or node
         pairs = [f"{key}:={_yaml(value)}" for key, value in (parameters or {}).items()]
-        command = [sys.executable, "-m", f"shoecal_ros.nodes.{node}", "--ros-args"]
+        program = ["-m", f"shoecal_ros.nodes.{node}"] if script is None else [str(script)]
+        command = [sys.executable, *program, "--ros-args"]
         command += [part for pair in pairs for part in ("-p", pair)]
         with self._log(name).open("wb") as log:
             process = subprocess.Popen(

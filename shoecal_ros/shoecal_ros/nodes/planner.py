@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
+import traceback
 from typing import Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -185,14 +186,21 @@ class Planner(ShoecalNode):
         try:
             if self._busy:
                 raise RefusedError(result.BUSY, "another motion is under way; wait or cancel it")
-            self._busy = True
+            self._busy, self._execution = True, job.execution
             try:
-                self._execution = job.execution
                 await job.run()
             finally:
                 self._busy = False
+                job.execution.halt()
         except RefusedError as refusal:
             result.error_code, result.message = refusal.code, str(refusal)
+        except Exception as error:  # noqa: BLE001 (whatever it is, the goal is answered)
+            self.get_logger().error(traceback.format_exc())
+            told = " ".join(str(error).split())
+            result.error_code = result.FAILED
+            result.message = (
+                f"stopped by a fault: {type(error).__name__}: {told}; see the node's log"
+            )
         else:
             degc = self.senses.temperatures.degc
             result.success = True
