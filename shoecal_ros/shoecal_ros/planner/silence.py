@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-
 _NAMED = 3
 """Sources that are told by name; of motors there may be two dozen."""
 
