@@ -15,7 +15,7 @@ from typing import NoReturn, Protocol, cast
 
 from rich.console import Console
 
-from shoecal_core.errors import ShoecalError, ToldError
+from shoecal_core.errors import PartialError, ShoecalError, ToldError
 from shoecal_core.files import atomic_write
 
 COMMANDS = {
@@ -51,9 +51,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     # Results go to stdout, progress and errors to stderr: a pipe gets figures only.
     errors = Console(stderr=True, highlight=False)
     try:
-        figures = args.command.run(args, _output())
-        if args.json is not None:
-            atomic_write(args.json, json.dumps(figures, indent=1, allow_nan=False) + "\n")
+        try:
+            _write(args.json, args.command.run(args, _output()))
+        except PartialError as error:
+            _write(args.json, error.figures)
+            raise
     except ToldError:
         return 1
     except ShoecalError as error:
@@ -63,6 +65,11 @@ def main(argv: Sequence[str] | None = None) -> int:
         errors.print(f"shoecal {args.name}: interrupted")
         return 130
     return 0
+
+
+def _write(file: Path | None, figures: Mapping[str, object]) -> None:
+    if file is not None:
+        atomic_write(file, json.dumps(figures, indent=1, allow_nan=False) + "\n")
 
 
 def _output() -> Console:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 
@@ -77,6 +77,18 @@ class ShapeError(ShoecalError):
 def _revive(kind: type[ShoecalError], args: tuple[object, ...]) -> ShoecalError:
     """An error as it was raised: its constructor takes other arguments than its message."""
     return kind.__new__(kind, *args)
+
+
+class PartialError(ShoecalError):
+    """Work of which a part could not be done; the rest was done and written.
+
+    Attributes:
+        figures: of what was done.
+    """
+
+    def __init__(self, message: str, figures: Mapping[str, object]) -> None:
+        self.figures = figures
+        super().__init__(message)
 
 
 class ToldError(ShoecalError):

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
+from shoecal_core.model.robot_file import shoe_file_of
 from shoecal_core.planning.menu import MENU
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports
@@ -99,12 +100,42 @@ def _listed(what: str, choices: Mapping[str, str]) -> str:
     return f"{what}: " + "; ".join(f"{name} ({doc})" for name, doc in choices.items())
 
 
+def add_shoe(parser: argparse.ArgumentParser) -> None:
+    """`--shoe`."""
+    parser.add_argument(
+        "--shoe",
+        type=Path,
+        help="shoe file (default: ../shoes/ROBOT_shoe.yaml beside the robot file ROBOT.yaml)",
+    )
+
+
+def shoe_file(args: argparse.Namespace, robot: Path) -> Path:
+    """The file of `--shoe`, else the one that belongs to the robot's file."""
+    return shoe_file_of(robot) if args.shoe is None else Path(args.shoe)
+
+
 def chosen_supports(
-    args: argparse.Namespace, robot: Robot, shoe: Shoe, settings: PlannerSettings
+    args: argparse.Namespace,
+    robot: Robot,
+    shoe: Shoe,
+    settings: PlannerSettings,
+    progress: Callable[[str, float], None],
 ) -> list[DoubleSupport]:
-    """The double supports of `--stance`, else as many as the settings say, drawn."""
+    """The double supports of `--stance`, else as many as the settings say, drawn.
+
+    Args:
+        args: of the command.
+        robot, shoe, settings: who visits them.
+        progress: hears of the search.
+    """
+    progress("looking for double supports", 0.0)
     if args.stance is None:
-        return draw_supports(robot, shoe, settings, settings.supports, args.seed)
+
+        def told(tried: int, most: int) -> None:
+            if tried:
+                progress(f"looking for double supports, {tried} of at most {most} tried", 0.0)
+
+        return draw_supports(robot, shoe, settings, settings.supports, args.seed, told)
     feasible = Feasible(robot, settings)
     return [named_support(name, feasible) for name in args.stance]
 

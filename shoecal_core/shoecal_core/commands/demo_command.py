@@ -16,7 +16,7 @@ from typing import cast
 
 from rich.console import Console
 
-from shoecal_core.commands.arguments import seed_number
+from shoecal_core.commands.arguments import add_shoe, seed_number, shoe_file
 from shoecal_core.errors import ShoecalError, ToldError
 from shoecal_core.files import read_bytes
 from shoecal_core.workspace import config_dir, ros_environment
@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", type=Path, default=Path("out/demo"), help="folder of the results")
     parser.add_argument("--reality", type=Path, help="changes to the default simulated reality")
     parser.add_argument("--robot", type=Path, help="robot file (default: the NAO)")
-    parser.add_argument("--shoe", type=Path, help="shoe file (default: the NAO's shoe)")
+    add_shoe(parser)
     parser.add_argument("--supports", type=int, default=5, help="double supports to visit")
     parser.add_argument("--train", type=int, default=3, help="of them used for the fit")
 
@@ -41,12 +41,15 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             "most all"
         )
     config = config_dir()
+    robot = args.robot or config / "robots" / "nao.yaml"
+    shoe = shoe_file(args, robot)
+    console.print(f"{robot} with {shoe}")
     command = [
         sys.executable, "-m", "shoecal_ros.demo",
         "--seed", str(args.seed),
         "--out", str(args.out),
-        "--robot", str(args.robot or config / "robots" / "nao.yaml"),
-        "--shoe", str(args.shoe or config / "shoes" / "nao_shoe.yaml"),
+        "--robot", str(robot),
+        "--shoe", str(shoe),
         "--supports", str(args.supports),
         "--train", str(args.train),
     ]  # fmt: skip

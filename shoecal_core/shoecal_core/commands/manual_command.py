@@ -28,7 +28,7 @@ from shoecal_core.calibration.manual.loads import CELLS, SHOE, Load, planned_loa
 from shoecal_core.calibration.manual.measurements import Measurements
 from shoecal_core.calibration.manual.measurements_file import load_measurements, save_measurements
 from shoecal_core.calibration.manual.settings import ManualSettings, load_manual_settings
-from shoecal_core.commands.arguments import require_folder, seed_number
+from shoecal_core.commands.arguments import add_shoe, require_folder, seed_number, shoe_file
 from shoecal_core.commands.manual_guide import guide_person
 from shoecal_core.commands.manual_guide_streams import FrameStream, driver_stream, file_stream
 from shoecal_core.commands.manual_tables import (
@@ -110,7 +110,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     simulate.add_argument("--reality", type=Path, help="changes to the default simulated reality")
     for task in (cells, shoe, simulate):
         task.add_argument("--robot", type=Path, help="who wears the shoes (default: the NAO)")
-        task.add_argument("--shoe", type=Path, help="shoe file (default: the NAO's shoe)")
+        add_shoe(task)
         task.add_argument(
             "--settings", type=Path, help="weights and samples (default: manual.yaml)"
         )
@@ -128,10 +128,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Do one of the tasks."""
     config = config_dir()
-    shoe = load_shoe(args.shoe or config / "shoes" / "nao_shoe.yaml")
+    robot = args.robot or config / "robots" / "nao.yaml"
+    shoe = load_shoe(shoe_file(args, robot))
     bench = _Bench(
         shoe,
-        load_robot(args.robot or config / "robots" / "nao.yaml", shoe),
+        load_robot(robot, shoe),
         load_manual_settings(args.settings or config / "manual.yaml"),
     )
     for path in filter(None, (args.json, args.report)):

@@ -3,18 +3,26 @@
 from __future__ import annotations
 
 import argparse
-import json
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.commands.arguments import add_planning, chosen_supports, planner_settings
+from shoecal_core.commands.arguments import (
+    add_planning,
+    add_shoe,
+    chosen_supports,
+    planner_settings,
+    shoe_file,
+)
 from shoecal_core.commands.forecast_lines import addition_lines, forecast_table, weak_lines
+from shoecal_core.commands.plan_folder import PlanFolder
 from shoecal_core.commands.progress import shown_progress
-from shoecal_core.errors import FileError
+from shoecal_core.compiled import compiler_state
+from shoecal_core.errors import PartialError, ShoecalError
 from shoecal_core.files import atomic_write
+from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.checking.check import check_motion
@@ -30,9 +38,8 @@ from shoecal_core.planning.supports.forecast import (
 )
 from shoecal_core.planning.supports.observability import Visit
 from shoecal_core.report.plan_content import PlannedMotion
-from shoecal_core.report.plan_report import PAGE, picture_name, write_plan
+from shoecal_core.report.plan_report import PAGE, Unplanned, picture_name, write_plan
 from shoecal_core.sensing.shoe import Shoe, load_shoe
-from shoecal_core.workspace import config_dir
 
 ADDITIONS = 2
 """Double supports that are recommended beyond the planned ones."""
@@ -41,7 +48,7 @@ ADDITIONS = 2
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
     parser.add_argument("robot", type=Path, help="robot file")
-    parser.add_argument("--shoe", type=Path, help="shoe file (default: the NAO's shoe)")
+    add_shoe(parser)
     parser.add_argument("--out", type=Path, required=True, help="folder for the motions")
     add_planning(parser)
 
@@ -49,40 +56,83 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Plan each motion, check it by an independent computation, write and draw it; forecast."""
     settings = planner_settings(args)
-    shoe = load_shoe(args.shoe or config_dir() / "shoes" / "nao_shoe.yaml")
+    file = shoe_file(args, args.robot)
+    shoe = load_shoe(file)
     robot = load_robot(args.robot, shoe)
-    supports = chosen_supports(args, robot, shoe, settings)
-    planner = Planner(robot, settings)
-    _make_folder(args.out)
-    rows: list[dict[str, object]] = []
-    motions: list[PlannedMotion] = []
+    console.print(f"{args.robot} with {file}", markup=False, soft_wrap=True)
     with shown_progress() as progress:
+        supports = chosen_supports(args, robot, shoe, settings, progress)
+        planner = Planner(robot, settings)
+        earlier = PlanFolder(args.out)
+        plan = _Plan(args, console)
         for index, support in enumerate(supports):
             progress(f"planning {index + 1} of {len(supports)}", index / len(supports))
-            begin = time.perf_counter()
-            motion = planner.plan(support, args.motion)
-            seconds = time.perf_counter() - begin
-            report = check_motion(planner.legs, motion, settings)
-            planned = PlannedMotion(f"motion_{index + 1:03d}", robot, motion, report, settings)
-            file = args.out / f"{planned.label}.csv"
-            atomic_write(file, _csv(motion))
-            motions.append(planned)
-            rows.append(_row(planned, file, seconds))
-            console.print(_line(planned, file, seconds))
-        progress("drawing what was planned", 1.0)
-        write_plan(args.out, motions)
-        progress("looking for the best double supports to add", 1.0)
-        told = _forecast(robot, shoe, [planned.motion for planned in motions], settings, console)
-    console.print(f"{args.out / PAGE}: pictures and animations of all motions")
+            plan.add(planner, support, f"motion_{index + 1:03d}")
+        told: dict[str, object] | None = None
+        if plan.motions:
+            progress("drawing what was planned", 1.0)
+            write_plan(args.out, plan.motions, plan.unplanned)
+            progress("looking for the best double supports to add", 1.0)
+            motions = [planned.motion for planned in plan.motions]
+            told = _forecast(robot, shoe, motions, settings, console)
+    if plan.motions:
+        console.print(f"{args.out / PAGE}: pictures and animations of all motions")
     figures: dict[str, object] = {
         "robot": robot.name,
+        "shoe": shoe.name,
         "seed": args.seed,
-        "page": PAGE,
-        "motions": rows,
+        "page": PAGE if plan.motions else None,
+        "motions": plan.rows,
+        "unplanned": [_unplanned_row(one) for one in plan.unplanned],
         "forecast": told,
+        "compiler": compiler_state(),
     }
-    atomic_write(args.out / "plan.json", json.dumps(figures, indent=1, allow_nan=False) + "\n")
+    earlier.replace(figures)
+    if plan.unplanned:
+        raise PartialError(
+            f"{len(plan.unplanned)} of {len(supports)} double supports could not be planned; all "
+            f"else stands in {args.out}",
+            figures,
+        )
     return figures
+
+
+class _Plan:
+    """Motions as they are planned, written and told, and those that could not be."""
+
+    def __init__(self, args: argparse.Namespace, console: Console) -> None:
+        self.motions: list[PlannedMotion] = []
+        self.unplanned: list[Unplanned] = []
+        self.rows: list[dict[str, object]] = []
+        self._kind, self._folder, self._console = args.motion, args.out, console
+
+    def add(self, planner: Planner, support: DoubleSupport, label: str) -> None:
+        """Plan one more; what is in its way is told, and no obstacle to the others."""
+        legs, settings = planner.legs, planner.settings
+        begin = time.perf_counter()
+        try:
+            motion = planner.plan(support, self._kind)
+        except ShoecalError as error:
+            self.unplanned.append(Unplanned(label, support, str(error)))
+            self._say(f"{label}: not planned: {error}")
+            return
+        seconds = time.perf_counter() - begin
+        report = check_motion(legs, motion, settings)
+        planned = PlannedMotion(label, legs.robot, motion, report, settings)
+        file = self._folder / f"{label}.csv"
+        atomic_write(file, _csv(motion))
+        self.motions.append(planned)
+        self.rows.append(_row(planned, file, seconds))
+        self._say(_line(planned, file, seconds))
+
+    def _say(self, line: str) -> None:
+        self._console.print(line, markup=False, soft_wrap=True)
+
+
+def _unplanned_row(one: Unplanned) -> dict[str, object]:
+    support = one.support
+    place = [support.dx, support.dy, support.dtheta]
+    return {"label": one.label, "support": place, "reason": one.reason}
 
 
 def _line(planned: PlannedMotion, file: Path, seconds: float) -> str:
@@ -144,13 +194,6 @@ def _forecast(
     for line in (*weak_lines(rows[-1][1]), *addition_lines(whole, additions)):
         console.print(line)
     return told
-
-
-def _make_folder(folder: Path) -> None:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(folder, f"cannot be made ({error.strerror})") from error
 
 
 def _csv(motion: Motion) -> str:

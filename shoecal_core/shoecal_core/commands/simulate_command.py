@@ -50,13 +50,12 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     robot = load_robot(args.robot, shoe)
     reality = load_reality(config_dir() / "realities" / "default.yaml", args.reality)
     with shown_progress() as progress:
-        progress("choosing double supports", 0.0)
         plan = SimulationPlan(
             robot=robot,
             shoe=shoe,
             reality=reality,
             settings=settings,
-            supports=chosen_supports(args, robot, shoe, settings),
+            supports=chosen_supports(args, robot, shoe, settings, progress),
             motion=args.motion,
             rate=args.rate,
             seed=args.seed,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,8 @@ import pinocchio as pin
 import shapely
 from numpy.typing import NDArray
 
-from shoecal_core.files import Fields, read_yaml, sha256
+from shoecal_core.errors import FileError
+from shoecal_core.files import Fields, read_bytes, read_yaml, sha256
 from shoecal_core.model.robot import Capsule, Foot, Robot, SharedMotor, SupportRange
 from shoecal_core.model.shared_motors import read_shared_motors
 from shoecal_core.model.standing import check_standing
@@ -21,6 +23,24 @@ MAX_LENGTH = 1.0
 """m; any foot that is larger was given in millimetres."""
 MAX_SUPPORTS = 1e6
 """Places of the right foot; more were meant to be fewer."""
+
+
+def shoe_file_of(robot: Path) -> Path:
+    """The shoe file that belongs to a robot file where none is named.
+
+    That is `../shoes/ROBOT_shoe.yaml` beside `ROBOT.yaml`.
+
+    Raises:
+        FileError: when there is no such file.
+    """
+    read_bytes(robot)  # A robot file that is missing is told as itself.
+    folder = Path(os.path.normpath(robot.parent / ".." / "shoes"))
+    shoe = folder / f"{robot.stem}_shoe.yaml"
+    if not shoe.is_file():
+        raise FileError(
+            shoe, f"does not exist, and no other shoe belongs to {robot}; name one with --shoe"
+        )
+    return shoe
 
 
 def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None) -> Robot:

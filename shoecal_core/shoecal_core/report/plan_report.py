@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from shoecal_core.model.double_support import DoubleSupport
@@ -31,8 +32,30 @@ PAGE = "plan.html"
 NOTE = "A plan, computed from the robot’s model; nothing was measured."
 
 
-def write_plan(folder: Path, motions: Sequence[PlannedMotion]) -> None:
+@dataclass(frozen=True)
+class Unplanned:
+    """A double support in which no motion could be planned.
+
+    Attributes:
+        label: what its motion would have been called.
+        support: where.
+        reason: why not, in a line.
+    """
+
+    label: str
+    support: DoubleSupport
+    reason: str
+
+
+def write_plan(
+    folder: Path, motions: Sequence[PlannedMotion], unplanned: Sequence[Unplanned] = ()
+) -> None:
     """Write `plan.html`, and beside it `LABEL.svg` for every motion.
+
+    Args:
+        folder: to write into.
+        motions: one at least.
+        unplanned: double supports in which there is none.
 
     Raises:
         FileError: when a file cannot be written.
@@ -40,7 +63,7 @@ def write_plan(folder: Path, motions: Sequence[PlannedMotion]) -> None:
     pictures = [motion_pictures(planned) for planned in motions]
     for planned, drawn in zip(motions, pictures, strict=True):
         write_sheet(folder / picture_name(planned), _rows(planned, drawn), _alt(planned))
-    write_page(folder / PAGE, plan_page(motions, pictures))
+    write_page(folder / PAGE, plan_page(motions, pictures, unplanned))
 
 
 def picture_name(planned: PlannedMotion) -> str:
@@ -58,23 +81,29 @@ def _alt(planned: PlannedMotion) -> str:
     return f"{heading(planned)}, as planned; {support_text(planned.motion.support)}."
 
 
-def plan_page(motions: Sequence[PlannedMotion], pictures: Sequence[tuple[Picture, ...]]) -> Page:
+def plan_page(
+    motions: Sequence[PlannedMotion],
+    pictures: Sequence[tuple[Picture, ...]],
+    unplanned: Sequence[Unplanned] = (),
+) -> Page:
     """The page, ready to be rendered; the same motions make the same page.
 
     Args:
         motions: one at least.
         pictures: of each.
+        unplanned: double supports in which there is none.
     """
+    tables = (_table(motions), *((_unplanned_table(unplanned),) if unplanned else ()))
     robot = motions[0].robot
     count = len(motions)
     return Page(
         title=f"Planned motions of {readable(robot.name)}",
         subtitle=f"{count} motion{'s' if count > 1 else ''}, each from standing still to standing "
         "still",
-        verdict=verdict(motions),
+        verdict=verdict(motions, unplanned),
         key_figures=_key_figures(motions),
         sections=(
-            Section("All motions", (Group(tables=(_table(motions),)),)),
+            Section("All motions", (Group(tables=tables),)),
             *(_section(planned, one) for planned, one in zip(motions, pictures, strict=True)),
         ),
         provenance=(
@@ -91,7 +120,7 @@ def _robot_line(robot: Robot) -> str:
     )
 
 
-def verdict(motions: Sequence[PlannedMotion]) -> Verdict:
+def verdict(motions: Sequence[PlannedMotion], unplanned: Sequence[Unplanned] = ()) -> Verdict:
     """Whether the robot may do it, and what it will not reach."""
     reasons = []
     for planned in motions:
@@ -101,6 +130,7 @@ def verdict(motions: Sequence[PlannedMotion]) -> Verdict:
                 where = f" ({finding.where})" if finding.where else ""
                 reasons.append(Reason("FAIL", f"{text}{where}; do not send it."))
     violated = bool(reasons)
+    reasons += [Reason("FAIL", f"{one.label}: not planned: {one.reason}") for one in unplanned]
     for planned in motions:
         missed = [
             f"{one.number} ({one.off(planned.settings.landmark_radius)})"
@@ -112,6 +142,10 @@ def verdict(motions: Sequence[PlannedMotion]) -> Verdict:
             reasons.append(Reason("WARN", text))
     if violated:
         return Verdict("FAIL", "Not every motion keeps its limits.", tuple(reasons))
+    if unplanned:
+        count = len(motions) + len(unplanned)
+        meaning = f"{len(unplanned)} of {count} motions could not be planned."
+        return Verdict("FAIL", meaning, tuple(reasons))
     meaning = "Every motion keeps all limits in a check that is independent of the planner."
     if reasons:
         return Verdict("WARN", f"{meaning} Not every landmark is reached.", tuple(reasons))
@@ -170,6 +204,11 @@ def _table(motions: Sequence[PlannedMotion]) -> Table:
     )  # fmt: skip
     note = "The right foot’s place is told in the left sole’s frame, at the begin of the motion."
     return Table("Motions", header, rows, note)
+
+
+def _unplanned_table(unplanned: Sequence[Unplanned]) -> Table:
+    rows = tuple((one.label, support_text(one.support), one.reason) for one in unplanned)
+    return Table("Not planned", ("", "double support", "reason"), rows)
 
 
 def _section(planned: PlannedMotion, pictures: tuple[Picture, ...]) -> Section:

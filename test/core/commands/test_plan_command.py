@@ -3,23 +3,37 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import yaml
 
 from core.commands.conftest import WREN, WREN_SHOE
+from core.sensing import mutations
 from shoecal_core import cli
+from shoecal_core.model.robot_file import shoe_file_of
 
 Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def config(tmp_path: Path) -> Path:
+    """A configuration of its own: wren and its shoe."""
+    for file in (WREN, WREN.with_suffix(".urdf"), WREN_SHOE):
+        folder = tmp_path / "config" / file.parent.name
+        folder.mkdir(parents=True, exist_ok=True)
+        shutil.copy(file, folder)
+    return tmp_path / "config"
 
 
 @pytest.fixture(scope="module")
 def planned(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("planned")
-    words = ["plan", WREN, "--shoe", WREN_SHOE, "--supports", "4", "--out", folder]
+    words = ["plan", WREN, "--supports", "4", "--out", folder]
     assert cli.main([str(word) for word in (*words, "--json", folder / "figures.json")]) == 0
     return folder
 
@@ -36,6 +50,64 @@ def test_forecast_of_the_planned_double_supports(planned: Path) -> None:
     singular = np.array(whole["singular_values"])
     assert (np.diff(singular) <= 0.0).all()
     assert len(whole["gain_std"]) == len(whole["offset_std_n"])
+
+
+def test_shoe_and_compiler_are_told(planned: Path) -> None:
+    told = json.loads((planned / "plan.json").read_text())
+    assert told["shoe"] == "wren_shoe"
+    assert told["unplanned"] == []
+    assert set(told["compiler"]) >= {"enabled", "compiled", "interpreted"}
+
+
+def test_the_shoe_that_belongs_to_a_robot(
+    config: Path, shoecal: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert shoe_file_of(WREN) == WREN_SHOE
+    monkeypatch.chdir(config / "robots")
+    assert shoe_file_of(Path("wren.yaml")) == Path("../shoes/wren_shoe.yaml")
+    (config / "shoes" / "wren_shoe.yaml").rename(config / "shoes" / "boot.yaml")
+    code, told, error = shoecal("plan", "wren.yaml", "--out", config / "out")
+    assert (code, told) == (1, "")
+    (line,) = error.splitlines()
+    assert "../shoes/wren_shoe.yaml: does not exist" in line
+    assert "wren.yaml; name one with --shoe" in line
+    _, _, error = shoecal("plan", "dodo.yaml", "--out", config / "out")
+    assert "dodo.yaml: " in error
+    assert "shoes" not in error
+
+
+def test_one_that_cannot_be_planned_is_told_and_the_others_are_planned(
+    config: Path, shoecal: Run
+) -> None:
+    """The neutral stance is far out of reach; the widest one is where the robot can stand."""
+    span = yaml.safe_load(WREN.read_text())["support_range"]
+    span["dy_m"].update(lower=-0.39, upper=-0.09, neutral=-0.39, step=0.03)
+    robot = config / "robots" / "wren.yaml"
+    mutations.write_edited(robot, WREN, (("support_range",), span))
+    out, figures = config / "out", config / "figures.json"
+    words = ("--stance", "neutral", "wide", "--out", out, "--json", figures)
+    code, told, error = shoecal("plan", robot, *words)
+    assert code == 1
+    assert f"{robot} with {config / 'shoes' / 'wren_shoe.yaml'}" in told
+    assert "1 of 2 double supports could not be planned" in error.splitlines()[-1]
+    plan = json.loads((out / "plan.json").read_text())
+    assert plan == json.loads(figures.read_text())
+    (missing,), (row,) = plan["unplanned"], plan["motions"]
+    assert missing["label"] == "motion_001"
+    assert missing["support"] == [0.0, -0.39, 0.0]
+    assert "cannot stand" in missing["reason"]
+    assert f"motion_001: not planned: {missing['reason']}" in told
+    assert row["file"] == "motion_002.csv"
+    assert plan["forecast"]["all"]["rank"] > 0
+    names = {file.name for file in out.iterdir()}
+    assert names == {"motion_002.csv", "motion_002.svg", "plan.html", "plan.json"}
+    page = (out / "plan.html").read_text()
+    assert "1 of 2 motions could not be planned" in page
+    assert "cannot stand" in page
+    code, _, error = shoecal("plan", robot, "--stance", "neutral", "--out", out)
+    assert code == 1
+    assert "1 of 1 double supports" in error
+    assert {file.name for file in out.iterdir()} == {"plan.json"}
 
 
 def test_every_motion_is_drawn_and_all_on_a_page(planned: Path) -> None:
