@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 
 from rich.console import Console
@@ -67,14 +67,13 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         plan = _Plan(args, console)
         for index, support in enumerate(supports):
             progress(f"planning {index + 1} of {len(supports)}", index / len(supports))
-            plan.add(planner, support, f"motion_{index + 1:03d}")
+            plan.add(planner, support, index + 1)
         told: dict[str, object] | None = None
         if plan.motions:
             progress("drawing what was planned", 1.0)
             write_plan(args.out, plan.motions, plan.unplanned)
             progress("looking for the best double supports to add", 1.0)
-            motions = [planned.motion for planned in plan.motions]
-            told = _forecast(robot, shoe, motions, settings, console)
+            told = _forecast(robot, shoe, plan, settings, console)
     if plan.motions:
         console.print(f"{args.out / PAGE}: pictures and animations of all motions")
     figures: dict[str, object] = {
@@ -98,17 +97,23 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
 
 
 class _Plan:
-    """Motions as they are planned, written and told, and those that could not be."""
+    """Motions as they are planned, written and told, and those that could not be.
+
+    Attributes:
+        motions, numbers, rows: of each that was planned.
+        unplanned: the others.
+    """
 
     def __init__(self, args: argparse.Namespace, console: Console) -> None:
         self.motions: list[PlannedMotion] = []
+        self.numbers: list[int] = []
         self.unplanned: list[Unplanned] = []
         self.rows: list[dict[str, object]] = []
         self._kind, self._folder, self._console = args.motion, args.out, console
 
-    def add(self, planner: Planner, support: DoubleSupport, label: str) -> None:
+    def add(self, planner: Planner, support: DoubleSupport, number: int) -> None:
         """Plan one more; what is in its way is told, and no obstacle to the others."""
-        legs, settings = planner.legs, planner.settings
+        legs, settings, label = planner.legs, planner.settings, f"motion_{number:03d}"
         begin = time.perf_counter()
         try:
             motion = planner.plan(support, self._kind)
@@ -122,6 +127,7 @@ class _Plan:
         file = self._folder / f"{label}.csv"
         atomic_write(file, _csv(motion))
         self.motions.append(planned)
+        self.numbers.append(number)
         self.rows.append(_row(planned, file, seconds))
         self._say(_line(planned, file, seconds))
 
@@ -172,19 +178,19 @@ def _row(planned: PlannedMotion, file: Path, seconds: float) -> dict[str, object
 def _forecast(
     robot: Robot,
     shoe: Shoe,
-    motions: Sequence[Motion],
+    plan: _Plan,
     settings: PlannerSettings,
     console: Console,
 ) -> dict[str, object]:
     """Print and return what the planned motions will tell, and what more would."""
-    visits = [Visit.of(motion, settings) for motion in motions]
+    visits = [Visit.of(planned.motion, settings) for planned in plan.motions]
     whole = forecast_visits(robot, shoe, visits, settings)
     rows = [(f"all {len(visits)}", whole)]
     told: dict[str, object] = {"all": whole.to_json()}
     trained = trained_supports(len(visits), settings)
     if trained < len(visits):
         indices, worst = worst_part(robot, shoe, visits, trained, settings)
-        runs = [index + 1 for index in indices]
+        runs = [plan.numbers[index] for index in indices]
         rows.append((f"at worst {trained} of them ({', '.join(map(str, runs))})", worst))
         told["worst_training"] = {"motions": runs, **worst.to_json()}
     known = total_information(robot, shoe, visits, settings)

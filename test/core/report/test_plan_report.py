@@ -17,13 +17,14 @@ from numpy.typing import NDArray
 from core.report import plans
 from core.report.pages import Document, read
 from shoecal_core.errors import FileError, ShapeError
+from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.checking.findings import Report
 from shoecal_core.report.html import render
 from shoecal_core.report.page import Player
 from shoecal_core.report.plan_animation import animation, lifted
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_figures import motion_pictures
-from shoecal_core.report.plan_report import plan_page, verdict, write_plan
+from shoecal_core.report.plan_report import Unplanned, plan_page, verdict, write_plan
 from shoecal_core.report.player import Frames, View
 
 FloatArray = NDArray[np.float64]
@@ -92,6 +93,20 @@ def test_numbers_are_the_motions(document: Document) -> None:
     away = 1e3 * plans.missing().motion.path.nearest[2]
     assert f"motion_001: out of reach: landmark 3 ({away:.1f} mm off)." in document.text
     assert "WARN" in document.text
+
+
+def test_what_could_not_be_planned_is_told_with_its_reason() -> None:
+    motions = [plans.reaching()]
+    missing = Unplanned("motion_002", DoubleSupport(0.0, -0.39, 0.0), HOSTILE)
+    found = verdict(motions, [missing])
+    assert found.level == "FAIL"
+    assert found.meaning == "1 of 2 motions could not be planned."
+    drawn = [motion_pictures(motion) for motion in motions]
+    html = render(plan_page(motions, drawn, [missing]))
+    assert "<script>alert" not in html
+    text = read(html).text
+    assert text.count(HOSTILE) == 2
+    assert "y −390 mm" in text.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def test_a_plan_is_small(html: str) -> None:
