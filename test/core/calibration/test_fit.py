@@ -34,7 +34,7 @@ from shoecal_core.sensing.wrench import (
 
 FloatArray = NDArray[np.float64]
 EXACT = synthetic.EXACT
-SEEN = {"nao_shoe": 14, "odd_shoe": 15}
+SEEN = {"nao_shoe": 14, "odd_shoe": 15, "wren_shoe": 12}
 """Directions of gains and offsets that GRF and CoP can ever tell."""
 
 

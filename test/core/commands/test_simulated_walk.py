@@ -167,3 +167,27 @@ def test_names_are_listed_and_others_refused(
         with pytest.raises(SystemExit) as caught:
             shoecal("simulate", "a.yaml", "b.yaml", *words, "--out", "s")
         assert caught.value.code == 2
+
+
+@pytest.mark.parametrize("part", [0.2, 0.7])
+def test_stopped_in_the_air_the_foot_is_put_down(part: float) -> None:
+    """The robot holds on one foot, refuses what both feet must carry, and lands on both."""
+    planner, sim = planner_of("nao"), load_world("nao", DEFAULT, seed=1)
+    sim.place(planner.stance(START))
+    step = Stepper(planner).step(sim.joints().angles, GOALS[0])
+    assert step is not None
+    swing = step.phases[1]
+    sim.command(JointTrajectory(step.joint_names, step.time, step.positions))
+    begun = sim.time
+    sim.step_to(begun + swing.begin + part * (swing.end - swing.begin))
+    held = sim.joints().angles
+    sim.command(JointTrajectory(step.joint_names, np.array([0.5]), held[None]))
+    sim.step_to(sim.time + 5.0)
+    sim.check_upright()
+    air = 1 if swing.carrying is Carrying.LEFT else 0
+    assert sim.truth().foot_grf[air] < 0.1 * sim.weight
+    with pytest.raises(StartError, match="put_down"):
+        planner.plan_from(sim.joints().angles)
+    take(sim, planner.plan_from(sim.joints().angles, PUT_DOWN))
+    assert sim.truth().foot_grf.min() > 0.25 * sim.weight
+    planner.standing(sim.joints().angles)

@@ -16,7 +16,7 @@ SETTINGS = PlannerSettings()
 SUPPORTS = (
     DoubleSupport(0.03, -0.125, 0.104),
     DoubleSupport(-0.02, -0.13, -0.26),
-    DoubleSupport(0.07, -0.112, 0.4),
+    DoubleSupport(0.06, -0.132, 0.2),
 )
 
 

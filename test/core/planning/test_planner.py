@@ -181,7 +181,8 @@ def test_starts_that_are_none() -> None:
     leaning = stance.copy()
     for name in ("LAnklePitch", "RAnklePitch"):
         leaning[robot.joint(name)] += 0.4
-    with pytest.raises(StartError, match="outside the sensing polygon"):
+    # Leaning forward lifts one of the soles a little: the feet stand one ahead of the other.
+    with pytest.raises(StartError, match=r"outside the sensing polygon|above the other"):
         planner.plan_from(leaning)
     with pytest.raises(StartError, match="finite"):
         planner.plan_from(np.full_like(stance, np.nan))
