@@ -56,6 +56,14 @@ class FollowingRobot(StandingRobot):
         """Height of the right sole over the left one [m]."""
         return float(self._body.states(self.angles[None]).translation[0, 2])
 
+    @property
+    def still(self) -> bool:
+        """Whether it has come to the end of what it was told."""
+        if self._command is None:
+            return True
+        duration_s = float(trajectory_from_ros(self._command).times[-1])
+        return self.stamp_ns - self._begun_ns > 1e9 * duration_s
+
     def _follow(self, message: JointTrajectoryMsg) -> None:
         self._command, self._begun_ns = message, self.stamp_ns
         self._start, self.offset = self.angles.copy(), 0.0

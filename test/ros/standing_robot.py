@@ -75,6 +75,11 @@ class StandingRobot:
         self.forces = ((1.0 - share) * nao().weight, share * nao().weight)
         self.places = np.stack([left, right])
 
+    def tell_garbled_joints(self) -> None:
+        """One message whose angles are no numbers."""
+        sample = JointSample(self.stamp_ns, nao().joint_names, np.full_like(self.angles, math.nan))
+        self._joints.publish(joints_to_ros(sample))
+
     def step_to(self, support: DoubleSupport) -> None:
         """Stand at another double support."""
         self.support = support

@@ -12,9 +12,9 @@ from shoecal_msgs.action import Plan
 
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.checking.findings import CheckFailedError
 from shoecal_core.planning.horizon.rolling import PlanningCanceledError, PlanningError, Progress
+from shoecal_core.planning.menu import PUT_DOWN
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.posture import UnreachableError
 from shoecal_core.planning.timing import TimingError
@@ -156,13 +156,17 @@ class Execution:
         part = _Part(motion, follower, seen)
         if self._watch is None:
             self._watch = MotionWatch(
-                self._mover.senses, self._mover.kinematics, moving, seen.angles[0]
+                self._mover.senses,
+                self._mover.kinematics,
+                moving,
+                seen.angles[0],
+                motion.phases[0].carrying,
             )
         self._watch.begin(motion)
         # Whoever records the motion begins before it does.
         self._order.feed("moving", 0.0, 0)
-        self._mover.command(trajectory)
         self.following = True
+        self._mover.command(trajectory)
         while self.following:
             await self._news(part.seen)
             look = self._look(part)
@@ -191,17 +195,19 @@ class Execution:
         problem = self._mover.joints.problem
         if problem:
             # Nobody knows where the robot is: it stops where it was meant to be when seen.
-            self.hold(part.expected)
-            raise RefusedError(Plan.Result.NO_JOINT_STATES, f"stopped while moving: {problem}")
+            raise self._stopped(
+                part.expected, Plan.Result.NO_JOINT_STATES, f"stopped while moving: {problem}"
+            )
         part.seen = self._latest()
-        if self._interrupted:
-            self.hold(part.angles)
+        try:
             self._check_interrupted()
+        except RefusedError as refusal:
+            raise self._stopped(part.angles, refusal.code, str(refusal)) from None
         look = part.follower.look(part.stamp_ns, part.angles)
         if look.verdict is Verdict.LOST:
-            self.hold(part.angles)
             bound = self._mover.moving.follow_error
-            raise RefusedError(
+            raise self._stopped(
+                part.angles,
                 Plan.Result.NOT_FOLLOWED,
                 f"stopped: joint '{look.joint}' is {look.error:.3f} rad off its trajectory "
                 f"(follow_error {bound:g} rad); {CURE}",
@@ -215,14 +221,23 @@ class Execution:
         elapsed = part.follower.elapsed(part.stamp_ns)
         concern = self._watch.look(elapsed, part.angles)
         if concern is not None and not concern.can_wait:
-            self.hold(part.angles)
-            raise RefusedError(concern.code, f"stopped: {concern.message}")
+            raise self._stopped(part.angles, concern.code, f"stopped: {concern.message}")
         waited = part.waiting is not None
         part.waiting = part.waiting or concern
-        if part.waiting is not None and self._watch.carrying(elapsed) is Carrying.BOTH:
+        if part.waiting is not None and self._watch.both_carry(elapsed):
             # A foot that has just come down is held down, not where it was measured.
-            self.hold(part.expected if waited else part.angles)
-            raise RefusedError(part.waiting.code, f"stopped: {part.waiting.message}")
+            angles = part.expected if waited else part.angles
+            raise self._stopped(angles, part.waiting.code, f"stopped: {part.waiting.message}")
+
+    def _stopped(self, angles: FloatArray, code: int, message: str) -> RefusedError:
+        """Hold the robot at joint angles (m,) [rad]; why, and what to do on one foot."""
+        self.hold(angles)
+        feet = self._mover.kinematics.states(angles[None])
+        height = float(feet.translation[0, 2])
+        if abs(height) > self._mover.planning.sole_height:
+            foot = "left" if height > 0.0 else "right"
+            message += f"; the robot stands on its {foot} foot: arm and plan motion '{PUT_DOWN}'"
+        return RefusedError(code, message)
 
     async def _news(self, seen: JointBatch) -> None:
         """Wait for other joint angles than those seen, or for a reason to stop."""

@@ -12,7 +12,7 @@ from shoecal_msgs.action import Plan
 
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.menu import MENU, kind_named
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.worker import Work
@@ -59,12 +59,14 @@ class PlanJob:
 
     def _check_request(self) -> None:
         request = self._goal.request
+        try:
+            kind = kind_named(request.motion)
+        except NameNotFoundError as error:
+            raise RefusedError(Plan.Result.BAD_GOAL, str(error)) from error
         problem = ""
-        if request.motion not in MENU:
-            problem = str(NameNotFoundError("motion", request.motion, tuple(MENU)))
-        elif request.stream and not request.send:
+        if request.stream and not request.send:
             problem = "a motion is streamed to the robot: ask to send it"
-        elif request.stream and not MENU[request.motion].streams:
+        elif request.stream and not kind.streams:
             told = ", ".join(name for name, kind in MENU.items() if kind.streams)
             problem = (
                 f"motion '{request.motion}' is planned as a whole and cannot be streamed; "

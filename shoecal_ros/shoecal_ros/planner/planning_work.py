@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.course import cop_course
-from shoecal_core.planning.menu import kind_named
+from shoecal_core.planning.menu import PUT_DOWN, kind_named
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
@@ -100,11 +100,14 @@ def step(
 ) -> Motion | None:
     """The next own step to a double support from measured joint angles (m,) [rad], checked.
 
-    None when the feet stand there.
+    None when the feet stand there. A robot that was stopped on one foot puts the other one down
+    first.
     """
-    return _stepper(files, settings).step(
-        joint_angles, support, progress=link.progress, canceled=link.canceled
-    )
+    stepper = _stepper(files, settings)
+    height = abs(float(stepper.planner.legs.foot_pose(joint_angles).translation[2]))
+    if height > settings.sole_height:
+        return plan(link, files, settings, joint_angles, PUT_DOWN)
+    return stepper.step(joint_angles, support, progress=link.progress, canceled=link.canceled)
 
 
 @cache

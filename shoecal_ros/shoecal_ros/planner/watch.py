@@ -56,14 +56,16 @@ class MotionWatch:
         kinematics: Kinematics,
         settings: MovingSettings,
         joint_angles: FloatArray,
+        carrying: Carrying = Carrying.BOTH,
     ) -> None:
-        """The robot stands on both feet.
+        """The robot stands.
 
         Args:
             senses: what is heard.
             kinematics: of the robot.
             settings: bounds.
             joint_angles: (m,) measured [rad].
+            carrying: the feet that stand.
         """
         self._senses = senses
         self._kinematics = kinematics
@@ -72,7 +74,7 @@ class MotionWatch:
         self._motor_silence = Silence(senses.motor_ages, settings.heat_stale_s)
         self._phases: tuple[Phase, ...] = ()
         self._load: LoadWatch | None = None
-        tilt = tilt_now(senses, kinematics, settings, joint_angles)
+        tilt = tilt_now(senses, kinematics, settings, joint_angles, carrying)
         self._tilt = tilt if tilt is not None and tilt.usable else None
 
     def begin(self, motion: Motion) -> None:
@@ -90,6 +92,15 @@ class MotionWatch:
             if elapsed < phase.end:
                 return phase.carrying
         return Carrying.BOTH
+
+    def both_carry(self, elapsed: float) -> bool:
+        """Whether both feet carry by then [s], even if the robot trails by `follow_late`."""
+        earliest = elapsed - self._settings.follow_late
+        return all(
+            phase.carrying is Carrying.BOTH
+            for phase in self._phases
+            if phase.begin <= elapsed and earliest < phase.end
+        )
 
     def look(self, elapsed: float, joint_angles: FloatArray) -> Concern | None:
         """What is wrong by now; what can wait comes last.
@@ -109,8 +120,8 @@ class MotionWatch:
         up = self._senses.imu.up
         if self._tilt is None or up is None:
             return None
-        foot = 1 if self.carrying(elapsed) is Carrying.RIGHT else 0
-        meant = upward(self._kinematics.states(joint_angles[None]), foot)
+        body = self._kinematics.states(joint_angles[None])
+        meant = upward(body, _standing_foot(self.carrying(elapsed)))
         error, bound = self._tilt.error(up, meant), self._settings.tilt_error
         if error <= bound:
             return None
@@ -142,13 +153,22 @@ class MotionWatch:
 
 
 def tilt_now(
-    senses: Senses, kinematics: Kinematics, settings: MovingSettings, joint_angles: FloatArray
+    senses: Senses,
+    kinematics: Kinematics,
+    settings: MovingSettings,
+    joint_angles: FloatArray,
+    carrying: Carrying = Carrying.BOTH,
 ) -> Tilt | None:
-    """How the torso leans at joint angles (m,) [rad], both feet flat; None where nobody tells."""
+    """How the torso leans at joint angles (m,) [rad], feet flat; None where nobody tells."""
     up = senses.imu.up
     if up is None or senses.imu.age_s > settings.stale_s:
         return None
-    return Tilt(up, upward(kinematics.states(joint_angles[None]), 0))
+    return Tilt(up, upward(kinematics.states(joint_angles[None]), _standing_foot(carrying)))
+
+
+def _standing_foot(carrying: Carrying) -> int:
+    """0 left, 1 right; one that is flat on the floor."""
+    return 1 if carrying is Carrying.RIGHT else 0
 
 
 def hot(senses: Senses, limit: float) -> Concern | None:

@@ -25,6 +25,11 @@ PATIENT = {"stale_s": 2.0, "follow_late": 4.0}
 SUPPORT = DoubleSupport(0.02, -0.11, 0.1)
 
 
+def height(angles: FloatArray) -> float:
+    """Of the right sole over the left one [m]."""
+    return float(Kinematics(nao()).states(angles[None]).translation[0, 2])
+
+
 class Scene:
     """A planner and a robot that follows it."""
 
@@ -145,17 +150,39 @@ def test_on_one_foot_a_hot_motor_waits_until_both_carry(scene: Scene) -> None:
     scene.robot.degc = 71.0
     result = goal.result()
     assert result.error_code == Plan.Result.HOT_JOINTS, result.message
-    feet = Kinematics(nao()).states(scene.held()[None])
-    assert abs(feet.translation[0, 2]) < 1e-3, "the foot is down"
-    assert feet.cop[0, 0, 1] > -0.03, "the weight is still over the left foot"
+    assert height(scene.held()) == pytest.approx(0.0, abs=1e-3), "the foot is down"
 
 
-def test_on_one_foot_cancelling_holds_at_once(scene: Scene) -> None:
-    goal = scene.plan("unload_right")
-    scene.until(goal, lambda: scene.robot.lifted > 0.003)
-    goal.cancel()
-    assert goal.result().error_code == Plan.Result.CANCELED
-    assert Kinematics(nao()).states(scene.held()[None]).translation[0, 2] > 0.002
+@pytest.mark.parametrize(
+    ("motion", "foot", "stop", "code"),
+    [
+        ("unload_right", "left", Goal.cancel, Plan.Result.CANCELED),
+        ("unload_left", "right", None, Plan.Result.TILTED),
+    ],
+)
+def test_stopped_on_one_foot_the_other_one_is_put_down(
+    scene: Scene, motion: str, foot: str, stop: Callable[[Goal], None] | None, code: int
+) -> None:
+    goal = scene.plan(motion)
+    scene.until(goal, lambda: abs(scene.robot.lifted) > 0.006)
+    if stop is None:
+        lean(scene.robot)
+    else:
+        stop(goal)
+    result = goal.result()
+    assert result.error_code == code, result.message
+    advice = f"; the robot stands on its {foot} foot: arm and plan motion 'put_down'"
+    assert result.message.endswith(advice)
+    assert abs(height(scene.held())) > 0.005, "held at once"
+    scene.robot.leaning = 0.0
+    scene.world.until(lambda: scene.robot.still)
+
+    refused = scene.plan().result()
+    assert refused.error_code == Plan.Result.INFEASIBLE
+    assert "put_down" in refused.message
+    down = scene.plan("put_down").result()
+    assert down.success, down.message
+    assert scene.robot.lifted == pytest.approx(0.0, abs=1e-3)
 
 
 def test_a_motion_of_several_parts_is_not_streamed(scene: Scene) -> None:
@@ -166,7 +193,11 @@ def test_a_motion_of_several_parts_is_not_streamed(scene: Scene) -> None:
 
 
 def test_a_motion_done_tells_how_warm_it_left_the_motors(scene: Scene) -> None:
+    """One message of joint angles that cannot be used on the way changes nothing."""
     scene.robot.pace = 16
-    result = scene.plan("unload_right").result()
+    goal = scene.plan("unload_right")
+    scene.until(goal, lambda: scene.robot.lifted > 0.003)
+    scene.robot.tell_garbled_joints()
+    result = goal.result()
     assert result.success, result.message
     assert "hottest joint 'RKneePitch' at 40 degC, 28 degC below the limit" in result.message

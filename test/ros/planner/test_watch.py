@@ -90,6 +90,13 @@ def test_which_feet_carry() -> None:
     assert told == ["both", "both", "left", "left", "both", "both", "both"]
 
 
+def test_both_feet_carry_once_a_late_robot_has_put_its_foot_down() -> None:
+    watch, late = Watched().watch, SETTINGS.follow_late
+    told = [watch.both_carry(time) for time in (0.0, 2.9, 3.1, 5.9, 6.1, 5.9 + late, 6.1 + late)]
+    assert told == [True, True, False, False, False, False, True]
+    assert watch.both_carry(99.0)
+
+
 def test_loads_by_statics() -> None:
     needed = needed_loads(motion(), KINEMATICS)
     time = motion().time
