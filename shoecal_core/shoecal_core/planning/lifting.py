@@ -54,6 +54,11 @@ def lifted(pose: FootPose, carrying: Carrying, height: float) -> FootPose:
     return _of_air(FootPose(level, aloft.translation + np.array([0.0, 0.0, height])), carrying)
 
 
+def air_height(pose: FootPose, carrying: Carrying) -> float:
+    """Height of the foot in the air over the floor on which the other one is flat [m]."""
+    return float(_of_air(pose, carrying).translation[2])
+
+
 def vertical_states(height: float, settings: PlannerSettings) -> int:
     """States that lifting a foot takes."""
     return max(_STATES_MIN, math.ceil(_HASTE * height / settings.step_way))

@@ -16,6 +16,7 @@ from shoecal_core.planning.course import Course, cop_course, in_left, in_standin
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.lifting import (
+    air_height,
     in_the_air,
     lifted,
     vertical_states,
@@ -158,7 +159,7 @@ def _unload(standing: Standing, carrying: Carrying) -> tuple[Course, ...]:
 def _put_down(standing: Standing) -> tuple[Course, ...]:
     """Straight down with the foot in the air, everything else as it is; the weight back."""
     settings, pose, carrying = standing.settings, standing.foot_pose, standing.carrying
-    height = abs(float(pose.translation[2]))
+    height = air_height(pose, carrying)
     down = lifted(pose, carrying, -height)
     states = vertical_states(height, settings)
     aim = in_standing(standing.tasks, pose, carrying)

@@ -93,3 +93,15 @@ def test_a_foot_in_the_air_is_never_taken_for_one_that_stands() -> None:
         PlannerSettings(sole_height=0.007)
     with pytest.raises(SettingError, match="half of lift"):
         PlannerSettings(lift=0.008)
+
+
+@pytest.mark.parametrize(("name", "joint"), [("unload_left", "LAnkleRoll"), ("step", "RAnkleRoll")])
+def test_a_foot_that_hangs_tilted_comes_down_flat(name: str, joint: str) -> None:
+    """Gears give: the sole in the air is not level to the one that stands."""
+    planner = planner_of("nao")
+    robot = planner.legs.robot
+    angles, heights = in_the_air(lifting(name))
+    start = angles[int(np.argmax(heights))].copy()
+    start[robot.joint(joint)] += 0.03
+    body = track(robot, planner.plan_from(start, PUT_DOWN).positions)
+    np.testing.assert_allclose(body.right_translation[-1, 2], 0.0, atol=SETTINGS.foot_drift)
