@@ -7,11 +7,9 @@ from collections.abc import Callable
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.motion import Motion
-from shoecal_core.planning.steps import StepError, Stepper
+from shoecal_core.planning.steps import Stepper, require_steps_left
 from shoecal_core.simulation.robot import SimulatedRobot
 
-STEPS_MAX = 12
-"""Steps to one double support; who needs more goes astray."""
 SETTLE_S = 1.0
 """Standing still after a step, before joint angles are measured for the next one [s]."""
 PERIOD_S = 0.02
@@ -45,11 +43,7 @@ def walk(
     """
     taken: list[Motion] = []
     while (motion := stepper.step(simulated.joints().angles, goal)) is not None:
-        if len(taken) == STEPS_MAX:
-            raise StepError(
-                f"not at {goal} after {STEPS_MAX} steps; let step_error be larger than what "
-                "gears give, and see that the soles do not slip"
-            )
+        require_steps_left(len(taken), goal)
         take(simulated, motion, watch)
         taken.append(motion)
     return taken

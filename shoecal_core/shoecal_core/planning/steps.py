@@ -28,6 +28,8 @@ FloatArray = NDArray[np.float64]
 
 NAME = "step"
 """Of the motion."""
+STEPS_MAX = 12
+"""Steps to one double support; who needs more goes astray."""
 _MUCH_LONGER = 1.4
 """Ways in the air whose numbers of states have this ratio."""
 _NO_STEP = (PlanningError, CheckFailedError, NoWayError, TimingError, UnreachableError)
@@ -35,6 +37,19 @@ _NO_STEP = (PlanningError, CheckFailedError, NoWayError, TimingError, Unreachabl
 
 class StepError(PlanningError):
     """A double support that the robot cannot step into from where it stands."""
+
+
+def require_steps_left(taken: int, goal: DoubleSupport) -> None:
+    """Whether a robot that has taken steps towards a double support may take another one.
+
+    Raises:
+        StepError: when it has taken STEPS_MAX.
+    """
+    if taken >= STEPS_MAX:
+        raise StepError(
+            f"not at {goal} after {STEPS_MAX} steps; let step_error be larger than what gears "
+            "give, and see that the soles do not slip"
+        )
 
 
 class Stepper:

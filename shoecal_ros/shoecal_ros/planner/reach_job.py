@@ -11,14 +11,12 @@ from shoecal_msgs.action import Plan, ReachSupport
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.steps import StepError, require_steps_left
 from shoecal_ros.common.conversions import support_from_ros
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.planner import planning_work
 from shoecal_ros.planner.execution import FEEDBACK_S, Execution
 from shoecal_ros.planner.order import Mover, Order
-
-STEPS_MAX = 12
-"""Steps to one support; who needs more goes astray."""
 
 _CODES: Mapping[int, int] = {
     Plan.Result.NO_JOINT_STATES: ReachSupport.Result.NO_JOINT_STATES,
@@ -68,7 +66,7 @@ class ReachJob:
 
     async def _step_to(self, support: DoubleSupport) -> None:
         mover, execution = self._mover, self.execution
-        while self._done <= STEPS_MAX:
+        while True:
             execution.check_ready()
             start = execution.measured()
             motion = await execution.planned(
@@ -79,13 +77,13 @@ class ReachJob:
             )  # fmt: skip
             if motion is None:
                 return
+            try:
+                require_steps_left(self._done, support)
+            except StepError as error:
+                raise RefusedError(Plan.Result.FAILED, str(error)) from error
             execution.check_start(start)
             await execution.follow(execution.commanded(motion), motion)
             self._done += 1
-        raise RefusedError(
-            Plan.Result.FAILED,
-            f"not at {support} after {STEPS_MAX} steps; see that the soles do not slip",
-        )
 
     def _feed(self, phase: str, progress: float, landmark: int) -> None:
         """Nobody knows how many steps there will be: each counts half of what is left."""

@@ -17,8 +17,8 @@ from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.horizon.rolling import PlanningCanceledError, Progress
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.lifting import carried
-from shoecal_core.planning.planner import Planner, StartError
-from shoecal_core.planning.steps import StepError, Stepper
+from shoecal_core.planning.planner import Planner
+from shoecal_core.planning.steps import STEPS_MAX, StepError, Stepper, require_steps_left
 
 HERE, THERE = SUPPORTS[0], SUPPORTS[1]
 FEET = (Carrying.LEFT, Carrying.RIGHT)
@@ -161,3 +161,10 @@ def test_from_encoders_that_are_off(name: str, seed: int) -> None:
     pose = planner.legs.foot_pose(motion.positions[-1])
     np.testing.assert_allclose(pose.translation, [*THERE.translation, 0.0], atol=1e-4)
     np.testing.assert_allclose(pose.rotation[2], [0.0, 0.0, 1.0], atol=1e-4)
+
+
+def test_who_needs_too_many_steps_goes_astray() -> None:
+    goal = DoubleSupport(0.0, -0.11, 0.0)
+    require_steps_left(STEPS_MAX - 1, goal)
+    with pytest.raises(StepError, match=f"after {STEPS_MAX} steps"):
+        require_steps_left(STEPS_MAX, goal)
