@@ -11,6 +11,7 @@ from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.stats import chi2
 
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.standstill import Comparison, ModelTolerance, compare, hanging_feet
@@ -136,15 +137,13 @@ def drift_of(
     own = np.diag(found.variance(readings, calibration.covariance))
     variance = _expected(own[:3], found.tolerance[:3], shared=shares_model(calibration))
     normal = NormalDist().inv_cdf(1.0 - false_alarm / 2.0)
-    # The length of an error that is normal and alike along x and y follows Rayleigh's law.
-    rayleigh = float(np.sqrt(-np.log(false_alarm)))
     foot = found.hanging.index(True) if any(found.hanging) else None
     return Drift(
         grf_error=found.grf,
         cop_error=found.cop,
         hanging_error=float("nan") if foot is None else float(found.error[3]),
         grf_limit=normal * float(np.sqrt(variance[0])),
-        cop_limit=rayleigh * float(np.sqrt(variance[1:3].sum())),
+        cop_limit=_longest(variance[1:3], false_alarm),
         hanging_limit=(
             float("nan")
             if foot is None
@@ -153,6 +152,19 @@ def drift_of(
         hanging="" if foot is None else FEET[foot],
         covered=calibration.covariance is not None,
     )
+
+
+def _longest(variance: FloatArray, chance: float) -> float:
+    """Length that a normal error with variances (2,) along x and y exceeds with a chance.
+
+    Its square is taken as a multiple of chi-squared with the same mean and variance
+    (Satterthwaite): exact where both are alike, and where one is zero.
+    """
+    total = float(variance.sum())
+    if total <= 0.0:
+        return 0.0
+    squares = float((variance**2).sum())
+    return float(np.sqrt(squares / total * chi2.ppf(1.0 - chance, total**2 / squares)))
 
 
 def _expected(own: FloatArray, tolerance: FloatArray, *, shared: bool) -> FloatArray:
