@@ -44,6 +44,8 @@ from shoecal_ros.planner.watch import Senses, tilt_now
 
 R = TypeVar("R", Plan.Result, ReachSupport.Result)
 
+REACH = "robot/reach_support"
+"""The action that own steps answer."""
 LAST_WORDS = Duration(seconds=1)
 """Wall-clock time that the robot gets to hear the last commands."""
 
@@ -74,7 +76,7 @@ class Planner(ShoecalNode):
             ActionServer(self, kind, name, do, cancel_callback=lambda _: CancelResponse.ACCEPT)
             for kind, name, do, offered in (
                 (Plan, "shoe/plan", self._plan, True),
-                (ReachSupport, "robot/reach_support", self._reach, self.moving.steps),
+                (ReachSupport, REACH, self._reach, self.moving.steps),
             )
             if offered
         ]
@@ -112,6 +114,8 @@ class Planner(ShoecalNode):
         self.health.tell("arming", Level.OK, "armed" if self.arming.armed else "not armed")
         self._tell_planning()
         self._tell_senses()
+        if self.moving.steps:
+            self._tell_steps()
         super().watch()
 
     def close(self) -> None:
@@ -135,6 +139,19 @@ class Planner(ShoecalNode):
             except ShoecalError as error:
                 level, message = Level.ERROR, str(error)
         self.health.tell("planning", level, message)
+
+    def _tell_steps(self) -> None:
+        """Whether this node alone offers to step: a goal reaches whichever answers first."""
+        service = self.resolve_service_name(f"{REACH}/_action/send_goal")
+        if self.count_services(service) > 1:
+            self.health.tell(
+                "steps",
+                Level.WARN,
+                f"another node offers {REACH} too; let one of them do so (planner: steps, "
+                "simulator: offer_reach_support)",
+            )
+        else:
+            self.health.tell("steps", Level.OK, f"this node offers {REACH}")
 
     def _tell_senses(self) -> None:
         """What is watched during a motion, and what is not because it does not come."""

@@ -6,6 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from rclpy.action import ActionServer
 from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Plan, ReachSupport
 from shoecal_msgs.msg import DoubleSupport
@@ -17,6 +18,7 @@ from shoecal_core.model.double_support import DoubleSupport as Support
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import time_from_ros
+from shoecal_ros.common.health import Level
 
 PATIENT = {"stale_s": 3.0, "follow_late": 4.0}
 """For a busy machine."""
@@ -105,6 +107,16 @@ def test_a_support_is_reached_by_own_steps(walking: World) -> None:
         until_still(walking, joints)
         ask(walking)
         assert abs(lifted(joints)) < 0.005
+
+
+def test_two_nodes_that_offer_to_step_are_told_of(world: World) -> None:
+    world.start("planner", {**PATIENT, "steps": True})
+    world.until_told("planner", "steps", "this node offers robot/reach_support")
+    other = ActionServer(world.node, ReachSupport, "robot/reach_support", lambda _: None)
+    told = world.until_told("planner", "steps", "another node offers robot/reach_support too")
+    assert told.level == bytes([Level.WARN])
+    other.destroy()
+    world.until_told("planner", "steps", "this node offers robot/reach_support")
 
 
 def _put_down(world: World) -> None:
