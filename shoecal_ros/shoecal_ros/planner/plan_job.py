@@ -92,7 +92,12 @@ class PlanJob:
             await execution.follow(trajectory, motion)
 
     async def _stream(self) -> None:
-        """Part by part, each planned from where the robot has come to."""
+        """Part by part, each planned from rest to rest, from the joint angles measured between.
+
+        Motors give under load: the robot comes to rest a little off what it was told. So that
+        what is measured follows what was checked, commands are ahead of the plan by that much,
+        at most `give`.
+        """
         mover, execution = self._mover, self.execution
         targets: FloatArray | None = None
         nearest: list[float] = []
@@ -103,6 +108,9 @@ class PlanJob:
         while targets is None or len(targets):
             start = execution.measured()
             chunk = await execution.planned(partial(self._start_chunk, start, targets))
+            nearest += chunk.nearest.tolist()
+            if chunk.motion is None:
+                break
             execution.check_start(start)
             trajectory = execution.commanded(chunk.motion, give.ahead)
             await execution.follow(trajectory, chunk.motion)
@@ -112,7 +120,6 @@ class PlanJob:
                 execution.hold(ended)
                 raise RefusedError(Plan.Result.NOT_FOLLOWED, f"stopped: {problem}; {CURE}")
             targets = chunk.targets
-            nearest += chunk.nearest.tolist()
             begin = times[-1][-1] + 1.0 / mover.planning.sample_rate if len(times) > 1 else 0.0
             times.append(begin + trajectory.times)
             positions.append(trajectory.positions)

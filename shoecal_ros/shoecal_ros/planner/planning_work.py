@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.course import cop_course
+from shoecal_core.planning.horizon.rolling import PlanningError
 from shoecal_core.planning.menu import PUT_DOWN, kind_named
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
@@ -27,13 +28,13 @@ class Chunk:
     """A part of a streamed motion, from rest to rest.
 
     Attributes:
-        motion: the part.
+        motion: the part; None where nothing leads nearer to what was left to pursue.
         targets: (L, 2) what is left to pursue after it, left sole's frame [m].
         left: how many targets it has left behind.
         nearest: (left,) how near the CoP came to those [m].
     """
 
-    motion: Motion
+    motion: Motion | None
     targets: FloatArray
     left: int
     nearest: FloatArray
@@ -84,9 +85,16 @@ def plan_chunk(
     (course,) = kind_named(motion).courses(standing)
     if targets is not None:
         course = cop_course(motion, targets, standing.foot_pose, settings, pace=course.pace)
-    part = planner.follow(
-        joint_angles, motion, (course,), progress=link.progress, canceled=link.canceled
-    )
+    try:
+        part = planner.follow(
+            joint_angles, motion, (course,), progress=link.progress, canceled=link.canceled
+        )
+    except PlanningError:
+        if targets is None:
+            raise
+        # A whole motion also ends well where the last targets cannot be come nearer to.
+        away = np.linalg.norm(targets - standing.cop, axis=1)
+        return Chunk(None, targets[:0], len(targets), away)
     left = len(part.path.switches)
     return Chunk(part, course.left_targets[left:], left, part.path.nearest[:left])
 
