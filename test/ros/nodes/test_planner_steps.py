@@ -61,7 +61,7 @@ def until_still(world: World, joints: Heard) -> None:
 @pytest.fixture
 def walking(world: World) -> World:
     """The simulated robot, which has to step by itself."""
-    body = {"port": world.folder / "port", "speed": 6.0, "offer_reach_support": False}
+    body = {"port": world.folder / "port", "speed": 3.0, "offer_reach_support": False}
     world.start("simulator", body)
     world.start("planner", {**PATIENT, "use_sim_time": True, "steps": True})
     world.until_told("planner", "planning", "ready")
@@ -131,4 +131,4 @@ def _step_on(world: World) -> None:
 
 def _swings(goal: Goal, joints: Heard) -> bool:
     assert not goal.done, goal.result().message
-    return abs(lifted(joints)) > 0.008
+    return abs(lifted(joints)) > 0.006
