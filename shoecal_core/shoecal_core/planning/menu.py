@@ -129,12 +129,14 @@ def _tilt(standing: Standing) -> tuple[Course, ...]:
 
 
 def _height(standing: Standing) -> tuple[Course, ...]:
-    """Down, round the landmarks there, up again."""
+    """Down, round the landmarks there, up again; the torso may lean for it."""
     low = standing.tasks - [0.0, 0.0, 0.0, 0.0, standing.settings.sink]
     places = standing.contour.targets(standing.cop)
     around = np.tile(low, (len(places), 1))
     around[:, :2] = places
-    return (standing.pursuing("torso_height", np.vstack([low, around, low, standing.tasks])),)
+    whole = standing.pursuing("torso_height", np.vstack([low, around, low, standing.tasks]))
+    weights = whole.weights * [1.0, 1.0, 0.0, 0.0, 1.0]
+    return (dataclasses.replace(whole, weights=weights),)
 
 
 def _unload(standing: Standing, carrying: Carrying) -> tuple[Course, ...]:

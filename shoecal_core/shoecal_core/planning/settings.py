@@ -160,7 +160,7 @@ class PlannerSettings(Settings):
         1.0e3, "1/rad^2", "weight of the torso's lean, in motions that pursue it", minimum=0.0
     )
     height_weight: float = setting(
-        1.0e4, "1/m^2", "weight of the torso's height, in motions that pursue it", minimum=0.0
+        1.0e5, "1/m^2", "weight of the torso's height, in motions that pursue it", minimum=0.0
     )
 
     # Rolling horizon (Algorithm 1)

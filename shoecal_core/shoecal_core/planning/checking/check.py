@@ -25,6 +25,8 @@ _WINDOW = 0.1
 """s; accelerations are differences over this time, as the CoP feels them through a shoe."""
 _TORQUE_SLACK = 1.02
 """Between planned states torques may exceed the planned ones by this factor."""
+_DRAGGED = 0.006
+"""m; a foot in the air that is farther than this from where it stood and will stand is carried."""
 _RATE_SLACK = 1.1
 """Speeds and accelerations by differences may exceed the planned ones by this factor."""
 
@@ -199,13 +201,16 @@ def _in_the_air(
         + body.right_translation[samples, None]
     )
     if span.phase.carrying is Carrying.LEFT:
-        height = right_in_left[..., 2]
+        corners = right_in_left
     else:
         local = left[None] - body.right_translation[samples, None]
-        height = np.einsum("tji,tcj->tci", body.right_rotation[samples], local)[..., 2]
-    lowest = height.min(axis=1)
+        corners = np.einsum("tji,tcj->tci", body.right_rotation[samples], local)
+    lowest = corners[..., 2].min(axis=1)
+    middle = corners[1:, :, :2].mean(axis=1)
+    way = np.linalg.norm(middle[:, None] - middle[[0, -1]], axis=2).min(axis=1)
+    carried = way > _DRAGGED
     gaps = shapely.distance(shapely.Polygon(left[:, :2]), shapely.polygons(right_in_left[..., :2]))
-    return [
+    found = [
         at_least(
             "height of the foot in the air", "m", lowest[1:, None],
             _from_begin(0.0, lowest, settings), time, from_begin=False,
@@ -216,6 +221,11 @@ def _in_the_air(
             from_begin=False,
         ),
     ]  # fmt: skip
+    if carried.any():
+        name = "height of the foot that is carried along"
+        values, least = lowest[1:][carried, None], settings.step_lift / 3.0
+        found.append(at_least(name, "m", values, least, time[carried], from_begin=False))
+    return found
 
 
 def _from_begin(limit: float, values: FloatArray, settings: PlannerSettings) -> float:
@@ -229,7 +239,7 @@ def _from_begin(limit: float, values: FloatArray, settings: PlannerSettings) -> 
 def _joint_speed(legs: Legs, span: _Span, motion: Motion, settings: PlannerSettings) -> Finding:
     robot, time = legs.robot, motion.time[span.samples]
     speed = np.abs(np.diff(motion.positions[span.samples], axis=0)) / np.diff(time)[:, None]
-    limit = np.minimum(robot.velocity_limit, settings.joint_speed) * _RATE_SLACK
+    limit = np.minimum(robot.velocity_limit, settings.joint_speed * _RATE_SLACK)
     names = robot.joint_names
     return at_most("joint speed", "rad/s", speed, limit, time[:-1], names, rate=True)
 
@@ -258,8 +268,9 @@ def _com(
 
 def _torque(legs: Legs, body: BodyTrack, time: FloatArray, settings: PlannerSettings) -> Finding:
     robot = legs.robot
-    share = robot.effort_limit[robot.legs] * settings.torque_share
-    limit = np.maximum(share, np.abs(body.torques[0])) * _TORQUE_SLACK
+    most = robot.effort_limit[robot.legs]
+    limit = np.maximum(most * settings.torque_share, np.abs(body.torques[0])) * _TORQUE_SLACK
+    limit = np.minimum(limit, most)
     return at_most("static torque", "N m", np.abs(body.torques), limit, time, robot.leg_names)
 
 

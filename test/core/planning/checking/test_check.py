@@ -235,3 +235,11 @@ def test_planner_and_check_agree_on_one_foot(name: str, carrying: Carrying) -> N
         # The planner takes soles as level, which a foot just lifted is but nearly.
         np.testing.assert_allclose(told.torques[0], seen.torques[6 * index], atol=1e-3)
         np.testing.assert_allclose(told.cop[0], seen.com[6 * index, :2], atol=1e-9)
+
+
+def test_a_foot_that_is_dragged_is_found() -> None:
+    motion = step_of("nao", Carrying.LEFT)
+    name = "height of the foot that is carried along"
+    assert checked(motion).of(name).value > SETTINGS.step_lift / 3.0
+    high = dataclasses.replace(SETTINGS, step_lift=4.0 * SETTINGS.step_lift)
+    assert not checked(motion, high).of(name).kept
