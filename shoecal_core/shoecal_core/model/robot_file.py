@@ -38,7 +38,9 @@ def shoe_file_of(robot: Path) -> Path:
     shoe = folder / f"{robot.stem}_shoe.yaml"
     if not shoe.is_file():
         raise FileError(
-            shoe, f"does not exist, and no other shoe belongs to {robot}; name one with --shoe"
+            shoe,
+            f"does not exist, and no other shoe belongs to {robot}; name one (--shoe, "
+            "or the nodes' shoe_file)",
         )
     return shoe
 

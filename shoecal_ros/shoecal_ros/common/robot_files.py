@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 
 from shoecal_core.model.robot import Robot
-from shoecal_core.model.robot_file import load_robot
+from shoecal_core.model.robot_file import load_robot, shoe_file_of
 from shoecal_core.sensing.shoe import Shoe, load_shoe
 from shoecal_core.settings import Settings, setting
 from shoecal_core.workspace import config_dir
@@ -18,7 +18,7 @@ class RobotFiles(Settings):
     """Parameters `robot_file` and `shoe_file`."""
 
     robot_file: str = setting("", "", "robot file; empty: robots/nao.yaml of the configuration")
-    shoe_file: str = setting("", "", "shoe file; empty: shoes/nao_shoe.yaml of the configuration")
+    shoe_file: str = setting("", "", "shoe file; empty: ../shoes/ROBOT_shoe.yaml beside ROBOT.yaml")
 
     @cached_property
     def robot_path(self) -> Path:
@@ -27,8 +27,8 @@ class RobotFiles(Settings):
 
     @cached_property
     def shoe_path(self) -> Path:
-        """Of the shoe file."""
-        return Path(self.shoe_file or config_dir() / "shoes" / "nao_shoe.yaml")
+        """Of the shoe file; FileError where none is named and none belongs to the robot file."""
+        return Path(self.shoe_file) if self.shoe_file else shoe_file_of(self.robot_path)
 
     def load_shoe(self) -> Shoe:
         """The shoes; FileError where the file cannot be used."""

@@ -122,7 +122,7 @@ class Conductor:
             stamps.append((stamp.sec, stamp.nanosec))
 
         self._node.create_subscription(PointStamped, "shoe/cop", hear, qos.LIVE)
-        self._until(lambda: len(stamps) >= LIVE_MESSAGES, ANSWER_S, lambda: "shoe/cop is not live")
+        self._until(lambda: len(stamps) >= LIVE_MESSAGES, SILENCE_S, lambda: "shoe/cop is not live")
         if any(later <= earlier for earlier, later in pairwise(stamps)):
             raise DemoError("the stamps of shoe/cop do not increase")
 

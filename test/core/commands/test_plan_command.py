@@ -70,7 +70,7 @@ def test_the_shoe_that_belongs_to_a_robot(
     assert (code, told) == (1, "")
     (line,) = error.splitlines()
     assert "../shoes/wren_shoe.yaml: does not exist" in line
-    assert "wren.yaml; name one with --shoe" in line
+    assert "wren.yaml; name one (--shoe" in line
     _, _, error = shoecal("plan", "dodo.yaml", "--out", config / "out")
     assert "dodo.yaml: " in error
     assert "shoes" not in error
