@@ -59,6 +59,18 @@ def air_height(pose: FootPose, carrying: Carrying) -> float:
     return float(_of_air(pose, carrying).translation[2])
 
 
+def standing_foot(pose: FootPose) -> tuple[Carrying, float]:
+    """The foot that stands where one does, and how high the other one is above its floor [m].
+
+    Soles that are tilted against each other look higher from one than from the other: the
+    higher look counts.
+    """
+    return max(
+        ((foot, air_height(pose, foot)) for foot in (Carrying.LEFT, Carrying.RIGHT)),
+        key=lambda found: found[1],
+    )
+
+
 def vertical_states(height: float, settings: PlannerSettings) -> int:
     """States that lifting a foot takes."""
     return max(_STATES_MIN, math.ceil(_HASTE * height / settings.step_way))

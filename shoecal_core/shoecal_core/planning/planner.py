@@ -22,6 +22,7 @@ from shoecal_core.planning.horizon.problem import Scene, Solver
 from shoecal_core.planning.horizon.rolling import Path, PlanningError, Progress, RollingHorizon
 from shoecal_core.planning.horizon.sqp import SqpSolver
 from shoecal_core.planning.legs import FootPose, Legs
+from shoecal_core.planning.lifting import standing_foot
 from shoecal_core.planning.menu import PUT_DOWN, Standing, kind_named
 from shoecal_core.planning.motion import Motion, timed
 from shoecal_core.planning.posture import StanceSolver
@@ -170,7 +171,7 @@ class Planner:
             StartError: when it does not stand on both feet, or leans too far.
         """
         foot_pose = self._measured(joint_angles)
-        height = abs(float(foot_pose.translation[2]))
+        _, height = standing_foot(foot_pose)
         if height > self.settings.sole_height:
             raise StartError(
                 f"one sole is {1e3 * height:.1f} mm above the other (sole_height "
@@ -186,13 +187,12 @@ class Planner:
             StartError: when it stands on both feet, or leans too far.
         """
         foot_pose = self._measured(joint_angles)
-        height = float(foot_pose.translation[2])
-        if abs(height) <= self.settings.sole_height:
+        carrying, height = standing_foot(foot_pose)
+        if height <= self.settings.sole_height:
             raise StartError(
-                f"both feet stand (one sole is {1e3 * abs(height):.1f} mm above the other); there "
-                "is none to put down"
+                f"both feet stand (one sole is {1e3 * height:.1f} mm above the other); there is "
+                "none to put down"
             )
-        carrying = Carrying.LEFT if height > 0.0 else Carrying.RIGHT
         return self._standing(joint_angles, foot_pose, carrying)
 
     def _measured(self, joint_angles: FloatArray) -> FootPose:

@@ -14,6 +14,8 @@ from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.checking.findings import CheckFailedError
 from shoecal_core.planning.horizon.rolling import PlanningCanceledError, PlanningError, Progress
+from shoecal_core.planning.legs import FootPose
+from shoecal_core.planning.lifting import standing_foot
 from shoecal_core.planning.menu import PUT_DOWN
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.posture import UnreachableError
@@ -233,9 +235,8 @@ class Execution:
         """Hold the robot at joint angles (m,) [rad]; why, and what to do on one foot."""
         self.hold(angles)
         feet = self._mover.kinematics.states(angles[None])
-        height = float(feet.translation[0, 2])
-        if abs(height) > self._mover.planning.sole_height:
-            foot = "left" if height > 0.0 else "right"
+        foot, height = standing_foot(FootPose(feet.rotation[0], feet.translation[0]))
+        if height > self._mover.planning.sole_height:
             message += f"; the robot stands on its {foot} foot: arm and plan motion '{PUT_DOWN}'"
         return RefusedError(code, message)
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.course import cop_course
 from shoecal_core.planning.horizon.rolling import PlanningError
+from shoecal_core.planning.lifting import standing_foot
 from shoecal_core.planning.menu import PUT_DOWN, kind_named
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
@@ -112,7 +113,7 @@ def step(
     first.
     """
     stepper = _stepper(files, settings)
-    height = abs(float(stepper.planner.legs.foot_pose(joint_angles).translation[2]))
+    _, height = standing_foot(stepper.planner.legs.foot_pose(joint_angles))
     if height > settings.sole_height:
         return plan(link, files, settings, joint_angles, PUT_DOWN)
     return stepper.step(joint_angles, support, progress=link.progress, canceled=link.canceled)

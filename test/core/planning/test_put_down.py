@@ -7,12 +7,15 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from core.planning.motions import SETTINGS, planner_of
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
+from shoecal_core.planning.legs import FootPose
+from shoecal_core.planning.lifting import air_height, standing_foot
 from shoecal_core.planning.menu import PUT_DOWN
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import StartError
@@ -105,3 +108,18 @@ def test_a_foot_that_hangs_tilted_comes_down_flat(name: str, joint: str) -> None
     start[robot.joint(joint)] += 0.03
     body = track(robot, planner.plan_from(start, PUT_DOWN).positions)
     np.testing.assert_allclose(body.right_translation[-1, 2], 0.0, atol=SETTINGS.foot_drift)
+
+
+def test_tilted_soles_are_judged_by_the_higher_look() -> None:
+    """From the left sole the right one looks 4 mm up; from the right one the left one 6 mm."""
+    tilt = Rotation.from_euler("x", 0.1).as_matrix()
+    pose = FootPose(tilt, np.array([0.0, -0.1, 0.004]))
+    looks = [air_height(pose, foot) for foot in (Carrying.LEFT, Carrying.RIGHT)]
+    foot, height = standing_foot(pose)
+    assert height == max(looks)
+    assert foot is (Carrying.LEFT, Carrying.RIGHT)[int(np.argmax(looks))]
+    level = FootPose(np.eye(3), np.array([0.0, -0.1, 0.012]))
+    for pose, foot in ((level, Carrying.LEFT), (level.inverse, Carrying.RIGHT)):
+        found, height = standing_foot(pose)
+        assert found is foot
+        assert height == pytest.approx(0.012)
