@@ -131,4 +131,4 @@ def _step_on(world: World) -> None:
 
 def _swings(goal: Goal, joints: Heard) -> bool:
     assert not goal.done, goal.result().message
-    return abs(lifted(joints)) > 0.006
+    return abs(lifted(joints)) > 0.009
