@@ -133,7 +133,7 @@ def attempt(job: Job) -> Outcome:
         job, place, PLANNED, wall=span.wall, cpu=span.cpu, solves=len(path.statuses),
         rescues=sum(status not in FAST for status in path.statuses), duration=motion.duration,
         nearest=tuple(float(away) for away in path.nearest), standable=tuple(standable),
-        violated=tuple(finding.constraint for finding in report.findings if not finding.kept),
+        violated=tuple(finding.constraint for finding in report.violated),
     )  # fmt: skip
 
 

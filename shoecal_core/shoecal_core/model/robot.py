@@ -155,6 +155,11 @@ class Robot:
         """Joints that the planner moves."""
         return tuple(self.joint_names[index] for index in self.legs)
 
+    @cached_property
+    def moved(self) -> NDArray[np.int64]:
+        """Indices of the joints that the planner moves, those on shared motors included."""
+        return np.array([*self.legs, *(shared.joint for shared in self.shared)], dtype=np.int64)
+
     @property
     def lower(self) -> NDArray[np.float64]:
         """(m,) lower joint limits [rad]."""

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.legs import FootPose
+from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
 
@@ -35,6 +36,16 @@ class Carrying(StrEnum):
             Carrying.LEFT: Carrying.RIGHT,
             Carrying.RIGHT: Carrying.LEFT,
         }[self]
+
+    @property
+    def standing(self) -> int:
+        """Index into the robot's feet of one that stands; of both the left one."""
+        return 1 if self is Carrying.RIGHT else 0
+
+    def margin(self, settings: PlannerSettings) -> float:
+        """How far the CoP keeps from the edge of where it may be [m]."""
+        both = self is Carrying.BOTH
+        return settings.stability_margin if both else settings.one_foot_margin
 
     def polygon(self, robot: Robot, foot_pose: FootPose) -> shapely.Polygon:
         """Where the CoP may be, left sole's frame [m].

@@ -68,17 +68,11 @@ class Course:
             others: (m,) all joint angles [rad].
             state: where the horizon begins.
         """
-        margin = settings.stability_margin
-        if self.carrying is not Carrying.BOTH:
-            margin = settings.one_foot_margin
-        count = settings.horizon if self.moving else 1
-        poses = [self.pose(state + index) for index in range(1, count + 1)]
+        carrying, margin = self.carrying, self.carrying.margin(settings)
         return Scene.row(
             [
-                Scene.of(
-                    self.carrying.polygon(robot, pose), margin, pose, others, self.carrying.share
-                )
-                for pose in poses
+                Scene.of(carrying.polygon(robot, pose), margin, pose, others, carrying.share)
+                for pose in self._ahead(state, settings.horizon)
             ]
         )
 
@@ -86,13 +80,17 @@ class Course:
         """A target (5,) for the states after one, counted from the part's begin."""
         if self.carrying is not Carrying.RIGHT:
             return Aim(target[None], self.weights)
-        count = horizon if self.moving else 1
-        poses = [self.pose(state + index) for index in range(1, count + 1)]
+        poses = self._ahead(state, horizon)
         return Aim(np.array([in_left(target, pose, self.carrying) for pose in poses]), self.weights)
 
     def local(self, tasks: FloatArray, state: int) -> FloatArray:
         """(5,) what is pursued, in the frame of `targets`, from tasks (5,) of a state."""
         return in_standing(tasks, self.pose(state), self.carrying)
+
+    def _ahead(self, state: int, horizon: int) -> list[FootPose]:
+        """Of the states after one; a single pose where no foot is on its way."""
+        count = horizon if self.moving else 1
+        return [self.pose(state + index) for index in range(1, count + 1)]
 
     @property
     def left_targets(self) -> FloatArray:
@@ -131,5 +129,4 @@ def cop_course(
     """Places (L, 2) for the CoP [m], pursued on both feet; nothing else is (paper, Algorithm 1)."""
     targets = np.zeros((len(places), 5))
     targets[:, :2] = places
-    weights = np.array([settings.cop_weight_x, settings.cop_weight_y, 0.0, 0.0, 0.0])
-    return Course(name, targets, weights, (foot_pose,), pace=pace)
+    return Course(name, targets, settings.cop_weights, (foot_pose,), pace=pace)

@@ -154,8 +154,8 @@ def _way(
     spline = CubicSpline(np.arange(count + 1), states)
     grid = np.linspace(0.0, count, GRID * count + 1)
     # Speeds are those over the floor, so seen from a foot that stands on it.
-    standing = 1 if course.carrying is Carrying.RIGHT else 0
-    com = legs.kinematics.states(robot.from_legs(spline(grid), others)).com[:, standing]
+    com = legs.kinematics.states(robot.from_legs(spline(grid), others)).com
+    com = com[:, course.carrying.standing]
     rates = Rates(
         joint_speed=np.minimum(robot.velocity_limit[robot.legs], settings.joint_speed),
         joint_acceleration=np.full(len(robot.legs), settings.joint_acceleration),

@@ -44,7 +44,7 @@ class Planner:
     Attributes:
         legs: what moves.
         settings: of planning.
-        horizon: of the rolling optimisation, for planning while the robot moves.
+        horizon: of the rolling optimisation.
     """
 
     def __init__(self, robot: Robot, settings: PlannerSettings) -> None:

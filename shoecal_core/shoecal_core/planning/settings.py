@@ -249,17 +249,16 @@ class PlannerSettings(Settings):
             )
 
     @property
+    def cop_weights(self) -> NDArray[np.float64]:
+        """(5,) where nothing but the CoP is pursued (the paper's Q_c); see Aim."""
+        return np.array([self.cop_weight_x, self.cop_weight_y, 0.0, 0.0, 0.0])
+
+    @property
     def task_weights(self) -> NDArray[np.float64]:
         """(5,) of CoP, lean and height where all are pursued; see Aim."""
-        return np.array(
-            [
-                self.cop_weight_x,
-                self.cop_weight_y,
-                self.lean_weight,
-                self.lean_weight,
-                self.height_weight,
-            ]
-        )
+        weights = self.cop_weights
+        weights[2:] = self.lean_weight, self.lean_weight, self.height_weight
+        return weights
 
     def finer(self) -> Self:
         """Settings under which a motion has twice as many states, half as far apart."""

@@ -124,11 +124,10 @@ def verdict(motions: Sequence[PlannedMotion], unplanned: Sequence[Unplanned] = (
     """Whether the robot may do it, and what it will not reach."""
     reasons = []
     for planned in motions:
-        for finding in planned.report.findings:
-            if not finding.kept:
-                text = f"{planned.label}: {finding.constraint} is {told(finding)}"
-                where = f" ({finding.where})" if finding.where else ""
-                reasons.append(Reason("FAIL", f"{text}{where}; do not send it."))
+        for finding in planned.report.violated:
+            text = f"{planned.label}: {finding.constraint} is {told(finding)}"
+            where = f" ({finding.where})" if finding.where else ""
+            reasons.append(Reason("FAIL", f"{text}{where}; do not send it."))
     violated = bool(reasons)
     reasons += [Reason("FAIL", f"{one.label}: not planned: {one.reason}") for one in unplanned]
     for planned in motions:

@@ -197,10 +197,10 @@ def _column(table: Table, names: Sequence[str], default: FloatArray, kind: str) 
 
 def _of_legs(table: Table, robot: Robot) -> FloatArray:
     """(m,) of a table whose `all` means the joints of the legs."""
-    legs = {*robot.legs, *(shared.joint for shared in robot.shared)}
     rows = dict(table.rows)
     common = rows.pop(ALL, (0.0,))
-    default = np.array([common[0] if i in legs else 0.0 for i in range(len(robot.joint_names))])
+    default = np.zeros(len(robot.joint_names))
+    default[robot.moved] = common[0]
     return _column(Table(rows, table.path, table.key), robot.joint_names, default, "joint")
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_ros.common.conversions import time_from_ros
+from shoecal_ros.inputs.last_heard import LastHeard
 
 FloatArray = NDArray[np.float64]
 
@@ -36,14 +37,13 @@ class ImuInput:
         """
         self.up: FloatArray | None = None
         self._robot = robot
-        self._clock = clock
-        self._heard = -np.inf
+        self._heard = LastHeard(clock)
         self._stamp_ns = 0
 
     @property
     def age_s(self) -> float:
         """Wall-clock time since something usable has come; infinite before [s]."""
-        return self._clock() - self._heard
+        return self._heard.age_s
 
     def take(self, messages: Sequence[Any]) -> None:
         """Take sensor_msgs/Imu messages in order; those that tell no direction do not count."""
@@ -57,7 +57,7 @@ class ImuInput:
                     continue
                 self._blend(self._in_base(message.header.frame_id) @ up, message)
             self._stamp_ns = time_from_ros(message.header.stamp)
-            self._heard = self._clock()
+            self._heard.note()
 
     def _blend(self, up: FloatArray, message: Any) -> None:
         since = (time_from_ros(message.header.stamp) - self._stamp_ns) / 1e9

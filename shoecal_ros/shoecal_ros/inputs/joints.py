@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import Robot
 from shoecal_ros.common.conversions import time_from_ros
+from shoecal_ros.inputs.last_heard import LastHeard
 
 FloatArray = NDArray[np.float64]
 
@@ -55,14 +56,13 @@ class JointInput:
         self.robot = robot
         self.latest: JointBatch | None = None
         self._stale_s = stale_s
-        self._clock = clock
-        self._heard = -np.inf
+        self._heard = LastHeard(clock)
         self._mismatch = ""
 
     @property
     def age_s(self) -> float:
         """Wall-clock time since usable angles have come; infinite before [s]."""
-        return self._clock() - self._heard
+        return self._heard.age_s
 
     @property
     def fresh(self) -> bool:
@@ -78,7 +78,7 @@ class JointInput:
             return self._mismatch
         if self.latest is None:
             return "no joint angles yet; start the robot's driver (joint_states)"
-        return f"no joint angles for {self._clock() - self._heard:.0f} s; check the robot's driver"
+        return f"no joint angles for {self.age_s:.0f} s; check the robot's driver"
 
     def take(self, messages: Sequence[Any]) -> JointBatch | None:
         """Take JointState messages in order; usable angles, None where there are none."""
@@ -100,7 +100,7 @@ class JointInput:
         if batch is None:
             return None
         self.latest = JointBatch(batch.stamp_ns[-1:], batch.angles[-1:])
-        self._heard = self._clock()
+        self._heard.note()
         return batch
 
     def _later(self, stamps: NDArray[np.int64], angles: FloatArray) -> JointBatch | None:

@@ -10,6 +10,7 @@ import numpy as np
 from shoecal_msgs.msg import ShoeState
 
 from shoecal_core.sensing.shoe import FEET
+from shoecal_ros.inputs.last_heard import LastHeard
 
 
 class ShoeReports:
@@ -28,14 +29,14 @@ class ShoeReports:
         """
         self._reported = reported
         self._clock = clock
-        self._heard = -np.inf
+        self._heard = LastHeard(clock)
         self._state: ShoeState | None = None
         self._stale_since: dict[str, float] = {}
 
     def take_readings(self, messages: Sequence[Any]) -> None:
         """Take messages of `shoe/voltages`, serialised or not."""
         if messages:
-            self._heard = self._clock()
+            self._heard.note()
 
     def take_states(self, messages: Sequence[ShoeState]) -> None:
         """Take messages of `shoe/state`."""
@@ -51,7 +52,7 @@ class ShoeReports:
     def ages(self) -> dict[str, float]:
         """By source, since when it has told nothing; infinite where it never did [s]."""
         now = self._clock()
-        ages = {"shoe/voltages": now - self._heard}
+        ages = {"shoe/voltages": self._heard.age_s}
         if self._state is not None:
             ages["shoe/state"] = 0.0 if self._reported() else np.inf
             for foot in self._state.feet:

@@ -11,6 +11,7 @@ import numpy as np
 from shoecal_core.errors import ShoecalError
 from shoecal_ros.common.conversions import VoltageFrame
 from shoecal_ros.inputs.joining import FrameJoiner, Joined
+from shoecal_ros.inputs.last_heard import LastHeard
 
 REMEMBER_S = 3.0
 """How long a frame that could not be used is told after it came, by the wall clock."""
@@ -38,7 +39,7 @@ class VoltageInput:
         self._stale_s = stale_s
         self._clock = clock
         self._began = clock()
-        self._heard = -np.inf
+        self._heard = LastHeard(clock)
         self._trouble = ""
         self._troubled = -np.inf
         self.latest: Joined | None = None
@@ -52,7 +53,7 @@ class VoltageInput:
     @property
     def age_s(self) -> float:
         """Wall-clock time since readings have come; infinite before [s]."""
-        return self._clock() - self._heard
+        return self._heard.age_s
 
     @property
     def fresh(self) -> bool:
@@ -68,7 +69,7 @@ class VoltageInput:
         if not self.fresh:
             if self.latest is None:
                 return "no voltages yet; start shoe_driver"
-            return f"no voltages for {now - self._heard:.0f} s; check shoe_driver and its device"
+            return f"no voltages for {self.age_s:.0f} s; check shoe_driver and its device"
         missing = self._joiner.missing
         if missing and now - self._began > REMEMBER_S:
             return (
@@ -91,6 +92,6 @@ class VoltageInput:
             if not math.isnan(frame.temperature):
                 self.temperature = frame.temperature
         if instants:
-            self._heard = self._clock()
+            self._heard.note()
             self.latest = instants[-1]
         return instants

@@ -61,9 +61,7 @@ class Execution:
         self._mover = mover
         self._order = order
         self._watch: MotionWatch | None = None
-        robot = mover.robot
-        self._moved = [*robot.legs, *(shared.joint for shared in robot.shared)]
-        self.names = tuple(robot.joint_names[index] for index in self._moved)
+        self.names = tuple(mover.robot.joint_names[index] for index in mover.robot.moved)
 
     # Before a motion
 
@@ -121,7 +119,7 @@ class Execution:
         Raises:
             RefusedError: names the joint that moved.
         """
-        moved = np.abs(self.measured() - start)[self._moved]
+        moved = np.abs(self.measured() - start)[self._mover.robot.moved]
         limit = self._mover.moving.start_error
         if moved.max() > limit:
             raise RefusedError(
@@ -136,7 +134,7 @@ class Execution:
         robot = self._mover.robot
         legs = motion.positions[:, robot.legs] + ahead
         positions = np.clip(robot.from_legs(legs), robot.lower, robot.upper)
-        return JointTrajectory(self.names, motion.time, positions[:, self._moved])
+        return JointTrajectory(self.names, motion.time, positions[:, robot.moved])
 
     # During a motion
 
@@ -181,7 +179,7 @@ class Execution:
         # Encoders may show angles a little beyond a limit; no robot takes such a command.
         held = np.clip(robot.from_legs(angles[robot.legs], angles), robot.lower, robot.upper)
         stop = np.array([self._mover.moving.stop_time])
-        self._mover.command(JointTrajectory(self.names, stop, held[None, self._moved]))
+        self._mover.command(JointTrajectory(self.names, stop, held[None, robot.moved]))
         self.following = False
 
     def halt(self) -> None:

@@ -121,7 +121,7 @@ class MotionWatch:
         if self._tilt is None or up is None:
             return None
         body = self._kinematics.states(joint_angles[None])
-        meant = upward(body, _standing_foot(self.carrying(elapsed)))
+        meant = upward(body, self.carrying(elapsed).standing)
         error, bound = self._tilt.error(up, meant), self._settings.tilt_error
         if error <= bound:
             return None
@@ -163,12 +163,7 @@ def tilt_now(
     up = senses.imu.up
     if up is None or senses.imu.age_s > settings.stale_s:
         return None
-    return Tilt(up, upward(kinematics.states(joint_angles[None]), _standing_foot(carrying)))
-
-
-def _standing_foot(carrying: Carrying) -> int:
-    """0 left, 1 right; one that is flat on the floor."""
-    return 1 if carrying is Carrying.RIGHT else 0
+    return Tilt(up, upward(kinematics.states(joint_angles[None]), carrying.standing))
 
 
 def hot(senses: Senses, limit: float) -> Concern | None:
@@ -184,7 +179,7 @@ def needed_loads(motion: Motion, kinematics: Kinematics) -> FloatArray:
     for phase in motion.phases:
         during = (motion.time >= phase.begin) & (motion.time <= phase.end)
         if phase.carrying is not Carrying.BOTH:
-            shares[during, 0 if phase.carrying is Carrying.LEFT else 1] = 1.0
+            shares[during, phase.carrying.standing] = 1.0
             continue
         left, right = (foot.outline for foot in robot.feet)
         right = phase.foot_poses[0].support.right_to_left(right)

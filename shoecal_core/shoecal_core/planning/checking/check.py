@@ -100,13 +100,9 @@ def _stability(
 ) -> Finding:
     phase, robot = span.phase, legs.robot
     if phase.carrying is Carrying.BOTH:
-        polygon, margin = (
-            phase.carrying.polygon(robot, phase.foot_poses[0]),
-            settings.stability_margin,
-        )
+        polygon = phase.carrying.polygon(robot, phase.foot_poses[0])
     else:
-        foot = robot.feet[0 if phase.carrying is Carrying.LEFT else 1]
-        polygon, margin = shapely.Polygon(foot.sensing_polygon), settings.one_foot_margin
+        polygon = shapely.Polygon(robot.feet[phase.carrying.standing].sensing_polygon)
     points = shapely.points(span.seen_from_standing(body)[:, :2])
     distance = np.where(
         shapely.contains(polygon, points),
@@ -115,7 +111,8 @@ def _stability(
     )
     return at_least(
         "distance of the CoP from the edge of the sensing polygon",
-        "m", distance[:, None], margin * settings.margin_kept, time[span.samples],
+        "m", distance[:, None], phase.carrying.margin(settings) * settings.margin_kept,
+        time[span.samples],
         from_begin=span.first, slack=settings.foot_drift,
     )  # fmt: skip
 
@@ -124,9 +121,8 @@ def _joint_limits(
     legs: Legs, positions: FloatArray, time: FloatArray, settings: PlannerSettings
 ) -> Finding:
     robot = legs.robot
-    moved = [*robot.legs, *(shared.joint for shared in robot.shared)]
-    room = np.minimum(positions - robot.lower, robot.upper - positions)[:, moved]
-    names = tuple(robot.joint_names[index] for index in moved)
+    room = np.minimum(positions - robot.lower, robot.upper - positions)[:, robot.moved]
+    names = tuple(robot.joint_names[index] for index in robot.moved)
     return at_least(
         "distance from joint limits",
         "rad", room, settings.joint_margin * settings.margin_kept, time, names,

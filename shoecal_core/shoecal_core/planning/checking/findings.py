@@ -73,14 +73,19 @@ class Report:
     findings: tuple[Finding, ...]
 
     @property
+    def violated(self) -> tuple[Finding, ...]:
+        """Those whose constraint does not hold."""
+        return tuple(finding for finding in self.findings if not finding.kept)
+
+    @property
     def kept(self) -> bool:
         """Whether all constraints hold."""
-        return all(finding.kept for finding in self.findings)
+        return not self.violated
 
     @property
     def too_fast(self) -> bool:
         """Whether it fails, and only by what doing the same more slowly makes smaller."""
-        violated = [finding for finding in self.findings if not finding.kept]
+        violated = self.violated
         return bool(violated) and all(finding.rate for finding in violated)
 
     def of(self, constraint: str) -> Finding:
@@ -93,9 +98,8 @@ class Report:
         Raises:
             CheckFailedError: names each with its time and value.
         """
-        violated = tuple(finding for finding in self.findings if not finding.kept)
-        if violated:
-            raise CheckFailedError(violated)
+        if not self.kept:
+            raise CheckFailedError(self.violated)
 
 
 def worst(findings: Sequence[Finding]) -> tuple[Finding, ...]:

@@ -126,8 +126,7 @@ class Aim:
     @classmethod
     def at(cls, cop: FloatArray, settings: PlannerSettings) -> Aim:
         """A place (2,) for the CoP [m] (the paper's c_ref), and nothing else."""
-        weights = np.array([settings.cop_weight_x, settings.cop_weight_y, 0.0, 0.0, 0.0])
-        return cls(np.array([[*cop, 0.0, 0.0, 0.0]]), weights)
+        return cls(np.array([[*cop, 0.0, 0.0, 0.0]]), settings.cop_weights)
 
 
 @dataclass(frozen=True)
