@@ -149,14 +149,19 @@ def test_a_robot_that_does_not_follow_is_told_to_hold(still: World) -> None:
     np.testing.assert_allclose(point.positions, start[columns], atol=1e-6)
 
 
-def test_one_motion_at_a_time_and_cancelling_while_planning(still: World) -> None:
-    first = plan(still)
-    still.until(lambda: first.feedback or first.done)
-    assert plan(still).result().error_code == Plan.Result.BUSY
+def test_one_motion_at_a_time_and_cancelling_while_planning(world: World) -> None:
+    # The slow solver: the first motion is still being planned when the second is asked for.
+    StillRobot(world)
+    world.start("planner", {**QUICK, "solver": "ipopt", "horizon": 10})
+    world.until_told("planner", "planning", "ready")
+    world.until_told("planner", "joints", "come")
+    first = plan(world)
+    world.until(lambda: first.feedback or first.done)
+    assert plan(world).result().error_code == Plan.Result.BUSY
     first.cancel()
     result = first.result()
     assert result.error_code == Plan.Result.CANCELED
-    assert plan(still).result().success, "the planner goes on"
+    assert plan(world).result(120.0).success, "the planner goes on"
 
 
 def test_without_joint_angles(world: World) -> None:
