@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import FileError
 
 if TYPE_CHECKING:
-    from shoecal_core.simulation.effects import Effect
+    from shoecal_core.simulation.effects.effect import Effect
 
 ALL = "all"
 BASE = "base"
@@ -119,6 +119,18 @@ class ServoRules:
     temperature_rise_degc: NonNegative
     temperature_time_s: Positive
     ambient_degc: Number
+    temperatures_told: bool
+
+
+@dataclass(frozen=True)
+class ImuRules:
+    """The inertial sensor at the root link."""
+
+    present: bool
+    mounting_error_std_rad: NonNegative
+    orientation_std_rad: NonNegative
+    gyro_std_rad_per_s: NonNegative
+    accelerometer_std_mps2: NonNegative
 
 
 @dataclass(frozen=True)
@@ -171,6 +183,7 @@ class Reality:
     body: BodyRules
     joints: JointRules
     servo: ServoRules
+    imu: ImuRules
     cells: CellRules
     shoes: ShoeRules
     floor: FloorRules

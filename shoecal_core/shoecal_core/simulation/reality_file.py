@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
 from shoecal_core.files import Fields, read_yaml
-from shoecal_core.simulation.effects import Effect, read_effect
+from shoecal_core.simulation.effects.effect import Effect
+from shoecal_core.simulation.effects.registry import read_effect
 from shoecal_core.simulation.reality import Bounds, Reality, Table
 
 FORMAT = 1
@@ -53,6 +54,8 @@ def _entry(fields: Fields, name: str, hint: Any, base: Any) -> object:
         return base
     if hint is str:
         return fields.text(name)
+    if hint is bool:
+        return fields.boolean(name)
     if get_origin(hint) is tuple:
         return tuple(read_effect(item) for item in fields.items(name))
     if get_origin(hint) is Annotated:

@@ -10,7 +10,8 @@ from core.simulation.worlds import DEFAULT, World, changed
 from shoecal_core.files import read_yaml, write_yaml
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.simulation.drawn import draw, draw_shoes
-from shoecal_core.simulation.effects import FloorTilt, Latency
+from shoecal_core.simulation.effects.contact import FloorTilt
+from shoecal_core.simulation.effects.timing import Latency
 
 SEEDS = range(200)
 

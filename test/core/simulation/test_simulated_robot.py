@@ -11,7 +11,8 @@ from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.sensing import wrench
-from shoecal_core.simulation.effects import FloorTilt, Latency
+from shoecal_core.simulation.effects.contact import FloorTilt
+from shoecal_core.simulation.effects.timing import Latency
 from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError
 from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.robot import SimulatedRobot

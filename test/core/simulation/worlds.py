@@ -15,7 +15,7 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.sensing.shoe import Shoe, load_shoe
 from shoecal_core.simulation.drawn import draw
-from shoecal_core.simulation.effects import Effect
+from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.reality import Reality, Table
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
