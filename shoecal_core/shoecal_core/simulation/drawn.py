@@ -30,6 +30,7 @@ class DrawnBody:
         encoder_error: (m,) encoder reading minus motor angle [rad].
         play: (m,) whole width of the dead band between motor and link [rad].
         compliance: (m,) give between motor and link [rad/(N m)].
+        imu_mounting: (3,) rotation vector of the inertial sensor's frame in the root link's [rad].
     """
 
     mass: float
@@ -40,6 +41,7 @@ class DrawnBody:
     encoder_error: FloatArray
     play: FloatArray
     compliance: FloatArray
+    imu_mounting: FloatArray
 
 
 @dataclass(frozen=True)
@@ -94,6 +96,7 @@ class DrawnReality:
             "encoder_error_rad": _by_name(body.joints, body.encoder_error),
             "play_rad": _by_name(body.joints, body.play),
             "compliance_rad_per_nm": _by_name(body.joints, body.compliance),
+            "imu_mounting_rad": body.imu_mounting.tolist(),
             "position_m": _by_name(shoes.channels, shoes.position),
             "gain": _by_name(shoes.channels, shoes.parameters.gain),
             "offset": _by_name(shoes.channels, shoes.parameters.offset),
@@ -130,6 +133,7 @@ def draw_body(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnBody:
     mass = rng.normal(1.0, rules.body.mass_error_std_fraction, len(links))
     com = rng.normal(0.0, rules.body.com_error_std_m, (len(links), 3))
     encoder = rng.normal(0.0, rules.joints.encoder_error_std_rad, len(joints))
+    mounting = rng.normal(0.0, rules.imu.mounting_error_std_rad, 3)
     mass_error = _column(
         _of_links(rules.body.mass_error_fraction, links), links, mass - 1.0, "link"
     )
@@ -145,6 +149,7 @@ def draw_body(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnBody:
         encoder_error=encoder,
         play=_of_legs(rules.joints.play_rad, robot),
         compliance=_of_legs(rules.joints.compliance_rad_per_nm, robot),
+        imu_mounting=mounting,
     )
     for effect in rules.effects:
         body = effect.on_body(body)

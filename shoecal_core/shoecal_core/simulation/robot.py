@@ -19,8 +19,9 @@ from shoecal_core.simulation.converter import Converter, Readings
 from shoecal_core.simulation.drawn import DrawnReality
 from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError
 from shoecal_core.simulation.floor import FloorTruth, floor_truth
+from shoecal_core.simulation.imu import Imu, ImuReadings, base_motion
 from shoecal_core.simulation.set_points import SERVO_PERIOD, SetPoints
-from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader
+from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader, floor_rotation
 from shoecal_core.simulation.snapshot import Snapshot
 
 FloatArray = NDArray[np.float64]
@@ -85,6 +86,13 @@ class SimulatedRobot:
         self._outputs = ChannelOutputs(self._model, shoe)
         self._soles = SoleReader(self._model)
         self._converter = Converter(shoe, drawn.rules, drawn.shoes, noise)
+        # A stream of its own: whether the sensor is read does not change the cells' noise.
+        self._imu = Imu(
+            drawn.rules.imu,
+            drawn.body.imu_mounting,
+            floor_rotation(drawn.shoes),
+            noise.spawn(1)[0],
+        )
         self._latency = drawn.shoes.latency
         self._base = self._model.body(drawn.body.links[0]).id
         self._leaders = np.array(
@@ -194,6 +202,7 @@ class SimulatedRobot:
         data = self.data
         position, rotation = self._soles.pose(data)
         w, x, y, z = data.xquat[self._base].tolist()
+        rate, force = base_motion(self._model, data, self._base)
         return Snapshot(
             time=np.array(self.time),
             motor_angle=data.actuator_length.copy(),
@@ -205,6 +214,8 @@ class SimulatedRobot:
             sole_rotation=rotation,
             base_position=data.xpos[self._base].copy(),
             base_orientation=np.array([x, y, z, w]),
+            base_rate=rate,
+            base_force=force,
         )
 
     def joints(self, at: Snapshot | None = None) -> JointReadings:
@@ -226,6 +237,12 @@ class SimulatedRobot:
         """What the channels' converter gives, now or for other instants in their order."""
         snap = self.snapshot() if at is None else at
         return self._converter(snap.felt)
+
+    def imu(self, at: Snapshot | None = None) -> ImuReadings | None:
+        """What the inertial sensor tells, now or at other instants; None where there is none."""
+        if not self.drawn.rules.imu.present:
+            return None
+        return self._imu(self.snapshot() if at is None else at)
 
     def truth(self, at: Snapshot | None = None) -> FloorTruth:
         """What the floor does to the feet, now or at other instants."""

@@ -13,6 +13,7 @@ from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.converter import Readings
 from shoecal_core.simulation.disturbances import Disturbance, disturb
 from shoecal_core.simulation.floor import FloorTruth
+from shoecal_core.simulation.imu import ImuReadings
 from shoecal_core.simulation.robot import JointReadings, SimulatedRobot
 from shoecal_core.simulation.snapshot import stack
 
@@ -27,6 +28,7 @@ class Samples:
         time: (T,) simulated time [s].
         joints: arrays (T, m).
         readings: arrays (T, n).
+        imu: arrays (T, ...); None where there is no such sensor.
         truth: arrays (T, ...).
         sole_position: (T, 2, 3) of the true left, right sole over the floor [m].
         base_position: (T, 3) of the root link over the floor [m].
@@ -36,6 +38,7 @@ class Samples:
     time: FloatArray
     joints: JointReadings
     readings: Readings
+    imu: ImuReadings | None
     truth: FloorTruth
     sole_position: FloatArray
     base_position: FloatArray
@@ -80,6 +83,7 @@ def run(
         time=all_.time,
         joints=sim.joints(all_),
         readings=sim.readings(all_),
+        imu=sim.imu(all_),
         truth=sim.truth(all_),
         sole_position=all_.sole_position,
         base_position=all_.base_position,

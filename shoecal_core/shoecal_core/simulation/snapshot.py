@@ -27,6 +27,8 @@ class Snapshot:
         sole_rotation: (..., 2, 3, 3) of the same.
         base_position: (..., 3) of the root link over the floor [m].
         base_orientation: (..., 4) of the root link: x, y, z, w.
+        base_rate: (..., 3) of its turn, in its own frame [rad/s].
+        base_force: (..., 3) specific force at its origin, in its own frame [m/s^2].
     """
 
     time: FloatArray
@@ -39,6 +41,8 @@ class Snapshot:
     sole_rotation: FloatArray
     base_position: FloatArray
     base_orientation: FloatArray
+    base_rate: FloatArray
+    base_force: FloatArray
 
 
 def stack(snapshots: Sequence[Snapshot]) -> Snapshot:
