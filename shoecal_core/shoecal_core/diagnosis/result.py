@@ -185,6 +185,7 @@ class Evidence:
         run: (T,) numbers. time: (T,) since the run's start [s].
         test: (T,) samples of test runs.
         loaded: (T, 2) feet that carry load.
+        support: (T, 3) right sole in the left sole's frame: x, y [m], yaw [rad].
         cop: (T, 2) modelled CoP in the left sole's frame [m]; foot_cop: (T, 2, 2) measured one
             of each foot in its sole frame, NaN unloaded [m]; foot_force: (T, 2) [N].
         outputs: (T, n) of the channels [N or N m].
@@ -199,6 +200,7 @@ class Evidence:
     time: FloatArray
     test: NDArray[np.bool_]
     loaded: NDArray[np.bool_]
+    support: FloatArray
     cop: FloatArray
     foot_cop: FloatArray
     foot_force: FloatArray
