@@ -24,6 +24,7 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.standard import listed_runs
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import Shoe, load_shoe
@@ -111,8 +112,7 @@ def make_session(
         shoe=shoe,
         reality=load_reality(config_dir() / "realities" / "default.yaml"),
         settings=PlannerSettings(),
-        supports=supports,
-        motion="landmarks",
+        runs=listed_runs(supports, ["landmarks"] * len(supports)),
         rate=RATE_HZ,
         seed=seed,
         robot_seed=robot_seed,

@@ -20,6 +20,9 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.settings import SettingError, load_settings
 from shoecal_core.workspace import config_dir
 
+STANDARD_SET = "standard"
+"""Names the standard set of motions."""
+
 
 def run_numbers(text: str) -> tuple[int, ...]:
     """Run numbers separated by commas: `1,2,5`."""
@@ -32,6 +35,20 @@ def run_numbers(text: str) -> tuple[int, ...]:
     if len(set(numbers)) < len(numbers):
         raise argparse.ArgumentTypeError(f"'{text}': name each run once")
     return numbers
+
+
+def motion_names(text: str) -> tuple[str, ...]:
+    """Motions of the menu separated by commas, or the name of the standard set alone."""
+    names = tuple(text.split(","))
+    if names == (STANDARD_SET,):
+        return names
+    for name in names:
+        if name not in MENU:
+            raise argparse.ArgumentTypeError(
+                f"'{name}': expected '{STANDARD_SET}' alone, or motions separated by commas, of: "
+                f"{', '.join(MENU)}"
+            )
+    return names
 
 
 def seed_number(text: str) -> int:

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rich.console import Console
 
 from shoecal_core.commands.arguments import (
+    STANDARD_SET,
     add_planning,
     chosen_supports,
+    motion_names,
     planner_settings,
     rate_hz,
     seed_number,
 )
 from shoecal_core.commands.progress import shown_progress
 from shoecal_core.commands.simulated_session import SimulationPlan, simulate_session
+from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot_file import load_robot
+from shoecal_core.planning.standard import PlannedRun, listed_runs, standard_runs
 from shoecal_core.sensing.shoe import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir
@@ -39,6 +43,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=seed_number,
         help="draws robot and cells (default: the seed): the same robot again under another seed",
     )
+    parser.add_argument(
+        "--motions",
+        type=motion_names,
+        metavar="M,…",
+        help=f"one run of each motion, in the double supports in turn (instead of --motion); "
+        f"'{STANDARD_SET}': the standard set of a diagnosis, marked to train and to test",
+    )
     parser.add_argument("--out", type=Path, required=True, help="session to make")
     add_planning(parser)
 
@@ -55,8 +66,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             shoe=shoe,
             reality=reality,
             settings=settings,
-            supports=chosen_supports(args, robot, shoe, settings, progress),
-            motion=args.motion,
+            runs=_runs(args, chosen_supports(args, robot, shoe, settings, progress)),
             rate=args.rate,
             seed=args.seed,
             robot_seed=args.seed if args.robot_seed is None else args.robot_seed,
@@ -64,7 +74,12 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         )
         session = simulate_session(plan, args.out, progress)
     runs = [
-        {"run": entry.run, "support": [support.dx, support.dy, support.dtheta]}
+        {
+            "run": entry.run,
+            "support": [support.dx, support.dy, support.dtheta],
+            "motion": entry.info.motion,
+            "set": entry.hint,
+        }
         for entry in session.runs
         if (support := entry.info.support) is not None
     ]
@@ -75,3 +90,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         "robot_seed": plan.robot_seed,
         "runs": runs,
     }
+
+
+def _runs(args: argparse.Namespace, supports: Sequence[DoubleSupport]) -> Sequence[PlannedRun]:
+    """What to do where: `--motions`, else the one motion in each double support."""
+    if args.motions == (STANDARD_SET,):
+        return standard_runs(supports)
+    return listed_runs(supports, args.motions or [args.motion] * len(supports))
