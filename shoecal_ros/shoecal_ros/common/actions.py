@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -17,12 +18,32 @@ ANSWER_S = 10.0
 """Wall-clock time in which a server must answer a request, or end what it was told to stop."""
 
 
+FEEDBACK_S = 0.2
+"""Wall-clock time from feedback to feedback of the same stage."""
+
+
 class ActionError(ShoecalError):
     """An action whose server does not do its part."""
 
 
 class NotSentError(ShoecalError):
     """A goal that was not wanted any more before it could be sent."""
+
+
+class Pacing:
+    """Keeps feedback lean: another stage is told at once, the same one again after a while."""
+
+    def __init__(self) -> None:
+        self._told = ("", -math.inf)
+
+    def due(self, stage: str) -> bool:
+        """Whether to tell now; counts as told then."""
+        told, at = self._told
+        now = time.monotonic()
+        if stage == told and now - at < FEEDBACK_S:
+            return False
+        self._told = (stage, now)
+        return True
 
 
 def finish(goal: ServerGoalHandle, result: Any, *, canceled: int) -> None:

@@ -27,16 +27,17 @@ from shoecal_core.recording import schemas
 from shoecal_core.settings import Settings, load_settings, setting
 from shoecal_core.workspace import config_dir
 from shoecal_ros.calibrator.calibration_desk import CalibrationDesk
-from shoecal_ros.calibrator.calibration_job import PLAN_ACTION, REACH_ACTION, JobSettings
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
 from shoecal_ros.calibrator.drift_desk import DriftDesk
 from shoecal_ros.calibrator.in_force import UNCALIBRATED
+from shoecal_ros.calibrator.job_settings import JobSettings
 from shoecal_ros.calibrator.live import LiveSensing, LowPass
 from shoecal_ros.calibrator.live_publishers import LivePublishers
 from shoecal_ros.calibrator.load import LoadSwitch
 from shoecal_ros.calibrator.raw_topics import RAW_TOPICS, relative
 from shoecal_ros.calibrator.recorder import Recorder
 from shoecal_ros.calibrator.rezeroing import RezeroDesk
+from shoecal_ros.calibrator.run_series import PLAN_ACTION, REACH_ACTION
 from shoecal_ros.calibrator.self_calibration import SelfCalibrationDesk
 from shoecal_ros.common import qos
 from shoecal_ros.common.health import Condition, Level

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from functools import partial
 
 import numpy as np
@@ -13,11 +12,12 @@ from shoecal_msgs.action import Plan
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.menu import MENU, kind_named
+from shoecal_ros.common.actions import Pacing
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.worker import Work
 from shoecal_ros.planner import planning_work
-from shoecal_ros.planner.execution import CURE, FEEDBACK_S, Execution
+from shoecal_ros.planner.execution import CURE, Execution
 from shoecal_ros.planner.following import Give
 from shoecal_ros.planner.order import Mover, Order
 
@@ -38,7 +38,7 @@ class PlanJob:
         self._mover = mover
         self._goal = goal
         self._result = result
-        self._fed = ("", 0.0)
+        self._pacing = Pacing()
         order = Order(goal.request.send, lambda: bool(goal.is_cancel_requested), self._feed)
         self.execution = Execution(mover, order)
 
@@ -137,11 +137,7 @@ class PlanJob:
         )  # fmt: skip
 
     def _feed(self, phase: str, progress: float, landmark: int) -> None:
-        now = time.monotonic()
-        told, at = self._fed
-        if phase == told and now - at < FEEDBACK_S:
-            return
-        self._fed = (phase, now)
-        self._goal.publish_feedback(
-            Plan.Feedback(phase=phase, progress=float(progress), landmark=landmark)
-        )
+        if self._pacing.due(phase):
+            self._goal.publish_feedback(
+                Plan.Feedback(phase=phase, progress=float(progress), landmark=landmark)
+            )

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from shoecal_ros.calibrator.calibration_job import JobSettings
+from shoecal_ros.calibrator.job_settings import JobSettings
 from shoecal_ros.planner.settings import MovingSettings
 
 

@@ -7,7 +7,7 @@ from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.settings import Settings, describe
-from shoecal_ros.calibrator.calibration_job import JobSettings
+from shoecal_ros.calibrator.job_settings import JobSettings
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.nodes.calibrator import CalibratorSettings
 

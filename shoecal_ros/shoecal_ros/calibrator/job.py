@@ -1,0 +1,172 @@
+"""What jobs that may move the robot share: they wait for work and actions, and end where they must.
+
+Reasons to end carry the codes of `Calibrate.Result`; those of `Diagnose.Result` are the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol, TypeVar
+
+from rclpy.action import ActionClient
+from shoecal_msgs.action import Calibrate
+
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.tolerances import Tolerances
+from shoecal_core.errors import ShoecalError
+from shoecal_core.model.robot import Robot
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.sensing.shoe import Shoe
+from shoecal_ros.calibrator.job_settings import JobSettings
+from shoecal_ros.calibrator.recorder import Recorder
+from shoecal_ros.common.actions import NotSentError, do_action
+from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.common.runtime import until
+from shoecal_ros.common.worker import Work
+from shoecal_ros.inputs.stillness import Stillness
+
+R = TypeVar("R")
+Codes = Calibrate.Result
+
+
+class Site(Protocol):
+    """What a job needs of its node."""
+
+    files: RobotFiles
+    robot: Robot
+    shoe: Shoe
+    job_settings: JobSettings
+    fit_settings: CalibrationSettings
+    tolerances: Tolerances
+    planning: PlannerSettings
+    recorder: Recorder
+    stillness: Stillness
+    reach_client: ActionClient
+    plan_client: ActionClient
+
+    @property
+    def armed(self) -> bool:
+        """Whether the robot may be moved."""
+
+    @property
+    def now_ns(self) -> int:
+        """The node's time [ns]."""
+
+    def input_problem(self) -> str:
+        """What is wrong with joint angles or voltages, and its cure; empty when all is well."""
+
+    def wake(self) -> None:
+        """Let waiting jobs look again."""
+
+
+class Job:
+    """One job on its site.
+
+    Attributes:
+        site: its node.
+    """
+
+    def __init__(self, site: Site, canceled: Callable[[], bool]) -> None:
+        self.site = site
+        self._canceled = canceled
+
+    @property
+    def interrupted(self) -> bool:
+        """Whether nothing may move any more."""
+        site = self.site
+        return (
+            self._canceled()
+            or not site.armed
+            or bool(site.recorder.problem)
+            or bool(site.input_problem())
+        )
+
+    def check(self) -> None:
+        """End the job where nothing may move any more.
+
+        Raises:
+            RefusedError: with the reason.
+        """
+        site = self.site
+        self.check_canceled()
+        if not site.armed:
+            raise RefusedError(
+                Codes.NOT_ARMED, "not armed: call the service shoe/arm with data true first"
+            )
+        if site.recorder.problem:
+            raise RefusedError(Codes.RECORDING_FAILED, site.recorder.problem)
+        problem = site.input_problem()
+        if problem:
+            raise RefusedError(Codes.STALE_INPUT, problem)
+
+    def check_canceled(self) -> None:
+        """End the job where that is asked for; RefusedError then."""
+        if self._canceled():
+            raise RefusedError(Codes.CANCELED, "cancelled; what was recorded stays")
+
+    async def worked(
+        self,
+        work: Work[R],
+        code: int,
+        *,
+        moving: bool = True,
+        progress: Callable[[object], None] = lambda _: None,
+    ) -> R:
+        """What a worker's work gives.
+
+        Args:
+            work: under way.
+            code: of its failure.
+            moving: whether the robot is to move; else only cancelling ends the job.
+            progress: takes what the work tells meanwhile.
+        """
+
+        def over() -> bool:
+            if work.progress is not None:
+                progress(work.progress)
+            return work.done or (self.interrupted if moving else self._canceled())
+
+        await until(over, _FOREVER_S)
+        self.check_canceled()
+        if moving:
+            self.check()
+        try:
+            return work.result()
+        except ShoecalError as error:
+            raise RefusedError(code, str(error)) from error
+
+    async def done(
+        self,
+        client: ActionClient,
+        name: str,
+        goal: Any,
+        feedback: Callable[[Any], None],
+        timeout_s: float,
+        code: int,
+    ) -> Any:
+        """The result of an action, which is cancelled where the job must end.
+
+        Args:
+            client, name, goal, feedback, timeout_s: as `do_action`.
+            code: where the action's server does not do its part.
+        """
+        try:
+            result = await do_action(
+                client,
+                name,
+                goal,
+                feedback=feedback,
+                stop=lambda: self.interrupted,
+                timeout_s=timeout_s,
+            )
+        except NotSentError as error:
+            self.check()
+            raise RefusedError(code, str(error)) from error
+        except ShoecalError as error:
+            raise RefusedError(code, str(error)) from error
+        self.check()
+        return result
+
+
+_FOREVER_S = 1e9

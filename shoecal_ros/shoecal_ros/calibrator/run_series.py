@@ -1,0 +1,150 @@
+"""Recording one run after another: reach a double support, stand still, move."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from shoecal_msgs.action import Plan, ReachSupport
+
+from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.recording.session import Session
+from shoecal_ros.calibrator.job import Codes, Job, Site
+from shoecal_ros.common.conversions import support_to_ros
+from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.runtime import until
+
+REACH_ACTION, PLAN_ACTION = "robot/reach_support", "shoe/plan"
+REACH_SHARE, PLAN_SHARE = 0.1, 0.3
+"""Of one run's progress."""
+
+Told = Callable[[str, int, float, str], None]
+"""Hears the stage (reaching, planning, moving), the run from 1 on, how much of all runs is done
+(0 to 1), and a line for a person."""
+
+
+@dataclass(frozen=True)
+class PlannedRun:
+    """A run to record.
+
+    Attributes:
+        support: in which.
+        motion: on the planner's menu.
+        hint: what it is meant for: `train`, `test`, or empty.
+    """
+
+    support: DoubleSupport
+    motion: str
+    hint: str = ""
+
+
+def make_session(site: Site, name: str, seed: int) -> Session:
+    """A new session's folder in `sessions_dir`.
+
+    Raises:
+        RefusedError: when it cannot be made.
+    """
+    folder = Path(site.job_settings.sessions_dir).expanduser()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        return Session.create(
+            folder / name, site.robot.path, site.robot.urdf, site.shoe.path, seed=seed
+        )
+    except OSError as error:
+        problem = FileError(folder, f"cannot be made ({error.strerror}); correct sessions_dir")
+        raise RefusedError(Codes.RECORDING_FAILED, str(problem)) from error
+    except ShoecalError as error:
+        raise RefusedError(Codes.RECORDING_FAILED, str(error)) from error
+
+
+class RunSeries:
+    """Records runs into a session; what was recorded stays whatever ends the job."""
+
+    def __init__(self, job: Job, session: Session, told: Told) -> None:
+        self._job = job
+        self._site = job.site
+        self._session = session
+        self._tell_all = told
+        self._index = self._count = 0
+
+    async def record(self, runs: Sequence[PlannedRun]) -> None:
+        """Do them all, in their order.
+
+        Raises:
+            RefusedError: when it must end before.
+        """
+        self._count = len(runs)
+        for self._index, run in enumerate(runs, start=1):
+            await self._reach(run.support)
+            await self._stand_still()
+            await self._move(run)
+
+    async def _reach(self, support: DoubleSupport) -> None:
+        place = f"dx {support.dx:g} m, dy {support.dy:g} m, dtheta {support.dtheta:g} rad"
+        self._tell("reaching", 0.0, place)
+        reached = await self._job.done(
+            self._site.reach_client,
+            REACH_ACTION,
+            ReachSupport.Goal(support=support_to_ros(support)),
+            lambda told: self._tell("reaching", REACH_SHARE * told.progress, place),
+            self._site.job_settings.reach_timeout_s,
+            Codes.SUPPORT_FAILED,
+        )
+        _require(reached, Codes.SUPPORT_FAILED, f"support {self._index} ({place}) not reached")
+
+    async def _stand_still(self) -> None:
+        site, job = self._site, self._job
+        site.stillness.restart()
+        await until(
+            lambda: site.stillness.still or job.interrupted, site.job_settings.still_timeout_s
+        )
+        job.check()
+        if not site.stillness.still:
+            raise RefusedError(
+                Codes.SUPPORT_FAILED,
+                f"the robot does not stand still within {site.job_settings.still_timeout_s:g} s; "
+                "stop what else moves it, or raise still_speed",
+            )
+
+    async def _move(self, run: PlannedRun) -> None:
+        """Plan and do the motion; what is recorded is the motion, not the planning."""
+        recorder = self._site.recorder
+        recorder.stand_by()
+        moved = await self._job.done(
+            self._site.plan_client,
+            PLAN_ACTION,
+            Plan.Goal(motion=run.motion, send=True),
+            partial(self._hear_motion, run),
+            self._site.job_settings.motion_timeout_s,
+            Codes.MOTION_FAILED,
+        )
+        _require(moved, Codes.MOTION_FAILED, f"motion {self._index} ({run.motion}) not done")
+        try:
+            recorder.stop()
+        except ShoecalError as error:
+            raise RefusedError(Codes.RECORDING_FAILED, str(error)) from error
+
+    def _hear_motion(self, run: PlannedRun, told: Plan.Feedback) -> None:
+        recorder, place = self._site.recorder, f"{run.motion}, landmark {told.landmark}"
+        if told.phase != "moving":
+            self._tell("planning", REACH_SHARE + PLAN_SHARE * told.progress, place)
+            return
+        if not recorder.recording and not recorder.problem:
+            try:
+                recorder.start(self._session.new_run(run.motion, run.support, hint=run.hint))
+            except ShoecalError as error:
+                recorder.problem = str(error)
+        share = REACH_SHARE + PLAN_SHARE + (1.0 - REACH_SHARE - PLAN_SHARE) * told.progress
+        self._tell("moving", share, place)
+
+    def _tell(self, stage: str, of_run: float, message: str) -> None:
+        self._tell_all(stage, self._index, (self._index - 1 + of_run) / self._count, message)
+
+
+def _require(result: Any, code: int, what: str) -> None:
+    if not result.success:
+        raise RefusedError(code, f"{what}: {result.message}")
