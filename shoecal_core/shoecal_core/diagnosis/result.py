@@ -186,8 +186,10 @@ class Evidence:
         test: (T,) samples of test runs.
         loaded: (T, 2) feet that carry load.
         support: (T, 3) right sole in the left sole's frame: x, y [m], yaw [rad].
-        cop: (T, 2) modelled CoP in the left sole's frame [m]; foot_cop: (T, 2, 2) measured one
-            of each foot in its sole frame, NaN unloaded [m]; foot_force: (T, 2) [N].
+        cop: (T, 2) modelled CoP in the frame of the stance: the left sole's, or the right
+            sole's while the left foot hangs; cop_x and cop_y are told in it too [m].
+        foot_cop: (T, 2, 2) measured one of each foot in its sole frame, NaN unloaded [m];
+            foot_force: (T, 2) [N].
         outputs: (T, n) of the channels [N or N m].
         noise: (s,) standard deviation of each signal's noise.
         without: with nothing added.
