@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.simulation.drawn import DrawnShoes
@@ -24,11 +24,13 @@ class Readings:
         counts: (..., n) whole steps.
         voltages: (..., n) the same in the shoe's unit.
         status: (..., n) GOOD or SATURATED.
+        temperature: (...) of the shoes as the device tells it [degC]; NaN where it does not.
     """
 
     counts: NDArray[np.int64]
     voltages: FloatArray
     status: NDArray[np.uint8]
+    temperature: FloatArray
 
 
 class Converter:
@@ -50,10 +52,11 @@ class Converter:
         self._highest = np.floor(highest / self.volts_per_count)
         self._parameters = drawn.parameters
         self._std = drawn.noise
+        self._temperature = drawn.temperature
         self._noise = noise
 
-    def __call__(self, outputs: FloatArray) -> Readings:
-        """Read outputs (..., n) [N or N m]."""
+    def __call__(self, outputs: FloatArray, time: ArrayLike = 0.0) -> Readings:
+        """Read outputs (..., n) [N or N m] at times (...) since the session began [s]."""
         felt = outputs + self._std * self._noise.standard_normal(outputs.shape)
         voltages = (felt - self._parameters.offset) / self._parameters.gain
         counts = np.rint(voltages / self.volts_per_count)
@@ -62,4 +65,5 @@ class Converter:
             counts=clipped.astype(np.int64),
             voltages=clipped * self.volts_per_count,
             status=np.where(clipped == counts, GOOD, SATURATED).astype(np.uint8),
+            temperature=self._temperature.reading(np.broadcast_to(time, outputs.shape[:-1])),
         )

@@ -13,6 +13,8 @@ from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.sensing.shoe import FEET, Channel, Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 from shoecal_core.simulation.reality import ALL, BASE, Reality, Table
+from shoecal_core.simulation.stage import AnyStage
+from shoecal_core.simulation.temperature import WarmUp
 
 FloatArray = NDArray[np.float64]
 
@@ -49,7 +51,7 @@ class DrawnShoes:
     """The shoes and the floor below them, as they truly are.
 
     Attributes:
-        channels: names, n of them.
+        shoe: as its file says.
         position: (n, 2) where each channel acts, in its foot's sole frame [m].
         parameters: true output = gain * reading + offset, polarity included.
         noise: (n,) standard deviation of a reading's noise [N or N m].
@@ -57,9 +59,12 @@ class DrawnShoes:
         mass_factor: (2,) true mass of each shoe's plates over the shoe file's.
         clamp_share: (2,) part of a foot's moment that the clamps carry past the cells.
         tilt: (2,) slope of the floor: its turn about x and about y [rad].
+        full_scale: (n,) output at half the converter's span, of a nominal gain [N or N m].
+        temperature: how warm the shoes are.
+        stages: what signals pass between the channels and their converter, in any order.
     """
 
-    channels: tuple[str, ...]
+    shoe: Shoe
     position: FloatArray
     parameters: ChannelParameters
     noise: FloatArray
@@ -67,6 +72,14 @@ class DrawnShoes:
     mass_factor: FloatArray
     clamp_share: FloatArray
     tilt: FloatArray
+    full_scale: FloatArray
+    temperature: WarmUp
+    stages: tuple[AnyStage, ...] = ()
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Names, n of them."""
+        return self.shoe.names
 
 
 @dataclass(frozen=True)
@@ -170,7 +183,7 @@ def draw_shoes(rules: Reality, shoe: Shoe, seed: int) -> DrawnShoes:
     listed = cells.position_error_m.resolve(shoe.names, position - shoe.positions, "channel")
     ones = np.ones(len(FEET))
     shoes = DrawnShoes(
-        channels=shoe.names,
+        shoe=shoe,
         position=shoe.positions + listed,
         parameters=ChannelParameters(gain, full_scale * shift),
         noise=np.where(shoe.torque, cells.noise_std_nm, cells.noise_std_n),
@@ -178,6 +191,13 @@ def draw_shoes(rules: Reality, shoe: Shoe, seed: int) -> DrawnShoes:
         mass_factor=1.0 + _column(rules.shoes.mass_error_fraction, FEET, 0.0 * ones, "foot"),
         clamp_share=_column(rules.shoes.clamp_share, FEET, 0.0 * ones, "foot"),
         tilt=np.zeros(2),
+        full_scale=full_scale,
+        temperature=WarmUp(
+            rules.servo.ambient_degc,
+            rules.shoes.warm_up_k,
+            rules.shoes.warm_up_time_s,
+            rules.shoes.temperature_told,
+        ),
     )
     for effect in rules.effects:
         shoes = effect.on_shoes(shoes)

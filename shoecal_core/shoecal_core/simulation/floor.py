@@ -50,11 +50,7 @@ def floor_truth(contact: FloatArray, position: FloatArray, rotation: FloatArray)
     """
     force, torque, place = contact[..., :3], contact[..., 3:6], contact[..., 6:]
     moment = torque + np.cross(place, force)
-    forward = rotation[..., :2, 0]
-    forward = forward / np.linalg.norm(forward, axis=-1, keepdims=True)
-    leftward = np.stack((-forward[..., 1], forward[..., 0]), axis=-1)
-    # Rows are the sole frames' axes in the floor's plane.
-    axes = np.stack((forward, leftward), axis=-2)
+    axes = _sole_axes(rotation)
     both = _cop(force.sum(axis=-2), moment.sum(axis=-2)) - position[..., 0, :2]
     each = _cop(force, moment) - position[..., :2]
     sideways = _turned(axes, force[..., :2])
@@ -63,6 +59,24 @@ def floor_truth(contact: FloatArray, position: FloatArray, rotation: FloatArray)
         foot_cop=_turned(axes, each),
         foot_force=np.concatenate((sideways, force[..., 2:]), axis=-1),
     )
+
+
+def sideways_forces(force: FloatArray, rotation: FloatArray) -> FloatArray:
+    """(..., 2, 2) the floor's force on left, right along x and y of its sole frame [N].
+
+    Args:
+        force: (..., 2, 3) net force of the contacts below left, right, in the floor's frame [N].
+        rotation: (..., 2, 3, 3) of the true sole frames.
+    """
+    return _turned(_sole_axes(rotation), force[..., :2])
+
+
+def _sole_axes(rotation: FloatArray) -> FloatArray:
+    """(..., 2, 2) rows: x and y of sole frames with these rotations, in the floor's plane."""
+    forward = rotation[..., :2, 0]
+    forward = forward / np.linalg.norm(forward, axis=-1, keepdims=True)
+    leftward = np.stack((-forward[..., 1], forward[..., 0]), axis=-1)
+    return np.stack((forward, leftward), axis=-2)
 
 
 def _turned(axes: FloatArray, vectors: FloatArray) -> FloatArray:

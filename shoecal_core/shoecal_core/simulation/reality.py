@@ -153,10 +153,13 @@ class CellRules:
 
 @dataclass(frozen=True)
 class ShoeRules:
-    """Plates of the shoes."""
+    """Plates of the shoes, and their temperature."""
 
     mass_error_fraction: RelativeErrors
     clamp_share: Annotated[Table, Bounds(minimum=0.0, maximum=0.9)]
+    warm_up_k: Number
+    warm_up_time_s: Positive
+    temperature_told: bool
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import deque
 from dataclasses import dataclass
 
 import mujoco
@@ -18,8 +17,9 @@ from shoecal_core.simulation import robot_physics
 from shoecal_core.simulation.converter import Converter, Readings
 from shoecal_core.simulation.drawn import DrawnReality
 from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError
-from shoecal_core.simulation.floor import FloorTruth, floor_truth
+from shoecal_core.simulation.floor import FloorTruth, floor_truth, sideways_forces
 from shoecal_core.simulation.imu import Imu, ImuReadings, base_motion
+from shoecal_core.simulation.sensor_chain import NO_SIDEWAYS, SensorChain
 from shoecal_core.simulation.set_points import SERVO_PERIOD, SetPoints
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader, floor_rotation
 from shoecal_core.simulation.snapshot import Snapshot
@@ -93,7 +93,9 @@ class SimulatedRobot:
             floor_rotation(drawn.shoes),
             noise.spawn(1)[0],
         )
-        self._latency = drawn.shoes.latency
+        self._chain = SensorChain(drawn.shoes)
+        self._before = 0.0
+        self._steps = 0
         self._base = self._model.body(drawn.body.links[0]).id
         self._leaders = np.array(
             [robot.joint(self._model.actuator(i).name) for i in range(self._model.nu)]
@@ -107,6 +109,11 @@ class SimulatedRobot:
         return self._steps * self.drawn.rules.step_s
 
     @property
+    def session_time(self) -> float:
+        """Simulated time since it was made, wherever it was put in between [s]."""
+        return self._before + self.time
+
+    @property
     def weight(self) -> float:
         """True weight of robot and shoes [N]."""
         return float(self._model.body_mass.sum() * np.linalg.norm(self._model.opt.gravity))
@@ -116,7 +123,7 @@ class SimulatedRobot:
     def reset(self, joint_angles: FloatArray) -> None:
         """Put the robot just above the floor, motionless, both soles as flat as can be.
 
-        Time starts at 0 again; motors stay as warm as they are.
+        Time starts at 0 again; motors stay as warm as they are, and the session's time goes on.
 
         Args:
             joint_angles: (m,) as encoders shall show them [rad].
@@ -133,11 +140,11 @@ class SimulatedRobot:
         self._check_soles(told)
         self._pose(self.data, told - self.drawn.body.encoder_error)
         self._lower_to_floor()
-        self._steps = 0
+        self._before, self._steps = self.session_time, 0
         self._set_points = SetPoints(still, self._steps, self.drawn.rules.step_s)
         self.data.act[:] = self._motor_angles(told)
         self._standing_height = float(self.data.xpos[self._base, 2])
-        self._felt: deque[tuple[float, FloatArray]] = deque()
+        self._chain.lift()
         mujoco.mj_step(self._model, self.data)
         self._remember()
 
@@ -193,7 +200,8 @@ class SimulatedRobot:
             mujoco.mj_step(self._model, self.data, nstep=count)
             self._steps += count
             self._warm(count * step)
-            self._remember()
+            if done + count == length:
+                self._remember()
 
     # Readings
 
@@ -205,10 +213,11 @@ class SimulatedRobot:
         rate, force = base_motion(self._model, data, self._base)
         return Snapshot(
             time=np.array(self.time),
+            session_time=np.array(self.session_time),
             motor_angle=data.actuator_length.copy(),
             motor_torque=data.actuator_force.copy(),
             motor_heat=self._heat,
-            felt=self._late(self._outputs(data)),
+            felt=self._reaching(),
             contact=self._soles.contact(data),
             sole_position=position,
             sole_rotation=rotation,
@@ -236,7 +245,7 @@ class SimulatedRobot:
     def readings(self, at: Snapshot | None = None) -> Readings:
         """What the channels' converter gives, now or for other instants in their order."""
         snap = self.snapshot() if at is None else at
-        return self._converter(snap.felt)
+        return self._converter(snap.felt, snap.session_time)
 
     def imu(self, at: Snapshot | None = None) -> ImuReadings | None:
         """What the inertial sensor tells, now or at other instants; None where there is none."""
@@ -316,19 +325,20 @@ class SimulatedRobot:
         self._heat = kept * self._heat + (1.0 - kept) * servo.temperature_rise_degc * load**2
 
     def _remember(self) -> None:
-        """Keep what channels felt for as long as a late reading may ask for it."""
-        if not self._latency.any():
-            return
-        self._felt.append((self.time, self._outputs(self.data)))
-        while len(self._felt) > 2 and self._felt[1][0] < self.time - self._latency.max():
-            self._felt.popleft()
+        """Move the sensors' signals on."""
+        if self._chain.active:
+            self._chain.take(self._outputs(self.data), self.session_time, self._sideways())
 
-    def _late(self, felt: FloatArray) -> FloatArray:
-        """What channels felt when the readings that come now were taken."""
-        late = np.flatnonzero(self._latency)
-        if late.size:
-            times, past = (np.array(column) for column in zip(*self._felt, strict=True))
-            for channel in late:
-                then = self.time - self._latency[channel]
-                felt[channel] = np.interp(then, times, past[:, channel])
+    def _reaching(self) -> FloatArray:
+        """(n,) what reaches the channels' converter now [N or N m]."""
+        felt = self._outputs(self.data)
+        if self._chain.active:
+            return self._chain.at(felt, self.session_time, self._sideways())
         return felt
+
+    def _sideways(self) -> FloatArray:
+        """(2, 2) the floor's sideways forces on the feet, where a sensor feels them [N]."""
+        if not self._chain.feels_sideways:
+            return NO_SIDEWAYS
+        _, rotation = self._soles.pose(self.data)
+        return sideways_forces(self._soles.contact(self.data)[:, :3], rotation)

@@ -18,10 +18,11 @@ class Snapshot:
 
     Attributes:
         time: (...) simulated time [s].
+        session_time: (...) simulated time since the session began [s].
         motor_angle: (..., a) of the motors, behind their gears [rad].
         motor_torque: (..., a) [N m].
         motor_heat: (..., a) over the ambient temperature [K].
-        felt: (..., n) by the channels, as old as they are late [N or N m].
+        felt: (..., n) by the channels, as it reaches their converter [N or N m].
         contact: (..., 2, 9) net wrench on left, right: force, torque, place [N, N m, m].
         sole_position: (..., 2, 3) of the true left, right sole frames over the floor [m].
         sole_rotation: (..., 2, 3, 3) of the same.
@@ -32,6 +33,7 @@ class Snapshot:
     """
 
     time: FloatArray
+    session_time: FloatArray
     motor_angle: FloatArray
     motor_torque: FloatArray
     motor_heat: FloatArray

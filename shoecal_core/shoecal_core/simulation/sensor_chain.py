@@ -1,0 +1,87 @@
+"""From what channels feel to what reaches their converter, instant by instant."""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.simulation.drawn import DrawnShoes
+from shoecal_core.simulation.stage import Instant
+
+FloatArray = NDArray[np.float64]
+
+NO_SIDEWAYS = np.zeros((2, 2))
+
+
+class SensorChain:
+    """All stages in their order, then the age of a reading.
+
+    `take` moves on in time, `at` looks. A chain is moved on at instants of the physics' own, so
+    what it gives does not depend on who looks when.
+
+    Attributes:
+        active: whether it changes anything.
+        feels_sideways: whether a stage needs the floor's sideways forces.
+    """
+
+    def __init__(self, shoes: DrawnShoes) -> None:
+        self._stages = sorted(shoes.stages, key=lambda stage: stage.place)
+        self._states: list[Any] = [stage.start() for stage in self._stages]
+        self._latency = shoes.latency
+        self._late = np.flatnonzero(shoes.latency)
+        self._longest = float(shoes.latency.max(initial=0.0))
+        self._past: deque[tuple[float, FloatArray]] = deque()
+        self._nothing = np.zeros(len(shoes.channels))
+        self._time = 0.0
+        self._last: FloatArray | None = None
+        self.active = bool(self._stages) or self._late.size > 0
+        self.feels_sideways = any(stage.feels_sideways for stage in self._stages)
+
+    def lift(self) -> None:
+        """Take all load off, between two instants; late readings of before are lost."""
+        self._past.clear()
+        self._last = None
+        _, self._states = self._pass(self._nothing, self._time, NO_SIDEWAYS)
+
+    def take(self, felt: FloatArray, time: float, sideways: FloatArray = NO_SIDEWAYS) -> None:
+        """Move on.
+
+        Args:
+            felt: (n,) by the channels [N or N m].
+            time: since the session began, not before the one of the last call [s].
+            sideways: (2, 2) the floor's force on left, right along x, y of its sole frame [N].
+        """
+        signal, self._states = self._pass(felt, time, sideways)
+        self._time, self._last = time, signal
+        if self._late.size:
+            self._past.append((time, signal))
+            while len(self._past) > 2 and self._past[1][0] < time - self._longest:
+                self._past.popleft()
+
+    def at(self, felt: FloatArray, time: float, sideways: FloatArray = NO_SIDEWAYS) -> FloatArray:
+        """(n,) what reaches the converter [N or N m]; arguments as for `take`."""
+        signal = self._last
+        if signal is None or time != self._time:
+            signal, _ = self._pass(felt, time, sideways)
+        if self._late.size:
+            times, past = (
+                np.array(column) for column in zip(*self._past, (time, signal), strict=True)
+            )
+            signal = signal.copy()
+            for channel in self._late:
+                then = time - self._latency[channel]
+                signal[channel] = np.interp(then, times, past[:, channel])
+        return signal
+
+    def _pass(
+        self, felt: FloatArray, time: float, sideways: FloatArray
+    ) -> tuple[FloatArray, list[Any]]:
+        instant = Instant(time, time - self._time, sideways)
+        signal, states = felt, []
+        for stage, before in zip(self._stages, self._states, strict=True):
+            signal, state = stage(signal, before, instant)
+            states.append(state)
+        return signal, states

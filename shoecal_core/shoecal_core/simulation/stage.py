@@ -1,0 +1,91 @@
+"""One stage on the way of a signal from the force on a channel to its converter."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any, ClassVar, Generic, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+State = TypeVar("State")
+
+
+class Place(IntEnum):
+    """Where on the way a stage sits: the physics sets their order, not a file."""
+
+    PLATE = 0
+    """Forces reach the cells."""
+    MATERIAL = 1
+    """The cell's body and glue remember."""
+    CURVE = 2
+    """What it gives for a force is no straight line."""
+    STOP = 3
+    """It has an end."""
+    SPAN = 4
+    ZERO = 5
+    CABLE = 6
+    """Channels see each other."""
+    CONNECTOR = 7
+    """A contact that sticks, a plug in the wrong socket."""
+    FILTER = 8
+    """What the converter's input does to fast signals."""
+
+
+@dataclass(frozen=True)
+class Instant:
+    """The surroundings of all channels at one instant of a session.
+
+    Attributes:
+        time: since the session began [s].
+        span: since the instant before [s]; 0 at the first.
+        sideways: (2, 2) the floor's force on left, right along x and y of its sole frame [N].
+    """
+
+    time: float
+    span: float
+    sideways: FloatArray
+
+
+class Stage(ABC, Generic[State]):
+    """A stage; what it remembers is handed from instant to instant, never kept in it.
+
+    So an instant can be looked at without changing what comes after it.
+    """
+
+    place: ClassVar[Place]
+    feels_sideways: ClassVar[bool] = False
+    """Whether it needs the floor's sideways forces."""
+
+    @abstractmethod
+    def start(self) -> State:
+        """What it remembers of channels that never carried anything."""
+
+    @abstractmethod
+    def __call__(
+        self, signal: FloatArray, state: State, instant: Instant
+    ) -> tuple[FloatArray, State]:
+        """Pass a signal (n,) [N or N m] on, and what to remember."""
+
+
+AnyStage = Stage[Any]
+
+
+class Memoryless(Stage[None]):
+    """A stage that remembers nothing."""
+
+    def start(self) -> None:
+        """Nothing."""
+
+    def __call__(
+        self, signal: FloatArray, state: None, instant: Instant
+    ) -> tuple[FloatArray, None]:
+        """Pass a signal (n,) on."""
+        return self.passed(signal, instant), state
+
+    @abstractmethod
+    def passed(self, signal: FloatArray, instant: Instant) -> FloatArray:
+        """The signal (n,) behind this stage; the one before it stays as it is."""
