@@ -1,7 +1,7 @@
 """From a recorded run to the stances that a fit uses.
 
-A run in double support is one stance. Where the feet move (walking, stepping) `walking`
-finds the stances.
+A run in double support is one stance; one that lifts a foot is cut where it does (`unloading`).
+Where the feet move (walking, stepping) `walking` finds the stances.
 """
 
 from __future__ import annotations
@@ -12,14 +12,19 @@ from numpy.typing import NDArray
 from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.stance import Stance, make_stance
+from shoecal_core.calibration.unloading import Aloft, aloft
 from shoecal_core.calibration.walking import in_world, walking_stances
 from shoecal_core.errors import FileError
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.run import Run
 from shoecal_core.sensing.shoe import Shoe
 
+BoolArray = NDArray[np.bool_]
+
 MAX_FOOT_DRIFT_M = 0.01
 """In a double support the feet's distance, as the joints tell it, stays within this."""
+LEAST_SAMPLES = 20
+"""Of a stance beside a foot that was lifted."""
 
 
 def stances_of(
@@ -45,6 +50,9 @@ def stances_of(
             standing = screening.standing.get(run.info.run, everything)
         if not kept.any():
             return []
+        lifting = aloft(run.info.motion, aligned)
+        if lifting is not None and lifting.air.any():
+            return _around_the_air(run, aligned, lifting, kept, standing, shoe, kinematics)
         return [double_support_stance(run, aligned, standing, shoe, kinematics).part(kept)]
     if run.base_pose is None or len(run.base_pose.time) < 2:
         raise FileError(
@@ -56,10 +64,53 @@ def stances_of(
     return walking_stances(run.info.run, aligned, world, shoe, kinematics.robot.mass)
 
 
+def _around_the_air(
+    run: Run,
+    aligned: Aligned,
+    lifting: Aloft,
+    kept: BoolArray,
+    standing: BoolArray,
+    shoe: Shoe,
+    kinematics: Kinematics,
+) -> list[Stance]:
+    """Both feet on the floor, one in the air, and both on the floor again: a stance each."""
+    stances = []
+    for part in lifting.stretches():
+        if (part & kept).sum() < LEAST_SAMPLES:
+            continue
+        if lifting.air[part].any():
+            stance = hanging_stance(run, aligned, lifting.foot, shoe, kinematics)
+        else:
+            stance = double_support_stance(run, aligned, part & standing, shoe, kinematics)
+        stances.append(stance.part(part & kept))
+    return stances
+
+
+def hanging_stance(
+    run: Run, aligned: Aligned, foot: int, shoe: Shoe, kinematics: Kinematics
+) -> Stance:
+    """A whole run as if one foot hung in the air all the time, in the other one's frame.
+
+    Args:
+        foot: index of the one that hangs.
+    """
+    return make_stance(
+        run.info.run,
+        shoe,
+        aligned.states.support(),
+        (foot != 0, foot != 1),
+        aligned.time,
+        aligned.readings,
+        np.full(len(aligned.time), kinematics.robot.weight),
+        aligned.states.cop[:, 1 - foot],
+        aligned.joint_angles,
+    )
+
+
 def double_support_stance(
     run: Run,
     aligned: Aligned,
-    standing: NDArray[np.bool_],
+    standing: BoolArray,
     shoe: Shoe,
     kinematics: Kinematics,
 ) -> Stance:

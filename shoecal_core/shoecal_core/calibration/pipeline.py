@@ -242,8 +242,8 @@ def _require_supports(
 ) -> None:
     """Refuse what cannot fix the parameters whatever the noise."""
     double = [stance for stance in stances if all(stance.loaded)]
-    if len(double) < len(stances):
-        return
+    if len({stance.hanging for stance in stances} - {None}) == 2:
+        return  # each foot stood alone
     distinct = {tuple(np.round((s.support.dx, s.support.dy, s.support.dtheta), 2)) for s in double}
     if len(distinct) < DISTINCT_SUPPORTS:
         told = "".join(f"; {finding.reason}" for finding in found)

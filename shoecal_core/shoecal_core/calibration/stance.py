@@ -1,8 +1,8 @@
 """What a fit needs of a recording: readings beside what the model says of the same instants.
 
 A stance is a stretch of time in which no loaded foot moves, so that one frame and one set of
-channel columns serve all of its samples. A run in double support is one stance; walking is
-many.
+channel columns serve all of its samples. A run in double support is one stance, or several
+where a foot is lifted; walking is many.
 """
 
 from __future__ import annotations
@@ -83,6 +83,11 @@ class Stance:
     def hanging(self) -> int | None:
         """Index of the foot that hangs in the air, if one does."""
         return None if all(self.loaded) else self.loaded.index(False)
+
+    @property
+    def quasi_static(self) -> bool:
+        """Whether the model expects the weight alone, at the CoM's projection."""
+        return bool(np.ptp(self.force) == 0.0) if len(self.force) else True
 
     @property
     def reference(self) -> FloatArray:

@@ -61,7 +61,7 @@ class Effects:
         causes: for example `zero of LAnkleRoll` or `place of left/front_left along x`.
         one_sided: (q,) True where only one sign exists: gears and plates always yield to the load.
         force: (T, q) to the GRF [N].
-        cop: (T, 2, q) to the CoP of both feet in the left sole's frame [m].
+        cop: (T, 2, q) to the CoP of what carries, in the stance's frame [m].
         foot_cop: (T, 2, 2, q) to the CoP of each foot in its own sole's frame: those of its
             shoe alone [m].
         placing: (3, q) by how much dx, dy, dtheta of the right sole are truly more than told, on
@@ -91,7 +91,7 @@ class ModelTolerances:
         return (WEIGHT, *self._body_names, *self._of_shoes)
 
     def effects(self, stance: Stance, parameters: ChannelParameters) -> Effects:
-        """On measured minus modelled, at the samples of a double support.
+        """On measured minus modelled, at the samples of a stance, in its frame.
 
         Everything here changes slowly, so few samples will do.
 
@@ -103,9 +103,11 @@ class ModelTolerances:
         shifts, placing = self._body_effects(stance)
         measured = self.measured_effects(outputs, stance.support, placing)
         first = 1 + len(self._body_names)
-        both = measured.cop.copy()
-        both[:, :, 1:first] += shifts
-        return replace(measured, cop=both)
+        # A single foot is all that carries: nothing is misplaced, and its own shoe alone errs.
+        foot = None if stance.hanging is None else 1 - stance.hanging
+        shown = measured.cop.copy() if foot is None else measured.foot_cop[:, foot].copy()
+        shown[:, :, 1:first] += shifts
+        return replace(measured, cop=shown)
 
     def measured_effects(
         self, outputs: FloatArray, support: DoubleSupport, placing: FloatArray
@@ -159,13 +161,13 @@ class ModelTolerances:
         placing (3, q) of all causes.
         """
         assert stance.angles is not None
-        own, body = self.tolerances, self._body.at(stance.angles)
+        own, body = self.tolerances, self._body.at(stance.angles, stance.loaded.index(True))
         count, links = len(stance.time), len(body.links)
         by_mass = own.link_mass * body.cop_by_mass[..., None]
         by_com = own.link_com_m * body.cop_by_com
         by_link = np.concatenate((by_mass, by_com), axis=3).reshape(count, 2, 4 * links)
         by_zero = own.joint_zero_rad * self._by_motor(body.cop_by_joint)
-        lean = stance.cop - self._middle(stance.support)
+        lean = stance.cop - self._middle(stance)
         by_sag = own.sag * lean[:, :, None] * np.eye(2)
         placed = own.joint_zero_rad * self._by_motor(body.support_by_joint).mean(axis=0)
         placed = np.hstack((placed, np.zeros((3, 2))))
@@ -173,10 +175,12 @@ class ModelTolerances:
         placing = np.hstack((np.zeros((3, 1 + 4 * links)), placed, np.zeros((3, after))))
         return np.concatenate((by_link, by_zero, by_sag), axis=2), placing
 
-    def _middle(self, support: DoubleSupport) -> FloatArray:
-        """(2,) between the middles of both feet's sensing polygons, in the left sole's frame."""
+    def _middle(self, stance: Stance) -> FloatArray:
+        """(2,) between the middles of the sensing polygons that carry, in the stance's frame."""
         left, right = (foot.sensing_polygon.mean(axis=0) for foot in self.robot.feet)
-        middle: FloatArray = 0.5 * (left + support.right_to_left(right))
+        if stance.hanging is not None:
+            return np.asarray((right, left)[stance.hanging])
+        middle: FloatArray = 0.5 * (left + stance.support.right_to_left(right))
         return middle
 
     def _by_motor(self, by_joint: FloatArray) -> FloatArray:

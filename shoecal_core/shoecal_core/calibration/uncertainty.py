@@ -93,13 +93,14 @@ def estimate_uncertainty(
 
     Args:
         fit: the minimum.
-        stances: double supports with joint angles (others leave the model's part out) that it
-            was fitted to.
+        stances: that it was fitted to; one of a walk or without joint angles leaves the model's
+            part out.
         weights: that it was fitted with.
         tolerances: of the model; None leaves its part out.
     """
-    told = all(all(stance.loaded) and stance.angles is not None for stance in stances)
-    carried = tolerances if told else None
+    told = all(stance.angles is not None for stance in stances)
+    walked = any(stance.hanging is not None and not stance.quasi_static for stance in stances)
+    carried = tolerances if told and not walked else None
     causes: tuple[str, ...] = ()
     one_sided = np.zeros(0, dtype=bool)
     blocks, placings = [], []
@@ -109,7 +110,8 @@ def estimate_uncertainty(
         if carried is not None:
             found = carried.effects(few, unpack(fit.vector)[0])
             causes, one_sided = found.causes, found.one_sided
-            placings.append(found.placing)
+            if stance.hanging is None:
+                placings.append(found.placing)
             effects = np.stack(
                 [found.force / weights.force, *(np.moveaxis(found.cop, 1, 0) / weights.cop)]
             )

@@ -21,14 +21,15 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BodySensitivity:
-    """Derivatives at T samples, in the left sole's frame; L links, m joints.
+    """Derivatives at T samples, in the frame of one sole; L links, m joints.
 
     Attributes:
         links: names of the joints that carry the L links with a mass.
         cop_by_mass: (T, 2, L) of the CoP to each link's relative mass [m].
         cop_by_com: (T, 2, L, 3) to each link's centre of mass, in its own frame [1].
         cop_by_joint: (T, 2, m) to joint angles [m/rad].
-        support_by_joint: (T, 3, m) of dx, dy, dtheta of the right sole [m/rad, m/rad, 1].
+        support_by_joint: (T, 3, m) of dx, dy, dtheta of the right sole in the left sole's frame
+            [m/rad, m/rad, 1].
     """
 
     links: tuple[str, ...]
@@ -43,20 +44,31 @@ class SensitiveBody:
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
-        body = SymbolicKinematics(robot)
-        left, right = body.soles
         inertias = robot.model.inertias
-        total = sum(inertia.mass for inertia in inertias)
         self._carriers = [i for i in range(1, robot.model.njoints) if inertias[i].mass > 0.0]
         self.links = tuple(str(robot.model.names[index]) for index in self._carriers)
+        self._functions: dict[int, ca.Function] = {}
+
+    def _function(self, foot: int) -> ca.Function:
+        """All derivatives as one vector, those of the CoP in the frame of a sole."""
+        if foot not in self._functions:
+            self._functions[foot] = self._derivatives(foot)
+        return self._functions[foot]
+
+    def _derivatives(self, foot: int) -> ca.Function:
+        body = SymbolicKinematics(self.robot)
+        left, right = body.soles
+        sole = body.soles[foot]
+        inertias = self.robot.model.inertias
+        total = sum(inertia.mass for inertia in inertias)
         by_mass, by_com = [], []
         for index in self._carriers:
             share = inertias[index].mass / total
             pose = body.joints[index]
             way = pose.act(np.asarray(inertias[index].lever)) - body.com
-            by_mass.append(share * (left.rotation.T @ way)[:2])
-            by_com.append(share * (left.rotation.T @ pose.rotation)[:2, :])
-        cop = left.inverse_act(body.com)[:2]
+            by_mass.append(share * (sole.rotation.T @ way)[:2])
+            by_com.append(share * (sole.rotation.T @ pose.rotation)[:2, :])
+        cop = sole.inverse_act(body.com)[:2]
         turn = left.rotation.T @ right.rotation
         support = ca.vertcat(
             left.inverse_act(right.translation)[:2], ca.atan2(turn[1, 0], turn[0, 0])
@@ -67,14 +79,18 @@ class SensitiveBody:
             ca.vec(ca.jacobian(cop, body.joint_angles)),
             ca.vec(ca.jacobian(support, body.joint_angles)),
         )
-        self._function = ca.Function("sensitivity", [body.joint_angles], [outputs], {"cse": True})
+        return ca.Function("sensitivity", [body.joint_angles], [outputs], {"cse": True})
 
-    def at(self, joint_angles: FloatArray) -> BodySensitivity:
-        """Evaluate T samples of all joint angles (T, m) [rad]."""
+    def at(self, joint_angles: FloatArray, foot: int = 0) -> BodySensitivity:
+        """Evaluate T samples of all joint angles (T, m) [rad].
+
+        Args:
+            foot: index of the sole in whose frame the CoP is told.
+        """
         count, joints = len(joint_angles), len(self.robot.joint_names)
         if joint_angles.ndim != 2 or joint_angles.shape[1] != joints:
             raise ShapeError("joint angles", f"(T, {joints})", joint_angles.shape)
-        values = np.array(self._function(joint_angles.T)).T
+        values = np.array(self._function(foot)(joint_angles.T)).T
         links = len(self.links)
         sizes = np.cumsum([2 * links, 6 * links, 2 * joints])
         mass, com, joint, support = np.split(values, sizes, axis=1)

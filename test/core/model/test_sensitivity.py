@@ -31,34 +31,37 @@ def support(states: BodyStates) -> FloatArray:
     return np.column_stack((states.translation[:, :2], states.yaw))
 
 
+@pytest.mark.parametrize("foot", [0, 1])
 def test_joint_angles(
-    body: SensitiveBody, kinematics: Kinematics, robot: Robot, angles: FloatArray
+    body: SensitiveBody, kinematics: Kinematics, robot: Robot, angles: FloatArray, foot: int
 ) -> None:
-    found = body.at(angles)
+    found = body.at(angles, foot)
     for joint in range(len(robot.joint_names)):
         step = STEP * np.eye(len(robot.joint_names))[joint]
         up, down = kinematics.states(angles + step), kinematics.states(angles - step)
-        by_cop = (up.cop[:, 0] - down.cop[:, 0]) / (2.0 * STEP)
+        by_cop = (up.cop[:, foot] - down.cop[:, foot]) / (2.0 * STEP)
         np.testing.assert_allclose(found.cop_by_joint[:, :, joint], by_cop, atol=1e-8)
         by_support = (support(up) - support(down)) / (2.0 * STEP)
         np.testing.assert_allclose(found.support_by_joint[:, :, joint], by_support, atol=1e-8)
 
 
-def modelled_cop(robot: Robot, model: pin.Model, angles: FloatArray) -> FloatArray:
+def modelled_cop(robot: Robot, model: pin.Model, angles: FloatArray, foot: int) -> FloatArray:
     data = model.createData()
     places = []
     for row in angles:
         configuration = np.concatenate(([0.0] * 6, [1.0], row))
         com = pin.centerOfMass(model, data, configuration)
         pin.updateFramePlacements(model, data)
-        places.append(data.oMf[robot.feet[0].frame].actInv(com)[:2])
+        places.append(data.oMf[robot.feet[foot].frame].actInv(com)[:2])
     return np.array(places)
 
 
+@pytest.mark.parametrize("foot", [0, 1])
 def test_masses_and_centres_of_the_links(
-    body: SensitiveBody, robot: Robot, angles: FloatArray
+    body: SensitiveBody, robot: Robot, angles: FloatArray, foot: int
 ) -> None:
-    found = body.at(angles)
+    found = body.at(angles, foot)
+    told = modelled_cop(robot, robot.model, angles, foot)
     for index, name in enumerate(body.links):
         joint = robot.model.getJointId(name)
         for axis in range(4):
@@ -71,7 +74,7 @@ def test_masses_and_centres_of_the_links(
             else:
                 mass, expected = (1.0 + STEP) * inertia.mass, found.cop_by_mass[:, :, index]
             model.inertias[joint] = pin.Inertia(mass, lever, np.array(inertia.inertia))
-            moved = modelled_cop(robot, model, angles) - modelled_cop(robot, robot.model, angles)
+            moved = modelled_cop(robot, model, angles, foot) - told
             np.testing.assert_allclose(expected, moved / STEP, atol=1e-6)
 
 

@@ -6,8 +6,9 @@ that slipped shows as a step that stays, at a moment at which the load on the ce
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from shoecal_core.model.kinematics import BodyStates
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+Key = TypeVar("Key", bound=Hashable)
 
 LIFT_M, LIFT_RAD = 0.003, 0.03
 """A foot that is this much higher or more tilted than it mostly is does not stand."""
@@ -86,8 +88,8 @@ def feet(aligned: Aligned, readings: FloatArray, standing: BoolArray) -> Feet:
     return Feet(aligned.time[standing], pose[standing], readings[standing])
 
 
-def slips(runs: Mapping[int, Feet]) -> dict[int, Slipped]:
-    """The first slip of every run that has one."""
+def slips(runs: Mapping[Key, Feet]) -> dict[Key, Slipped]:
+    """The first slip of every run, or part of one, that has one."""
     runs = {run: one for run, one in runs.items() if len(one.time) > 1}
     if not runs:
         return {}
@@ -111,7 +113,7 @@ def slips(runs: Mapping[int, Feet]) -> dict[int, Slipped]:
     return found
 
 
-def _in_usual(steps: Mapping[int, FloatArray], least: FloatArray) -> dict[int, FloatArray]:
+def _in_usual(steps: Mapping[Key, FloatArray], least: FloatArray) -> dict[Key, FloatArray]:
     """(T,) length of each run's steps (T, k), in the session's usual standard deviations."""
     stride = 1 + sum(map(len, steps.values())) // ENOUGH
     some = np.concatenate([one[::stride] for one in steps.values()])

@@ -19,6 +19,7 @@ class Fault(Enum):
     TOO_FAST = "too_fast"
     JOLTED = "jolted"
     LIFTED = "lifted"
+    LIFTING = "lifting"
     SLIPPED = "slipped"
     TOO_LITTLE = "too_little"
     LATE = "late"

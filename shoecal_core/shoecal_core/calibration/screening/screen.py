@@ -21,6 +21,7 @@ from shoecal_core.calibration.screening.standing import screen_standing
 from shoecal_core.calibration.screening.stretches import JOIN_S, stretches
 from shoecal_core.calibration.screening.unresponsive import dead, stuck
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.unloading import aloft
 from shoecal_core.recording.run import Run
 from shoecal_core.sensing.shoe import Shoe
 
@@ -58,7 +59,8 @@ def screen(
     }
     if found.fails or not double:
         return found
-    return screen_standing(found, double, shoe, weight, settings)
+    lifting = {number: aloft(runs[number].info.motion, one) for number, one in double.items()}
+    return screen_standing(found, double, lifting, shoe, weight, settings)
 
 
 def _lost(

@@ -29,9 +29,10 @@ from shoecal_core.calibration.screening.stretches import JOIN_S, lasting, stretc
 from shoecal_core.calibration.screening.weights import wrong_weights
 from shoecal_core.calibration.screening.wiring import check_wiring
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.unloading import Aloft
 from shoecal_core.sensing.sensing import MINIMUM_FORCE
 from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters, cop
+from shoecal_core.sensing.wrench import ChannelParameters, cop, foot_wrenches
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -46,6 +47,9 @@ SLIP_MARGIN_S = 0.5
 """Left out before a slip: when it began is known no better."""
 LEAST_SHARE = 0.4
 """A run of which less is usable is left out."""
+FREE_SHARE = 0.2
+"""A foot that was lifted on purpose and carries more of the weight still touches something; the
+rough fit knows a foot's share no better."""
 LEAST_LEAP_STDS = 1.0
 """Smaller leaps do no harm, in the settings' standard deviations of the force."""
 
@@ -53,6 +57,7 @@ LEAST_LEAP_STDS = 1.0
 def screen_standing(
     found: Screening,
     aligned: Mapping[int, Aligned],
+    lifting: Mapping[int, Aloft | None],
     shoe: Shoe,
     weight: float,
     settings: CalibrationSettings,
@@ -61,6 +66,7 @@ def screen_standing(
 
     Args:
         aligned: runs in double support, by number.
+        lifting: of each of them, the foot that it lifts on purpose.
         weight: of robot and shoes [N].
     """
     parts = {run: blocks(one, shoe) for run, one in aligned.items()}
@@ -82,14 +88,28 @@ def screen_standing(
     fitting = {run: one for run, one in rows.items() if run not in {one.run for one in wrong}}
     parameters = solve(reweighed(fitting, information), information).parameters
     watch = _Watch(shoe, parameters, weight, settings, ended)
-    moments = {run: watch.moments(aligned[run], parts[run]) for run in fitting}
-    slipped = slips({run: one.calm for run, one in moments.items()})
+    moments = {run: watch.moments(aligned[run], parts[run], lifting[run]) for run in fitting}
+    slipped = _slipped(moments)
     found = found.adding(words.of_slips(slipped))
     for run, one in aligned.items():
         if run in moments:
             found = _leaving_out(found, run, one, moments[run], slipped.get(run), shoe)
         else:
             found = _leaving_out_all(found, run, one)
+    return found
+
+
+def _slipped(moments: Mapping[int, _Moments]) -> dict[int, Slipped]:
+    """The first slip of each run; a foot that was lifted may stand elsewhere afterwards."""
+    calm = {
+        (run, part): feet
+        for run, one in moments.items()
+        for part, feet in enumerate(one.calm)
+        if len(feet.time) > 1
+    }
+    found: dict[int, Slipped] = {}
+    for (run, _), slip in sorted(slips(calm).items()):
+        found.setdefault(run, slip)
     return found
 
 
@@ -100,12 +120,13 @@ class _Moments:
     Attributes:
         marked: (T,) by fault, the gravest first.
         spikes: (T, n).
-        calm: samples while both feet stand, their readings without leaps.
+        calm: samples while both feet stand, their readings without leaps; before, between and
+            after the times that a foot was in the air on purpose.
     """
 
     marked: Mapping[Fault, BoolArray]
     spikes: BoolArray
-    calm: Feet
+    calm: tuple[Feet, ...]
 
 
 @dataclass(frozen=True)
@@ -118,7 +139,7 @@ class _Watch:
     settings: CalibrationSettings
     ended: Sequence[Saturated]
 
-    def moments(self, aligned: Aligned, part: Blocks) -> _Moments:
+    def moments(self, aligned: Aligned, part: Blocks, lifting: Aloft | None) -> _Moments:
         time, settings = aligned.time, self.settings
         trembling = noise(aligned.readings)
         least = LEAST_LEAP_STDS * settings.force_std_n
@@ -129,14 +150,31 @@ class _Watch:
         place[nowhere] = 0.0
         pushed = disturbed(time, wrench[:, 0] - self.weight, place, settings) | nowhere
         up = widened(lifted(aligned.states), time, MARGIN_S)
-        calm = feet(aligned, leaps.calm, ~lasting(up, time, LIFT_S))
+        grounded = ~lasting(up, time, LIFT_S)
+        meant = np.zeros_like(up)
+        calm = [feet(aligned, leaps.calm, grounded)]
+        if lifting is not None and self._hangs(lifting, leaps.calm):
+            meant = lifting.air | lifting.moving
+            calm = [
+                feet(aligned, leaps.calm, stretch & grounded)
+                for stretch in lifting.stretches()
+                if not lifting.air[stretch].any()
+            ]
         marked = {
             Fault.SATURATED: self._at_end(aligned.readings, trembling),
-            Fault.LIFTED: up,
+            Fault.LIFTED: up & ~meant,
+            Fault.LIFTING: meant & ~lifting.air if lifting is not None else meant,
             Fault.TOO_FAST: widened(too_fast(aligned, settings), time, MARGIN_S),
             Fault.JOLTED: widened(pushed, time, MARGIN_S) | widened(leaps.hits, time, HIT_MARGIN_S),
         }
-        return _Moments(marked, leaps.spikes, calm)
+        return _Moments(marked, leaps.spikes, tuple(calm))
+
+    def _hangs(self, lifting: Aloft, readings: FloatArray) -> bool:
+        """Whether the foot that was lifted carries nothing meanwhile."""
+        if not lifting.air.any():
+            return False
+        carried = foot_wrenches(self.shoe, self.parameters.outputs(readings[lifting.air]))
+        return abs(float(np.median(carried[:, lifting.foot, 0]))) < FREE_SHARE * self.weight
 
     def _at_end(self, readings: FloatArray, trembling: FloatArray) -> BoolArray:
         there = at_ends(self.shoe, readings).any(axis=1)
@@ -173,7 +211,7 @@ def _leaving_out(
     if kept.sum() < LEAST_SHARE * found.samples[run]:
         lost.append(_lost(found, run, Fault.TOO_LITTLE, kept, time))
         kept = np.zeros_like(kept)
-    standing = before & ~moments.marked[Fault.LIFTED]
+    standing = before & ~moments.marked[Fault.LIFTED] & ~moments.marked[Fault.LIFTING]
     return replace(
         found.adding(words.of_left_out(lost)),
         left_out=(*found.left_out, *lost),
