@@ -29,9 +29,11 @@ class Place(IntEnum):
     ZERO = 5
     CABLE = 6
     """Channels see each other."""
-    CONNECTOR = 7
-    """A contact that sticks, a plug in the wrong socket."""
-    FILTER = 8
+    CONTACT = 7
+    """A loose contact."""
+    SOCKET = 8
+    """A plug in the wrong one."""
+    FILTER = 9
     """What the converter's input does to fast signals."""
 
 

@@ -2,9 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import FileError
 from shoecal_core.files import Fields
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.sensing.shoe import FEET, Shoe
 from shoecal_core.simulation.reality import ALL
+
+IntArray = NDArray[np.int64]
+
+_AREAS = (*FEET, ALL)
 
 
 def read_feet(fields: Fields) -> tuple[str, ...]:
@@ -19,4 +30,95 @@ def read_feet(fields: Fields) -> tuple[str, ...]:
     for name in names:
         if name not in FEET:
             raise fields.error("location", f"'{name}' is not one of: {', '.join(FEET)}, {ALL}")
+    return _once(fields, names)
+
+
+@dataclass(frozen=True)
+class Channels:
+    """Channels of a shoe that is not known yet, and where they were written, for messages.
+
+    Attributes:
+        names: channels or feet, or `all`.
+        path, field: where `location` stands.
+    """
+
+    names: tuple[str, ...]
+    path: Path
+    field: str
+
+    @classmethod
+    def read(cls, fields: Fields, *, count: int | None = None, areas: bool = False) -> Channels:
+        """The names that `location` lists.
+
+        Args:
+            fields: the item.
+            count: how many channels there must be; None for at least one.
+            areas: whether feet and `all` may be named too.
+
+        Raises:
+            FileError: when it lists anything else.
+        """
+        names = _once(fields, fields.texts("location"))
+        if count is not None and len(names) != count:
+            raise fields.error("location", f"must name {count} channels, got {len(names)}")
+        for name in names:
+            if name in _AREAS and not areas:
+                raise fields.error("location", f"'{name}' is no channel; name one (foot/cell)")
+        return cls(names, fields.path, f"{fields.prefix}.location")
+
+    def every(self, shoe: Shoe) -> IntArray:
+        """Indices of the channels, whatever they read, in the order of their names here.
+
+        Raises:
+            FileError: for a channel that the shoe lacks.
+        """
+        chosen: list[int] = []
+        for name in self.names:
+            if name in _AREAS:
+                feet = (0, 1) if name == ALL else (FEET.index(name),)
+                chosen += [index for foot in feet for index in shoe.of_foot(foot).tolist()]
+            elif name in shoe.names:
+                chosen.append(shoe.names.index(name))
+            else:
+                listed = ", ".join(shoe.names)
+                raise self.error(f"there is no channel '{name}' (there are: {listed})")
+        return np.array(list(dict.fromkeys(chosen)), dtype=np.int64)
+
+    def forces(self, shoe: Shoe) -> IntArray:
+        """Indices of the channels that read a force; of a foot, those among its channels.
+
+        Raises:
+            FileError: for a channel that the shoe lacks, or that reads a torque.
+        """
+        for name in self.names:
+            if name in shoe.names and shoe.torque[shoe.names.index(name)]:
+                raise self.error(f"'{name}' reads a torque; this effect needs a force's channel")
+        chosen = self.every(shoe)
+        return chosen[~shoe.torque[chosen]]
+
+    def cells(self, shoe: Shoe) -> IntArray:
+        """Indices of one-axis load cells.
+
+        Raises:
+            FileError: for a channel that the shoe lacks, or an axis of a six-axis sensor.
+        """
+        chosen = self.every(shoe)
+        for index in chosen:
+            if not np.all(shoe.columns[shoe.of_foot(shoe.foot[index]), 0] == 1.0):
+                raise self.error(
+                    f"'{shoe.names[index]}' is an axis of a six-axis sensor; this effect needs a "
+                    "one-axis cell"
+                )
+        return chosen
+
+    def error(self, problem: str) -> FileError:
+        """The error to raise for this location."""
+        return FileError(self.path, problem, field=self.field)
+
+
+def _once(fields: Fields, names: list[str]) -> tuple[str, ...]:
+    if not names:
+        raise fields.error("location", "names nothing; name at least one")
+    if len(set(names)) < len(names):
+        raise fields.error("location", "names one twice; name each once")
     return tuple(names)

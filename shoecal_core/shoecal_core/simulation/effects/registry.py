@@ -5,10 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from shoecal_core.files import Fields
-from shoecal_core.simulation.effects import contact, timing
+from shoecal_core.simulation.effects import contact, curve, drift, memory, mounting, timing, wiring
 from shoecal_core.simulation.effects.effect import Effect
 
 EFFECTS: Mapping[str, Callable[[Fields], Effect]] = {
+    **curve.EFFECTS,
+    **memory.EFFECTS,
+    **drift.EFFECTS,
+    **wiring.EFFECTS,
+    **mounting.EFFECTS,
     **timing.EFFECTS,
     **contact.EFFECTS,
 }

@@ -6,11 +6,18 @@ import dataclasses
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shoecal_core.files import Fields
+from shoecal_core.sensing.shoe import FEET
 from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.effects.effect import Effect
-from shoecal_core.simulation.effects.location import read_feet
+from shoecal_core.simulation.effects.location import IntArray, read_feet
+from shoecal_core.simulation.effects.relaxation import relaxed
+from shoecal_core.simulation.effects.sensor_effect import SensorEffect
+from shoecal_core.simulation.stage import Instant, Place, Stage
+
+FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -37,5 +44,61 @@ class Latency(Effect):
         return dataclasses.replace(shoes, latency=shoes.latency + late * self.delay)
 
 
-EFFECTS = {"latency": Latency.read}
+@dataclass(frozen=True)
+class LowPass(SensorEffect):
+    """Readings of some feet lag behind.
+
+    Two equal lags one after the other, each of half the time: a ramp comes late by the whole
+    time as behind one lag, a step begins softly.
+
+    Attributes:
+        feet: which ones.
+        time: [s].
+    """
+
+    feet: tuple[str, ...]
+    time: float
+
+    @classmethod
+    def read(cls, fields: Fields) -> LowPass:
+        """From the item of a reality file."""
+        fields.only("effect", "location", "time_s")
+        return cls(read_feet(fields), fields.number("time_s", above=0.0, maximum=10.0))
+
+    def stage(self, shoes: DrawnShoes) -> Lags:
+        """Its law."""
+        foot = [FEET.index(name) for name in self.feet]
+        return Lags(np.flatnonzero(np.isin(shoes.shoe.foot, foot)), self.time / 2.0)
+
+
+@dataclass(frozen=True)
+class Lags(Stage[tuple[FloatArray, FloatArray, FloatArray]]):
+    """The law of `LowPass`; remembers the input, the first lag and the second."""
+
+    channels: IntArray
+    time: float
+    place = Place.FILTER
+
+    def start(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Everything at 0."""
+        nothing = np.zeros(len(self.channels))
+        return nothing, nothing, nothing
+
+    def __call__(
+        self,
+        signal: FloatArray,
+        state: tuple[FloatArray, FloatArray, FloatArray],
+        instant: Instant,
+    ) -> tuple[FloatArray, tuple[FloatArray, FloatArray, FloatArray]]:
+        """The signal behind it."""
+        before, first_before, second = state
+        now = signal[self.channels]
+        first = relaxed(first_before, before, now, instant.span, self.time)
+        second = relaxed(second, first_before, first, instant.span, self.time)
+        late = signal.copy()
+        late[self.channels] = second
+        return late, (now, first, second)
+
+
+EFFECTS = {"latency": Latency.read, "low_pass": LowPass.read}
 """Effects of this family by identifier."""
