@@ -20,7 +20,7 @@ Message = tuple[int, str, bytes]
 """Stamp [ns], topic, CDR bytes."""
 
 _TEMPERATURE_PERIOD = 1.0
-"""s; motors tell their temperature that often."""
+"""s; motors and shoes tell their temperature that often."""
 
 
 def record_run(
@@ -58,6 +58,7 @@ def record_run(
         _voltages(sim, samples, stamps),
         _imu(sim, samples, stamps),
         _motor_temperatures(sim, samples, stamps),
+        _shoe_temperature(samples, stamps),
     ]
     written = [message for source in sources for message in source]
     written.sort(key=lambda message: message[0])
@@ -78,8 +79,9 @@ def _voltages(sim: SimulatedRobot, samples: Samples, stamps: Stamps) -> Iterator
     readings = samples.readings
     for index, stamp in enumerate(stamps.tolist()):
         message = messages.shoe_voltages(
-            stamp, index, sim.shoe.names, readings.voltages[index], readings.status[index]
-        )
+            stamp, index, sim.shoe.names, readings.voltages[index], readings.status[index],
+            temperature=float(readings.temperature[index]),
+        )  # fmt: skip
         yield stamp, schemas.VOLTAGES, message
 
 
@@ -104,6 +106,14 @@ def _motor_temperatures(sim: SimulatedRobot, samples: Samples, stamps: Stamps) -
         told = samples.joints.temperatures[index, sim.robot.moved]
         for name, value in zip(moved, told, strict=True):
             yield stamp, schemas.JOINT_TEMPERATURES, messages.temperature(stamp, name, value)
+
+
+def _shoe_temperature(samples: Samples, stamps: Stamps) -> Iterator[Message]:
+    told = samples.readings.temperature
+    for index in _sparse(samples):
+        if np.isfinite(told[index]):
+            stamp = int(stamps[index])
+            yield stamp, schemas.SHOE_TEMPERATURE, messages.temperature(stamp, "", told[index])
 
 
 def _sparse(samples: Samples) -> list[int]:

@@ -25,7 +25,7 @@ from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import run
 
 START_NS = 1_000_000_000
-"""Stamp of the first sample: simulated time has no epoch, but 0 means unset in ROS."""
+"""Stamp of the session's first instant: simulated time has no epoch, but 0 means unset in ROS."""
 HOLD_S = 1.0
 
 
@@ -77,7 +77,6 @@ def simulate_session(
     planner = Planner(robot, plan.settings)
     stepper = Stepper(planner)
     session = Session.create(out, robot.path, robot.urdf, shoe.path, seed=plan.seed)
-    clock_ns = START_NS
     count = len(plan.runs)
     for index, planned in enumerate(plan.runs):
         share = index / count
@@ -90,9 +89,9 @@ def simulate_session(
         motion = planner.plan_from(simulated.joints().angles, planned.motion)
         progress(f"moving in run {index + 1} of {count}", share + 0.5 / count)
         trajectory = JointTrajectory(motion.joint_names, motion.time, motion.positions)
+        start_ns = START_NS + round(1e9 * simulated.session_time)
         samples = run(simulated, trajectory, plan.rate, hold=HOLD_S)
-        record_run(session, simulated, planned, trajectory, samples, start_ns=clock_ns, hold=HOLD_S)
-        clock_ns += round(1e9 * (samples.time[-1] - samples.time[0] + HOLD_S))
+        record_run(session, simulated, planned, trajectory, samples, start_ns=start_ns, hold=HOLD_S)
     write_yaml(session.truth_path(1).parent / "reality.yaml", drawn.record())
     progress("done", 1.0)
     return session

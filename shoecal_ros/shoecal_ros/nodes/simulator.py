@@ -159,13 +159,17 @@ class Simulator(ShoecalNode):
                 )
 
     def _send_frames(self, samples: Samples) -> None:
-        for stamp_ns, counts, status in zip(
+        readings = samples.readings
+        for stamp_ns, counts, status, temperature in zip(
             samples.stamp_ns.tolist(),
-            samples.readings.counts.tolist(),
-            samples.readings.status.tolist(),
+            readings.counts.tolist(),
+            readings.status.tolist(),
+            readings.temperature.tolist(),
             strict=True,
         ):
-            self._device.send(self._sequence, stamp_ns // 1000, counts, status)
+            self._device.send(
+                self._sequence, stamp_ns // 1000, counts, status, temperature=temperature
+            )
             self._sequence = (self._sequence + 1) % 2**32
 
     # Commands
