@@ -10,9 +10,10 @@ import numpy as np
 from shoecal_msgs.action import Calibrate
 
 from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.planning.standard import TEST, TRAIN, PlannedRun
 from shoecal_ros.calibrator import solving_work
 from shoecal_ros.calibrator.job import Job, Site
-from shoecal_ros.calibrator.run_series import PlannedRun, RunSeries, make_session
+from shoecal_ros.calibrator.run_series import RunSeries, make_session
 from shoecal_ros.common.actions import Pacing
 from shoecal_ros.common.worker import Worker
 
@@ -95,7 +96,7 @@ class CalibrationJob:
         )
         training = _training(request)
         return [
-            PlannedRun(support, site.job_settings.motion, "train" if index in training else "test")
+            PlannedRun(support, site.job_settings.motion, TRAIN if index in training else TEST)
             for index, support in enumerate(supports)
         ]
 

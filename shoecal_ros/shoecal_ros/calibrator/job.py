@@ -6,6 +6,7 @@ Reasons to end carry the codes of `Calibrate.Result`; those of `Diagnose.Result`
 from __future__ import annotations
 
 from collections.abc import Callable
+from datetime import UTC, datetime
 from typing import Any, Protocol, TypeVar
 
 from rclpy.action import ActionClient
@@ -28,6 +29,11 @@ from shoecal_ros.inputs.stillness import Stillness
 
 R = TypeVar("R")
 Codes = Calibrate.Result
+
+
+def new_run_id() -> str:
+    """Names a job, and the folder of the session it records."""
+    return datetime.now(UTC).strftime("%Y%m%dT%H%M%S%f")[:-3]
 
 
 class Site(Protocol):

@@ -58,8 +58,9 @@ class RezeroDesk:
         try:
             if current is None:
                 raise NotApplicableError("uncalibrated: there are no offsets; calibrate first")
-            if node.calibrating or self.busy:
-                raise NotApplicableError("a calibration or a correction is under way; wait for it")
+            if node.job_under_way or self.busy:
+                told = node.job_under_way or "a correction"
+                raise NotApplicableError(f"{told} is under way; wait for it")
             if problem := node.input_problem():
                 raise NotApplicableError(problem)
             found = self._correct(current, await self._observe())

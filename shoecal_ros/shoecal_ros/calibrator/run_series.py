@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ from shoecal_msgs.action import Plan, ReachSupport
 
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.recording.session import Session
 from shoecal_ros.calibrator.job import Codes, Job, Site
 from shoecal_ros.common.conversions import support_to_ros
@@ -25,21 +25,6 @@ REACH_SHARE, PLAN_SHARE = 0.1, 0.3
 Told = Callable[[str, int, float, str], None]
 """Hears the stage (reaching, planning, moving), the run from 1 on, how much of all runs is done
 (0 to 1), and a line for a person."""
-
-
-@dataclass(frozen=True)
-class PlannedRun:
-    """A run to record.
-
-    Attributes:
-        support: in which.
-        motion: on the planner's menu.
-        hint: what it is meant for: `train`, `test`, or empty.
-    """
-
-    support: DoubleSupport
-    motion: str
-    hint: str = ""
 
 
 def make_session(site: Site, name: str, seed: int) -> Session:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from datetime import UTC, datetime
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +12,7 @@ from shoecal_msgs.action import Calibrate
 from shoecal_msgs.srv import SelfCalibrate
 
 from shoecal_ros.calibrator.calibration_job import CalibrationJob, Request
+from shoecal_ros.calibrator.job import new_run_id
 from shoecal_ros.common.actions import finish
 from shoecal_ros.common.conversions import calibration_to_ros
 from shoecal_ros.common.health import Condition, Level
@@ -60,10 +60,7 @@ class SelfCalibrationDesk:
         canceled: Callable[[], bool],
     ) -> CalibrationJob:
         node = self._node
-        if self.busy:
-            raise RefusedError(
-                Calibrate.Result.BUSY, "a self-calibration is under way; wait for it or cancel it"
-            )
+        node.refuse_second_job()
         defaults = node.job_settings
         supports, train = goal.supports or defaults.supports, goal.train or defaults.train
         if not 2 <= train <= supports:
@@ -73,10 +70,11 @@ class SelfCalibrationDesk:
                 "most all of them",
             )
         seed = goal.seed if goal.seed >= 0 else defaults.seed
-        run_id = datetime.now(UTC).strftime("%Y%m%dT%H%M%S%f")[:-3]
         node.desk.problem = ""
         node.listen_for_recording()
-        self._job = CalibrationJob(node, Request(run_id, supports, train, seed), feedback, canceled)
+        self._job = CalibrationJob(
+            node, Request(new_run_id(), supports, train, seed), feedback, canceled
+        )
         return self._job
 
     async def _do(self, job: CalibrationJob, result: Calibrate.Result) -> None:

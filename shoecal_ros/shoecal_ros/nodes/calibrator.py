@@ -28,8 +28,10 @@ from shoecal_core.settings import Settings, load_settings, setting
 from shoecal_core.workspace import config_dir
 from shoecal_ros.calibrator.calibration_desk import CalibrationDesk
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
+from shoecal_ros.calibrator.diagnosis_desk import DiagnosisDesk
 from shoecal_ros.calibrator.drift_desk import DriftDesk
 from shoecal_ros.calibrator.in_force import UNCALIBRATED
+from shoecal_ros.calibrator.job import Codes
 from shoecal_ros.calibrator.job_settings import JobSettings
 from shoecal_ros.calibrator.live import LiveSensing, LowPass
 from shoecal_ros.calibrator.live_publishers import LivePublishers
@@ -41,6 +43,7 @@ from shoecal_ros.calibrator.run_series import PLAN_ACTION, REACH_ACTION
 from shoecal_ros.calibrator.self_calibration import SelfCalibrationDesk
 from shoecal_ros.common import qos
 from shoecal_ros.common.health import Condition, Level
+from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.runtime import ShoecalNode, run
 from shoecal_ros.inputs.armed_input import ArmedInput
@@ -139,6 +142,7 @@ class Calibrator(ShoecalNode):
         self.reach_client = ActionClient(self, ReachSupport, REACH_ACTION)
         self.plan_client = ActionClient(self, Plan, PLAN_ACTION)
         self._self_calibration = SelfCalibrationDesk(self)
+        self._diagnoses = DiagnosisDesk(self)
 
     @property
     def armed(self) -> bool:
@@ -149,6 +153,18 @@ class Calibrator(ShoecalNode):
     def calibrating(self) -> bool:
         """Whether a self-calibration is under way."""
         return self._self_calibration.busy
+
+    @property
+    def job_under_way(self) -> str:
+        """What is under way that may move the robot, for a sentence; empty: nothing."""
+        if self.calibrating:
+            return "a self-calibration"
+        return "a diagnosis" if self._diagnoses.busy else ""
+
+    def refuse_second_job(self) -> None:
+        """Only one job at a time; RefusedError where there is one."""
+        if told := self.job_under_way:
+            raise RefusedError(Codes.BUSY, f"{told} is under way; wait for it or cancel it")
 
     def input_problem(self) -> str:
         """What is wrong with joint angles or voltages, and its cure; empty when all is well."""
@@ -176,6 +192,7 @@ class Calibrator(ShoecalNode):
                 subject, Level.ERROR if problem else Level.OK, problem or f"{subject} come"
             )
         self._tell_calibration()
+        self.health.note("diagnosis", self._diagnoses.condition)
         self.drift.watch()
         self._publish_state()
         super().watch()

@@ -12,6 +12,7 @@ from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.bodies import nao
+from ros.rest import until_still
 from ros.world import Goal, Heard, World
 from shoecal_core.model.double_support import DoubleSupport as Support
 from shoecal_core.planning.posture import stance
@@ -19,10 +20,8 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import (
     JointSample,
     joints_to_ros,
-    time_from_ros,
     trajectory_from_ros,
 )
-from shoecal_ros.inputs.stillness import Stillness
 
 SUPPORT = DoubleSupport(dx=0.02, dy=-0.11, dtheta=0.1)
 QUICK = {
@@ -50,20 +49,6 @@ def is_moving(goal: Goal) -> bool:
 
 def has(heard: Heard, count: int) -> bool:
     return len(heard) == count
-
-
-def until_still(world: World) -> None:
-    joints = world.hear(JointState, "joint_states")
-    stillness, taken = Stillness(0.01, 0.5, 0.004), len(joints)
-
-    def still() -> bool:
-        nonlocal taken
-        for one in joints.messages[taken:]:
-            stillness.add(time_from_ros(one.header.stamp), np.array(one.position))
-        taken = len(joints)
-        return stillness.still
-
-    world.until(still)
 
 
 class StillRobot:

@@ -1,0 +1,107 @@
+"""Action `shoe/diagnose`: one diagnosis at a time."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.action.server import ServerGoalHandle
+from shoecal_msgs.action import Diagnose
+
+from shoecal_ros.calibrator.diagnosis_job import DiagnosisJob, Request
+from shoecal_ros.calibrator.job import new_run_id
+from shoecal_ros.common.actions import finish
+from shoecal_ros.common.health import Condition, Level
+from shoecal_ros.common.refusal import RefusedError
+
+if TYPE_CHECKING:
+    from shoecal_ros.nodes.calibrator import Calibrator
+
+
+class DiagnosisDesk:
+    """Takes goals, runs the job, and tells what it found."""
+
+    def __init__(self, node: Calibrator) -> None:
+        self._node = node
+        self._job: DiagnosisJob | None = None
+        self._last = Condition(Level.OK, "none yet")
+        self._server = ActionServer(
+            node, Diagnose, "shoe/diagnose", self._execute,
+            cancel_callback=lambda _: CancelResponse.ACCEPT,
+        )  # fmt: skip
+
+    @property
+    def busy(self) -> bool:
+        """Whether a diagnosis is under way."""
+        return self._job is not None
+
+    @property
+    def condition(self) -> Condition:
+        """How far it is, or how the last one ended, for diagnostics."""
+        if self._job is None:
+            return self._last
+        state = self._job.state
+        told = {
+            "run_id": state.run_id,
+            "phase": state.phase,
+            "run": f"{state.run} of {state.runs}",
+            "progress": f"{state.progress:.2f}",
+        }
+        return Condition(Level.OK, "under way", told)
+
+    async def _execute(self, goal: ServerGoalHandle) -> Diagnose.Result:
+        result = Diagnose.Result()
+        try:
+            await self._do(goal, result)
+        except RefusedError as refusal:
+            result.error_code, result.message = refusal.code, str(refusal)
+            self._node.get_logger().warning(f"diagnosis ended: {refusal}")
+        finish(goal, result, canceled=Diagnose.Result.CANCELED)
+        return result
+
+    async def _do(self, goal: ServerGoalHandle, result: Diagnose.Result) -> None:
+        """Run a job to its end; the result is filled as far as it comes."""
+        node = self._node
+        node.refuse_second_job()
+        request = self._request(goal.request)
+        job = self._job = DiagnosisJob(
+            node, request, goal.publish_feedback, lambda: bool(goal.is_cancel_requested)
+        )
+        result.run_id = request.run_id
+        if request.moves:
+            node.listen_for_recording()
+        try:
+            result.message = await job.run()
+            result.success = True
+            self._last = Condition(Level.OK, result.message)
+        except RefusedError as refusal:
+            self._last = Condition(Level.WARN, f"ended: {refusal}")
+            raise
+        finally:
+            self._job = None
+            node.listen_live()
+            _fill(result, job)
+
+    def _request(self, goal: Diagnose.Goal) -> Request:
+        return Request(
+            run_id=new_run_id(),
+            session=self._folder(goal.session) if goal.session else None,
+            motions=tuple(goal.motions),
+            run_proposed=goal.run_proposed,
+            seed=goal.seed if goal.seed >= 0 else self._node.job_settings.seed,
+        )
+
+    def _folder(self, session: str) -> Path:
+        """Of an existing session: a path, or a name in `sessions_dir`."""
+        sessions = Path(self._node.job_settings.sessions_dir).expanduser()
+        return sessions / Path(session).expanduser()
+
+
+def _fill(result: Diagnose.Result, job: DiagnosisJob) -> None:
+    """What there is by now, also of a job that ended before its time."""
+    result.session = str(job.session or "")
+    found = job.found
+    if found is not None:
+        result.verdict, result.json, result.report = found.verdict, found.json, str(found.report)
+        result.proposed, result.separates = found.proposed, list(found.separates)

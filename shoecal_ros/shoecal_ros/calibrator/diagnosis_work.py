@@ -1,0 +1,119 @@
+"""What the calibrator's worker process does for a diagnosis."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from shoecal_core.files import atomic_write
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.standard import (
+    STANDARD_SUPPORTS,
+    TRAIN,
+    PlannedRun,
+    listed_runs,
+    standard_runs,
+)
+from shoecal_core.planning.supports.draw import draw_supports
+from shoecal_core.planning.supports.feasible import Feasible
+from shoecal_core.planning.supports.named import named_support
+from shoecal_core.recording.session import Session
+from shoecal_ros.calibrator.proposals import proposal
+from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.common.worker import Link
+
+JSON, REPORT = "diagnosis.json", "diagnosis.html"
+YAWED = ("toes_in", "toes_out")
+
+
+@dataclass(frozen=True)
+class Diagnosed:
+    """A diagnosis, and where it was written down.
+
+    Attributes:
+        verdict: what it comes to.
+        json: the whole of it.
+        report: HTML file.
+        proposed: motion that would tell most next; empty: none.
+        separates: what it tells apart.
+    """
+
+    verdict: str
+    json: str
+    report: Path
+    proposed: str
+    separates: tuple[str, ...]
+
+
+def runs_to_record(
+    link: Link,
+    files: RobotFiles,
+    settings: PlannerSettings,
+    motions: Sequence[str],
+    seed: int,
+    session: Path | None,
+) -> list[PlannedRun]:
+    """Which motion in which double support.
+
+    Args:
+        link: to the node.
+        files: robot and shoe.
+        settings: of planning.
+        motions: of the planner's menu or proposed; none: the standard set.
+        seed: draws the double supports.
+        session: to add to: what is added trains, in the double supports that are there already.
+    """
+    del link
+    robot = files.load_robot()
+    so_far = [] if session is None else _supports(Session.open(session))
+    if not motions:
+        count = STANDARD_SUPPORTS
+        return list(standard_runs(draw_supports(robot, files.load_shoe(), settings, count, seed)))
+    meant = [proposal(name) for name in motions]
+    count = min(len(meant), STANDARD_SUPPORTS)
+    places = so_far or draw_supports(robot, files.load_shoe(), settings, count, seed)
+    runs = []
+    for run, what in zip(listed_runs(places, [one.motion for one in meant]), meant, strict=True):
+        support = run.support
+        if what.yawed:
+            support = _yawed(Feasible(robot, settings), so_far)
+        runs.append(PlannedRun(support, run.motion, TRAIN if session else ""))
+    return runs
+
+
+def diagnose_session(link: Link, folder: Path) -> Diagnosed:
+    """Diagnose a session; JSON and report are kept in its folder."""
+    from shoecal_core.diagnosis.diagnose import diagnose
+    from shoecal_core.report.diagnosis_report import write_diagnosis_report
+
+    found = diagnose(Session.open(folder), progress=link.progress)
+    text = json.dumps(found.to_json(), indent=1, allow_nan=False)
+    atomic_write(folder / JSON, text + "\n")
+    report = folder / REPORT
+    write_diagnosis_report(found, report)
+    following = found.next_motion
+    return Diagnosed(
+        verdict=found.verdict,
+        json=text,
+        report=report,
+        proposed="" if following is None else following.motion,
+        separates=() if following is None else tuple(following.separates),
+    )
+
+
+def _supports(session: Session) -> list[DoubleSupport]:
+    """Double supports of a session's runs, those that train first, each once."""
+    runs = sorted(session.runs, key=lambda entry: entry.hint != TRAIN)
+    return list(dict.fromkeys(entry.info.support for entry in runs if entry.info.support))
+
+
+def _yawed(feasible: Feasible, so_far: Sequence[DoubleSupport]) -> DoubleSupport:
+    """The double support with much yaw whose yaw is farthest from those so far."""
+    candidates = [named_support(name, feasible) for name in YAWED]
+    return max(
+        candidates,
+        key=lambda one: min((abs(one.dtheta - other.dtheta) for other in so_far), default=0.0),
+    )

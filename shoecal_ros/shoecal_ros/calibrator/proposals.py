@@ -1,0 +1,63 @@
+"""Motions that a diagnosis proposes: what the robot does for them, and what a person has to."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from shoecal_core.errors import NameNotFoundError
+from shoecal_core.planning.menu import MENU
+
+
+@dataclass(frozen=True)
+class Proposal:
+    """What a name means.
+
+    Attributes:
+        motion: on the planner's menu.
+        yawed: in a double support with much yaw between the feet, other than those so far.
+        by_hand: what a person does before; empty: the robot can do it all.
+    """
+
+    motion: str
+    yawed: bool = False
+    by_hand: str = ""
+
+
+BEYOND_MENU: Mapping[str, Proposal] = {
+    "yawed_stance": Proposal("landmarks", yawed=True),
+    "warm_up": Proposal("hold"),
+    "turn_180": Proposal(
+        "landmarks", by_hand="turn the robot by 180 degrees, on the same place of the same floor"
+    ),
+    "known_weight": Proposal(
+        "landmarks", by_hand="fasten a weight that you know to the middle of the torso"
+    ),
+}
+"""What a diagnosis may propose beside the motions of the menu."""
+
+
+def proposal(name: str) -> Proposal:
+    """What a motion of the menu, or one beyond it, means.
+
+    Raises:
+        NameNotFoundError: for another one.
+    """
+    if name in MENU:
+        return Proposal(name)
+    if name not in BEYOND_MENU:
+        raise NameNotFoundError("motion", name, (*MENU, *BEYOND_MENU))
+    return BEYOND_MENU[name]
+
+
+def by_hand(name: str) -> str:
+    """What a person has to do before a proposed motion; empty: nothing."""
+    return proposal(name).by_hand
+
+
+def how_to_go_on(name: str, session: Path) -> str:
+    """The goal of `shoe/diagnose` that runs a proposed motion, and what a person does before."""
+    before = by_hand(name)
+    first = f"{before}, then " if before else ""
+    return f"next {name}: {first}send the goal {{session: '{session}', motions: [{name}]}}"

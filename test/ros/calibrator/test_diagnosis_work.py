@@ -1,0 +1,59 @@
+from __future__ import annotations
+
+from collections.abc import Sequence
+from multiprocessing import Pipe
+from pathlib import Path
+
+import pytest
+
+from ros.bodies import NAO, NAO_SHOE, nao
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.standard import STANDARD, PlannedRun
+from shoecal_core.recording.session import Session
+from shoecal_ros.calibrator import diagnosis_work
+from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.common.worker import Link
+
+SUPPORTS = (DoubleSupport(0.0, -0.112, 0.0), DoubleSupport(0.01, -0.115, 0.25))
+
+
+def runs(motions: Sequence[str], session: Path | None = None) -> list[PlannedRun]:
+    files = RobotFiles(str(NAO), str(NAO_SHOE))
+    return diagnosis_work.runs_to_record(
+        Link(Pipe()[1]), files, PlannerSettings(), motions, 1, session
+    )
+
+
+@pytest.fixture
+def session(tmp_path: Path) -> Path:
+    """With two runs, the first to test, in different supports."""
+    made = Session.create(tmp_path / "session", nao().path, nao().urdf, NAO_SHOE)
+    for support, hint in zip(SUPPORTS, ("test", "train"), strict=True):
+        made.new_run("landmarks", support, hint=hint).close()
+    return made.folder
+
+
+def test_without_motions_it_is_the_standard_set() -> None:
+    found = runs(())
+    assert [(run.motion, run.hint) for run in found] == [(one.motion, one.hint) for one in STANDARD]
+
+
+def test_listed_motions_in_drawn_supports() -> None:
+    found = runs(("landmarks", "hold"))
+    assert [(run.motion, run.hint) for run in found] == [("landmarks", ""), ("hold", "")]
+    assert found[0].support != found[1].support
+
+
+def test_what_is_added_to_a_session_trains_in_its_own_supports(session: Path) -> None:
+    found = runs(("unload_left", "warm_up", "turn_180"), session)
+    assert [run.support for run in found] == [SUPPORTS[1], SUPPORTS[0], SUPPORTS[1]]
+    assert {run.hint for run in found} == {"train"}
+
+
+def test_a_yawed_stance_is_far_from_those_so_far(session: Path) -> None:
+    (run,) = runs(("yawed_stance",), session)
+    assert run.motion == "landmarks"
+    assert run.support.dtheta < -0.2
+    for support in SUPPORTS:
+        assert abs(run.support.dtheta - support.dtheta) > 0.2

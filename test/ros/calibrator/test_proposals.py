@@ -1,0 +1,33 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from shoecal_core.errors import NameNotFoundError
+from shoecal_core.planning.menu import MENU
+from shoecal_ros.calibrator.proposals import BEYOND_MENU, by_hand, how_to_go_on, proposal
+
+
+@pytest.mark.parametrize("name", [*MENU, *BEYOND_MENU])
+def test_whatever_is_proposed_ends_in_a_motion_of_the_menu(name: str) -> None:
+    assert proposal(name).motion in MENU
+
+
+def test_motions_of_the_menu_need_nobody() -> None:
+    assert not any(by_hand(name) for name in MENU)
+    assert by_hand("turn_180")
+    assert by_hand("known_weight")
+
+
+def test_how_to_go_on_is_a_goal_and_what_comes_before_it() -> None:
+    told = how_to_go_on("unload_left", Path("/data/s1"))
+    assert told == "next unload_left: send the goal {session: '/data/s1', motions: [unload_left]}"
+    told = how_to_go_on("turn_180", Path("/data/s1"))
+    assert "turn the robot by 180 degrees" in told
+    assert told.endswith("then send the goal {session: '/data/s1', motions: [turn_180]}")
+
+
+def test_unknown_names_are_told_with_those_that_are_known() -> None:
+    with pytest.raises(NameNotFoundError, match=r"somersault.*landmarks.*yawed_stance"):
+        proposal("somersault")

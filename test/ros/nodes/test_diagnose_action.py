@@ -1,0 +1,170 @@
+"""Action `shoe/diagnose` over DDS: what is refused, what ends it, and the whole of it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from shoecal_msgs.action import Calibrate, Diagnose
+from shoecal_msgs.srv import Rezero, SelfCalibrate
+from std_msgs.msg import Bool
+from std_srvs.srv import SetBool
+from trajectory_msgs.msg import JointTrajectory
+
+from ros.bodies import ODD, ODD_SHOE, nao_shoe
+from ros.rest import until_still
+from ros.standing_robot import StandingRobot
+from ros.world import Goal, World
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.recording.session import Session
+from shoecal_core.sensing.shoe import load_shoe
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import time_from_ros
+from shoecal_ros.demo import write_device
+
+CODES = Diagnose.Result
+SUPPORT = DoubleSupport(0.0, -0.112, 0.0)
+
+
+def start(world: World, **parameters: object) -> None:
+    world.start(
+        "calibrator",
+        {
+            "stale_s": 3.0,
+            "state_dir": world.folder / "state",
+            "sessions_dir": world.folder / "sessions",
+            **parameters,
+        },
+    )
+
+
+def diagnose(world: World, **goal: object) -> Goal:
+    return world.goal(Diagnose, "shoe/diagnose", Diagnose.Goal(**{"seed": -1, **goal}))
+
+
+def arm(world: World) -> None:
+    world.publisher(Bool, "shoe/armed", qos.LATCHED).publish(Bool(data=True))
+
+
+@pytest.fixture
+def robot(world: World) -> StandingRobot:
+    return StandingRobot(world, SUPPORT)
+
+
+def test_codes_are_those_of_calibrate() -> None:
+    for name in (
+        "OK", "BUSY", "NOT_ARMED", "CANCELED", "SUPPORT_FAILED", "MOTION_FAILED",
+        "RECORDING_FAILED", "STALE_INPUT", "BAD_GOAL",
+    ):  # fmt: skip
+        assert getattr(CODES, name) == getattr(Calibrate.Result, name), name
+
+
+def test_recording_needs_arming_and_inputs(world: World, robot: StandingRobot) -> None:
+    start(world)
+    world.until_told("calibrator", "voltages", "come")
+    refused = diagnose(world).result()
+    assert (refused.success, refused.error_code) == (False, CODES.NOT_ARMED)
+    assert "shoe/arm" in refused.message
+    assert (refused.verdict, refused.json, refused.session) == ("", "", "")
+    arm(world)
+    robot.tells_voltages = False
+    world.until_told("calibrator", "voltages", "no voltages for")
+    stale = diagnose(world, motions=["landmarks"]).result()
+    assert stale.error_code == CODES.STALE_INPUT
+    assert "shoe_driver" in stale.message
+    world.until_told("calibrator", "diagnosis", "ended: no voltages")
+
+
+def empty_session(folder: Path, robot: Path, shoe: Path) -> Path:
+    body = load_robot(robot, load_shoe(shoe))
+    return Session.create(folder, body.path, body.urdf, shoe).folder
+
+
+def test_bad_goals_are_refused_before_anything_is_done(world: World) -> None:
+    start(world)
+    odd = empty_session(world.folder / "odd", ODD, ODD_SHOE)
+    for goal, told in (
+        ({"motions": ["landmarks", "somersault"]}, "somersault"),
+        ({"session": "nowhere"}, f"{world.folder}/sessions/nowhere: does not exist"),
+        ({"session": str(world.folder)}, "is no session"),
+        ({"session": str(odd), "motions": ["landmarks"]}, "nothing can be added to the session"),
+        ({"session": str(odd), "run_proposed": True}, "nothing can be added to the session"),
+    ):
+        result = diagnose(world, **goal).result()
+        assert result.error_code == CODES.BAD_GOAL, result.message
+        assert told in result.message
+
+
+def test_one_job_at_a_time_and_cancelling_wins(world: World, robot: StandingRobot) -> None:
+    start(world)
+    arm(world)
+    world.until_told("calibrator", "voltages", "come")
+    goal = diagnose(world, motions=["landmarks"])
+    world.until(lambda: goal.feedback)
+    assert goal.feedback[0].phase == "drawing"
+    second = diagnose(world).result()
+    assert second.error_code == CODES.BUSY
+    assert "a diagnosis is under way" in second.message
+    other = world.goal(Calibrate, "shoe/calibrate", Calibrate.Goal(seed=-1)).result()
+    assert other.error_code == Calibrate.Result.BUSY
+    request = SelfCalibrate.Request(seed=-1)
+    assert not world.call(SelfCalibrate, "shoe/self_calibrate", request).accepted
+    assert not world.call(Rezero, "shoe/rezero", Rezero.Request()).success
+    world.until_told("calibrator", "diagnosis", "under way")
+    goal.cancel()
+    result = goal.result()
+    assert result.error_code == CODES.CANCELED
+    assert not result.verdict
+    # The next one may begin, and ends where nobody brings the robot into supports.
+    after = diagnose(world, motions=["landmarks"]).result()
+    assert after.error_code == CODES.SUPPORT_FAILED
+    assert "robot/reach_support" in after.message
+    assert (Path(after.session) / "session.yaml").is_file()
+
+
+# With the simulated robot
+
+QUICK = {"follow_late": 4.0, "horizon": 5, "landmark_radius": 0.012, "com_speed": 0.03}
+"""Shorter planning and motions, and patience on a busy machine."""
+
+
+@pytest.fixture(scope="module")
+def simulated(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
+    """All nodes but the model, armed."""
+    with World(tmp_path_factory.mktemp("simulated")) as world:
+        port, device = world.folder / "port", world.folder / "device.yaml"
+        write_device(device, nao_shoe(), port, 24)
+        world.start("simulator", {"port": port, "speed": 8.0})
+        world.start("shoe_driver", {"use_sim_time": True, "config_file": device})
+        world.start("planner", {"use_sim_time": True, "stale_s": 3.0, **QUICK})
+        start(world, use_sim_time=True)
+        world.until_told("planner", "planning", "ready")
+        for subject in ("voltages", "joints"):
+            world.until_told("calibrator", subject, "come")
+        assert world.call(SetBool, "shoe/arm", SetBool.Request(data=True)).success
+        yield world
+
+
+def moving(goal: Goal) -> bool:
+    assert not goal.done, goal.result().message
+    return any(one.phase == "moving" for one in goal.feedback)
+
+
+def test_cancelled_while_it_records_the_robot_stops_gently(simulated: World) -> None:
+    commands = simulated.hear(JointTrajectory, "joint_trajectory", qos.COMMAND)
+    goal = diagnose(simulated, motions=["landmarks"])
+    simulated.until(lambda: moving(goal))
+    seen = len(commands)
+    goal.cancel()
+    result = goal.result()
+    assert result.error_code == CODES.CANCELED
+    (hold,) = commands.messages[seen:]
+    (end,) = hold.points
+    assert time_from_ros(end.time_from_start) == pytest.approx(0.5e9)
+    until_still(simulated)
+    session = Session.open(Path(result.session))
+    assert not session.runs
+    assert [path.name for path in session.unfinished] == ["run_001.mcap.part"]
+    simulated.until_told("calibrator", "diagnosis", "ended: cancelled")
