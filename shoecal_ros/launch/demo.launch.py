@@ -3,6 +3,7 @@
     ros2 launch shoecal_ros demo.launch.py
     ros2 service call /shoe/arm std_srvs/srv/SetBool "{data: true}"
     ros2 service call /shoe/self_calibrate shoecal_msgs/srv/SelfCalibrate "{seed: -1}"
+    ros2 action send_goal --feedback /shoe/diagnose shoecal_msgs/action/Diagnose "{seed: -1}"
 
 `ros2 run shoecal_ros demo` does the whole job by itself and compares it with the truth.
 """
