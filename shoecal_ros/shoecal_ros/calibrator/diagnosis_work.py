@@ -20,7 +20,7 @@ from shoecal_core.planning.standard import (
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.planning.supports.named import named_support
-from shoecal_core.recording.session import Session
+from shoecal_core.recording.session import RunEntry, Session
 from shoecal_ros.calibrator.proposals import proposal
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link
@@ -67,21 +67,24 @@ def runs_to_record(
         session: to add to: what is added trains, in the double supports that are there already.
     """
     del link
-    robot = files.load_robot()
-    so_far = [] if session is None else _supports(Session.open(session))
+    robot, shoe = files.load_robot(), files.load_shoe()
+    entries = () if session is None else Session.open(session).runs
+    so_far = _supports(entries)
     if not motions:
-        count = STANDARD_SUPPORTS
-        return list(standard_runs(draw_supports(robot, files.load_shoe(), settings, count, seed)))
+        return list(standard_runs(draw_supports(robot, shoe, settings, STANDARD_SUPPORTS, seed)))
     meant = [proposal(name) for name in motions]
     count = min(len(meant), STANDARD_SUPPORTS)
-    places = so_far or draw_supports(robot, files.load_shoe(), settings, count, seed)
-    runs = []
-    for run, what in zip(listed_runs(places, [one.motion for one in meant]), meant, strict=True):
-        support = run.support
-        if what.yawed:
-            support = _yawed(Feasible(robot, settings), so_far)
-        runs.append(PlannedRun(support, run.motion, TRAIN if session else ""))
-    return runs
+    places = so_far or draw_supports(robot, shoe, settings, count, seed)
+    # Where no run says what it is meant for, all train.
+    hint = TRAIN if any(entry.hint for entry in entries) else ""
+    return [
+        PlannedRun(
+            _yawed(Feasible(robot, settings), so_far) if what.yawed else run.support,
+            run.motion,
+            hint,
+        )
+        for run, what in zip(listed_runs(places, [one.motion for one in meant]), meant, strict=True)
+    ]
 
 
 def diagnose_session(link: Link, folder: Path) -> Diagnosed:
@@ -104,9 +107,9 @@ def diagnose_session(link: Link, folder: Path) -> Diagnosed:
     )
 
 
-def _supports(session: Session) -> list[DoubleSupport]:
+def _supports(entries: Sequence[RunEntry]) -> list[DoubleSupport]:
     """Double supports of a session's runs, those that train first, each once."""
-    runs = sorted(session.runs, key=lambda entry: entry.hint != TRAIN)
+    runs = sorted(entries, key=lambda entry: entry.hint != TRAIN)
     return list(dict.fromkeys(entry.info.support for entry in runs if entry.info.support))
 
 

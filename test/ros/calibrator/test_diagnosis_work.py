@@ -51,6 +51,12 @@ def test_what_is_added_to_a_session_trains_in_its_own_supports(session: Path) ->
     assert {run.hint for run in found} == {"train"}
 
 
+def test_beside_runs_without_marks_what_is_added_has_none(session: Path) -> None:
+    Session.open(session).mark((), ())
+    (run,) = runs(("unload_left",), session)
+    assert run == PlannedRun(SUPPORTS[0], "unload_left", "")
+
+
 def test_a_yawed_stance_is_far_from_those_so_far(session: Path) -> None:
     (run,) = runs(("yawed_stance",), session)
     assert run.motion == "landmarks"
