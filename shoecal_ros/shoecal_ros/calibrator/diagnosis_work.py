@@ -9,6 +9,7 @@ from pathlib import Path
 
 from shoecal_core.files import atomic_write
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import (
     STANDARD_SUPPORTS,
@@ -21,7 +22,7 @@ from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.planning.supports.named import named_support
 from shoecal_core.recording.session import RunEntry, Session
-from shoecal_ros.calibrator.proposals import proposal
+from shoecal_ros.calibrator.proposals import planned_as, proposal
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link
 
@@ -72,18 +73,19 @@ def runs_to_record(
     so_far = _supports(entries)
     if not motions:
         return list(standard_runs(draw_supports(robot, shoe, settings, STANDARD_SUPPORTS, seed)))
-    meant = [proposal(name) for name in motions]
-    count = min(len(meant), STANDARD_SUPPORTS)
+    count = min(len(motions), STANDARD_SUPPORTS)
     places = so_far or draw_supports(robot, shoe, settings, count, seed)
     # Where no run says what it is meant for, all train.
     hint = TRAIN if any(entry.hint for entry in entries) else ""
+    runs = listed_runs(places, [planned_as(name) for name in motions])
+    # A run bears the name that it was asked for by: the recording tells what was done by hand.
     return [
         PlannedRun(
-            _yawed(Feasible(robot, settings), so_far) if what.yawed else run.support,
-            run.motion,
+            _yawed(Feasible(robot, settings), so_far) if proposal(name).yawed else run.support,
+            name,
             hint,
         )
-        for run, what in zip(listed_runs(places, [one.motion for one in meant]), meant, strict=True)
+        for run, name in zip(runs, motions, strict=True)
     ]
 
 
@@ -92,11 +94,13 @@ def diagnose_session(link: Link, folder: Path) -> Diagnosed:
     from shoecal_core.diagnosis.diagnose import diagnose
     from shoecal_core.report.diagnosis_report import write_diagnosis_report
 
-    found = diagnose(Session.open(folder), progress=link.progress)
+    session = Session.open(folder)
+    found = diagnose(session, progress=link.progress)
     text = json.dumps(found.to_json(), indent=1, allow_nan=False)
     atomic_write(folder / JSON, text + "\n")
     report = folder / REPORT
-    write_diagnosis_report(found, report)
+    robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
+    write_diagnosis_report(found, report, robot=robot, shoe=session.shoe)
     following = found.next_motion
     return Diagnosed(
         verdict=found.verdict,

@@ -51,6 +51,11 @@ def proposal(name: str) -> Proposal:
     return BEYOND_MENU[name]
 
 
+def planned_as(name: str) -> str:
+    """What to ask the planner for; names it does not know either are left to it."""
+    return BEYOND_MENU[name].motion if name in BEYOND_MENU else name
+
+
 def by_hand(name: str) -> str:
     """What a person has to do before a proposed motion; empty: nothing."""
     return proposal(name).by_hand

@@ -14,6 +14,7 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.recording.session import Session
 from shoecal_ros.calibrator.job import Codes, Job, Site
+from shoecal_ros.calibrator.proposals import planned_as
 from shoecal_ros.common.conversions import support_to_ros
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.runtime import until
@@ -102,7 +103,7 @@ class RunSeries:
         moved = await self._job.done(
             self._site.plan_client,
             PLAN_ACTION,
-            Plan.Goal(motion=run.motion, send=True),
+            Plan.Goal(motion=planned_as(run.motion), send=True),
             partial(self._hear_motion, run),
             self._site.job_settings.motion_timeout_s,
             Codes.MOTION_FAILED,

@@ -49,6 +49,7 @@ def test_what_is_added_to_a_session_trains_in_its_own_supports(session: Path) ->
     found = runs(("unload_left", "warm_up", "turn_180"), session)
     assert [run.support for run in found] == [SUPPORTS[1], SUPPORTS[0], SUPPORTS[1]]
     assert {run.hint for run in found} == {"train"}
+    assert [run.motion for run in found] == ["unload_left", "warm_up", "turn_180"]
 
 
 def test_beside_runs_without_marks_what_is_added_has_none(session: Path) -> None:
@@ -59,7 +60,7 @@ def test_beside_runs_without_marks_what_is_added_has_none(session: Path) -> None
 
 def test_a_yawed_stance_is_far_from_those_so_far(session: Path) -> None:
     (run,) = runs(("yawed_stance",), session)
-    assert run.motion == "landmarks"
+    assert run.motion == "yawed_stance"
     assert run.support.dtheta < -0.2
     for support in SUPPORTS:
         assert abs(run.support.dtheta - support.dtheta) > 0.2

@@ -6,12 +6,19 @@ import pytest
 
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.planning.menu import MENU
-from shoecal_ros.calibrator.proposals import BEYOND_MENU, by_hand, how_to_go_on, proposal
+from shoecal_ros.calibrator.proposals import (
+    BEYOND_MENU,
+    by_hand,
+    how_to_go_on,
+    planned_as,
+    proposal,
+)
 
 
 @pytest.mark.parametrize("name", [*MENU, *BEYOND_MENU])
 def test_whatever_is_proposed_ends_in_a_motion_of_the_menu(name: str) -> None:
-    assert proposal(name).motion in MENU
+    assert planned_as(name) == proposal(name).motion
+    assert planned_as(name) in MENU
 
 
 def test_motions_of_the_menu_need_nobody() -> None:
