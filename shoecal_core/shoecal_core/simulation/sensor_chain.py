@@ -62,7 +62,10 @@ class SensorChain:
                 self._past.popleft()
 
     def at(self, felt: FloatArray, time: float, sideways: FloatArray = NO_SIDEWAYS) -> FloatArray:
-        """(n,) what reaches the converter [N or N m]; arguments as for `take`."""
+        """(n,) what reaches the converter [N or N m].
+
+        Arguments as for `take`; at the time of the last call of it, what it was told counts.
+        """
         signal = self._last
         if signal is None or time != self._time:
             signal, _ = self._pass(felt, time, sideways)

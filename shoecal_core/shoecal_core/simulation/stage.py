@@ -19,21 +19,22 @@ class Place(IntEnum):
 
     PLATE = 0
     """Forces reach the cells."""
-    MATERIAL = 1
-    """The cell's body and glue remember."""
-    CURVE = 2
+    FRICTION = 1
+    FLOW = 2
+    """The cell's body and glue give way slowly."""
+    CURVE = 3
     """What it gives for a force is no straight line."""
-    STOP = 3
+    STOP = 4
     """It has an end."""
-    SPAN = 4
-    ZERO = 5
-    CABLE = 6
+    SPAN = 5
+    ZERO = 6
+    CABLE = 7
     """Channels see each other."""
-    CONTACT = 7
+    CONTACT = 8
     """A loose contact."""
-    SOCKET = 8
+    SOCKET = 9
     """A plug in the wrong one."""
-    FILTER = 9
+    FILTER = 10
     """What the converter's input does to fast signals."""
 
 

@@ -83,7 +83,7 @@ class Loops(Stage[tuple[FloatArray, FloatArray]]):
     stops: FloatArray
     weight: float
     stiffening: float
-    place = Place.MATERIAL
+    place = Place.FRICTION
 
     def start(self) -> tuple[FloatArray, FloatArray]:
         """Every z_k, and the signal, at 0."""
@@ -142,7 +142,7 @@ class Spectrum(Stage[tuple[FloatArray, FloatArray]]):
     channels: IntArray
     fraction: float
     times: FloatArray
-    place = Place.MATERIAL
+    place = Place.FLOW
 
     def start(self) -> tuple[FloatArray, FloatArray]:
         """Every exponential, and the signal, at 0."""
