@@ -204,7 +204,7 @@ class PlannerSettings(Settings):
     # Motions beyond the paper's
     dwell_time: float = setting(8.0, "s", "standing still at each landmark of `hold`", minimum=0.0)
     lift: float = setting(
-        0.012, "m", "how high an unloaded foot is lifted; gears take some", minimum=1e-3
+        0.025, "m", "how high an unloaded foot is lifted; gears take some", minimum=1e-3
     )
     unloaded_time: float = setting(3.0, "s", "how long it stays there", minimum=0.0)
     tilt: float = setting(

@@ -93,7 +93,7 @@ def test_feet_that_stand_are_not_put_down() -> None:
 
 def test_a_foot_in_the_air_is_never_taken_for_one_that_stands() -> None:
     with pytest.raises(SettingError, match="sole_height"):
-        PlannerSettings(sole_height=0.007)
+        PlannerSettings(sole_height=0.008)
     with pytest.raises(SettingError, match="half of lift"):
         PlannerSettings(lift=0.008)
 
