@@ -92,6 +92,7 @@ def runs_to_record(
 def diagnose_session(link: Link, folder: Path) -> Diagnosed:
     """Diagnose a session; JSON and report are kept in its folder."""
     from shoecal_core.diagnosis.diagnose import diagnose
+
     from shoecal_core.report.diagnosis_report import write_diagnosis_report
 
     session = Session.open(folder)
