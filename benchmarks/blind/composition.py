@@ -1,0 +1,191 @@
+"""What a round holds: how many sets of each kind, and everything that is drawn of them."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from blind.answers import Answer, Category, Foreign, Truth
+from blind.catalogue import EFFECTS, exactly
+from blind.draws import (
+    FOREIGN_LIMITS,
+    LIMITS,
+    STRENGTHS,
+    draw_location,
+    draw_size,
+    magnitude_of,
+    unit_key,
+)
+from blind.inseparable import PAIRS, Pair
+from blind.motions import standard_set
+from blind.recorder import HOLD_S, PAUSE_S
+from blind.unknowns import KINDS
+from blind.world import draw_world
+from shoecal_core.planning.standard import STANDARD
+
+FULL = {"clean": 200, "single": 160, "double": 50, "unknown": 50, "inseparable": 20}
+"""Sets of a full round, by category."""
+LACKING = 0.1
+"""Of the clean sets have no inertial sensor, and as many lack some motions."""
+_UNLOADING = frozenset(("unload_left", "unload_right"))
+
+
+@dataclass(frozen=True)
+class Mix:
+    """How many sets of each category."""
+
+    clean: int
+    single: int
+    double: int
+    unknown: int
+    inseparable: int
+
+    @staticmethod
+    def of(total: int | None) -> Mix:
+        """The full round, or the same mix of fewer sets, at least one of each."""
+        if total is None:
+            return Mix(**FULL)
+        whole = sum(FULL.values())
+        return Mix(**{name: max(1, round(total * part / whole)) for name, part in FULL.items()})
+
+
+def compose(seed: int, mix: Mix, motions: Sequence[int]) -> list[Answer]:
+    """All sets of a round in shuffled order: numbers tell nothing.
+
+    Args:
+        seed: of the round.
+        mix: how many.
+        motions: seeds that have a planned standard set.
+    """
+    rng = np.random.default_rng([seed, 20])
+    drawn = [*_clean(mix.clean, rng, motions), *_single(mix.single, rng, motions)]
+    drawn += [*_double(mix.double, rng, motions), *_unknown(mix.unknown, rng, motions)]
+    drawn += _inseparable(mix.inseparable, rng, motions)
+    return [
+        dataclasses.replace(drawn[place], number=number)
+        for number, place in enumerate(rng.permutation(len(drawn)), start=1)
+    ]
+
+
+def _blank(category: Category, rng: np.random.Generator, motions: Sequence[int]) -> Answer:
+    """A set without any effect."""
+    return Answer(
+        number=0,
+        category=category,
+        seed=int(rng.integers(2**31)),
+        motions=int(rng.choice(motions)),
+        order=tuple(rng.permutation(len(STANDARD)).tolist()),
+        pace=1.0,
+        imu=True,
+        world=draw_world(rng),
+    )
+
+
+def _clean(count: int, rng: np.random.Generator, motions: Sequence[int]) -> Iterator[Answer]:
+    for _ in range(count):
+        answer, lacking = _blank("clean", rng, motions), rng.uniform()
+        if lacking < LACKING:
+            answer = dataclasses.replace(answer, imu=False)
+        elif lacking < 2.0 * LACKING:
+            answer = _without(answer, _UNLOADING)
+        yield answer
+
+
+def _single(count: int, rng: np.random.Generator, motions: Sequence[int]) -> Iterator[Answer]:
+    """Effects in turn, strengths in turn within each."""
+    names = rng.permutation(list(EFFECTS))
+    for index in range(count):
+        turn, place = divmod(index, len(names))
+        strength = STRENGTHS[(turn + place) % len(STRENGTHS)]
+        answer = _blank("single", rng, motions)
+        yield with_effect(answer, str(names[place]), strength, rng)
+
+
+def _double(count: int, rng: np.random.Generator, motions: Sequence[int]) -> Iterator[Answer]:
+    made = 0
+    while made < count:
+        one, other = rng.permutation(list(EFFECTS))[:2]
+        answer = _blank("double", rng, motions)
+        for name in (str(one), str(other)):
+            answer = with_effect(answer, name, float(rng.choice(STRENGTHS)), rng)
+        if _distinct(answer):
+            made += 1
+            yield answer
+
+
+def _unknown(count: int, rng: np.random.Generator, motions: Sequence[int]) -> Iterator[Answer]:
+    names = list(KINDS)
+    for index in range(count):
+        turn, place = divmod(index, len(names))
+        strength = STRENGTHS[(turn + place) % len(STRENGTHS)]
+        size = magnitude_of(f"unknown {names[place]}", strength, FOREIGN_LIMITS[names[place]])
+        foreign = Foreign(names[place], size, int(rng.integers(2**31)), strength)
+        yield dataclasses.replace(_blank("unknown", rng, motions), foreign=foreign)
+
+
+def _inseparable(count: int, rng: np.random.Generator, motions: Sequence[int]) -> Iterator[Answer]:
+    for index in range(count):
+        pair: Pair = PAIRS[index % len(PAIRS)]
+        answer = _without(_blank("inseparable", rng, motions), pair.lacking)
+        answer = dataclasses.replace(answer, imu=pair.imu)
+        answer = with_effect(answer, pair.effect, STRENGTHS[1 + index % 2], rng, kind=pair.kind)
+        (truth,) = answer.truths
+        truth, alike = pair.alike(truth, rng)
+        yield dataclasses.replace(answer, truths=(truth,), alike=alike)
+
+
+def with_effect(
+    answer: Answer, effect: str, strength: float, rng: np.random.Generator, kind: str = ""
+) -> Answer:
+    """One more effect of the table, at a random place."""
+    kind = kind or str(rng.choice(EFFECTS[effect].places))
+    location = draw_location(effect, kind, rng)
+    key = unit_key(effect, location)
+    magnitude = magnitude_of(key, strength, LIMITS[effect]) if effect in LIMITS else 1.0
+    truth = Truth(effect, location, draw_size(effect, magnitude, rng), strength=strength)
+    if effect == "slip":
+        truth = slipping(answer, truth, rng)
+    if effect == "stuck_cell" and rng.uniform() < 0.5:
+        onset = float(rng.uniform(0.1, 0.6) * _length(answer))
+        truth = dataclasses.replace(truth, size={**truth.size, "time": onset}, onset=onset)
+    pace = magnitude if effect == "inertia" else answer.pace
+    return dataclasses.replace(answer, truths=(*answer.truths, truth), pace=pace)
+
+
+def slipping(answer: Answer, truth: Truth, rng: np.random.Generator) -> Truth:
+    """A foot slips in any run but those in which one hangs in the air."""
+    standing = [
+        number
+        for number, index in enumerate(answer.order, start=1)
+        if STANDARD[index].motion not in _UNLOADING
+    ]
+    run = int(rng.choice(standing))
+    length = _durations(answer.motions)[answer.order[run - 1]]
+    onset = HOLD_S + float(rng.uniform(0.2, 0.8)) * length
+    return dataclasses.replace(truth, run=run, onset=onset, size={**truth.size, "time": onset})
+
+
+def _without(answer: Answer, motions: frozenset[str]) -> Answer:
+    """The same with some motions not recorded."""
+    kept = tuple(index for index in answer.order if STANDARD[index].motion not in motions)
+    return dataclasses.replace(answer, order=kept)
+
+
+def _length(answer: Answer) -> float:
+    """Of the session [s], about."""
+    durations = _durations(answer.motions)
+    return sum(durations[index] + 2.0 * HOLD_S + PAUSE_S for index in answer.order)
+
+
+@cache
+def _durations(motions: int) -> tuple[float, ...]:
+    return tuple(one.trajectory.duration for one in standard_set(motions))
+
+
+def _distinct(answer: Answer) -> bool:
+    """Whether its effects differ even for whoever cannot tell exact twins apart."""
+    return len({exactly(truth.place) for truth in answer.truths}) == len(answer.truths)

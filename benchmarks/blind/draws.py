@@ -1,0 +1,192 @@
+"""Drawing an effect: where it sits, and its size from one magnitude."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blind.layout import UNIT_SIZES
+from population import nao
+from shoecal_core.sensing.shoe import FEET
+
+FloatArray = NDArray[np.float64]
+Size = dict[str, float]
+
+STRENGTHS = (1.5, 3.0, 6.0)
+"""Gap over the floor that an effect is meant to make alone."""
+
+JOINTS = (
+    "LHipYawPitch", "LHipRoll", "LHipPitch", "LKneePitch", "LAnklePitch", "LAnkleRoll",
+    "RHipRoll", "RHipPitch", "RKneePitch", "RAnklePitch", "RAnkleRoll",
+)  # fmt: skip
+LINKS = ("base", "LThigh_link", "RThigh_link", "LTibia_link", "RTibia_link")
+CARRIERS = (*LINKS, "Head_link", "LForeArm_link", "RForeArm_link")
+"""Links that a payload may hang on."""
+
+_TYPICAL_N = 20.0
+"""Load of a cell at which a nonlinearity's magnitude is meant."""
+_HIGHEST_N = 20.0
+"""Load that a cell of the standing NAO hardly exceeds; a saturation cuts from here downwards."""
+
+
+def draw_location(effect: str, kind: str, rng: np.random.Generator) -> tuple[str, ...]:
+    """A place of a kind."""
+    cells = nao()[1].names
+    if kind in {"pair", "swap"}:
+        foot = FEET[int(rng.integers(2))]
+        own = [name for name in cells if name.startswith(foot)]
+        return tuple(str(own[i]) for i in rng.permutation(len(own))[:2])
+    one_of: Mapping[str, tuple[str, ...]] = {
+        "cell": cells,
+        "foot": FEET,
+        "joint": JOINTS,
+        "link": CARRIERS if effect == "payload" else LINKS,
+        "all": ("all",),
+        "legs": ("all",),
+    }
+    return (str(rng.choice(one_of[kind])),) if kind in one_of else ()
+
+
+def _along(*names: str, across: float = 1.0) -> Callable[[float, np.random.Generator], Size]:
+    """A vector of any direction; its last component counts `across` as much."""
+
+    def size(magnitude: float, rng: np.random.Generator) -> Size:
+        way = rng.standard_normal(len(names))
+        way *= magnitude / np.linalg.norm(way)
+        way[-1] *= across
+        return dict(zip(names, way.tolist(), strict=True))
+
+    return size
+
+
+def _signed(name: str) -> Callable[[float, np.random.Generator], Size]:
+    return lambda magnitude, rng: {name: float(rng.choice([-1.0, 1.0])) * magnitude}
+
+
+def _plain(name: str) -> Callable[[float, np.random.Generator], Size]:
+    return lambda magnitude, _: {name: magnitude}
+
+
+def _bent(magnitude: float, rng: np.random.Generator) -> Size:
+    """Nonlinearity: how far off a cell is at its typical load, by both terms together."""
+    way = rng.uniform(0.0, 2.0 * np.pi)
+    return {
+        "quadratic": float(magnitude * np.cos(way) / _TYPICAL_N),
+        "cubic": float(0.5 * magnitude * np.sin(way) / _TYPICAL_N**2),
+    }
+
+
+def _creeping(magnitude: float, rng: np.random.Generator) -> Size:
+    return {"fraction": magnitude, "time": float(rng.uniform(4.0, 40.0))}
+
+
+_SIZES: Mapping[str, Callable[[float, np.random.Generator], Size]] = {
+    "nonlinearity": _bent,
+    "saturation": lambda magnitude, _: {"level": max(3.0, _HIGHEST_N * (1.0 - magnitude))},
+    "hysteresis": _plain("fraction"),
+    "creep": _creeping,
+    "zero_drift": _signed("rate"),
+    "span_drift": _signed("rate"),
+    "stuck_cell": lambda magnitude, _: {"share": min(1.0, magnitude), "time": 0.0},
+    "swapped_cells": lambda _, __: {},
+    "crosstalk": _signed("fraction"),
+    "cell_position": _along("x", "y"),
+    "off_axis_load": _along("x", "y"),
+    "latency": _plain("delay"),
+    "low_pass": _plain("time"),
+    "payload": _plain("mass"),
+    "link_com": _along("x", "y", "z"),
+    "joint_offset": _signed("angle"),
+    "joint_compliance": _plain("compliance"),
+    "backlash": _plain("play"),
+    "foot_placement": _along("dx", "dy", "dtheta", across=5.0),
+    "slip": _along("dx", "dy", "dtheta", across=5.0),
+    "floor_tilt": _along("about_x", "about_y"),
+    "soft_ground": _plain("compliance"),
+    "inertia": lambda _, __: {"factor": 1.0},
+}
+
+LIMITS: Mapping[str, float] = {
+    "nonlinearity": 0.5, "saturation": 0.8, "hysteresis": 0.4, "creep": 0.4, "zero_drift": 0.05,
+    "span_drift": 1e-3, "stuck_cell": 1.0, "crosstalk": 0.4, "cell_position": 0.02,
+    "off_axis_load": 1.0, "latency": 0.6, "low_pass": 0.6, "payload": 0.8, "link_com": 0.05,
+    "joint_offset": 0.06, "joint_compliance": 0.03, "backlash": 0.04, "foot_placement": 0.015,
+    "slip": 0.008, "floor_tilt": 0.06, "soft_ground": 0.03, "inertia": 3.0,
+}  # fmt: skip
+"""Largest magnitudes: beyond them nobody needs a diagnosis, or the robot no longer stands."""
+
+FOREIGN_LIMITS: Mapping[str, float] = {
+    "cable": 60.0, "rubbing thigh": 600.0, "swinging load": 0.2, "motor pick-up": 0.5,
+    "touching edge": 5.0, "loose plate": 0.01, "steadying hand": 6.0,
+}  # fmt: skip
+"""The same of what is not in the table, in each kind's own unit."""
+
+FOREIGN_GUESS: Mapping[str, float] = {
+    "cable": 10.0, "rubbing thigh": 100.0, "swinging load": 0.01, "motor pick-up": 0.02,
+    "touching edge": 0.1, "loose plate": 0.001, "steadying hand": 0.5,
+}  # fmt: skip
+
+FIRST_GUESS: Mapping[str, float] = {
+    "nonlinearity": 0.05, "saturation": 0.3, "hysteresis": 0.05, "creep": 0.05,
+    "zero_drift": 2e-3, "span_drift": 1e-4, "stuck_cell": 0.1, "crosstalk": 0.1,
+    "cell_position": 0.004, "off_axis_load": 0.1, "latency": 0.1, "low_pass": 0.1,
+    "payload": 0.2, "link_com": 0.01, "joint_offset": 0.01, "joint_compliance": 0.005,
+    "backlash": 0.006, "foot_placement": 0.004, "slip": 0.004, "floor_tilt": 0.02,
+    "soft_ground": 0.005, "inertia": 2.0,
+}  # fmt: skip
+"""Magnitudes at which `unit_sizes` begins."""
+
+
+def draw_size(effect: str, magnitude: float, rng: np.random.Generator) -> Size:
+    """Components of a magnitude."""
+    return _SIZES[effect](magnitude, rng)
+
+
+def unit_key(effect: str, location: tuple[str, ...]) -> str:
+    """What one unit size stands for: effect and place, cells and feet as one."""
+    place = location[0] if location else ""
+    if len(location) > 1:
+        place = "pair"
+    elif "/" in place:
+        place = "cell"
+    elif place in FEET:
+        place = "foot"
+    elif place[:1] in {"L", "R"}:
+        place = place[1:]
+    return f"{effect} {place}".strip()
+
+
+@cache
+def unit_sizes(file: Path = UNIT_SIZES) -> Mapping[str, Mapping[str, list[float]]]:
+    """Measured magnitudes and the gaps over the floor that they make, by `unit_key`."""
+    told: Mapping[str, Mapping[str, list[float]]] = json.loads(file.read_text())["sizes"]
+    return told
+
+
+def magnitude_of(key: str, strength: float, limit: float) -> float:
+    """The magnitude that makes a gap, read off the measured ones, up to a limit.
+
+    Own gaps add to the floor in squares; an own gap grows about evenly with its magnitude.
+    """
+    told = unit_sizes()[key]
+    magnitude = np.log(np.array(told["magnitude"]))
+    own = np.log(np.array([own_gap(gap) for gap in told["gap"]]))
+    wanted = np.log(own_gap(strength))
+    order = np.argsort(own)
+    if wanted >= own.max():
+        found = magnitude[own.argmax()] + (wanted - own.max())
+    elif wanted <= own.min():
+        found = magnitude[own.argmin()] - (own.min() - wanted)
+    else:
+        found = np.interp(wanted, own[order], magnitude[order])
+    return min(limit, float(np.exp(found)))
+
+
+def own_gap(gap: float) -> float:
+    """Gap over the floor without the floor's own part."""
+    return float(np.sqrt(max(gap**2 - 1.0, 0.02)))

@@ -1,0 +1,276 @@
+"""Every figure of the scoring table: its value, its interval, its target."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blind.cases import NO_GAP, UNKNOWN, Case
+from blind.catalogue import EFFECTS, alike
+from blind.intervals import Interval, bootstrap, clopper_pearson
+
+FloatArray = NDArray[np.float64]
+
+ONSET_S = 2.0
+BINS = 10
+"""Of the probabilities, when their calibration is looked at."""
+_FAR = 1e6
+"""Stands for an infinite error, which JSON cannot hold."""
+
+
+@dataclass(frozen=True)
+class Target:
+    """What a figure should be: within bounds."""
+
+    low: float | None = None
+    high: float | None = None
+
+    def __str__(self) -> str:
+        if self.low is not None and self.high is not None:
+            return f"{self.low:g} to {self.high:g}"
+        return f">= {self.low:g}" if self.low is not None else f"<= {self.high:g}"
+
+    def met(self, value: float) -> bool:
+        """Whether a value is within."""
+        return (self.low is None or value >= self.low) and (self.high is None or value <= self.high)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One figure.
+
+    Attributes:
+        says: what it is, for the table.
+        value: None where no set tells it.
+        interval: of 95 %.
+        count: sets, or entries, that it is of.
+        target: None where the table names none.
+    """
+
+    says: str
+    value: float | None
+    interval: Interval | None
+    count: int
+    target: Target | None = None
+
+    def to_json(self) -> dict[str, object]:
+        """For out/blind.json."""
+        met = None if self.target is None or self.value is None else self.target.met(self.value)
+        return {
+            "value": self.value,
+            "interval": None if self.interval is None else list(self.interval),
+            "target": None if self.target is None else str(self.target),
+            "met": met,
+            "count": self.count,
+        }
+
+
+def rate(says: str, hits: Sequence[bool], target: Target | None = None) -> Figure:
+    """A share with its exact interval."""
+    if not hits:
+        return Figure(says, None, None, 0, target)
+    interval = clopper_pearson(sum(hits), len(hits))
+    return Figure(says, sum(hits) / len(hits), interval, len(hits), target)
+
+
+def statistic(
+    says: str, values: Sequence[float], figure: Callable[[FloatArray], float], target: Target | None
+) -> Figure:
+    """A figure of values with its interval by drawing them again."""
+    return of_rows(says, [[min(value, _FAR)] for value in values], figure, target)
+
+
+def of_rows(
+    says: str,
+    rows: Sequence[Sequence[float]],
+    figure: Callable[[FloatArray], float],
+    target: Target | None,
+) -> Figure:
+    """The same of rows of values."""
+    if not rows:
+        return Figure(says, None, None, 0, target)
+    value = figure(np.array(rows, dtype=np.float64))
+    return Figure(says, value, bootstrap(rows, figure), len(rows), target)
+
+
+def figures(cases: Sequence[Case]) -> dict[str, Figure]:
+    """All that one round of diagnoses tells, by key."""
+    of = {name: [case for case in cases if case.answer.category == name] for name in CATEGORY_KEYS}
+    gaps = [case for case in cases if case.answer.category != "clean" and case.certain]
+    return {
+        "found": rate(
+            "found, where the gap is at least 1.5 x the floor",
+            [case.found for case in gaps],
+            Target(low=0.90),
+        ),
+        "false_alarms": rate(
+            "false alarms on clean sets",
+            [case.verdict != NO_GAP for case in of["clean"]],
+            Target(high=0.02),
+        ),
+        **_named([case for case in of["single"] if case.certain and case.found]),
+        **_onset(of["single"]),
+        **_unknown(of),
+        **_both([case for case in of["double"] if case.certain]),
+        **_honest(cases),
+        "inseparable_whole": rate(
+            "inseparable: the set named whole",
+            [_whole(case) for case in of["inseparable"] if case.certain and case.found],
+        ),
+        "errors": rate("diagnoses that failed", [case.said is None for case in cases]),
+    }
+
+
+CATEGORY_KEYS = ("clean", "single", "double", "unknown", "inseparable")
+
+
+def _named(cases: Sequence[Case]) -> dict[str, Figure]:
+    """Of single effects that were found."""
+    explained = [case for case in cases if case.verdict != UNKNOWN]
+    placed = [case for case in cases if case.first_right and case.answer.truths[0].location]
+    return {
+        "right_first": rate(
+            "right effect first", [case.first_right for case in cases], Target(low=0.85)
+        ),
+        "right_among_three": rate(
+            "right effect among three",
+            [case.true_effects[0] in case.effects[:3] for case in cases],
+            Target(low=0.95),
+        ),
+        "right_class": rate("right class first", [_right_class(case) for case in cases]),
+        "truth_in_set": rate(
+            "truth in the ambiguity set",
+            [case.true_places[0] in case.places for case in explained],
+            Target(low=0.95),
+        ),
+        "set_size": statistic(
+            "median size of the ambiguity set",
+            [len(case.places) for case in explained],
+            _median,
+            Target(high=2.0),
+        ),
+        "exact_place": rate(
+            "exact cell, joint or foot", [case.first_placed for case in placed], Target(low=0.75)
+        ),
+    }
+
+
+def _right_class(case: Case) -> bool:
+    return bool(case.causes) and any(
+        case.causes[0]["class"] == EFFECTS[truth.effect].group for truth in case.answer.truths
+    )
+
+
+def _onset(cases: Sequence[Case]) -> dict[str, Figure]:
+    errors = [error for case in cases if case.certain and (error := case.onset_error()) is not None]
+    return {
+        "onset_error_s": statistic(
+            "onset of slip or step, median error (s)", errors, _median, Target(high=ONSET_S)
+        ),
+        "onset_within_2_s": rate(
+            "onset of slip or step within 2 s", [error <= ONSET_S for error in errors]
+        ),
+    }
+
+
+def _unknown(of: Mapping[str, Sequence[Case]]) -> dict[str, Figure]:
+    known = [case for case in (*of["single"], *of["double"]) if case.certain]
+    return {
+        "unknown_called_unknown": rate(
+            "unknown effects called unknown",
+            [case.verdict == UNKNOWN for case in of["unknown"] if case.certain],
+            Target(low=0.75),
+        ),
+        "known_called_unknown": rate(
+            "known ones called unknown",
+            [case.verdict == UNKNOWN for case in known],
+            Target(high=0.10),
+        ),
+    }
+
+
+def _both(cases: Sequence[Case]) -> dict[str, Figure]:
+    """Of two effects at once."""
+    named = [[alike(str(cause["effect"])) for cause in case.causes] for case in cases]
+    right = [
+        effect in case.true_effects
+        for case, effects in zip(cases, named, strict=True)
+        for effect in effects
+    ]
+    return {
+        "both_found": rate(
+            "both of two found",
+            [{*case.true_effects} <= {*names} for case, names in zip(cases, named, strict=True)],
+            Target(low=0.65),
+        ),
+        "double_precision": rate("precision, of two", right, Target(low=0.85)),
+    }
+
+
+def _honest(cases: Sequence[Case]) -> dict[str, Figure]:
+    """Do stated uncertainties hold?"""
+    told = [case for case in cases if case.causes and case.answer.category != "inseparable"]
+    held = [one for case in cases for one in case.held()]
+    rows = [[float(case.causes[0]["probability"]), float(case.first_placed)] for case in told]
+    return {
+        "intervals_hold": rate("95 % intervals that hold", held, Target(0.90, 0.98)),
+        "calibration_error": of_rows(
+            "calibration error of the probabilities", rows, calibration_error, Target(high=0.07)
+        ),
+    }
+
+
+def shrink_figures(pairs: Sequence[tuple[Case, Case]]) -> dict[str, Figure]:
+    """Shrink with what was found over shrink with the true effect.
+
+    Args:
+        pairs: of single sets, as diagnosed and with the true effect prescribed.
+    """
+    ratios = [
+        shrink_of(found) / shrink_of(true)
+        for found, true in pairs
+        if found.certain and found.found and shrink_of(true) > 0.0
+    ]
+    return {
+        "shrink_median": statistic(
+            "shrink against that of the true effect, median", ratios, _median, Target(low=0.90)
+        ),
+        "shrink_10th_percentile": statistic(
+            "the same, 10th percentile", ratios, _tenth, Target(low=0.60)
+        ),
+    }
+
+
+def shrink_of(case: Case) -> float:
+    """Share of the gap that the explanation takes away on test runs; 0 without one."""
+    return max((float(cause["shrink"]["fraction"]) for cause in case.causes), default=0.0)
+
+
+def calibration_error(rows: FloatArray) -> float:
+    """Mean distance of stated probabilities and true shares, bin by bin.
+
+    Args:
+        rows: (n, 2) probability, and whether it was right.
+    """
+    bins = np.minimum((rows[:, 0] * BINS).astype(int), BINS - 1)
+    far = [
+        np.sum(bins == one) * abs(float(np.diff(rows[bins == one].mean(axis=0))[0]))
+        for one in np.unique(bins)
+    ]
+    return float(np.sum(far) / len(rows))
+
+
+def _whole(case: Case) -> bool:
+    named = {(str(one["effect"]), tuple(one["location"])) for one in case.ambiguity}
+    return all((place.effect, place.location) in named for place in case.answer.alike)
+
+
+def _median(values: FloatArray) -> float:
+    return float(np.median(values))
+
+
+def _tenth(values: FloatArray) -> float:
+    return float(np.quantile(values, 0.1))

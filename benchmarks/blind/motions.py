@@ -1,0 +1,127 @@
+"""Planned motions of the standard set, kept on the disk: planning costs more than simulating."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import cache, partial
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from blind.layout import POOL
+from population import nao
+from shoecal_core.errors import ShoecalError
+from shoecal_core.files import atomic_write
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.planning.planner import Planner
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.standard import STANDARD_SUPPORTS, PlannedRun, standard_runs
+from shoecal_core.planning.supports.draw import draw_supports
+
+
+@dataclass(frozen=True)
+class PlannedMotion:
+    """A motion, ready to be followed.
+
+    Attributes:
+        run: which motion in which double support, what for.
+        trajectory: of all joints.
+    """
+
+    run: PlannedRun
+    trajectory: JointTrajectory
+
+    def paced(self, factor: float) -> PlannedMotion:
+        """The same, so many times as fast."""
+        told = self.trajectory
+        faster = JointTrajectory(told.names, told.times / factor, told.positions)
+        return PlannedMotion(self.run, faster)
+
+
+def standard_set(seed: int, folder: Path = POOL) -> tuple[PlannedMotion, ...]:
+    """The standard set of motions in double supports that a seed draws; planned once."""
+    file = _file(folder, f"{seed:04d}")
+    if not file.is_file():
+        _keep(file, [_planned(run) for run in _runs(seed)])
+    return _kept(file)
+
+
+def extra(seed: int, run: PlannedRun, folder: Path = POOL) -> PlannedMotion:
+    """One more motion in a double support of a seed's set; planned once."""
+    support = run.support
+    about = f"{run.motion}_{support.dx:.3f}_{support.dy:.3f}_{support.dtheta:.3f}"
+    file = _file(folder, f"{seed:04d}_{about}")
+    if not file.is_file():
+        _keep(file, [_planned(run)])
+    return _kept(file)[0]
+
+
+def fill(seeds: Sequence[int], jobs: int, folder: Path = POOL) -> list[int]:
+    """Plan what is missing of several standard sets; the seeds that have one."""
+    with ProcessPoolExecutor(jobs) as pool:
+        there = pool.map(partial(_there, folder=folder), seeds)
+        return [seed for seed, can in zip(seeds, there, strict=True) if can]
+
+
+def _there(seed: int, folder: Path) -> bool:
+    """Whether a seed's motions could be planned."""
+    try:
+        standard_set(seed, folder)
+    except ShoecalError as error:
+        print(f"motions {seed}: {error}", flush=True)
+        return False
+    return True
+
+
+def _runs(seed: int) -> tuple[PlannedRun, ...]:
+    robot, shoe = nao()
+    supports = draw_supports(robot, shoe, PlannerSettings(), STANDARD_SUPPORTS, seed)
+    return standard_runs([supports[i] for i in np.random.default_rng(seed).permutation(5)])
+
+
+@cache
+def _planner() -> Planner:
+    return Planner(nao()[0], PlannerSettings())
+
+
+def _planned(run: PlannedRun) -> PlannedMotion:
+    motion = _planner().plan(run.support, run.motion)
+    return PlannedMotion(run, JointTrajectory(motion.joint_names, motion.time, motion.positions))
+
+
+def _file(folder: Path, name: str) -> Path:
+    """Of motions; another robot or shoe has others."""
+    robot, shoe = nao()
+    return folder / f"{robot.digest[:8]}_{shoe.digest[:8]}" / f"{name}.npz"
+
+
+def _keep(file: Path, motions: Sequence[PlannedMotion]) -> None:
+    arrays: dict[str, NDArray[np.generic]] = {}
+    for index, one in enumerate(motions):
+        support = one.run.support
+        arrays[f"{index}_about"] = np.array([one.run.motion, one.run.hint])
+        arrays[f"{index}_support"] = np.array([support.dx, support.dy, support.dtheta])
+        arrays[f"{index}_time"] = one.trajectory.times
+        arrays[f"{index}_positions"] = one.trajectory.positions
+    buffer = io.BytesIO()
+    # No name here is a keyword of the function's own.
+    np.savez_compressed(buffer, **arrays)  # type: ignore[arg-type]
+    file.parent.mkdir(parents=True, exist_ok=True)
+    atomic_write(file, buffer.getvalue())
+
+
+def _kept(file: Path) -> tuple[PlannedMotion, ...]:
+    names = nao()[0].joint_names
+    motions = []
+    with np.load(file) as kept:
+        for index in range(sum(name.endswith("_about") for name in kept.files)):
+            motion, hint = map(str, kept[f"{index}_about"])
+            support = DoubleSupport(*map(float, kept[f"{index}_support"]))
+            trajectory = JointTrajectory(names, kept[f"{index}_time"], kept[f"{index}_positions"])
+            motions.append(PlannedMotion(PlannedRun(support, motion, hint), trajectory))
+    return tuple(motions)

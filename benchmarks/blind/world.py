@@ -1,0 +1,75 @@
+"""The world of a set: as the model says but for what every robot differs in, and another engine.
+
+Nothing here is taken from the default simulated reality: steps, servos, contact and cells are
+drawn beside its values, as no real robot is computed with them either.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import yaml
+
+from blind.answers import Answer
+from shoecal_core.files import write_yaml
+from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.workspace import config_dir
+
+NOISE_N = 0.01
+"""Of a cell in the middle of the range drawn."""
+
+
+def draw_world(rng: np.random.Generator) -> dict[str, dict[str, float]]:
+    """Sections of a reality file: gains, offsets, noise, encoders, and the engine."""
+
+    def between(lowest: float, highest: float) -> float:
+        return float(np.exp(rng.uniform(np.log(lowest), np.log(highest))))
+
+    return {
+        "engine": {"step_s": float(rng.choice([0.002, 0.01 / 3.0]))},
+        "servo": {
+            "full_torque_error_rad": between(0.008, 0.018),
+            "damping_time_s": between(0.02, 0.045),
+            "rotor_inertia_kgm2_per_nm": between(0.0012, 0.003),
+        },
+        "floor": {"friction": between(0.7, 1.1), "contact_time_s": between(0.007, 0.012)},
+        "cells": {
+            "stiffness_n_per_m": between(2e5, 1e6),
+            "gain_spread_fraction": between(0.1, 0.3),
+            "offset_std_fraction": between(0.02, 0.08),
+            "noise_std_n": NOISE_N * between(0.5, 2.0),
+            "converter_bits": int(rng.integers(20, 25)),
+        },
+        "imu": {
+            "mounting_error_std_rad": 0.001,
+            "orientation_std_rad": between(0.00025, 0.001),
+            "gyro_std_rad_per_s": 0.002,
+            "accelerometer_std_mps2": 0.02,
+        },
+        "joints": {"encoder_resolution_rad": between(0.0002, 0.0015)},
+    }
+
+
+def write_world(path: Path, answer: Answer, items: Sequence[Mapping[str, Any]]) -> Reality:
+    """Write a set's reality file and read it: the perfect world, changed.
+
+    Args:
+        path: of the file.
+        answer: whose world it is.
+        items: the effects it has, as a reality file lists them.
+    """
+    realities = config_dir() / "realities"
+    merged = copy.deepcopy(yaml.safe_load((realities / "perfect.yaml").read_text()))
+    for section, values in answer.world.items():
+        if section == "engine":
+            merged |= values
+        else:
+            merged.setdefault(section, {}).update(values)
+    merged.setdefault("imu", {})["present"] = answer.imu
+    write_yaml(path, {**merged, "name": path.stem, "effects": [dict(item) for item in items]})
+    return load_reality(realities / "default.yaml", path)

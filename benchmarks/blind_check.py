@@ -1,0 +1,44 @@
+"""The blind check of the diagnosis: does it find causes that are withheld from it?
+
+    .venv/bin/python benchmarks/blind_check.py [--seed N] [--small N] [--jobs N]
+
+Draws sets with and without effects, seals what is true of them, diagnoses each once in processes
+that cannot read the answers, and only then scores. Everything is taken up where it was left.
+`unit-sizes` measures anew how large effects must be (benchmarks/blind/unit_sizes.json).
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from pathlib import Path
+
+from blind.composition import Mix
+from blind.generate import draw_round, make_sets
+from blind.layout import OUT, Round
+from blind.unit_sizes import measure_units
+
+STEPS = ("all", "generate", "diagnose", "score", "unit-sizes")
+
+
+def main() -> None:
+    """Do the steps asked for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("step", nargs="?", choices=STEPS, default="all")
+    parser.add_argument("--seed", type=int, default=1, help="another seed is a fresh round")
+    parser.add_argument("--small", type=int, metavar="N", help="the same mix in about N sets")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
+    parser.add_argument("--out", type=Path, help="folder of the round")
+    args = parser.parse_args()
+    if args.step == "unit-sizes":
+        measure_units(args.jobs)
+        return
+    size = "full" if args.small is None else str(args.small)
+    place = Round(args.out or OUT / f"round_{args.seed}_{size}")
+    if args.step in {"all", "generate"}:
+        print(f"answers sealed: {draw_round(place, args.seed, Mix.of(args.small), args.jobs)}")
+        make_sets(place, args.jobs)
+
+
+if __name__ == "__main__":
+    main()
