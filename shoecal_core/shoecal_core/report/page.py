@@ -28,11 +28,15 @@ class Verdict:
         level: PASS, WARN or FAIL.
         meaning: what it means for the user, in a sentence.
         reasons: worst first.
+        label: shown in the level's place; empty: the level itself.
+        lines: what there is to say before the reasons, a paragraph each.
     """
 
     level: str
     meaning: str
     reasons: tuple[Reason, ...]
+    label: str = ""
+    lines: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         _check_level(self.level)

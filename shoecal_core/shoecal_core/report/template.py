@@ -24,9 +24,12 @@ PAGE = """\
 <main>
 <section class="verdict {{ page.verdict.level | lower }}">
 <p class="level"><span class="sign">{{ signs[page.verdict.level] }}</span>
-{{ page.verdict.level }}</p>
+{{ page.verdict.label or page.verdict.level }}</p>
 <div>
 <p class="meaning">{{ page.verdict.meaning }}</p>
+{% for line in page.verdict.lines %}
+<p class="line">{{ line }}</p>
+{% endfor %}
 {% if page.verdict.reasons %}
 <ul>
 {% for reason in page.verdict.reasons %}
@@ -178,6 +181,7 @@ h4{font-size:14px;font-weight:600;margin:0 0 8px}
 .sign{display:inline-grid;place-items:center;width:34px;height:34px;border-radius:50%;
  border:2.5px solid currentColor;font-size:19px}
 .meaning{font-size:17px;font-weight:600;line-height:34px}
+.line{margin-top:6px;max-width:90ch}
 .verdict ul{list-style:none;margin-top:4px}
 .verdict li{margin-top:4px}
 .verdict b{color:var(--level);margin-right:4px}

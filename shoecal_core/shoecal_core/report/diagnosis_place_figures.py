@@ -1,0 +1,156 @@
+"""The figures that show where on the feet a gap lies."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.result import Diagnosis, Evidence, Fitted
+from shoecal_core.model.robot import Robot
+from shoecal_core.report import palette
+from shoecal_core.report.diagnosis_looks import AFTER, BEFORE
+from shoecal_core.report.diagnosis_places import (
+    Field,
+    Levers,
+    density,
+    field_between,
+    field_under,
+    lever_points,
+    stands,
+)
+from shoecal_core.report.figures import residual_field
+from shoecal_core.report.figures.lever_map import LeverMap, box, lever_map
+from shoecal_core.report.figures.residual_field import (
+    Arrows,
+    Sole,
+    field_under_feet,
+    magnification,
+)
+from shoecal_core.report.figures.shares import percent
+from shoecal_core.report.foot_shapes import foot_shape
+from shoecal_core.report.page import Picture
+from shoecal_core.sensing.shoe import Shoe
+
+FloatArray = NDArray[np.float64]
+
+
+def place_pictures(
+    diagnosis: Diagnosis, evidence: Evidence, robot: Robot, shoe: Shoe
+) -> tuple[Picture, ...]:
+    """Residuals on the feet, before and after."""
+    every = np.ones(len(evidence.time), dtype=bool)
+    pairs = [("nothing added", evidence.without, BEFORE)]
+    if evidence.explained is not None:
+        pairs.append(("with what was found", evidence.explained, AFTER))
+    supports = [stands(evidence, int(run)) for run in np.unique(evidence.run)]
+    known = [one for one in dict.fromkeys(supports) if one is not None]
+    fields = [field_between(evidence, fitted, every) for _, fitted, _ in pairs]
+    times = magnification([_arrows(one) for one in fields])
+    pictures = []
+    for (label, _, look), one in zip(pairs, fields, strict=True):
+        if not known or not len(one.places):
+            continue
+        left = foot_shape(robot, shoe, 0)
+        rights = [foot_shape(robot, shoe, 1, support) for support in known]
+        pictures.append(
+            Picture(
+                f"CoP error between the feet, {label}",
+                residual_field.field_between(left, rights, _arrows(one), look, times),
+                "Each arrow starts where the model has the CoP and points to where the shoes "
+                "measured it. Look for arrows that all point one way or grow towards one place: "
+                "noise alone leaves short ones in all directions."
+                + (" Thin outlines: other places of the right foot." if len(known) > 1 else ""),
+            )
+        )
+    return (*pictures, *_under_feet(diagnosis, evidence, robot, shoe, pairs))
+
+
+def _under_feet(
+    diagnosis: Diagnosis,
+    evidence: Evidence,
+    robot: Robot,
+    shoe: Shoe,
+    pairs: list[tuple[str, Fitted, palette.Look]],
+) -> list[Picture]:
+    every = np.ones(len(evidence.time), dtype=bool)
+    fields = [
+        [field_under(evidence, fitted, every, foot) for foot in (0, 1)] for _, fitted, _ in pairs
+    ]
+    times = magnification([_arrows(one) for both in fields for one in both])
+    shares = _cell_shares(diagnosis)
+    forces = np.concatenate([one.force for both in fields for one in both])
+    largest = float(np.abs(forces).max()) if len(forces) else 0.0
+    pictures = []
+    for (label, _, look), both in zip(pairs, fields, strict=True):
+        soles = [
+            Sole(foot_shape(robot, shoe, foot), _arrows(both[foot]), both[foot].force,
+                 _at_cells(shoe, foot, shares) if label == pairs[0][0] else ())
+            for foot in (0, 1)
+        ]  # fmt: skip
+        told = " Per cent at a cell: its share of the gap." if any(s.shares for s in soles) else ""
+        pictures.append(
+            Picture(
+                f"Error by where each foot was loaded, {label}",
+                field_under_feet(soles, look, times, largest),
+                "Arrows and circles stand where the foot's own CoP was, and show how far the CoP "
+                "and GRF of both feet together were off then. A cell that reads wrong shows as "
+                f"large circles around it.{told}",
+            )
+        )
+    return pictures
+
+
+def _arrows(one: Field) -> Arrows:
+    return Arrows(one.places, one.arrows)
+
+
+def _cell_shares(diagnosis: Diagnosis) -> dict[str, float]:
+    shares: dict[str, float] = {}
+    for place in diagnosis.where:
+        if place.cell:
+            shares[place.cell] = shares.get(place.cell, 0.0) + place.share
+    return shares
+
+
+def _at_cells(
+    shoe: Shoe, foot: int, shares: dict[str, float]
+) -> tuple[tuple[FloatArray, str], ...]:
+    """Text at each place of a channel that holds a share; axes of one sensor are one place."""
+    places: dict[tuple[float, ...], float] = {}
+    for channel in shoe.channels:
+        if channel.foot == foot and channel.name in shares:
+            key = tuple(map(float, channel.position))
+            places[key] = places.get(key, 0.0) + shares[channel.name]
+    return tuple((np.array(place), percent(share)) for place, share in places.items())
+
+
+def lever_picture(evidence: Evidence, robot: Robot, shoe: Shoe) -> Picture | None:
+    """Where a wrong force would have to act; None where no sample tells."""
+    found = [lever_points(evidence, evidence.without, foot) for foot in (0, 1)]
+    clear = int(max(one.clear.sum() for one in found))
+    if clear < 10:
+        return None
+    maps = [_lever_map(found[foot], robot, shoe, foot) for foot in (0, 1)]
+    if not max(one.density.max() for one in maps) > 0.0:
+        return None
+    return Picture(
+        "Where one wrong force would have to act",
+        lever_map(maps),
+        f"One wrong force moves GRF and CoP together, and how far each tells its place. Drawn is "
+        f"where the {clear} samples point whose GRF is clearly off. Dark around a cell: that cell "
+        "reads wrong. Spread over all of the soles or beside them: no single cell, look at the "
+        "body, the floor or the time.",
+    )
+
+
+def _lever_map(levers: Levers, robot: Robot, shoe: Shoe, foot: int) -> LeverMap:
+    shape = foot_shape(robot, shoe, foot)
+    x, y, found = density(levers, *box(shape))
+    at = np.unravel_index(int(found.argmax()), found.shape)
+    peak = np.array([x[at[0]], y[at[1]]])
+    far = np.linalg.norm(shape.cells - peak, axis=1)
+    own = [index for index in range(len(shoe.names)) if shoe.channels[index].foot == foot]
+    near = min(own, key=lambda i: float(np.linalg.norm(shoe.positions[i] - peak)))
+    name = shoe.names[near].partition("/")[2].replace("_", " ")
+    note = f"{1e3 * far.min():.0f} mm from {name}" if len(far) else ""
+    return LeverMap(shape, x, y, found, peak, note)

@@ -1,0 +1,177 @@
+"""Where a gap lies on the floor: residuals brought to the soles, and what lever points say."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.result import Evidence, Fitted
+from shoecal_core.model.double_support import DoubleSupport
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+CELL_M = 0.008
+"""Side of the squares over which arrows are averaged [m]."""
+LEAST_SAMPLES = 3
+"""Fewer in a square are noise."""
+CLEAR = 3.0
+"""A lever point needs a force residual of so many standard deviations of its noise."""
+BLUR_M = 0.004
+"""What a lever point is spread by at least [m]."""
+RASTER = 31
+"""Points of a density along each axis."""
+
+
+@dataclass(frozen=True)
+class Field:
+    """A residual over places, k squares of a grid.
+
+    Attributes:
+        places: (k, 2) middle of the samples in each square [m].
+        arrows: (k, 2) mean CoP residual there [m].
+        force: (k,) mean GRF residual there [N].
+    """
+
+    places: FloatArray
+    arrows: FloatArray
+    force: FloatArray
+
+
+@dataclass(frozen=True)
+class Levers:
+    """Where one wrong force would have to act to explain force and CoP residual of a sample.
+
+    Attributes:
+        points: (T, 2) left sole's frame [m]; NaN where the force residual is lost in noise.
+        spread: (T,) standard deviation of each [m].
+        weight: (T,) how much each counts.
+    """
+
+    points: FloatArray
+    spread: FloatArray
+    weight: FloatArray
+
+    @property
+    def clear(self) -> BoolArray:
+        """(T,) samples that tell a place."""
+        return np.asarray(np.isfinite(self.points).all(axis=1))
+
+
+def signal(evidence: Evidence, fitted: Fitted, name: str) -> FloatArray:
+    """(T,) of one signal's residual; NaN throughout where it was not there."""
+    if name not in evidence.signals:
+        return np.full(len(evidence.time), np.nan)
+    values: FloatArray = fitted.residuals[:, evidence.signals.index(name)]
+    return values if values.any() else np.full_like(values, np.nan)
+
+
+def noise_of(evidence: Evidence, name: str) -> float:
+    """Standard deviation of a signal's noise; NaN where it was not there."""
+    if name not in evidence.signals:
+        return float("nan")
+    return float(evidence.noise[evidence.signals.index(name)])
+
+
+def cop_residual(evidence: Evidence, fitted: Fitted) -> FloatArray:
+    """(T, 2) CoP residual in the frame of the stance [m]."""
+    return np.column_stack([signal(evidence, fitted, name) for name in ("cop_x", "cop_y")])
+
+
+def stands(evidence: Evidence, run: int) -> DoubleSupport | None:
+    """Where the right foot stands in a run; None where it is not told."""
+    both = (evidence.run == run) & np.isfinite(evidence.support).all(axis=1)
+    standing = both & evidence.loaded.all(axis=1)
+    rows = standing if standing.any() else both
+    if not rows.any():
+        return None
+    return DoubleSupport(*(float(value) for value in np.median(evidence.support[rows], axis=0)))
+
+
+def in_sole(evidence: Evidence, values: FloatArray, foot: int, *, vectors: bool) -> FloatArray:
+    """Points or vectors (T, 2) from the frame of the stance to one foot's sole frame.
+
+    NaN where nobody knows where the other foot stands.
+    """
+    brought = np.full_like(values, np.nan)
+    frame = np.where(evidence.loaded[:, 0], 0, 1)
+    brought[frame == foot] = values[frame == foot]
+    for run in np.unique(evidence.run):
+        support = stands(evidence, int(run))
+        rows = (evidence.run == run) & (frame != foot)
+        if support is None or not rows.any():
+            continue
+        if vectors:
+            support = DoubleSupport(0.0, 0.0, support.dtheta)
+        turn = support.left_to_right if foot else support.right_to_left
+        brought[rows] = turn(values[rows])
+    return brought
+
+
+def field(places: FloatArray, arrows: FloatArray, force: FloatArray) -> Field:
+    """Means over the squares of a grid in which there are enough samples."""
+    known = np.isfinite(np.column_stack((places, arrows, force))).all(axis=1)
+    places, arrows, force = places[known], arrows[known], force[known]
+    if not len(places):
+        return Field(places, arrows, force)
+    squares = np.floor(places / CELL_M).astype(np.int64)
+    _, owner, count = np.unique(squares, axis=0, return_inverse=True, return_counts=True)
+    owner = owner.ravel()
+    enough = count >= LEAST_SAMPLES
+
+    def mean(values: FloatArray) -> FloatArray:
+        means: FloatArray = np.bincount(owner, values)[enough] / count[enough]
+        return means
+
+    return Field(
+        np.column_stack([mean(places[:, axis]) for axis in (0, 1)]),
+        np.column_stack([mean(arrows[:, axis]) for axis in (0, 1)]),
+        mean(force),
+    )
+
+
+def field_between(evidence: Evidence, fitted: Fitted, rows: BoolArray) -> Field:
+    """Residual over the modelled CoP, in the left sole's frame."""
+    return field(
+        in_sole(evidence, evidence.cop, 0, vectors=False)[rows],
+        in_sole(evidence, cop_residual(evidence, fitted), 0, vectors=True)[rows],
+        signal(evidence, fitted, "grf")[rows],
+    )
+
+
+def field_under(evidence: Evidence, fitted: Fitted, rows: BoolArray, foot: int) -> Field:
+    """Residual of both feet over the place where one foot was loaded, in its sole frame."""
+    return field(
+        evidence.foot_cop[rows, foot],
+        in_sole(evidence, cop_residual(evidence, fitted), foot, vectors=True)[rows],
+        signal(evidence, fitted, "grf")[rows],
+    )
+
+
+def lever_points(evidence: Evidence, fitted: Fitted, foot: int) -> Levers:
+    """Places c + G e_C / e_F in one foot's sole frame, c the CoP and G the whole force."""
+    grf, noise = signal(evidence, fitted, "grf"), noise_of(evidence, "grf")
+    off = in_sole(evidence, cop_residual(evidence, fitted), foot, vectors=True)
+    where = in_sole(evidence, evidence.cop, foot, vectors=False)
+    whole = np.nansum(evidence.foot_force, axis=1)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        arm = (whole / grf)[:, None] * off
+        points = where + arm
+        across = float(np.hypot(noise_of(evidence, "cop_x"), noise_of(evidence, "cop_y")))
+        spread = np.hypot(across * whole, np.linalg.norm(arm, axis=1) * noise) / np.abs(grf)
+    clear = (np.abs(grf) > CLEAR * noise) & np.isfinite(points).all(axis=1)
+    points[~clear] = np.nan
+    return Levers(points, np.hypot(spread, BLUR_M), np.where(clear, grf**2, 0.0))
+
+
+def density(levers: Levers, low: FloatArray, high: FloatArray) -> tuple[FloatArray, ...]:
+    """Axes x, y (r,) and density (r, r) of lever points over a box [1/m^2], 1 in all."""
+    x, y = (np.linspace(low[axis], high[axis], RASTER) for axis in (0, 1))
+    clear = levers.clear & (levers.weight > 0.0)
+    points, spread = levers.points[clear], levers.spread[clear]
+    weight = levers.weight[clear] / max(float(levers.weight[clear].sum()), 1e-300)
+    far_x = np.exp(-0.5 * ((x[:, None] - points[:, 0]) / spread) ** 2)
+    far_y = np.exp(-0.5 * ((y[:, None] - points[:, 1]) / spread) ** 2)
+    return x, y, (far_x * (weight / (2.0 * np.pi * spread**2))) @ far_y.T

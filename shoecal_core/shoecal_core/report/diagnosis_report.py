@@ -1,0 +1,207 @@
+"""The report on a diagnosis: where the gap between model and reality lies, in pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from shoecal_core.diagnosis.result import Diagnosis
+from shoecal_core.model.robot import Robot
+from shoecal_core.report.diagnosis_answer import key_figures, run_text, verdict_of
+from shoecal_core.report.diagnosis_cause_figures import (
+    candidate_pictures,
+    hidden_rms_mm,
+    ranking_picture,
+    share_picture,
+    shrink_picture,
+)
+from shoecal_core.report.diagnosis_place_figures import lever_picture, place_pictures
+from shoecal_core.report.diagnosis_tables import (
+    alike_table,
+    blind_spots_table,
+    causes_table,
+    hidden_table,
+    notes_table,
+    shrink_table,
+)
+from shoecal_core.report.diagnosis_time_figures import (
+    quiet_signals,
+    test_run_pictures,
+    time_pictures,
+)
+from shoecal_core.report.diagnosis_words import label_text, listed, motion_text, signal_text
+from shoecal_core.report.html import write_page
+from shoecal_core.report.page import Group, Page, Picture, Section, Table
+from shoecal_core.report.quantities import size
+from shoecal_core.sensing.shoe import Shoe
+
+
+def write_diagnosis_report(diagnosis: Diagnosis, path: Path, *, robot: Robot, shoe: Shoe) -> None:
+    """Write the report as one self-contained HTML file, whole or not at all.
+
+    Args:
+        diagnosis: what it tells; without `evidence` there are no pictures of samples.
+        path: of the HTML file.
+        robot, shoe: that the session was recorded with.
+
+    Raises:
+        FileError: when it cannot be written.
+    """
+    write_page(path, diagnosis_page(diagnosis, robot, shoe))
+
+
+def diagnosis_page(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Page:
+    """The report, ready to be rendered; the same diagnosis makes the same page."""
+    sections = (
+        _where(diagnosis, robot, shoe),
+        _which(diagnosis),
+        _alike(diagnosis),
+        _unseen(diagnosis),
+        _shrink(diagnosis),
+        _hidden(diagnosis),
+        _next(diagnosis),
+        _notes(diagnosis),
+    )
+    train = listed([str(run) for run in diagnosis.train]) or "none"
+    return Page(
+        title=f"Where {diagnosis.robot} differs from its model",
+        subtitle=(
+            f"shoes {diagnosis.shoe} · fitted to runs: {train} · judged on {run_text(diagnosis)}"
+        ),
+        verdict=verdict_of(diagnosis),
+        key_figures=key_figures(diagnosis),
+        sections=tuple(section for section in sections if section is not None),
+        provenance=(),
+    )
+
+
+def _where(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Section:
+    evidence, shares = diagnosis.evidence, share_picture(diagnosis)
+    groups = []
+    if evidence is not None:
+        levers = lever_picture(evidence, robot, shoe)
+        pictures = _known((*place_pictures(diagnosis, evidence, robot, shoe), levers, shares))
+        if pictures:
+            groups.append(Group("On the feet", pictures=pictures))
+        quiet = [signal_text(name) for name in quiet_signals(diagnosis, evidence)]
+        text = "What is left of each signal after gains and offsets were fitted."
+        if quiet:
+            text += f" Looked at and not more than noise: {listed(quiet)}."
+        groups.append(Group("In time", text, pictures=time_pictures(diagnosis, evidence)))
+    elif shares is not None:
+        groups.append(Group("How much of it where", pictures=(shares,)))
+    text = (
+        "Model: what masses, lengths and joint angles say of GRF and CoP. Error: measured minus "
+        "modelled, after gains and offsets of all channels were fitted."
+    )
+    if not groups:
+        text = "Nothing that is more than noise was found in any signal."
+    return Section("Where the gap lies", tuple(groups), text)
+
+
+def _which(diagnosis: Diagnosis) -> Section | None:
+    pictures: list[Picture] = []
+    ranking = ranking_picture(diagnosis)
+    if ranking is not None:
+        pictures.append(ranking)
+    tables = (causes_table(diagnosis),) if diagnosis.causes else ()
+    groups = []
+    if diagnosis.evidence is not None:
+        against = candidate_pictures(diagnosis.evidence)
+        if against:
+            groups.append(
+                Group(
+                    "What is left against what each candidate would change",
+                    "A candidate is put into the model, and gains and offsets are fitted again. "
+                    "What it then changes in a signal is drawn to the right, what was left of the "
+                    "signal upwards. Samples of test runs, the best candidates first.",
+                    pictures=against,
+                )
+            )
+    if pictures or tables:
+        groups.append(Group("Candidates", pictures=tuple(pictures), tables=tables))
+    return Section("Which cause", tuple(groups)) if groups else None
+
+
+def _alike(diagnosis: Diagnosis) -> Section:
+    table = alike_table(diagnosis)
+    if table is None:
+        text = "All effects that this session can show, it can also tell apart."
+    else:
+        text = "Effects that change what is measured in the same way, as far as this session goes."
+    return _plain("What cannot be told apart", table, text)
+
+
+def _unseen(diagnosis: Diagnosis) -> Section:
+    table = blind_spots_table(diagnosis)
+    if table is None:
+        text = "Every effect of the library would have shown in this session, had it been there."
+    else:
+        text = "That these were not found says nothing about whether they are there."
+    return _plain("What this session could not show", table, text)
+
+
+def _shrink(diagnosis: Diagnosis) -> Section | None:
+    if not diagnosis.causes:
+        return None
+    text = (
+        "Test runs took no part in any fit or ranking. The share of the gap that is gone there is "
+        "what the explanation is worth."
+    )
+    if any(cause.simulated is not None for cause in diagnosis.causes):
+        text += (
+            " Beside it, the effect was given to a simulated robot, which replayed the same "
+            "commanded motion: everything called simulated below comes from there."
+        )
+    pictures = [shrink_picture(diagnosis)]
+    evidence = diagnosis.evidence
+    if evidence is not None and evidence.explained is not None:
+        pictures += test_run_pictures(diagnosis, evidence)
+    group = Group(pictures=tuple(pictures), tables=(shrink_table(diagnosis),))
+    return Section("Before and after, on runs not used", (group,), text)
+
+
+def _hidden(diagnosis: Diagnosis) -> Section | None:
+    if not diagnosis.causes:
+        return None
+    text = (
+        "A calibration bends gains, offsets and CoP corrections until they imitate an effect that "
+        "its model lacks: residuals get small while the true CoP stays wrong. This much of each "
+        "effect would have gone unseen in that way."
+    )
+    if diagnosis.evidence is not None:
+        whole, shown = hidden_rms_mm(diagnosis.evidence)
+        if np.isfinite(whole) and np.isfinite(shown):
+            text += (
+                f" What was found moves the CoP by {size(whole, 'mm')} (RMS); after gains and "
+                f"offsets were fitted around it, {size(shown, 'mm')} of it still showed."
+            )
+    return _plain("The hidden part", hidden_table(diagnosis), text)
+
+
+def _next(diagnosis: Diagnosis) -> Section:
+    motion = diagnosis.next_motion
+    if motion is None:
+        return Section("What to run next", (), "Nothing is left that another motion would part.")
+    text = f"{motion_text(motion.motion).capitalize()} (motion “{motion.motion}”)."
+    if motion.separates:
+        text += f" It would part: {listed([label_text(one) for one in motion.separates])}."
+    return Section("What to run next", (), text)
+
+
+def _notes(diagnosis: Diagnosis) -> Section:
+    tables = [notes_table(diagnosis)]
+    if diagnosis.notes:
+        rows = tuple((note,) for note in diagnosis.notes)
+        tables.insert(0, Table("Missing or left out", ("",), rows))
+    return Section("Notes", (Group(tables=tuple(tables)),))
+
+
+def _known(pictures: Iterable[Picture | None]) -> tuple[Picture, ...]:
+    return tuple(picture for picture in pictures if picture is not None)
+
+
+def _plain(title: str, table: Table | None, text: str) -> Section:
+    return Section(title, () if table is None else (Group(tables=(table,)),), text)

@@ -1,0 +1,192 @@
+"""How far the CoP is off, place by place, as arrows on the feet."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon
+from numpy.typing import NDArray
+
+from shoecal_core.report.figures.plane import FootShape, draw_feet, shape_keys
+from shoecal_core.report.palette import BLUE, INK, MUTED, SOLE, Look
+from shoecal_core.report.svg import SMALL, TEXT, WIDTH, canvas, line_key, readable
+
+FloatArray = NDArray[np.float64]
+
+LEFT, RIGHT, BOTTOM, TOP, GAP = 50.0, 8.0, 36.0, 46.0, 30.0
+MARGIN_MM = 10.0
+TALLEST = 270.0
+LONGEST_MM = 20.0
+"""Of the arrows that are drawn, but for the longest in twenty."""
+KEYS_MM = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
+BUBBLE_MM = 7.0
+"""Diameter of the bubble of the largest force."""
+
+
+@dataclass(frozen=True)
+class Arrows:
+    """Means over small squares.
+
+    Attributes:
+        places: (k, 2) where [m].
+        vectors: (k, 2) how far off there [m].
+    """
+
+    places: FloatArray
+    vectors: FloatArray
+
+
+@dataclass(frozen=True)
+class Sole:
+    """One foot with what is known of it.
+
+    Attributes:
+        shape: of it, in the frame of the panel.
+        arrows: over it.
+        force: (k,) force that is too much at each arrow's place [N]; empty: not drawn.
+        shares: text at each cell (place, text).
+    """
+
+    shape: FootShape
+    arrows: Arrows
+    force: FloatArray
+    shares: tuple[tuple[FloatArray, str], ...] = ()
+
+
+def magnification(fields: Sequence[Arrows]) -> float:
+    """How many times longer than true arrows are drawn; the same for all figures of one kind."""
+    lengths = np.concatenate([np.linalg.norm(one.vectors, axis=1) for one in fields])
+    if not len(lengths) or not lengths.any():
+        return 1.0
+    exact = 1e-3 * LONGEST_MM / float(np.quantile(lengths, 0.95))
+    step = 10.0 ** np.floor(np.log10(exact))
+    return float(step * max(factor for factor in (1.0, 2.0, 5.0) if factor * step <= exact))
+
+
+def field_between(
+    left: FootShape, rights: Sequence[FootShape], arrows: Arrows, look: Look, times: float
+) -> str:
+    """Arrows between the feet, seen from above.
+
+    Args:
+        left: the left foot.
+        rights: the right foot wherever it stood, in the left sole's frame.
+        arrows: in the same frame.
+        look: of them.
+        times: see `magnification`.
+    """
+    feet = [left, *rights]
+    low, high = _extent([*(foot.outline for foot in feet), arrows.places])
+    width = WIDTH - LEFT - RIGHT
+    scale = min(width / (high[1] - low[1]), TALLEST / (high[0] - low[0]))
+    height = scale * (high[0] - low[0])
+    with canvas(TOP + height + BOTTOM) as page:
+        page.legend([_arrow_key(look, times)], left=LEFT - 6.0)
+        page.legend(shape_keys(), left=LEFT - 6.0, top=18.0)
+        axes = page.panel(TOP, height, left=LEFT)
+        draw_feet(axes, rights[:1], named=False)
+        for foot in rights[1:]:
+            axes.add_patch(Polygon(1e3 * foot.outline[:, ::-1], facecolor="none",
+                                   edgecolor=MUTED.light, linewidth=0.5))  # fmt: skip
+        draw_feet(axes, [left], named=False)
+        _quiver(axes, arrows, look, times)
+        _frame(axes, (low + high) / 2.0, np.array([height, width]) / scale / 2.0)
+        axes.set_ylabel("x, forward (mm)")
+        axes.yaxis.set_label_coords(-38.0 / width, 0.5)
+        axes.set_xlabel("y, to the left (mm)")
+        return page.svg(f"CoP error seen from above. {_told(arrows)}")
+
+
+def field_under_feet(soles: Sequence[Sole], look: Look, times: float, largest: float) -> str:
+    """Arrows over each foot by itself, with bubbles of the force error and shares at the cells.
+
+    Args:
+        soles: one a panel.
+        look: of the arrows.
+        times: see `magnification`.
+        largest: force error of the largest bubble [N].
+    """
+    boxes = [_extent([one.shape.outline, one.shape.cells]) for one in soles]
+    span = np.max([high - low for low, high in boxes], axis=0)
+    width = (WIDTH - LEFT - RIGHT - GAP * (len(soles) - 1)) / len(soles)
+    scale = min(width / span[1], TALLEST / span[0])
+    height = scale * span[0]
+    with canvas(TOP + 34.0 + height + BOTTOM) as page:
+        page.legend([_arrow_key(look, times)], left=LEFT - 6.0)
+        page.legend(shape_keys(), left=LEFT - 6.0, top=17.0)
+        if largest > 0.0:
+            page.write(LEFT, TOP + 4.0, f"largest circle: GRF off by {largest:.2g} N; "
+                       "filled: too much, empty: too little", fontsize=SMALL)  # fmt: skip
+        top = TOP + 34.0
+        for index, (one, (low, high)) in enumerate(zip(soles, boxes, strict=True)):
+            left = LEFT + index * (width + GAP)
+            axes = page.panel(top, height, left=left, right=left + width)
+            draw_feet(axes, [one.shape], named=False)
+            if largest > 0.0:
+                _bubbles(axes, one, largest, scale)
+            _quiver(axes, one.arrows, look, times)
+            for place, text in one.shares:
+                _share(axes, place, text)
+            _frame(axes, (low + high) / 2.0, np.array([height, width]) / scale / 2.0)
+            axes.set_title(f"{readable(one.shape.label)} foot", pad=4.0, fontsize=TEXT)
+            axes.set_xlabel("y (mm)")
+            if index == 0:
+                axes.set_ylabel("x, forward (mm)")
+                axes.yaxis.set_label_coords(-38.0 / width, 0.5)
+        told = " ".join(f"{one.shape.label}: {_told(one.arrows)}" for one in soles)
+        return page.svg(f"CoP and GRF error under each foot. {told}")
+
+
+def _arrow_key(look: Look, times: float) -> Line2D:
+    return line_key(look, f"CoP error, {times:g} × as long")
+
+
+def _quiver(axes: Axes, arrows: Arrows, look: Look, times: float) -> None:
+    if not len(arrows.places):
+        return
+    x, y = 1e3 * arrows.places.T
+    u, v = 1e3 * times * arrows.vectors.T
+    axes.quiver(y, x, v, u, angles="xy", scale_units="xy", scale=1.0, color=look.colour.light,
+                width=1.6, units="dots", headwidth=3.6, headlength=4.0, headaxislength=3.6,
+                minlength=0.5, zorder=3.0)  # fmt: skip
+
+
+def _bubbles(axes: Axes, one: Sole, largest: float, scale: float) -> None:
+    """Areas are in proportion to forces."""
+    x, y = 1e3 * one.arrows.places.T
+    sizes = np.abs(one.force) / largest * (BUBBLE_MM * scale) ** 2
+    for chosen, face in ((one.force >= 0.0, BLUE.light), (one.force < 0.0, "none")):
+        axes.scatter(y[chosen], x[chosen], s=sizes[chosen], facecolor=face, edgecolor=BLUE.light,
+                     linewidth=0.7, alpha=0.55, zorder=2.0)  # fmt: skip
+
+
+def _share(axes: Axes, place: FloatArray, text: str) -> None:
+    x, y = 1e3 * place
+    axes.annotate(readable(text, 12), (y, x), (0.0, 8.0), textcoords="offset points", ha="center",
+                  va="bottom", fontsize=SMALL, color=INK.light, zorder=4.0,
+                  bbox={"facecolor": SOLE.light, "edgecolor": "none", "pad": 1.0})  # fmt: skip
+
+
+def _frame(axes: Axes, middle: FloatArray, half: FloatArray) -> None:
+    axes.set_ylim(middle[0] - half[0], middle[0] + half[0])
+    axes.set_xlim(middle[1] + half[1], middle[1] - half[1])
+    axes.locator_params(nbins=5)
+
+
+def _extent(points: Sequence[FloatArray]) -> tuple[FloatArray, FloatArray]:
+    every = 1e3 * np.vstack(points)
+    return every.min(axis=0) - MARGIN_MM, every.max(axis=0) + MARGIN_MM
+
+
+def _told(arrows: Arrows) -> str:
+    lengths = 1e3 * np.linalg.norm(arrows.vectors, axis=1)
+    if not len(lengths):
+        return "No sample."
+    return (
+        f"{len(lengths)} places, {lengths.mean():.2f} mm on average, {lengths.max():.2f} mm "
+        "at most."
+    )
