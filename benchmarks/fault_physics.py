@@ -21,8 +21,11 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
-from shoecal_core.simulation.disturbances import Disturbance, Push, Slip, disturb
+from shoecal_core.sensing.shoe import FEET
+from shoecal_core.simulation.disturbances import Disturbance, Push
 from shoecal_core.simulation.drawn import draw as draw_robot
+from shoecal_core.simulation.effects.effect import Effect
+from shoecal_core.simulation.effects.slip import DURATION, Slip
 from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
@@ -115,10 +118,10 @@ def slip(draw: Draw) -> Injected:
     number, rng = draw.run(), draw.rng
     start, foot = _moment(draw, number), int(rng.integers(2))
     way, far = rng.uniform(0.0, 2.0 * np.pi), rng.uniform(0.004, 0.013)
-    slipping = Slip(foot, far * np.array([np.cos(way), np.sin(way)]), start)
-    samples, _ = _again(draw, number, [slipping])
+    shift = (far * float(np.cos(way)), far * float(np.sin(way)), 0.0)
+    samples, _ = _again(draw, number, [], effects=[Slip((FEET[foot],), shift, start, run=1)])
     time = samples.time - samples.time[0]
-    before, after = time < start - 0.05, time > start + slipping.duration + 0.5
+    before, after = time < start - 0.05, time > start + DURATION + 0.5
     moved = _apart(samples)
     shift = moved[after][:50].mean(axis=0) - moved[before][-50:].mean(axis=0)
     size = float(np.linalg.norm(shift))
@@ -127,7 +130,7 @@ def slip(draw: Draw) -> Injected:
         (Fault.SLIPPED,),
         words=("a foot slipped", f"run {number}"),
         run=number,
-        times=time[time > start + slipping.duration],
+        times=time[time > start + DURATION],
         size=1e3 * size,
         unit="mm",
     )
@@ -151,6 +154,7 @@ def _again(
     times: FloatArray | None = None,
     drawn_up: tuple[int, float, float, float] | None = None,
     settled: bool = False,
+    effects: Sequence[Effect] = (),
 ) -> tuple[Samples, FloatArray]:
     """The run simulated again, with what befalls it, and the modelled CoP of its joint angles."""
     robot, shoe = nao()
@@ -160,14 +164,15 @@ def _again(
     time = commanded.time if times is None else times
     if drawn_up is not None:
         time, positions = _drawn_up(commanded.names, time, positions, *drawn_up)
-    reality = draw_robot(_reality(), robot, shoe, draw.member.robot_seed)
+    rules = replace(_reality(), effects=tuple(effects))
+    reality = draw_robot(rules, robot, shoe, draw.member.robot_seed)
     sim = SimulatedRobot(robot, shoe, reality, np.random.default_rng([draw.number, number, 5]))
     support = recorded.info.support
     assert support is not None
     try:
         sim.place(_planner().stance(support))
         if settled:
-            disturb(sim, 0.0, disturbances)
+            sim.begin_run(disturbances)
             sim.step_to(sim.time + SETTLING_S)
         trajectory = JointTrajectory(commanded.names, time, positions)
         samples = run(sim, trajectory, RATE_HZ, hold=HOLD_S, disturbances=disturbances)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import pinocchio as pin
@@ -24,26 +25,39 @@ class DrawnBody:
     """The robot itself, as it truly is.
 
     Attributes:
-        mass: without shoes [kg].
-        links: names of the URDF's links, L of them.
+        robot: as its files say, with the shoes on.
+        mass: without shoes and payloads [kg].
         mass_factor: (L,) true mass over the model's, before all are scaled to `mass`.
         com_error: (L, 3) true CoM minus the model's, in the link's frame [m].
-        joints: joint names, m of them.
+        payload: (L,) mass welded to a link where the model has the link's CoM [kg].
         encoder_error: (m,) encoder reading minus motor angle [rad].
         play: (m,) whole width of the dead band between motor and link [rad].
         compliance: (m,) give between motor and link [rad/(N m)].
         imu_mounting: (3,) rotation vector of the inertial sensor's frame in the root link's [rad].
+        foot_placement: (2, 3) of left, right: the true sole frame in the model's, along x and y
+            [m] and about z [rad]. Cells and plates go with the true one.
     """
 
+    robot: Robot
     mass: float
-    links: tuple[str, ...]
     mass_factor: FloatArray
     com_error: FloatArray
-    joints: tuple[str, ...]
+    payload: FloatArray
     encoder_error: FloatArray
     play: FloatArray
     compliance: FloatArray
     imu_mounting: FloatArray
+    foot_placement: FloatArray
+
+    @cached_property
+    def links(self) -> tuple[str, ...]:
+        """Names of the URDF's links, L of them, the root first."""
+        return link_names(self.robot)
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Names of the joints, m of them."""
+        return self.robot.joint_names
 
 
 @dataclass(frozen=True)
@@ -59,6 +73,8 @@ class DrawnShoes:
         mass_factor: (2,) true mass of each shoe's plates over the shoe file's.
         clamp_share: (2,) part of a foot's moment that the clamps carry past the cells.
         tilt: (2,) slope of the floor: its turn about x and about y [rad].
+        ground_compliance: (2,) tilt of each shoe in the floor, a moment about its middle
+            [rad/(N m)].
         full_scale: (n,) output at half the converter's span, of a nominal gain [N or N m].
         temperature: how warm the shoes are.
         stages: what signals pass between the channels and their converter, in any order.
@@ -72,6 +88,7 @@ class DrawnShoes:
     mass_factor: FloatArray
     clamp_share: FloatArray
     tilt: FloatArray
+    ground_compliance: FloatArray
     full_scale: FloatArray
     temperature: WarmUp
     stages: tuple[AnyStage, ...] = ()
@@ -106,10 +123,12 @@ class DrawnReality:
             "mass_kg": body.mass,
             "mass_factor": _by_name(body.links, body.mass_factor),
             "com_error_m": _by_name(body.links, body.com_error),
+            "payload_kg": _by_name(body.links, body.payload),
             "encoder_error_rad": _by_name(body.joints, body.encoder_error),
             "play_rad": _by_name(body.joints, body.play),
             "compliance_rad_per_nm": _by_name(body.joints, body.compliance),
             "imu_mounting_rad": body.imu_mounting.tolist(),
+            "foot_placement": _by_name(FEET, body.foot_placement),
             "position_m": _by_name(shoes.channels, shoes.position),
             "gain": _by_name(shoes.channels, shoes.parameters.gain),
             "offset": _by_name(shoes.channels, shoes.parameters.offset),
@@ -118,6 +137,7 @@ class DrawnReality:
             "shoe_mass_factor": _by_name(FEET, shoes.mass_factor),
             "clamp_share": _by_name(FEET, shoes.clamp_share),
             "floor_tilt_rad": shoes.tilt.tolist(),
+            "ground_compliance_rad_per_nm": _by_name(FEET, shoes.ground_compliance),
         }
 
 
@@ -154,15 +174,16 @@ def draw_body(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnBody:
     for motor in robot.shared:
         encoder[motor.joint] = motor.ratio * encoder[motor.leader]
     body = DrawnBody(
+        robot=robot,
         mass=robot.mass - shoe.mass + rules.body.weight_error_n / GRAVITY,
-        links=links,
         mass_factor=1.0 + mass_error,
         com_error=_of_links(rules.body.com_error_m, links).resolve(links, com, "link"),
-        joints=joints,
+        payload=np.zeros(len(links)),
         encoder_error=encoder,
         play=_of_legs(rules.joints.play_rad, robot),
         compliance=_of_legs(rules.joints.compliance_rad_per_nm, robot),
         imu_mounting=mounting,
+        foot_placement=np.zeros((len(FEET), 3)),
     )
     for effect in rules.effects:
         body = effect.on_body(body)
@@ -191,6 +212,7 @@ def draw_shoes(rules: Reality, shoe: Shoe, seed: int) -> DrawnShoes:
         mass_factor=1.0 + _column(rules.shoes.mass_error_fraction, FEET, 0.0 * ones, "foot"),
         clamp_share=_column(rules.shoes.clamp_share, FEET, 0.0 * ones, "foot"),
         tilt=np.zeros(2),
+        ground_compliance=np.zeros(len(FEET)),
         full_scale=full_scale,
         temperature=WarmUp(
             rules.servo.ambient_degc,

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import mujoco
 import numpy as np
@@ -23,6 +25,9 @@ from shoecal_core.simulation.sensor_chain import NO_SIDEWAYS, SensorChain
 from shoecal_core.simulation.set_points import SERVO_PERIOD, SetPoints
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader, floor_rotation
 from shoecal_core.simulation.snapshot import Snapshot
+
+if TYPE_CHECKING:
+    from shoecal_core.simulation.disturbances import Disturbance
 
 FloatArray = NDArray[np.float64]
 
@@ -63,6 +68,7 @@ class SimulatedRobot:
         robot, shoe, drawn: what is simulated.
         physics: as MuJoCo runs it.
         data: MuJoCo's state.
+        run: number of the session's run that was begun last, from 1; 0 before the first.
     """
 
     def __init__(
@@ -101,6 +107,10 @@ class SimulatedRobot:
             [robot.joint(self._model.actuator(i).name) for i in range(self._model.nu)]
         )
         self._heat = np.zeros(self._model.nu)
+        self._always = [one for effect in drawn.rules.effects for one in effect.disturbances()]
+        self._acting = self._always
+        self._run_begin: float | None = None
+        self.run = 0
         self.reset(robot.posture)
 
     @property
@@ -114,9 +124,16 @@ class SimulatedRobot:
         return self._before + self.time
 
     @property
+    def run_time(self) -> float:
+        """Simulated time since the run began [s]; minus infinity before it begins."""
+        return -math.inf if self._run_begin is None else self.time - self._run_begin
+
+    @property
     def weight(self) -> float:
         """True weight of robot and shoes [N]."""
-        return float(self._model.body_mass.sum() * np.linalg.norm(self._model.opt.gravity))
+        model = self._model
+        heavy = model.body_mass * (1.0 - model.body_gravcomp)
+        return float(heavy.sum() * np.linalg.norm(model.opt.gravity))
 
     # Commands
 
@@ -141,6 +158,7 @@ class SimulatedRobot:
         self._pose(self.data, told - self.drawn.body.encoder_error)
         self._lower_to_floor()
         self._before, self._steps = self.session_time, 0
+        self._run_begin, self._acting = None, self._always
         self._set_points = SetPoints(still, self._steps, self.drawn.rules.step_s)
         self.data.act[:] = self._motor_angles(told)
         self._standing_height = float(self.data.xpos[self._base, 2])
@@ -174,6 +192,20 @@ class SimulatedRobot:
                     "raise servo.damping_time_s of the reality"
                 )
 
+    def begin_run(
+        self, disturbances: Sequence[Disturbance] = (), *, number: int | None = None
+    ) -> None:
+        """Begin a run of the session: what an effect does at a time in a run counts from now.
+
+        Args:
+            disturbances: what befalls the robot in this run, beside its effects.
+            number: of the run; None for the next.
+        """
+        self.run = self.run + 1 if number is None else number
+        self._run_begin = self.time
+        self._acting = [*self._always, *disturbances]
+        self._disturb()
+
     def command(self, trajectory: JointTrajectory) -> None:
         """Follow a trajectory from now on, and hold its last point.
 
@@ -194,6 +226,7 @@ class SimulatedRobot:
         while self._steps < last:
             period, done = divmod(self._steps, length)
             if done == 0:
+                self._disturb()
                 end = self._motor_angles(self._set_points.at_period(period + 1))
                 self.data.ctrl[:] = (end - self.data.act) / (length * step)
             count = min(last - self._steps, length - done)
@@ -323,6 +356,13 @@ class SimulatedRobot:
         load = self.data.actuator_force / self.physics.torque_limit
         kept = math.exp(-span / servo.temperature_time_s)
         self._heat = kept * self._heat + (1.0 - kept) * servo.temperature_rise_degc * load**2
+
+    def _disturb(self) -> None:
+        """Let whatever acts on the robot do what is due; forces of the moment before are gone."""
+        self.data.xfrc_applied[:] = 0.0
+        self.data.qfrc_applied[:] = 0.0
+        for disturbance in self._acting:
+            disturbance.act(self, self.run_time)
 
     def _remember(self) -> None:
         """Move the sensors' signals on."""

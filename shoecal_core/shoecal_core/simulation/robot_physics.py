@@ -24,6 +24,8 @@ _GEAR_DAMPING = 0.2
 """s/rad; damping of a gear over its motor's torque limit."""
 _LEAST_MASS, _LEAST_INERTIA = 1e-6, 1e-9
 """kg, kg m^2; of links that the URDF gives no mass."""
+_PAYLOAD_RADIUS = 0.02
+"""m."""
 
 
 @dataclass(frozen=True)
@@ -86,11 +88,18 @@ def build_spec(robot: Robot, shoe: Shoe, drawn: DrawnReality) -> mujoco.MjSpec:
     builder = ShoeBuilder(shoe, drawn.rules, drawn.shoes)
     for index, foot in enumerate(robot.feet):
         ankle = spec.joint(robot.model.names[foot.joint]).parent
-        x, y, z, w = pin.Quaternion(foot.placement.rotation).coeffs()
-        builder.add(
-            spec, ankle, index, foot.placement.translation, np.array([w, x, y, z]), foot.outline
-        )
+        sole = foot.placement * _askew(drawn.body.foot_placement[index])
+        x, y, z, w = pin.Quaternion(sole.rotation).coeffs()
+        builder.add(spec, ankle, index, sole.translation, np.array([w, x, y, z]), foot.outline)
+    for effect in drawn.rules.effects:
+        effect.on_spec(spec, robot)
     return spec
+
+
+def _askew(placement: FloatArray) -> pin.SE3:
+    """A sole frame that lies beside where it should: along x, y [m], turned about z [rad]."""
+    dx, dy, dtheta = placement
+    return pin.SE3(pin.rpy.rpyToMatrix(0.0, 0.0, dtheta), np.array([dx, dy, 0.0]))
 
 
 def _read_urdf(robot: Robot) -> mujoco.MjSpec:
@@ -111,6 +120,7 @@ def _read_urdf(robot: Robot) -> mujoco.MjSpec:
 
 def _set_masses(spec: mujoco.MjSpec, drawn: DrawnReality) -> None:
     body = drawn.body
+    _add_payloads(spec, drawn)
     factors = dict(zip(body.links, body.mass_factor, strict=True))
     shifts = dict(zip(body.links, body.com_error, strict=True))
     links = [link for link in spec.bodies if link.name in factors and link.mass > 0.0]
@@ -121,6 +131,17 @@ def _set_masses(spec: mujoco.MjSpec, drawn: DrawnReality) -> None:
         link.inertia = link.inertia * factor
         link.fullinertia = link.fullinertia * factor
         link.ipos = link.ipos + shifts[link.name]
+
+
+def _add_payloads(spec: mujoco.MjSpec, drawn: DrawnReality) -> None:
+    """Small balls, welded to their links where the model has the links' CoM."""
+    for name, mass in zip(drawn.body.links, drawn.body.payload, strict=True):
+        if mass > 0.0:
+            link = spec.body(name)
+            ball = link.add_body(name=f"payload/{name}", pos=link.ipos)
+            ball.mass, ball.ipos = mass, np.zeros(3)
+            ball.inertia = np.full(3, 0.4 * mass * _PAYLOAD_RADIUS**2)
+            ball.explicitinertial = True
 
 
 def _add_motors(spec: mujoco.MjSpec, robot: Robot, drawn: DrawnReality) -> None:

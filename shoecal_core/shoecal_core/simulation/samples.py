@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.converter import Readings
-from shoecal_core.simulation.disturbances import Disturbance, disturb
+from shoecal_core.simulation.disturbances import Disturbance
 from shoecal_core.simulation.floor import FloorTruth
 from shoecal_core.simulation.imu import ImuReadings
 from shoecal_core.simulation.robot import JointReadings, SimulatedRobot
@@ -53,7 +53,7 @@ def run(
     hold: float = 0.5,
     disturbances: Sequence[Disturbance] = (),
 ) -> Samples:
-    """Let the robot follow a trajectory, standing still before and after it.
+    """Let the robot follow a trajectory, standing still before and after it: one run.
 
     Args:
         sim: a robot at rest (`place`).
@@ -69,13 +69,13 @@ def run(
     if not rate > 0.0:
         raise ShoecalError(f"a rate of {rate:g} Hz gives no samples; it must be above 0")
     start = sim.time
+    sim.begin_run(disturbances)
     begin, count = round(hold * rate), round((2.0 * hold + trajectory.duration) * rate) + 1
     snapshots = []
     for index in range(count):
         sim.step_to(start + index / rate)
         if index == begin:
             sim.command(trajectory)
-        disturb(sim, index / rate, disturbances)
         sim.check_upright()
         snapshots.append(sim.snapshot())
     all_ = stack(snapshots)

@@ -4,6 +4,9 @@ The bottom plate can move up and down and tilt against the top plate; sideways a
 rigid. Each cell is a spring at its place, a fixed tendon over those three motions, so that any
 number of cells shares the load as statics and their stiffness demand. Clamps that carry moment
 are springs of the tilts alone. A foot with a six-axis sensor has a rigid bottom plate.
+
+Floor that gives is a weightless pad below the bottom plate, on springs of its tilts and its
+sinking: what touches the rigid floor is then the pad.
 """
 
 from __future__ import annotations
@@ -28,6 +31,10 @@ _TIP_RADIUS = 0.004
 """m; the bottom plate touches the floor with a small ball at each corner of its outline."""
 _THICKNESS = 0.005
 """m; of a plate, for its inertia."""
+_PAD_MASS = 0.05
+"""kg; of soft floor, its weight taken away: contacts with hardly any mass would be soft."""
+_PAD_DAMPING_TIME = 0.01
+"""s; damping of soft floor over its stiffness."""
 _NET_FORCE = 3
 """MuJoCo's reduction of a contact sensor to one wrench in the world's frame."""
 _FLOOR_BIT, _SOLE_BIT = 2, 1
@@ -101,21 +108,53 @@ class ShoeBuilder:
         _set_plate(top, plates.mass_above * factor, plates.com_above, outline)
         bottom = top.add_body(name=sole_name(foot))
         _set_plate(bottom, plates.mass_below * factor, plates.com_below, outline)
-        for corner in outline:
-            bottom.add_geom(
+        ground = self._add_ground(bottom, foot, outline)
+        for index, corner in enumerate(outline):
+            ground.add_geom(
+                name=f"{_tips(foot)}{index}",
                 type=mujoco.mjtGeom.mjGEOM_SPHERE,
                 size=[_TIP_RADIUS, 0.0, 0.0],
-                pos=[*corner, _TIP_RADIUS],
+                pos=np.array([*corner, _TIP_RADIUS]) - ground.pos * (ground is not bottom),
                 mass=0.0,
                 contype=_SOLE_BIT,
                 conaffinity=_FLOOR_BIT,
                 **_contact(self.rules),
             )
-        _add_contact_sensor(spec, foot)
+        _add_contact_sensor(spec, foot, ground.name)
         if has_cells(self.shoe, foot):
             self._add_cells(spec, bottom, foot)
         else:
             self._add_sensor(spec, bottom, foot)
+
+    def _add_ground(self, bottom: mujoco.MjsBody, foot: int, outline: FloatArray) -> mujoco.MjsBody:
+        """What touches the floor: the bottom plate, or soft floor below it.
+
+        The pad tilts about the middle of the outline, and sinks as a bed of springs would that
+        gives as much.
+        """
+        compliance = self.drawn.ground_compliance[foot]
+        if compliance <= 0.0:
+            return bottom
+        middle = (outline.min(axis=0) + outline.max(axis=0)) / 2.0
+        pad = bottom.add_body(name=f"{_OURS}{FEET[foot]}_ground", pos=[*middle, 0.0], gravcomp=1.0)
+        _set_plate(pad, _PAD_MASS, np.zeros(3), outline)
+        tilting = 1.0 / compliance
+        sinking = tilting / ((outline - middle) ** 2).sum(axis=1).mean()
+        hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE
+        motions = (
+            ("sink", slide, [0, 0, 1], 2.0 * sinking),
+            ("tilt_x", hinge, [1, 0, 0], tilting),
+            ("tilt_y", hinge, [0, 1, 0], tilting),
+        )
+        for name, kind, axis, stiffness in motions:
+            pad.add_joint(
+                name=f"{pad.name}_{name}",
+                type=kind,
+                axis=axis,
+                stiffness=[stiffness, 0.0, 0.0],
+                damping=[stiffness * _PAD_DAMPING_TIME, 0.0, 0.0],
+            )
+        return pad
 
     def _add_cells(self, spec: mujoco.MjSpec, bottom: mujoco.MjsBody, foot: int) -> None:
         cells, side = self.rules.cells, FEET[foot]
@@ -264,8 +303,18 @@ def _contact_name(foot: int) -> str:
     return f"{FEET[foot]}_contact"
 
 
-def _add_contact_sensor(spec: mujoco.MjSpec, foot: int) -> None:
-    """The sum of all contacts between the floor and one sole."""
+def tip_geoms(model: mujoco.MjModel, foot: int) -> list[int]:
+    """Ids of the geoms with which a sole touches the floor."""
+    return [geom for geom in range(model.ngeom) if model.geom(geom).name.startswith(_tips(foot))]
+
+
+def _tips(foot: int) -> str:
+    """Begins the names of those geoms."""
+    return f"{_OURS}{FEET[foot]}_tip_"
+
+
+def _add_contact_sensor(spec: mujoco.MjSpec, foot: int, touching: str) -> None:
+    """The sum of all contacts between the floor and the body of one shoe that touches it."""
     kinds = mujoco.mjtConDataField
     fields = (kinds.mjCONDATA_FORCE, kinds.mjCONDATA_TORQUE, kinds.mjCONDATA_POS)
     spec.add_sensor(
@@ -274,7 +323,7 @@ def _add_contact_sensor(spec: mujoco.MjSpec, foot: int) -> None:
         objtype=mujoco.mjtObj.mjOBJ_GEOM,
         objname="floor",
         reftype=mujoco.mjtObj.mjOBJ_BODY,
-        refname=sole_name(foot),
+        refname=touching,
         intprm=[sum(1 << int(field) for field in fields), _NET_FORCE, 1],
     )
 

@@ -133,11 +133,14 @@ class SimulatedBody:
     def place(self, joint_angles: FloatArray) -> None:
         """Put the robot down with these joint angles (m,) [rad]; it has yet to settle.
 
+        With this the session's next run begins, as effects count runs.
+
         Raises:
             SupportNotReachedError: when they do not put both soles on one plane.
         """
         now_ns = self.now_ns
         self.robot.reset(joint_angles)
+        self.robot.begin_run()
         self._base_ns, self._taken, self._still_since = now_ns, 0, 0.0
 
     @property

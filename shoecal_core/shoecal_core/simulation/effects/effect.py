@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import mujoco
+
+from shoecal_core.model.robot import Robot
 from shoecal_core.simulation.drawn import DrawnBody, DrawnShoes
+
+if TYPE_CHECKING:
+    from shoecal_core.simulation.disturbances import Disturbance
 
 
 class Effect:
@@ -10,6 +19,10 @@ class Effect:
 
     Identifiers, locations and sizes are those that a diagnosis reports; what they do here is the
     physics, or a law of another form than a diagnosis would fit.
+
+    An effect that is none of the library's is a class of one's own with any of these methods, put
+    among `Reality.effects` by `dataclasses.replace`: all that a reality file can say, bodies and
+    springs of one's own in the physics, forces that act while the robot moves.
     """
 
     def on_body(self, body: DrawnBody) -> DrawnBody:
@@ -19,3 +32,14 @@ class Effect:
     def on_shoes(self, shoes: DrawnShoes) -> DrawnShoes:
         """The shoes, and the floor below them, with this effect."""
         return shoes
+
+    def on_spec(self, spec: mujoco.MjSpec, robot: Robot) -> None:
+        """Change the physics before it is compiled: links and joints bear the URDF's names.
+
+        `shoe_physics.sole_name` and the channels' names name what is added for the shoes: bodies
+        of the bottom plates, and a tendon for each cell.
+        """
+
+    def disturbances(self) -> Sequence[Disturbance]:
+        """What acts on one robot while it moves: new ones for each robot."""
+        return ()

@@ -10,9 +10,12 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import FileError
 from shoecal_core.files import Fields
+from shoecal_core.model.robot import Robot
 from shoecal_core.sensing.shoe import FEET, Shoe
-from shoecal_core.simulation.reality import ALL
+from shoecal_core.simulation.drawn import link_names
+from shoecal_core.simulation.reality import ALL, BASE
 
+FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 
 _AREAS = (*FEET, ALL)
@@ -31,6 +34,12 @@ def read_feet(fields: Fields) -> tuple[str, ...]:
         if name not in FEET:
             raise fields.error("location", f"'{name}' is not one of: {', '.join(FEET)}, {ALL}")
     return _once(fields, names)
+
+
+def read_shift(fields: Fields) -> tuple[float, float, float]:
+    """Along x and y [m] and about z [rad]; what is not named is zero."""
+    dx, dy = (fields.number(key, 0.0, minimum=-0.1, maximum=0.1) for key in ("dx_m", "dy_m"))
+    return dx, dy, fields.number("dtheta_rad", 0.0, minimum=-0.5, maximum=0.5)
 
 
 @dataclass(frozen=True)
@@ -114,6 +123,55 @@ class Channels:
     def error(self, problem: str) -> FileError:
         """The error to raise for this location."""
         return FileError(self.path, problem, field=self.field)
+
+
+@dataclass(frozen=True)
+class Parts:
+    """Links or joints of a robot that is not known yet, and where they were written.
+
+    Attributes:
+        names: of the URDF; links: `base` for the root, joints: `all` for those of the legs.
+        kind: `link` or `joint`.
+        path, field: where `location` stands.
+    """
+
+    names: tuple[str, ...]
+    kind: str
+    path: Path
+    field: str
+
+    @classmethod
+    def read(cls, fields: Fields, kind: str) -> Parts:
+        """The names that `location` lists.
+
+        Raises:
+            FileError: when it lists none, or one twice.
+        """
+        names = _once(fields, fields.texts("location"))
+        return cls(names, kind, fields.path, f"{fields.prefix}.location")
+
+    def mask(self, robot: Robot) -> FloatArray:
+        """1 for those that are listed, else 0: (L,) of all links or (m,) of all joints.
+
+        Raises:
+            FileError: for one that the robot lacks.
+        """
+        known = robot.joint_names if self.kind == "joint" else link_names(robot)
+        mask = np.zeros(len(known))
+        for name in self.names:
+            if name == ALL and self.kind == "joint":
+                mask[robot.moved] = 1.0
+            elif name == BASE and self.kind == "link":
+                mask[0] = 1.0
+            elif name in known:
+                mask[known.index(name)] = 1.0
+            else:
+                raise FileError(
+                    self.path,
+                    f"there is no {self.kind} '{name}' (there are: {', '.join(known)})",
+                    field=self.field,
+                )
+        return mask
 
 
 def _once(fields: Fields, names: list[str]) -> tuple[str, ...]:

@@ -5,7 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from shoecal_core.files import Fields
-from shoecal_core.simulation.effects import contact, curve, drift, memory, mounting, timing, wiring
+from shoecal_core.simulation.effects import (
+    body,
+    contact,
+    curve,
+    drift,
+    dynamics,
+    memory,
+    mounting,
+    slip,
+    timing,
+    wiring,
+)
 from shoecal_core.simulation.effects.effect import Effect
 
 EFFECTS: Mapping[str, Callable[[Fields], Effect]] = {
@@ -15,7 +26,10 @@ EFFECTS: Mapping[str, Callable[[Fields], Effect]] = {
     **wiring.EFFECTS,
     **mounting.EFFECTS,
     **timing.EFFECTS,
+    **body.EFFECTS,
     **contact.EFFECTS,
+    **slip.EFFECTS,
+    **dynamics.EFFECTS,
 }
 """How the item of each is read."""
 
