@@ -14,6 +14,7 @@ from shoecal_core.sensing.shoe import FEET, Shoe
 from shoecal_core.simulation.converter import Converter, Readings
 from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.sensor_chain import SensorChain
 from shoecal_core.simulation.shoe_physics import (
     ChannelOutputs,
     ShoeBuilder,
@@ -28,6 +29,9 @@ _REST_SPEED, _PATIENCE = 1e-5, 5.0
 """m/s, rad/s: slower is at rest; and the simulated time to wait for it [s]."""
 _SETTLE = 0.05
 """s; between two looks whether it is at rest."""
+_STANDS, _LOOKS = 5.0, 50
+"""s; for which a weight stands before it is read (readings may lag, creep and drift), and in how
+many steps this is reckoned."""
 
 
 class LoadingRig:
@@ -49,6 +53,7 @@ class LoadingRig:
         self.shoe = shoe
         self._noise = noise
         self._placement_std = rules.rig.placement_error_std_m
+        self._chain, self._time = SensorChain(drawn), 0.0
         self._converter = Converter(shoe, rules, drawn, noise)
         self._benches = tuple(_Bench(shoe, rules, drawn, foot) for foot in (0, 1))
 
@@ -69,8 +74,7 @@ class LoadingRig:
         if position.shape != (2,):
             raise ShapeError("position", "(2,)", position.shape)
         stands = position + self._noise.normal(0.0, self._placement_std, 2)
-        outputs = self._benches[foot].load(mass, stands)
-        return self._converter(np.tile(outputs, (count, 1)))
+        return self._read(self._benches[foot].load(mass, stands), count)
 
     def cell_readings(self, mass: float, channel: str, *, count: int = 1) -> Readings:
         """Readings (count, n) with one cell off its shoe, carrying a weight alone [kg].
@@ -78,9 +82,18 @@ class LoadingRig:
         Raises:
             NameNotFoundError: when there is no such channel.
         """
-        outputs = np.zeros((count, len(self.shoe.channels)))
-        outputs[:, self.shoe.index(channel)] = mass * GRAVITY
-        return self._converter(outputs)
+        outputs = np.zeros(len(self.shoe.channels))
+        outputs[self.shoe.index(channel)] = mass * GRAVITY
+        return self._read(outputs, count)
+
+    def _read(self, outputs: FloatArray, count: int) -> Readings:
+        """Readings of outputs (n,) that came and stood; the load before was taken off."""
+        self._chain.lift()
+        for _ in range(_LOOKS):
+            self._chain.take(outputs, self._time)
+            self._time += _STANDS / _LOOKS
+        reached = self._chain.at(outputs, self._time)
+        return self._converter(np.tile(reached, (count, 1)), self._time)
 
 
 class _Bench:

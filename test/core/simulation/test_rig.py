@@ -3,7 +3,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.simulation.worlds import DEFAULT, PERFECT, World, load_world
+from core.simulation.effects.chains import item
+from core.simulation.worlds import DEFAULT, PERFECT, World, changed, load_world
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.sensing import wrench
@@ -93,3 +94,18 @@ def test_the_same_generator_gives_the_same_readings() -> None:
         for _ in range(2)
     )
     assert (once.counts == again.counts).all()
+
+
+def test_effects_act_on_the_bench_too(nao: World) -> None:
+    listed = (
+        item("saturation", nao.shoe.names[0], level_n=6.0),
+        item("creep", nao.shoe.names[1], fraction=0.1, time_s=0.5),
+        item("low_pass", "all", time_s=0.2),
+    )
+    rules = changed(PERFECT, *listed)
+    drawn = draw_shoes(rules, nao.shoe, 1)
+    rig = LoadingRig(nao.shoe, rules, drawn, np.random.default_rng(1))
+    for channel, expected in zip(nao.shoe.names, (6.0, 1.1 * GRAVITY, GRAVITY), strict=False):
+        readings = rig.cell_readings(1.0, channel, count=2)
+        outputs = drawn.parameters.outputs(readings.voltages)
+        assert outputs[:, nao.shoe.index(channel)] == pytest.approx(expected, rel=0.01)
