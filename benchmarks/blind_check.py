@@ -13,9 +13,12 @@ import argparse
 import os
 from pathlib import Path
 
+from blind.answers import read_answers
 from blind.composition import Mix
 from blind.generate import draw_round, make_sets
 from blind.layout import OUT, Round
+from blind.score import score
+from blind.submit import Submission, submit
 from blind.unit_sizes import measure_units
 
 STEPS = ("all", "generate", "diagnose", "score", "unit-sizes")
@@ -29,6 +32,11 @@ def main() -> None:
     parser.add_argument("--small", type=int, metavar="N", help="the same mix in about N sets")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, help="folder of the round")
+    parser.add_argument(
+        "--ablations", type=int, default=40, metavar="N",
+        help="single sets looked at again with something switched off; 0: no further looks",
+    )  # fmt: skip
+    parser.add_argument("--no-page", action="store_true", help="print the figures, write none")
     args = parser.parse_args()
     if args.step == "unit-sizes":
         measure_units(args.jobs)
@@ -38,6 +46,26 @@ def main() -> None:
     if args.step in {"all", "generate"}:
         print(f"answers sealed: {draw_round(place, args.seed, Mix.of(args.small), args.jobs)}")
         make_sets(place, args.jobs)
+    if args.step in {"all", "diagnose"}:
+        diagnose(place, args.jobs)
+    if args.step in {"all", "score"}:
+        small = "" if args.small is None else f" --small {args.small}"
+        found = score(
+            place,
+            args.jobs,
+            command=f'make blind ARGS="--seed {args.seed}{small}"',
+            ablations=args.ablations,
+            publish=not args.no_page,
+        )
+        for key, figure in found.items():
+            print(f"{key}: {figure.to_json()}")
+
+
+def diagnose(place: Round, jobs: int) -> None:
+    """Submit every set that was made, once."""
+    folders = sorted(place.recorded(0).parent.glob("set_*"))
+    numbers = {place.recorded(one.number): one.number for one in read_answers(place)}
+    submit(place, [Submission(numbers[folder], folder) for folder in folders], jobs)
 
 
 if __name__ == "__main__":

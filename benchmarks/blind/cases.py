@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -167,7 +167,7 @@ def load_cases(place: Round) -> tuple[list[Case], MeasuredGap, int]:
     return cases, floor, len(answers) - len(gaps)
 
 
-def variant_cases(place: Round, cases: list[Case], variant: str) -> list[Case]:
+def variant_cases(place: Round, cases: Sequence[Case], variant: str) -> list[Case]:
     """The same sets as a variant of the diagnosis saw them, as far as it did."""
     found = []
     for case in cases:

@@ -122,13 +122,13 @@ LIMITS: Mapping[str, float] = {
 
 FOREIGN_LIMITS: Mapping[str, float] = {
     "cable": 60.0, "rubbing thigh": 600.0, "swinging load": 0.2, "motor pick-up": 0.5,
-    "touching edge": 5.0, "loose plate": 0.01, "steadying hand": 6.0,
+    "touching edge": 5.0, "loose plate": 0.01, "steadying hand": 6.0, "pebble": 0.0015,
 }  # fmt: skip
 """The same of what is not in the table, in each kind's own unit."""
 
 FOREIGN_GUESS: Mapping[str, float] = {
     "cable": 10.0, "rubbing thigh": 100.0, "swinging load": 0.01, "motor pick-up": 0.02,
-    "touching edge": 0.1, "loose plate": 0.001, "steadying hand": 0.5,
+    "touching edge": 0.1, "loose plate": 0.001, "steadying hand": 0.5, "pebble": 0.0003,
 }  # fmt: skip
 
 FIRST_GUESS: Mapping[str, float] = {

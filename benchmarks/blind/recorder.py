@@ -54,6 +54,8 @@ def record(
         ShoecalError: when the robot cannot stand so, or falls.
     """
     robot, shoe = nao()
+    if foreign is not None:
+        reality = dataclasses.replace(reality, effects=(*reality.effects, foreign))
     rng = np.random.default_rng([answer.seed, 7])
     drawn = draw(reality, robot, shoe, answer.seed)
     simulated = SimulatedRobot(robot, shoe, drawn, np.random.default_rng([answer.seed, 8]))
@@ -65,8 +67,7 @@ def record(
     for motion in motions:
         simulated.place(motion.trajectory.positions[0])
         starts.append(simulated.session_time)
-        acting = [] if foreign is None else [foreign]
-        samples = run(simulated, motion.trajectory, rate, hold=HOLD_S, disturbances=acting)
+        samples = run(simulated, motion.trajectory, rate, hold=HOLD_S)
         if foreign is not None:
             told = dataclasses.replace(
                 samples.readings, voltages=foreign.readings(simulated, samples)

@@ -134,7 +134,7 @@ def _measure(unit: Unit, floor: MeasuredGap) -> dict[str, list[float]] | None:
             magnitude *= 0.3
             continue
         following = min(unit.limit, _next(found))
-        if abs(np.log(max(found.values()) / AIM)) < _NEAR or following in found:
+        if abs(np.log(found[magnitude] / AIM)) < _NEAR or following in found:
             break
         magnitude = following
     if not found:

@@ -5,24 +5,30 @@ A kind acts on the robot while it moves (`act`), or changes what its channels re
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.robot import GRAVITY
+from shoecal_core.model.robot import GRAVITY, Robot
+from shoecal_core.sensing.shoe import FEET
+from shoecal_core.simulation.disturbances import Disturbance
+from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import Samples
+from shoecal_core.simulation.shoe_physics import sole_name
 
 FloatArray = NDArray[np.float64]
 
 
-class Unknown:
+class Unknown(Effect):
     """Something that no library knows; without more it changes nothing."""
 
-    def prepare(self, sim: SimulatedRobot) -> None:
-        """Change the robot once, before it stands."""
+    def disturbances(self) -> Sequence[Disturbance]:
+        """Itself acts while the robot moves."""
+        return (self,)
 
     def act(self, sim: SimulatedRobot, time: float) -> None:
         """Add forces that are due at a time since the run began [s]."""
@@ -275,6 +281,44 @@ class Hand(Unknown):
         _push(sim, "base_link", self.size * much * np.array([*self.lean, 1.0]))
 
 
+@dataclass
+class Pebble(Unknown):
+    """A pebble sticks under a shoe, which rocks on it and on two of its corners.
+
+    Attributes:
+        size: height [m].
+        foot: which shoe.
+        place: (2,) in the sole frame [m].
+    """
+
+    size: float
+    foot: int
+    place: FloatArray
+
+    @classmethod
+    def drawn(cls, size: float, rng: np.random.Generator) -> Pebble:
+        """Under which shoe, and where."""
+        place = np.array([rng.uniform(-0.03, 0.08), rng.uniform(-0.03, 0.03)])
+        return cls(size, int(rng.integers(2)), place)
+
+    def on_spec(self, spec: mujoco.MjSpec, robot: Robot) -> None:  # noqa: ARG002
+        """One more ball at the sole, lower than those at its corners and as hard."""
+        sole = spec.body(sole_name(self.foot))
+        corner = sole.first_geom()
+        radius = float(corner.size[0])
+        sole.add_geom(
+            name=f"{FEET[self.foot]}_pebble",
+            type=mujoco.mjtGeom.mjGEOM_SPHERE,
+            size=[radius, 0.0, 0.0],
+            pos=[*self.place, radius - self.size],
+            mass=0.0,
+            contype=corner.contype,
+            conaffinity=corner.conaffinity,
+            friction=corner.friction,
+            solref=corner.solref,
+        )
+
+
 KINDS: Mapping[str, Callable[[float, np.random.Generator], Unknown]] = {
     "cable": Cable.drawn,
     "rubbing thigh": Table.drawn,
@@ -283,6 +327,7 @@ KINDS: Mapping[str, Callable[[float, np.random.Generator], Unknown]] = {
     "touching edge": Edge.drawn,
     "loose plate": LoosePlate.drawn,
     "steadying hand": Hand.drawn,
+    "pebble": Pebble.drawn,
 }
 """Kinds by name: from size and chance."""
 

@@ -1,0 +1,139 @@
+"""The one motion that the diagnosis proposes: does it resolve what was ambiguous?
+
+Every set whose diagnosis left several explanations is made again with one run more, once with the
+motion proposed and once with another one of the menu, drawn at random; both are diagnosed once.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from blind.cases import Case, read_diagnosis
+from blind.figures import Figure, Target, of_rows, rate
+from blind.generate import make_set
+from blind.layout import Round
+from blind.motions import PlannedMotion, extra, standard_set
+from blind.submit import Submission, submit
+from population import nao
+from shoecal_core.errors import ShoecalError
+from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.standard import TRAIN, PlannedRun
+from shoecal_core.planning.supports.feasible import Feasible
+from shoecal_core.planning.supports.named import named_support
+
+PROPOSED, RANDOM = "proposed", "random"
+YAWED = "yawed_stance"
+"""Proposed under a name that is not on the menu: landmarks, the toes turned in."""
+DRAWN = (*MENU, YAWED)
+"""What a motion at random is drawn from."""
+
+
+@dataclass(frozen=True)
+class _Followed:
+    """A set with one run more."""
+
+    case: Case
+    kind: str
+    motion: str
+
+
+def follow(place: Round, cases: Sequence[Case], jobs: int) -> dict[str, Figure]:
+    """Make and diagnose what is missing of them, and score."""
+    wanted = [_Followed(case, kind, _motion(case, kind)) for case in _open(cases)
+              for kind in (PROPOSED, RANDOM)]  # fmt: skip
+    with ProcessPoolExecutor(jobs, initializer=os.nice, initargs=(10,)) as pool:
+        there = list(pool.map(_make, [place] * len(wanted), wanted))
+    made = [one for one, can in zip(wanted, there, strict=True) if can]
+    for kind in (PROPOSED, RANDOM):
+        own = _folder(place, kind)
+        submit(
+            own,
+            [
+                Submission(one.case.answer.number, own.recorded(one.case.answer.number))
+                for one in made
+                if one.kind == kind
+            ],
+            jobs,
+        )
+    resolved = {
+        kind: [_resolved(place, one) for one in wanted if one.kind == kind]
+        for kind in (PROPOSED, RANDOM)
+    }
+    return {
+        "resolved_by_proposal": rate(
+            "ambiguity resolved by the one motion proposed", resolved[PROPOSED], Target(low=0.80)
+        ),
+        "resolved_by_random": rate("the same by a random one", resolved[RANDOM]),
+        "resolved_above_random": _above(resolved[PROPOSED], resolved[RANDOM]),
+    }
+
+
+def _open(cases: Sequence[Case]) -> list[Case]:
+    """Sets with several explanations left, and a motion proposed."""
+    return [
+        case
+        for case in cases
+        if len(case.places) > 1
+        and case.said is not None
+        and case.said["next_motion"] is not None
+        and case.answer.category in {"single", "inseparable"}
+    ]
+
+
+def _motion(case: Case, kind: str) -> str:
+    assert case.said is not None
+    if kind == PROPOSED:
+        return str(case.said["next_motion"]["motion"])
+    return str(np.random.default_rng([case.answer.seed, 30]).choice(DRAWN))
+
+
+def _folder(place: Round, kind: str) -> Round:
+    """A round of its own, its sealed part inside the sealed one."""
+    return Round(place.folder / kind, within=place.sealed)
+
+
+def _make(place: Round, one: _Followed) -> bool:
+    """Record a set anew with one run more; whether that is possible in the simulation."""
+    own = _folder(place, one.kind)
+    own.prepare()
+    if own.recorded(one.case.answer.number).is_dir():
+        return True
+    try:
+        make_set(own, one.case.answer, [_planned(one)])
+    except ShoecalError as error:
+        print(f"{own.recorded(one.case.answer.number).name}, {one.motion}: {error}", flush=True)
+        return False
+    return True
+
+
+def _planned(one: _Followed) -> PlannedMotion:
+    answer = one.case.answer
+    support = standard_set(answer.motions)[0].run.support
+    motion = one.motion
+    if motion == YAWED:
+        robot = nao()[0]
+        support, motion = named_support("toes_in", Feasible(robot, PlannerSettings())), "landmarks"
+    return extra(answer.motions, PlannedRun(support, motion, TRAIN)).paced(answer.pace)
+
+
+def _resolved(place: Round, one: _Followed) -> bool:
+    """Whether one explanation is left, and it is the true one."""
+    file = _folder(place, one.kind).diagnosis(one.case.answer.number)
+    if not file.is_file():
+        return False
+    after = dataclasses.replace(one.case, said=read_diagnosis(file.read_text()))
+    return len(after.places) == 1 and after.places[0] in after.true_places
+
+
+def _above(proposed: Sequence[bool], random: Sequence[bool]) -> Figure:
+    """By how much the proposed motion resolves more, set by set."""
+    rows = [[float(one) - float(other)] for one, other in zip(proposed, random, strict=True)]
+    says = "the proposed one above a random one"
+    return of_rows(says, rows, lambda values: float(np.mean(values)), Target(low=0.25))

@@ -1,0 +1,90 @@
+"""Scoring a round: opens the answers, once everything has been submitted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from blind.answers import check_seal
+from blind.cases import Case, load_cases, variant_cases
+from blind.chart import write_chart
+from blind.figures import Figure, figures, shrink_figures
+from blind.follow import follow
+from blind.layout import Round
+from blind.page import FIGURE, write_json, write_page
+from blind.variants import TRUE, run_variants
+
+WHOLE = "everything"
+
+
+def score(
+    place: Round, jobs: int, *, command: str, ablations: int, publish: bool
+) -> dict[str, Figure]:
+    """Every figure of a round; with `publish` the page, its picture and out/blind.json too.
+
+    Args:
+        place: of the round, all sets diagnosed.
+        jobs: processes for the further looks.
+        command: that makes the round, for the page.
+        ablations: single sets that are looked at with something switched off; 0: none, and
+            neither true effects nor proposed motions are looked at.
+        publish: whether to write.
+    """
+    cases, floor, failed = load_cases(place)
+    found = figures(cases)
+    without: dict[str, dict[str, Figure]] = {}
+    missing = ["`without reference weight`: the standard set holds no known weight."]
+    if ablations:
+        offered = run_variants(place, cases, jobs, ablations)
+        if TRUE in offered:
+            found |= shrink_figures(_pairs(place, cases))
+        else:
+            missing.append("Shrink against the true effect's: no `--only` on the command.")
+        found |= follow(place, cases, jobs)
+        without = _ablations(place, cases, [name for name in offered if name != TRUE])
+    if publish:
+        write_chart(cases, FIGURE)
+        about = {
+            "command": command,
+            "answers_sha256": check_seal(place),
+            "sets": len(cases),
+            "sets_not_made": failed,
+            "floor_cop_mm": floor.cop_mm,
+            "floor_grf_n": floor.grf_n,
+        }
+        write_json(found, cases, without, about)
+        write_page(
+            found,
+            cases,
+            without,
+            command=command,
+            seal=check_seal(place),
+            floor=f"{floor.cop_mm:.2f} mm and {floor.grf_n:.3f} N",
+            failed=f"{failed} sets could not be simulated (the robot fell)." if failed else "",
+            missing=" ".join(missing),
+        )
+    return found
+
+
+def _pairs(place: Round, cases: Sequence[Case]) -> list[tuple[Case, Case]]:
+    """Single sets as diagnosed, and with the true effect given."""
+    given = {case.answer.number: case for case in variant_cases(place, cases, _folder(TRUE))}
+    return [(case, given[case.answer.number]) for case in cases if case.answer.number in given]
+
+
+def _ablations(
+    place: Round, cases: Sequence[Case], names: Sequence[str]
+) -> dict[str, dict[str, Figure]]:
+    """Figures of the same sets, whole and with something switched off."""
+    told: dict[str, dict[str, Figure]] = {}
+    for name in names:
+        seen = variant_cases(place, cases, _folder(name))
+        if seen and not told:
+            numbers = {case.answer.number for case in seen}
+            told[WHOLE] = figures([case for case in cases if case.answer.number in numbers])
+        if seen:
+            told[name] = figures(seen)
+    return told
+
+
+def _folder(variant: str) -> str:
+    return variant.replace(" ", "_")
