@@ -72,7 +72,13 @@ class SimulatedRobot:
     """
 
     def __init__(
-        self, robot: Robot, shoe: Shoe, drawn: DrawnReality, noise: np.random.Generator
+        self,
+        robot: Robot,
+        shoe: Shoe,
+        drawn: DrawnReality,
+        noise: np.random.Generator,
+        *,
+        made_at: float = 0.0,
     ) -> None:
         """Stands in the robot's own posture.
 
@@ -81,6 +87,7 @@ class SimulatedRobot:
             shoe: what it wears.
             drawn: as both truly are.
             noise: draws the noise of readings.
+            made_at: the session's time at which it is put on the floor [s].
 
         Raises:
             ShoecalError: for a robot or shoe that cannot be simulated.
@@ -100,7 +107,7 @@ class SimulatedRobot:
             noise.spawn(1)[0],
         )
         self._chain = SensorChain(drawn.shoes)
-        self._before = 0.0
+        self._before = made_at
         self._steps = 0
         self._base = self._model.body(drawn.body.links[0]).id
         self._leaders = np.array(
@@ -120,7 +127,7 @@ class SimulatedRobot:
 
     @property
     def session_time(self) -> float:
-        """Simulated time since it was made, wherever it was put in between [s]."""
+        """Simulated time of the session, wherever the robot was put in between [s]."""
         return self._before + self.time
 
     @property
@@ -371,10 +378,11 @@ class SimulatedRobot:
 
     def _reaching(self) -> FloatArray:
         """(n,) what reaches the channels' converter now [N or N m]."""
+        chain, now = self._chain, self.session_time
+        if chain.active and chain.time == now:
+            return chain.latest()
         felt = self._outputs(self.data)
-        if self._chain.active:
-            return self._chain.at(felt, self.session_time, self._sideways())
-        return felt
+        return chain.at(felt, now, self._sideways()) if chain.active else felt
 
     def _sideways(self) -> FloatArray:
         """(2, 2) the floor's sideways forces on the feet, where a sensor feels them [N]."""
