@@ -92,8 +92,7 @@ class LoadingRig:
         for _ in range(_LOOKS):
             self._chain.take(outputs, self._time)
             self._time += _STANDS / _LOOKS
-        reached = self._chain.at(outputs, self._time)
-        return self._converter(np.tile(reached, (count, 1)), self._time)
+        return self._converter(np.tile(self._chain.latest(), (count, 1)), self._chain.time)
 
 
 class _Bench:
