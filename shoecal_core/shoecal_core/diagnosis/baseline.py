@@ -1,0 +1,117 @@
+"""Gains and offsets with nothing added: where every hypothesis starts from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.calibration.initial_guess import initial_guess
+from shoecal_core.calibration.stance import Stance
+from shoecal_core.diagnosis.regression import Noise, Whitening, make_sums, solve
+from shoecal_core.diagnosis.samples import Samples
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT, Scene
+from shoecal_core.sensing.wrench import ChannelParameters, columns_in_left, combined, weight_below
+
+FloatArray = NDArray[np.float64]
+STEPS = 12
+SETTLED = 1e-7
+"""Share of the priors; a smaller step ends the iteration."""
+
+
+def first_parameters(samples: Samples, runs: Sequence[int]) -> ChannelParameters:
+    """The paper's initial guess from the samples in which both feet stand.
+
+    Raises:
+        ShoecalError: when the samples do not fix it.
+    """
+    shoe = samples.shoe
+    base = weight_below(shoe)
+    stances = []
+    for segment in np.unique(samples.segment):
+        part = (samples.segment == segment) & samples.loaded.all(axis=1)
+        if not part.any() or int(samples.run[part][0]) not in runs:
+            continue
+        support = samples.states.support() if part.all() else _support(samples, part)
+        stances.append(
+            Stance(
+                run=int(samples.run[part][0]),
+                loaded=(True, True),
+                support=support,
+                time=samples.time[part],
+                readings=samples.readings[part],
+                force=samples.force[part],
+                cop=samples.cop[part],
+                cop_rate=np.zeros_like(samples.cop[part]),
+                columns=columns_in_left(shoe, support),
+                base=combined(base, support),
+            )
+        )
+    return initial_guess(shoe, stances, weight_row=True).parameters
+
+
+def _support(samples: Samples, part: NDArray[np.bool_]):  # type: ignore[no-untyped-def]
+    from shoecal_core.model.double_support import DoubleSupport
+
+    dx, dy = np.median(samples.states.translation[part, :2], axis=0)
+    return DoubleSupport(float(dx), float(dy), float(np.median(samples.states.yaw[part])))
+
+
+def precision(
+    scene: Scene, parameters: ChannelParameters, settings: DiagnosisSettings
+) -> FloatArray:
+    """(p,) prior precision of the baseline's columns."""
+    shoe = scene.samples.shoe
+    known = np.array([channel.nominal_gain is not None for channel in shoe.channels])
+    gain = np.abs(parameters.gain) * np.where(known, settings.nominal_gain_std, settings.gain_std)
+    offset = np.full(len(known), settings.offset_std_n)
+    offset[shoe.torque] *= 0.1
+    others = np.array([std for _, std in scene.nuisances])
+    return np.asarray(1.0 / np.concatenate((gain, offset, others)) ** 2)
+
+
+def coarse_noise() -> Noise:
+    """Before anything is known of the noise."""
+    std = np.ones(len(SIGNALS))
+    std[GRF], std[COP] = 0.3, 0.001
+    std[AIR], std[CLOSURE], std[PARITY], std[TILT] = (0.1, 0.01, 0.01), 0.001, 0.3, 0.002
+    return Noise(std, np.full(len(SIGNALS), 0.8))
+
+
+def fit_baseline(
+    scene: Scene, runs: Sequence[int], noise: Noise, settings: DiagnosisSettings
+) -> Scene:
+    """Gauss-Newton over gains and offsets on some runs."""
+    guess = scene.parameters
+    scene = scene.with_planes(settings)
+    channels = len(guess.gain)
+    prior = precision(scene, guess, settings)
+    for _ in range(STEPS):
+        whitening = Whitening(scene.samples, scene.mask, noise)
+        empty = np.zeros((0, *scene.residuals.shape))
+        sums = make_sums(whitening, runs, scene.baseline, empty, scene.residuals, scene.mask, prior)
+        products, _ = sums.of(runs)
+        # The prior pulls towards the guess, not towards where the fit stands.
+        away = np.concatenate(
+            (
+                scene.parameters.gain - guess.gain,
+                scene.parameters.offset - guess.offset,
+                np.zeros(len(prior) - 2 * channels),
+            )
+        )
+        products = products.copy()
+        products[: len(prior), -1] += prior * away
+        products[-1, : len(prior)] = products[: len(prior), -1]
+        step = solve(products, sums, (), np.zeros(0)).vector
+        scene = scene.with_parameters(
+            ChannelParameters(
+                scene.parameters.gain - step[:channels],
+                scene.parameters.offset - step[channels : 2 * channels],
+            )
+        )
+        scene = scene.with_planes(settings)
+        if np.max(np.abs(step[: 2 * channels]) * np.sqrt(prior[: 2 * channels])) < SETTLED:
+            break
+    return scene

@@ -1,0 +1,86 @@
+"""What an effect is to a diagnosis: where it can sit, and what it adds to the signals.
+
+An effect is one small class. To add one, write it in a file of your own that defines
+`EFFECTS = (MyEffect(), ...)` and name the file to `shoecal diagnose --effects-from`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.signals import Scene
+
+FloatArray = NDArray[np.float64]
+ALL = "all"
+Place = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Component:
+    """One number of an effect's size.
+
+    Attributes:
+        name, unit: as in the files.
+        std: how large it usually is where it is: the prior, in its unit.
+    """
+
+    name: str
+    unit: str
+    std: float
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One form of an effect at a place: what each unit of its free components adds.
+
+    Attributes:
+        free: names of the components that are fitted.
+        columns: (len(free), T, s) signals a unit.
+        fixed: components that this form holds at a value.
+        run: the run that it happens in; None: in all.
+        onset: when it begins there [s]; None: always there.
+        scene: the scene that it belongs to, where it changes what channels mean; None: the
+            one that was given.
+        scale: a component's value is the fitted number times this (1 where not listed).
+    """
+
+    free: tuple[str, ...]
+    columns: FloatArray
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    run: int | None = None
+    onset: float | None = None
+    scene: Scene | None = None
+    scale: Mapping[str, float] = field(default_factory=dict)
+
+
+class Effect(Protocol):
+    """A cause of a gap.
+
+    Attributes:
+        identifier: its name, part of the public contract.
+        group: its class: load_cell, timing, body, contact or dynamics.
+        components: of its size, each with its prior.
+    """
+
+    identifier: str
+    group: str
+    components: tuple[Component, ...]
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Where it can sit in this robot and these shoes."""
+        ...
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """Its forms at a place; none where the recording lacks what it needs."""
+        ...
+
+
+def stds(effect: Effect, names: tuple[str, ...]) -> FloatArray:
+    """Priors of some components; 1 for a factor that is no component."""
+    known = {component.name: component.std for component in effect.components}
+    return np.array([known.get(name, 1.0) for name in names])

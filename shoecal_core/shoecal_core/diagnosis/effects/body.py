@@ -1,0 +1,131 @@
+"""Effects of the body: masses and joints that differ from the model's."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.body import driven_together
+from shoecal_core.diagnosis.effects import places
+from shoecal_core.diagnosis.effects.base import Component, Place, Shape
+from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.model.robot import GRAVITY
+
+FloatArray = NDArray[np.float64]
+LEAST_MASS = 0.01
+"""Links lighter than this share of the robot are not looked at."""
+FRICTION = 0.05
+"""N m; a torque smaller than this does not say on which side of its play a joint lies."""
+
+
+def _heavy(scene: Scene) -> Iterator[Place]:
+    links = scene.links
+    for name, mass in zip(links.names, links.mass, strict=True):
+        if mass >= LEAST_MASS * scene.samples.robot.mass:
+            yield (name,)
+
+
+class Payload:
+    """A mass on a link that the model does not know."""
+
+    identifier, group = "payload", "body"
+    components = (Component("mass", "kg", 0.15),)
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every link that weighs something."""
+        return _heavy(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """More force, and a CoM that leans towards it."""
+        links, samples = scene.links, scene.samples
+        at = links.com[:, links.names.index(place[0]), :2]
+        cop = (at - samples.cop) / samples.robot.mass
+        yield Shape(("mass",), scene.by_model(GRAVITY, cop)[None] * _shown(scene))
+
+
+class LinkCom:
+    """A link's centre of mass lies elsewhere."""
+
+    identifier, group = "link_com", "body"
+    components = tuple(Component(name, "m", 0.008) for name in "xyz")
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every link that weighs something."""
+        return _heavy(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """The CoM moves by the link's share of the mass."""
+        links = scene.links
+        index = links.names.index(place[0])
+        share = links.mass[index] / scene.samples.robot.mass
+        columns = np.array(
+            [
+                scene.by_model(0.0, share * links.rotation[:, index, :2, axis]) * _shown(scene)
+                for axis in range(3)
+            ]
+        )
+        yield Shape(("x", "y", "z"), columns)
+
+
+def _shown(scene: Scene) -> FloatArray:
+    return scene.mask.astype(np.float64)
+
+
+class JointOffset:
+    """An encoder's zero is off."""
+
+    identifier, group = "joint_offset", "body"
+    components = (Component("angle", "rad", 0.015),)
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every encoder of the legs."""
+        robot = scene.samples.robot
+        following = {one.joint for one in robot.shared}
+        for place in places.each_joint(scene):
+            if robot.joint(place[0]) not in following:
+                yield place
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """The same everywhere, in all joints of one motor."""
+        change = np.zeros_like(scene.samples.angles)
+        for joint, ratio in driven_together(scene.samples.robot, places.joints_at(scene, place)[0]):
+            change[:, joint] = ratio
+        yield Shape(("angle",), scene.by_angles(change)[None])
+
+
+class JointCompliance:
+    """A joint gives under its torque, behind the encoder."""
+
+    identifier, group = "joint_compliance", "body"
+    components = (Component("compliance", "rad/(N m)", 0.008),)
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every joint of the legs, and all alike."""
+        return places.joints_and_all(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """In proportion to the torque that it holds."""
+        change = np.zeros_like(scene.samples.angles)
+        joints = places.joints_at(scene, place)
+        change[:, joints] = scene.links.torque[:, joints]
+        yield Shape(("compliance",), scene.by_angles(change)[None])
+
+
+class Backlash:
+    """A joint has play behind the encoder: it lies on the side to which it is pushed."""
+
+    identifier, group = "backlash", "body"
+    components = (Component("play", "rad", 0.015),)
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every joint of the legs, and all alike."""
+        return places.joints_and_all(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """By the sign of the torque."""
+        change = np.zeros_like(scene.samples.angles)
+        joints = places.joints_at(scene, place)
+        change[:, joints] = 0.5 * np.tanh(scene.links.torque[:, joints] / FRICTION)
+        yield Shape(("play",), scene.by_angles(change)[None])

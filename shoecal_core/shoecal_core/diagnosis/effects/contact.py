@@ -1,0 +1,204 @@
+"""Effects below the ankles: feet elsewhere, floors that lean or give."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.effects import places
+from shoecal_core.diagnosis.effects.base import ALL, Component, Place, Shape
+from shoecal_core.diagnosis.signals import CLOSURE, COP, ROLL_PITCH, Scene
+from shoecal_core.sensing.shoe import FEET
+
+FloatArray = NDArray[np.float64]
+MOVES = (Component("dx", "m", 0.004), Component("dy", "m", 0.004), Component("dtheta", "rad", 0.03))
+_ONSETS = 2
+"""Times in a run at which a slip is looked for."""
+_EDGE = 5
+"""Samples at a run's ends among which no step can be told."""
+
+
+class FootPlacement:
+    """A shoe sits askew below its ankle."""
+
+    identifier, group = "foot_placement", "contact"
+    components = MOVES
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Each foot."""
+        return places.each_foot(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """All that is told in this sole's frame is told from a frame that is off."""
+        foot = FEET.index(place[0])
+        columns = [
+            moved_sole(scene, foot, axis, np.ones(len(scene.samples.run))) for axis in range(3)
+        ]
+        yield Shape(("dx", "dy", "dtheta"), np.array(columns))
+
+
+class Slip:
+    """A foot moves on the floor at a moment, and stays there."""
+
+    identifier, group = "slip", "contact"
+    components = (*MOVES, Component("time", "s", 30.0))
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Each foot."""
+        return places.each_foot(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """A step at each of many moments of each run."""
+        foot = FEET.index(place[0])
+        samples = scene.samples
+        whole = [slipped(scene, foot, axis) for axis in range(3)]
+        both = samples.loaded.all(axis=1)
+        for track in samples.tracks:
+            here = (samples.run == track.run) & both
+            if np.count_nonzero(here) < 4 * _EDGE:
+                continue
+            for onset in step_times(scene, here):
+                later = here & (samples.time > onset)
+                columns = np.array([scene.settled(one * later[:, None]) for one in whole])
+                yield Shape(
+                    ("dx", "dy", "dtheta"), columns, {"time": float(onset)}, track.run, float(onset)
+                )
+
+
+def step_times(scene: Scene, here: NDArray[np.bool_]) -> list[float]:
+    """When the closure and the CoP of a run most look as if they had made a step [s].
+
+    Each signal counts by its own scatter within short times, so that no noise need be known.
+    """
+    time = scene.samples.time[here]
+    signals = np.hstack((scene.residuals[here][:, CLOSURE], scene.residuals[here][:, COP]))
+    scatter = np.std(np.diff(signals, axis=0), axis=0)
+    signals = signals[:, scatter > 0.0] / scatter[scatter > 0.0]
+    sums = np.cumsum(signals - signals.mean(axis=0), axis=0)
+    count = len(time)
+    before = np.arange(1, count + 1)
+    split = (sums**2).sum(axis=1) * count / np.maximum(before * (count - before), 1)
+    split[:_EDGE] = split[-_EDGE:] = 0.0
+    found = []
+    for _ in range(_ONSETS):
+        at = int(np.argmax(split))
+        found.append(float(0.5 * (time[at] + time[at + 1])))
+        split[max(0, at - 2 * _EDGE) : at + 2 * _EDGE] = 0.0
+    return found
+
+
+def slipped(scene: Scene, foot: int, axis: int) -> FloatArray:
+    """(T, s) after a foot moved along one axis of its own frame: what the joints tell of it.
+
+    The right foot's place is the segment's: its own later one is not told. Not yet settled.
+    """
+    samples = scene.samples
+    yaw = np.array([support.dtheta for support in scene.supports])[samples.segment]
+    place = samples.states.translation[:, :2]
+    found = np.zeros_like(scene.residuals)
+    change = np.zeros((len(yaw), 3))
+    if foot == 1:
+        if axis < 2:
+            turned = (np.cos(yaw), np.sin(yaw)) if axis == 0 else (-np.sin(yaw), np.cos(yaw))
+            change[:, :2] = np.stack(turned, axis=1)
+        else:
+            change[:, 2] = 1.0
+    elif axis < 2:
+        change[:, axis] = -1.0
+    else:
+        change[:] = np.stack((place[:, 1], -place[:, 0], np.full(len(yaw), -1.0)), axis=1)
+    # The shoe truly moved: the measured CoP takes the right foot where it no longer stands.
+    found += scene.by_support(-change)
+    found[:, CLOSURE] = change[:, [0, 1, 2, 2, 2, 2]] * np.array([1.0, 1.0, 0.0, 0.0, 0.0, 1.0])
+    return found
+
+
+def moved_sole(scene: Scene, foot: int, axis: int, how_far: FloatArray) -> FloatArray:
+    """(T, s) when a sole is truly further along one axis of its frame (x, y, turn) a unit.
+
+    The stance's frame is the true sole, to which the model's CoM must be told anew.
+    """
+    samples = scene.samples
+    states = samples.states
+    frame = samples.frame
+    step = 1e-6
+    turn = np.eye(3)
+    shift = np.zeros(3)
+    if axis < 2:
+        shift[axis] = step
+    else:
+        turn = np.array([[1.0, -step, 0.0], [step, 1.0, 0.0], [0.0, 0.0, 1.0]])
+    com = states.com.copy()
+    com[:, foot] = (com[:, foot] - shift) @ turn
+    if foot == 0:
+        rotation = turn.T @ states.rotation
+        translation = (states.translation - shift) @ turn
+    else:
+        rotation = states.rotation @ turn
+        translation = states.translation + states.rotation @ shift
+    rows = np.arange(len(frame))
+    cop = (com[rows, frame, :2] - samples.cop) / step
+    yaw = np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
+    # What the model says falls behind the truth by this.
+    support = np.column_stack(((translation - states.translation)[:, :2], yaw - states.yaw)) / step
+    found = scene.by_support(-support)
+    found[:, COP] += cop
+    return scene.settled(found * how_far[:, None])
+
+
+class FloorTilt:
+    """The floor is not level."""
+
+    identifier, group = "floor_tilt", "contact"
+    components = (Component("about_x", "rad", 0.01), Component("about_y", "rad", 0.01))
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Below both feet."""
+        yield ()
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """Upwards leans in the sole frames; the left sole stands along the floor's x axis."""
+        samples = scene.samples
+        yaw = np.array([support.dtheta for support in scene.supports])[samples.segment]
+        turn = np.where(samples.frame == 0, 0.0, yaw)
+        c, s = np.cos(turn), np.sin(turn)
+        columns = []
+        for x, y in ((0.0, 1.0), (-1.0, 0.0)):
+            slope = np.stack((c * x + s * y, -s * x + c * y), axis=1)
+            columns.append(scene.settled(scene.tilted(slope)))
+        yield Shape(("about_x", "about_y"), np.array(columns))
+
+
+class SoftGround:
+    """A shoe leans into the floor below its load."""
+
+    identifier, group = "soft_ground", "contact"
+    components = (Component("compliance", "rad/(N m)", 0.008),)
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Each foot, or both alike."""
+        return places.feet_and_all(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """Each sole turns with the moment about its middle."""
+        feet = (0, 1) if place[0] == ALL else (FEET.index(place[0]),)
+        yield Shape(("compliance",), self._column(scene, feet)[None])
+
+    def _column(self, scene: Scene, feet: tuple[int, ...]) -> FloatArray:
+        samples = scene.samples
+        lean = np.zeros((len(samples.run), 2, 2))
+        for foot in feet:
+            force, about_x, about_y = scene.foot_wrenches[:, foot].T
+            x, y = samples.robot.feet[foot].outline.mean(axis=0)
+            lean[:, foot] = np.stack((about_x - y * force, about_y + x * force), axis=1)
+        lean[~samples.loaded] = 0.0
+        # The floor's moment turns a sole the other way; turned by (a, b) about x and y it sees
+        # upwards at (-b, a).
+        turn = -lean
+        own = np.where((samples.frame == 0)[:, None], turn[:, 0], turn[:, 1])
+        found = scene.tilted(np.stack((-own[:, 1], own[:, 0]), axis=1))
+        left_in_right = np.einsum("tji,tj->ti", samples.states.rotation[:, :2, :2], turn[:, 0])
+        found[:, ROLL_PITCH] = turn[:, 1] - left_in_right
+        return scene.settled(found)

@@ -1,0 +1,150 @@
+"""Effects of where and what cells feel: places, exchanges, mixtures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import combinations, permutations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.effects import places
+from shoecal_core.diagnosis.effects.base import Component, Place, Shape
+from shoecal_core.diagnosis.effects.load_cell import shown
+from shoecal_core.diagnosis.signals import Scene, Wiring
+from shoecal_core.sensing.shoe import FEET
+
+FloatArray = NDArray[np.float64]
+
+
+class CellPosition:
+    """A cell acts elsewhere than the shoe file says."""
+
+    identifier, group = "cell_position", "load_cell"
+    components = (Component("x", "m", 0.004), Component("y", "m", 0.004))
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every cell of a foot that has cells."""
+        shoe = scene.samples.shoe
+        for index in places.cells(shoe):
+            yield (shoe.names[index],)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """The moment that the file's place misses; it is turned with its foot."""
+        (channel,) = places.channels_at(scene, place)
+        force = scene.outputs[:, channel]
+        foot = int(scene.wiring.foot[channel])
+        samples = scene.samples
+        stands = samples.loaded[:, foot]
+        alone = ~samples.loaded.all(axis=1)
+        yaw = np.array([support.dtheta for support in scene.supports])[samples.segment]
+        turn = np.where(alone | (foot == 0), 0.0, yaw)
+        c, s = np.cos(turn), np.sin(turn)
+        columns = []
+        for x, y in ((1.0, 0.0), (0.0, 1.0)):
+            # Truly at t + d: the force's moment by the file's t is short of d x f.
+            dx, dy = c * x - s * y, s * x + c * y
+            wrench = np.stack((np.zeros_like(force), -dy * force, dx * force), axis=1)
+            column = scene.by_wrench(np.where(stands[:, None], wrench, 0.0))
+            hanging = np.stack((0.0 * force, -y * force, x * force), axis=1)
+            column[:, 3:6] = np.where(~stands[:, None] & scene.mask[:, 3:6], hanging, 0.0)
+            columns.append(column)
+        yield Shape(("x", "y"), np.array(columns))
+
+
+class Crosstalk:
+    """A cell shows a part of another one's force."""
+
+    identifier, group = "crosstalk", "load_cell"
+    components = (Component("fraction", "", 0.05),)
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Receiver and donor of one foot's cells: they share a board."""
+        shoe = scene.samples.shoe
+        for receiver, donor in permutations(places.cells(shoe), 2):
+            if shoe.foot[receiver] == shoe.foot[donor]:
+                yield (shoe.names[receiver], shoe.names[donor])
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """The donor's force."""
+        receiver, donor = (scene.samples.shoe.names.index(name) for name in place)
+        yield Shape(
+            ("fraction",),
+            shown(scene, np.array([receiver]), scene.outputs[:, [donor]])[None],
+        )
+
+
+class SwappedCells:
+    """Two cells come as each other."""
+
+    identifier, group = "swapped_cells", "load_cell"
+    components: tuple[Component, ...] = ()
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every two cells."""
+        shoe = scene.samples.shoe
+        for one, other in combinations(places.cells(shoe), 2):
+            yield (shoe.names[one], shoe.names[other])
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """Each channel at the other's place."""
+        one, other = (scene.samples.shoe.names.index(name) for name in place)
+        order = np.arange(len(scene.wiring.foot))
+        order[[one, other]] = other, one
+        wiring = Wiring(scene.wiring.columns[order], scene.wiring.foot[order])
+        exchanged = replace(
+            scene,
+            wiring=wiring,
+            planes=np.zeros_like(scene.planes)
+            if scene.wiring.foot[one] != scene.wiring.foot[other]
+            else scene.planes,
+        )
+        yield Shape((), np.zeros((0, *scene.residuals.shape)), scene=exchanged)
+
+
+class OffAxisLoad:
+    """Cells show a part of the sideways force on their foot."""
+
+    identifier, group = "off_axis_load", "load_cell"
+    components = (Component("x", "", 0.1), Component("y", "", 0.1))
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Each foot that has cells."""
+        shoe = scene.samples.shoe
+        for foot in sorted({int(shoe.foot[index]) for index in places.cells(shoe)}):
+            yield (FEET[foot],)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """Sideways forces as the torques of the leg's joints tell them."""
+        forces = sideways(scene)
+        if forces is None:
+            return
+        foot = FEET.index(place[0])
+        channels = places.channels_at(scene, place)
+        share = np.full((1, len(channels)), 1.0 / len(channels))
+        columns = [
+            shown(scene, channels, forces[:, foot, axis][:, None] * share) for axis in (0, 1)
+        ]
+        yield Shape(("x", "y"), np.array(columns))
+
+
+def sideways(scene: Scene) -> FloatArray | None:
+    """(T, 2, 2) force of the floor on each foot along x and y of its sole [N].
+
+    What the motors' torques miss against those that the vertical forces alone ask for, by
+    least squares over each leg's joints. None where no efforts were recorded.
+    """
+    samples = scene.samples
+    if any(track.efforts is None for track in samples.tracks):
+        return None
+    told = samples.decimated(lambda track: np.asarray(track.efforts))
+    missing = told - scene.links.torque
+    joints = samples.robot.moved
+    side = scene.links.side[:, :, :2][..., joints]
+    forces = np.zeros((len(told), 2, 2))
+    for index in range(len(told)):
+        # torque = ... - J' f: a force on the foot lightens the motors.
+        matrix = -side[index].reshape(4, -1).T
+        forces[index] = np.linalg.lstsq(matrix, missing[index, joints], rcond=1e-3)[0].reshape(2, 2)
+    return forces

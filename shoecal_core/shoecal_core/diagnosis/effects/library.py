@@ -1,0 +1,64 @@
+"""All effects that a diagnosis knows, and those of a user's own file."""
+
+from __future__ import annotations
+
+import importlib.util
+from pathlib import Path
+
+from shoecal_core.diagnosis.effects import (
+    body,
+    contact,
+    dynamics,
+    geometry,
+    load_cell,
+    timing,
+)
+from shoecal_core.diagnosis.effects.base import Effect
+from shoecal_core.errors import FileError
+
+EFFECTS: tuple[Effect, ...] = (
+    load_cell.Nonlinearity(),
+    load_cell.Saturation(),
+    load_cell.Hysteresis(),
+    load_cell.Creep(),
+    load_cell.ZeroDrift(),
+    load_cell.SpanDrift(),
+    load_cell.StuckCell(),
+    geometry.SwappedCells(),
+    geometry.Crosstalk(),
+    geometry.CellPosition(),
+    geometry.OffAxisLoad(),
+    timing.Latency(),
+    timing.LowPass(),
+    body.Payload(),
+    body.LinkCom(),
+    body.JointOffset(),
+    body.JointCompliance(),
+    body.Backlash(),
+    contact.FootPlacement(),
+    contact.Slip(),
+    contact.FloorTilt(),
+    contact.SoftGround(),
+    dynamics.Inertia(),
+)
+"""In the order of the documentation."""
+
+
+def effects_from(path: Path) -> tuple[Effect, ...]:
+    """Effects of a user's own: `EFFECTS` of a Python file.
+
+    Raises:
+        FileError: when the file cannot be run or defines none.
+    """
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    if spec is None or spec.loader is None or not path.is_file():
+        raise FileError(path, "is no Python file with effects")
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        raise FileError(path, f"cannot be run: {type(error).__name__}: {error}") from error
+    effects = getattr(module, "EFFECTS", None)
+    if not isinstance(effects, (tuple, list)) or not effects:
+        raise FileError(path, "defines no EFFECTS = (MyEffect(), ...)")
+    return tuple(effects)

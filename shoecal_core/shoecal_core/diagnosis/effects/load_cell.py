@@ -1,0 +1,198 @@
+"""Effects of single cells: what a reading tells beyond its affine law."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.effects import places
+from shoecal_core.diagnosis.effects.base import Component, Place, Shape
+from shoecal_core.diagnosis.effects.filters import low_passed, play
+from shoecal_core.diagnosis.samples import Track
+from shoecal_core.diagnosis.signals import Scene
+
+FloatArray = NDArray[np.float64]
+FLAT_STUCK, FLAT_AT_TOP = 0.01, 0.5
+"""Movement of a channel over what is expected, up to which it may be stuck, or saturated."""
+
+
+def shown(scene: Scene, channels: NDArray[np.int64], values: FloatArray) -> FloatArray:
+    """(T, s) when these channels show `values` (T, k) more than they feel."""
+    change = np.zeros_like(scene.outputs)
+    change[:, channels] = values
+    return scene.by_outputs(change)
+
+
+class Nonlinearity:
+    """A cell's output bends: f + quadratic f^2 + cubic f^3."""
+
+    identifier, group = "nonlinearity", "load_cell"
+    components = (Component("quadratic", "1/N", 2e-3), Component("cubic", "1/N^2", 5e-5))
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every cell."""
+        return places.each_cell(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """Both powers together."""
+        channels = places.channels_at(scene, place)
+        force = scene.outputs[:, channels]
+        columns = np.array([shown(scene, channels, force**power) for power in (2, 3)])
+        yield Shape(("quadratic", "cubic"), columns)
+
+
+class Saturation:
+    """A cell's output ends at a level below its converter's range."""
+
+    identifier, group = "saturation", "load_cell"
+    components = (Component("level", "N", 10.0),)
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every cell."""
+        return places.each_cell(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """Levels near the top of what it showed; what is missing there is what others tell."""
+        (channel,) = places.channels_at(scene, place)
+        expected = scene.expected(int(channel))
+        top = scene.outputs[:, channel].max()
+        span = top - np.percentile(scene.outputs[:, channel], 5.0)
+        for share in (0.0, 0.04, 0.1, 0.2, 0.35):
+            level = float(top - share * span)
+            missing = np.maximum(expected - level, 0.0)
+            beyond = missing > 0.0
+            if np.count_nonzero(beyond) >= 5 and _flat(
+                scene.outputs[beyond, channel], expected[beyond], FLAT_AT_TOP
+            ):
+                columns = shown(scene, np.array([channel]), -missing[:, None])[None]
+                yield Shape(("share",), columns, {"level": level})
+
+
+class Hysteresis:
+    """Outputs lag behind the direction in which the load goes."""
+
+    identifier, group = "hysteresis", "load_cell"
+    components = (Component("fraction", "", 0.03),)
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every cell, and all of a foot alike."""
+        return places.cells_and_feet(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """A play operator; its width as a share of each cell's range."""
+        channels = places.channels_at(scene, place)
+        span = np.ptp(scene.outputs[:, channels], axis=0)
+        for width in (0.1, 0.3, 0.6):
+
+            def work(track: Track, width: float = width) -> FloatArray:
+                force = scene.parameters.outputs(track.readings)[:, channels]
+                # A play of width w turned round makes a loop w high; the loop is what counts.
+                return (play(force, width * span) - force) / width
+
+            yield Shape(("fraction",), shown(scene, channels, scene.samples.decimated(work))[None])
+
+
+class Creep:
+    """After a change of load the output goes on growing for a while."""
+
+    identifier, group = "creep", "load_cell"
+    components = (Component("fraction", "", 0.03), Component("time", "s", 30.0))
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every cell, and all of a foot alike."""
+        return places.cells_and_feet(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """One exponential; several time constants."""
+        channels = places.channels_at(scene, place)
+        for time in (3.0, 8.0, 20.0, 60.0):
+
+            def work(track: Track, time: float = time) -> FloatArray:
+                force = scene.parameters.outputs(track.readings)[:, channels]
+                return low_passed(force, track.time, time)
+
+            columns = shown(scene, channels, scene.samples.decimated(work))[None]
+            yield Shape(("fraction",), columns, {"time": time})
+
+
+class ZeroDrift:
+    """Zeros wander with time, or with temperature."""
+
+    identifier, group = "zero_drift", "load_cell"
+    components = (Component("rate", "N/s", 3e-3), Component("per_kelvin", "N/K", 0.1))
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every cell, each foot's alike, all alike."""
+        return places.cells_feet_and_all(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """Straight lines."""
+        channels = places.channels_at(scene, place)
+        for name, course in courses(scene):
+            values = np.repeat(course[:, None], len(channels), axis=1)
+            yield Shape((name,), shown(scene, channels, values)[None])
+
+
+class SpanDrift:
+    """Gains wander with time, or with temperature."""
+
+    identifier, group = "span_drift", "load_cell"
+    components = (Component("rate", "1/s", 2e-4), Component("per_kelvin", "1/K", 5e-3))
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every cell, each foot's alike, all alike."""
+        return places.cells_feet_and_all(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """Straight lines."""
+        channels = places.channels_at(scene, place)
+        for name, course in courses(scene):
+            values = course[:, None] * scene.outputs[:, channels]
+            yield Shape((name,), shown(scene, channels, values)[None])
+
+
+class StuckCell:
+    """A cell's reading stays where it was."""
+
+    identifier, group = "stuck_cell", "load_cell"
+    components = (Component("share", "", 1.0), Component("time", "s", 100.0))
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every cell."""
+        return places.each_cell(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """From the beginning of each run on; what is missing is what the others tell."""
+        (channel,) = places.channels_at(scene, place)
+        samples = scene.samples
+        expected = scene.expected(int(channel))
+        # Whatever the gain: a cell beside it, in volts that move as they do under load.
+        own = [i for i in places.vertical(samples.shoe) if i != channel]
+        others = samples.readings[:, own[int(np.argmax(np.std(samples.readings[:, own], axis=0)))]]
+        for start in sorted({track.start for track in samples.tracks}):
+            late = samples.clock >= start
+            if np.count_nonzero(late) < 10 or not _flat(
+                scene.samples.readings[late, channel], others[late], FLAT_STUCK
+            ):
+                continue
+            level = float(np.median(scene.outputs[late, channel]))
+            missing = np.where(late, level - expected, 0.0)
+            columns = shown(scene, np.array([channel]), missing[:, None])[None]
+            yield Shape(("share",), columns, {"time": start})
+
+
+def _flat(shown_: FloatArray, expected: FloatArray, share: float) -> bool:
+    """Whether a channel hardly moved while it should have."""
+    return bool(np.std(shown_) <= share * np.std(expected))
+
+
+def courses(scene: Scene) -> Iterator[tuple[str, FloatArray]]:
+    """What drifts can follow: the session's time, and the temperature where it changes."""
+    samples = scene.samples
+    yield "rate", samples.clock
+    if all(track.temperature is not None for track in samples.tracks):
+        told = samples.decimated(lambda track: np.asarray(track.temperature)[:, None])[:, 0]
+        if np.ptp(told) > 0.5:
+            yield "per_kelvin", told - told[0]

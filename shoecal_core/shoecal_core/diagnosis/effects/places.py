@@ -1,0 +1,105 @@
+"""Where effects can sit."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.effects.base import ALL, Place
+from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.sensing.shoe import FEET, Shoe
+
+IntArray = NDArray[np.int64]
+
+
+def cells(shoe: Shoe) -> IntArray:
+    """Indices of the one-axis cells: channels of vertical force alone, not of six-axis sensors."""
+    return np.array(
+        [
+            index
+            for index in range(len(shoe.channels))
+            if shoe.columns[index, 0] == 1.0 and not _six_axis(shoe, index)
+        ],
+        dtype=np.int64,
+    )
+
+
+def _six_axis(shoe: Shoe, index: int) -> bool:
+    return bool(shoe.torque[shoe.of_foot(int(shoe.foot[index]))].any())
+
+
+def vertical(shoe: Shoe) -> IntArray:
+    """Channels of vertical force: cells, and that axis of six-axis sensors."""
+    return np.flatnonzero((shoe.columns[:, 0] != 0.0) & ~shoe.torque)
+
+
+def each_cell(scene: Scene) -> Iterator[Place]:
+    """Every channel of vertical force by itself."""
+    shoe = scene.samples.shoe
+    for index in vertical(shoe):
+        yield (shoe.names[index],)
+
+
+def each_foot(_scene: Scene) -> Iterator[Place]:
+    """Left and right."""
+    for foot in FEET:
+        yield (foot,)
+
+
+def feet_and_all(scene: Scene) -> Iterator[Place]:
+    """Left, right, both."""
+    yield from each_foot(scene)
+    yield (ALL,)
+
+
+def cells_and_feet(scene: Scene) -> Iterator[Place]:
+    """Every cell, and each foot's together."""
+    yield from each_cell(scene)
+    yield from each_foot(scene)
+
+
+def cells_feet_and_all(scene: Scene) -> Iterator[Place]:
+    """Every cell, each foot's together, all."""
+    yield from cells_and_feet(scene)
+    yield (ALL,)
+
+
+def each_joint(scene: Scene) -> Iterator[Place]:
+    """Every joint of the legs."""
+    robot = scene.samples.robot
+    for joint in sorted(robot.moved.tolist()):
+        yield (robot.joint_names[joint],)
+
+
+def joints_and_all(scene: Scene) -> Iterator[Place]:
+    """Every joint of the legs, and all of them alike."""
+    yield from each_joint(scene)
+    yield (ALL,)
+
+
+def channels_at(scene: Scene, place: Place) -> IntArray:
+    """Channels of vertical force at a place: a cell, a foot, or all."""
+    shoe = scene.samples.shoe
+    (name,) = place
+    chosen = vertical(shoe)
+    if name in shoe.names:
+        return np.array([shoe.names.index(name)])
+    if name in FEET:
+        return chosen[shoe.foot[chosen] == FEET.index(name)]
+    return chosen
+
+
+def all_channels_at(scene: Scene, place: Place) -> IntArray:
+    """Channels of any kind of a foot, or all."""
+    shoe = scene.samples.shoe
+    (name,) = place
+    return shoe.of_foot(FEET.index(name)) if name in FEET else np.arange(len(shoe.channels))
+
+
+def joints_at(scene: Scene, place: Place) -> Sequence[int]:
+    """Joints at a place."""
+    robot = scene.samples.robot
+    (name,) = place
+    return sorted(robot.moved.tolist()) if name == ALL else [robot.joint(name)]

@@ -1,0 +1,60 @@
+"""Effects of time: readings that are old, or sluggish."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.effects import places
+from shoecal_core.diagnosis.effects.base import Component, Place, Shape
+from shoecal_core.diagnosis.effects.filters import slope
+from shoecal_core.diagnosis.effects.load_cell import shown
+from shoecal_core.diagnosis.samples import Track
+from shoecal_core.diagnosis.signals import Scene
+
+FloatArray = NDArray[np.float64]
+
+
+class Latency:
+    """Readings are older than their stamps say, against the joints."""
+
+    identifier, group = "latency", "timing"
+    components = (Component("delay", "s", 0.04),)
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Each foot, or both alike."""
+        return places.feet_and_all(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """What was read, less what comes a delay later, for several delays (to second order)."""
+        channels = places.all_channels_at(scene, place)
+        for delay in (0.02, 0.1):
+
+            def work(track: Track, delay: float = delay) -> FloatArray:
+                force = scene.parameters.outputs(track.readings)[:, channels]
+                rate = slope(force, track.time)
+                return -rate - 0.5 * delay * slope(rate, track.time)
+
+            yield Shape(("delay",), shown(scene, channels, scene.samples.decimated(work))[None])
+
+
+class LowPass:
+    """Readings follow the force with a lag of first order."""
+
+    identifier, group = "low_pass", "timing"
+    components = (Component("time", "s", 0.08),)
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Each foot, or both alike."""
+        return places.feet_and_all(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """For a lag of first order the force is reading + time x rate of the reading."""
+        channels = places.all_channels_at(scene, place)
+
+        def work(track: Track) -> FloatArray:
+            return -slope(scene.parameters.outputs(track.readings)[:, channels], track.time)
+
+        yield Shape(("time",), shown(scene, channels, scene.samples.decimated(work))[None])

@@ -1,0 +1,119 @@
+"""Everything that could be the cause, each with the columns of its forms."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.effects.base import Effect, Place, Shape, stds
+from shoecal_core.diagnosis.result import Candidate
+from shoecal_core.diagnosis.signals import Scene
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Form:
+    """One shape of a hypothesis, and where its columns stand.
+
+    Attributes:
+        shape: what it is.
+        columns: places among all hypotheses' columns.
+        std: (k,) priors of its free components.
+    """
+
+    shape: Shape
+    columns: tuple[int, ...]
+    std: FloatArray
+
+
+@dataclass(frozen=True)
+class Hypothesis:
+    """An effect at a place.
+
+    Attributes:
+        effect, place: which and where.
+        forms: at least one.
+        prior: its share of what is believed beforehand of all hypotheses.
+    """
+
+    effect: Effect
+    place: Place
+    forms: tuple[Form, ...]
+    prior: float
+
+    @property
+    def label(self) -> str:
+        """For a person to read."""
+        return Candidate(self.effect.identifier, self.place, 0.0).label
+
+
+@dataclass(frozen=True)
+class Library:
+    """All hypotheses of a scene.
+
+    Attributes:
+        hypotheses: those whose columns stand in `columns`.
+        rewired: those that change what channels mean; each has scenes of its own.
+        columns: (k, T, s).
+        lacking: identifiers of effects for which the recording has nothing to offer.
+    """
+
+    hypotheses: tuple[Hypothesis, ...]
+    rewired: tuple[Hypothesis, ...]
+    columns: FloatArray
+    lacking: tuple[str, ...]
+
+
+def make_library(
+    scene: Scene,
+    effects: Sequence[Effect],
+    wanted: Callable[[str, Place], bool] = lambda _effect, _place: True,
+) -> Library:
+    """Lay out every form of every effect at every place.
+
+    Every class has the same prior, within it every effect, within that every place.
+    """
+    groups = {effect.group for effect in effects}
+    found: list[tuple[Effect, Place, list[Shape]]] = []
+    lacking = []
+    for effect in effects:
+        before = len(found)
+        for place in effect.places(scene):
+            if not wanted(effect.identifier, place):
+                continue
+            shapes = list(effect.shapes(scene, place))
+            if shapes:
+                found.append((effect, place, shapes))
+        if len(found) == before:
+            lacking.append(effect.identifier)
+    columns: list[FloatArray] = []
+    at = 0
+    ordinary, rewired = [], []
+    for effect, place, shapes in found:
+        forms = []
+        for shape in shapes:
+            count = len(shape.columns)
+            places = tuple(range(at, at + count)) if shape.scene is None else ()
+            forms.append(Form(shape, places, stds(effect, shape.free)))
+            if shape.scene is None:
+                columns.append(shape.columns)
+                at += count
+        hypothesis = Hypothesis(effect, place, tuple(forms), _prior(effect, found, effects, groups))
+        (rewired if shapes[0].scene is not None else ordinary).append(hypothesis)
+    whole = np.concatenate(columns) if columns else np.zeros((0, *scene.residuals.shape))
+    return Library(tuple(ordinary), tuple(rewired), whole, tuple(lacking))
+
+
+def _prior(
+    effect: Effect,
+    found: Iterable[tuple[Effect, Place, list[Shape]]],
+    effects: Sequence[Effect],
+    groups: set[str],
+) -> float:
+    alike = sum(1 for one in effects if one.group == effect.group)
+    places = sum(1 for other, _, _ in found if other is effect)
+    return 1.0 / (len(groups) * alike * places)

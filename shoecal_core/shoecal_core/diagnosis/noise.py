@@ -1,0 +1,33 @@
+"""How noisy the signals are, and for how long: from what no smooth cause could explain."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.regression import Noise
+from shoecal_core.diagnosis.samples import Samples
+from shoecal_core.diagnosis.signals import SIGNALS
+
+FloatArray = NDArray[np.float64]
+MOST_KEEP = 0.97
+FEWEST = 10
+
+
+def noise_of(samples: Samples, mask: NDArray[np.bool_], rest: FloatArray) -> Noise:
+    """From residuals (T, s) under a rich model, where a mask (T, s) lets them count."""
+    step = np.diff(samples.time)
+    follows = (np.diff(samples.segment) == 0) & (step > 0) & (step < 1.5 * np.median(step))
+    std, keep = np.ones(len(SIGNALS)), np.zeros(len(SIGNALS))
+    for index in range(len(SIGNALS)):
+        there = mask[:, index]
+        if np.count_nonzero(there) < FEWEST:
+            continue
+        own = rest[:, index]
+        std[index] = np.sqrt(max(float(np.mean(own[there] ** 2)), 1e-24))
+        pair = follows & there[1:] & there[:-1]
+        if np.count_nonzero(pair) > FEWEST:
+            product = float(np.mean(own[1:][pair] * own[:-1][pair]))
+            power = float(np.mean(own[1:][pair] ** 2 + own[:-1][pair] ** 2)) / 2.0
+            keep[index] = np.clip(product / max(power, 1e-300), 0.0, MOST_KEEP)
+    return Noise(std, keep)

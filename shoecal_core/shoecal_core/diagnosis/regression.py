@@ -1,0 +1,170 @@
+"""Least squares over the signals, from sums that every hypothesis shares.
+
+All signals are whitened: each is one noise, correlated from sample to sample, long. The sums of
+products of all columns, a run at a time, are made once; every hypothesis, on whatever runs, is
+then a small system of equations.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.samples import Samples
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Noise:
+    """Noise of the signals, s of them: x_t = keep x_{t-1} + innovation.
+
+    Attributes:
+        std: (s,) of the noise itself.
+        keep: (s,) correlation from one sample to the next.
+    """
+
+    std: FloatArray
+    keep: FloatArray
+
+    @property
+    def innovation(self) -> FloatArray:
+        """(s,) standard deviation of what is new in each sample."""
+        return self.std * np.sqrt(1.0 - self.keep**2)
+
+
+class Whitening:
+    """Turns signals (..., T, s) into rows of unit noise.
+
+    Args:
+        samples: which follow each other within a run and segment.
+        mask: (T, s) signals that are there.
+        noise: of the signals.
+    """
+
+    def __init__(self, samples: Samples, mask: BoolArray, noise: Noise) -> None:
+        step = np.diff(samples.time)
+        usual = float(np.median(step))
+        follows = (np.diff(samples.segment) == 0) & (step > 0.0) & (step < 1.5 * usual)
+        self._follows = np.concatenate(([False], follows))[:, None] & mask
+        self._follows[1:] &= mask[:-1]
+        self._keep = np.where(self._follows, noise.keep, 0.0)
+        first = np.sqrt(1.0 - noise.keep**2)
+        scale = np.where(self._follows, 1.0, first) / np.maximum(noise.innovation, 1e-300)
+        self._scale = np.where(mask, scale, 0.0)
+        self.run = samples.run
+
+    def __call__(self, values: FloatArray) -> FloatArray:
+        """(..., T, s) whitened."""
+        whitened = values.copy()
+        whitened[..., 1:, :] -= self._keep[1:] * values[..., :-1, :]
+        whitened *= self._scale
+        return whitened
+
+
+@dataclass(frozen=True)
+class Sums:
+    """Products of whitened columns and of the residuals, by run.
+
+    The columns are the baseline's first, then those of hypotheses, then the residuals.
+
+    Attributes:
+        runs: numbers.
+        products: (runs, q, q).
+        rows: (runs,) number of whitened rows.
+        base: number of the baseline's columns.
+        precision: (base,) prior precision of the baseline's columns.
+    """
+
+    runs: tuple[int, ...]
+    products: FloatArray
+    rows: FloatArray
+    base: int
+    precision: FloatArray
+
+    def of(self, runs: Sequence[int]) -> tuple[FloatArray, float]:
+        """Products and number of rows of some runs together."""
+        part = [self.runs.index(run) for run in runs]
+        return self.products[part].sum(axis=0), float(self.rows[part].sum())
+
+
+def make_sums(
+    whitening: Whitening,
+    runs: Sequence[int],
+    baseline: FloatArray,
+    hypotheses: FloatArray,
+    residuals: FloatArray,
+    mask: BoolArray,
+    precision: FloatArray,
+) -> Sums:
+    """Add up all products.
+
+    Args:
+        baseline: (p, T, s). hypotheses: (k, T, s). residuals: (T, s).
+        mask: (T, s) signals that are there.
+        precision: (p,) prior precision of the baseline's columns.
+    """
+    whole = np.concatenate((baseline, hypotheses, residuals[None]))
+    size = len(whole)
+    products = np.zeros((len(runs), size, size))
+    rows = np.zeros(len(runs))
+    whitened = whitening(whole)
+    for index, run in enumerate(runs):
+        part = whitening.run == run
+        flat = whitened[:, part][:, mask[part]]
+        products[index] = flat @ flat.T
+        rows[index] = mask[part].sum()
+    return Sums(tuple(runs), products, rows, len(baseline), precision)
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A fit of the baseline and some more columns.
+
+    Attributes:
+        vector: (p + k,) what the columns are to be taken times to give the residuals.
+        covariance: (p + k, p + k) under unit noise.
+        squares: weighted sum of squares left, priors included.
+        log_volume: half the logarithm of how much the data narrow the k columns' priors.
+        log_all: the same of all columns, the baseline's included.
+    """
+
+    vector: FloatArray
+    covariance: FloatArray
+    squares: float
+    log_volume: float
+    log_all: float
+
+
+def solve(products: FloatArray, sums: Sums, columns: Sequence[int], std: FloatArray) -> Solution:
+    """Least squares with priors.
+
+    Args:
+        products: (q, q) of the runs to fit.
+        columns: of hypotheses, counted from the first of them.
+        std: (k,) prior standard deviation of each.
+    """
+    chosen = np.concatenate((np.arange(sums.base), sums.base + np.asarray(columns, dtype=np.int64)))
+    precision = np.concatenate((sums.precision, 1.0 / std**2))
+    normal = products[np.ix_(chosen, chosen)]
+    right = products[chosen, -1]
+    scale = 1.0 / np.sqrt(np.diag(normal) + precision)
+    system = (normal + np.diag(precision)) * np.outer(scale, scale)
+    factor = np.linalg.cholesky(system + 1e-12 * np.eye(len(system)))
+    inverse = np.linalg.inv(factor)
+    covariance = (inverse.T @ inverse) * np.outer(scale, scale)
+    vector = covariance @ right
+    squares = float(products[-1, -1] - right @ vector)
+    k = len(std)
+    volume = 0.0
+    everything = float(np.log(np.diag(factor)).sum() - np.log(scale).sum())
+    everything -= 0.5 * float(np.log(precision).sum())
+    if k:
+        tail = covariance[-k:, -k:] / np.outer(std, std)
+        volume = -0.5 * float(np.linalg.slogdet(tail)[1])
+    return Solution(vector, covariance, squares, volume, everything)

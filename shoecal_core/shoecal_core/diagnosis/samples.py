@@ -1,0 +1,392 @@
+"""A session as a diagnosis sees it: a few samples a second, cut where feet come and go.
+
+Filters, delays and derivatives are worked out at the recorded rate; `Track.mean` then brings
+their results to the samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+from shoecal_core.calibration.aligned import Aligned, align
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.model.kinematics import BodyStates, Kinematics
+from shoecal_core.model.robot import Robot
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.recording.run import Run
+from shoecal_core.recording.session import Session
+from shoecal_core.sensing.shoe import Shoe
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
+
+TRANSIT_S = 0.8
+"""Around lifting and landing, samples are left out for this long."""
+MIN_SEGMENT_S = 0.8
+LEAST_FILLED = 0.5
+"""Part of a sample's time in which there must be readings."""
+
+
+@dataclass(frozen=True)
+class Track:
+    """One run at the rate of its readings, F of them.
+
+    Attributes:
+        run: its number. motion: what it did.
+        start: of the run since the session's first sample [s].
+        time: (F,) since the run's start [s].
+        readings: (F, n) raw.
+        angles: (F, m) as told [rad].
+        efforts: (F, m) of the joints [N m]; None where none were told.
+        up: (F, 3) the direction upwards in the base's frame; None without an IMU.
+        temperature: (F,) of the shoes [degC]; None where none was told.
+        com: (F, 2, 3) in the left and right sole's frame [m].
+        samples: slice of the samples of the whole session that are made from it.
+        weights: (T_run, F) averages over each sample's time.
+    """
+
+    run: int
+    motion: str
+    start: float
+    time: FloatArray
+    readings: FloatArray
+    angles: FloatArray
+    efforts: FloatArray | None
+    up: FloatArray | None
+    temperature: FloatArray | None
+    com: FloatArray
+    samples: slice
+    weights: csr_matrix
+
+    def mean(self, values: FloatArray) -> FloatArray:
+        """(T_run, ...) samples of values (F, ...)."""
+        flat = values.reshape(len(values), -1)
+        means: FloatArray = np.asarray(self.weights @ flat).reshape(-1, *values.shape[1:])
+        return means
+
+
+@dataclass(frozen=True)
+class Samples:
+    """T samples of a session in time, with what a fit needs of each.
+
+    Attributes:
+        robot, shoe: what it was recorded with.
+        tracks: its runs.
+        run: (T,) numbers. time: (T,) since the run's start; clock: since the session's [s].
+        segment: (T,) number of the stretch in which no foot moves.
+        loaded: (T, 2) which feet carry load.
+        readings: (T, n). angles: (T, m) [rad].
+        states: what the angles say.
+        up: (T, 3) upwards in the base's frame, NaN without an IMU.
+        force: (T,) expected vertical force [N].
+        cop: (T, 2) modelled CoP in the frame of the stance: the left sole's, or the right
+            sole's while the left foot hangs [m].
+        acceleration: (T, 2) of the CoM in that frame [m/s^2].
+        notes: what is missing or was left out, in words.
+    """
+
+    robot: Robot
+    shoe: Shoe
+    tracks: tuple[Track, ...]
+    run: IntArray
+    time: FloatArray
+    clock: FloatArray
+    segment: IntArray
+    loaded: BoolArray
+    readings: FloatArray
+    angles: FloatArray
+    states: BodyStates
+    up: FloatArray
+    force: FloatArray
+    cop: FloatArray
+    acceleration: FloatArray
+    notes: tuple[str, ...]
+
+    @property
+    def frame(self) -> IntArray:
+        """(T,) foot in whose sole frame a sample is told: the right one while the left hangs."""
+        return np.where(self.loaded[:, 0], 0, 1)
+
+    @property
+    def runs(self) -> tuple[int, ...]:
+        """Numbers of the runs."""
+        return tuple(track.run for track in self.tracks)
+
+    @cached_property
+    def encoder_step(self) -> FloatArray:
+        """(m,) smallest steps of the joints' angles; their scatter where they have none [rad]."""
+        return np.array(
+            [
+                _step(np.concatenate([t.angles[:, joint] for t in self.tracks]))
+                for joint in range(self.angles.shape[1])
+            ]
+        )
+
+    def decimated(self, work: Callable[[Track], FloatArray]) -> FloatArray:
+        """(T, ...) of what is worked out on each run at the recorded rate (F, ...)."""
+        return np.concatenate([track.mean(work(track)) for track in self.tracks])
+
+
+def load_samples(
+    session: Session,
+    runs: Sequence[int],
+    settings: DiagnosisSettings,
+    progress: Callable[[str, float], None] | None = None,
+) -> Samples:
+    """Read runs and make samples of them.
+
+    A run of which nothing can be used is left out, with a note.
+
+    Raises:
+        ShoecalError: when no run is left.
+    """
+    shoe = session.shoe
+    robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf)
+    kinematics = Kinematics(robot)
+    notes: list[str] = []
+    read = []
+    for index, number in enumerate(runs):
+        if progress is not None:
+            progress(f"reading run {number}", index / len(runs))
+        try:
+            run = session.read(number)
+            if run.info.support is None:
+                raise FileError(run.path, "names no double support")
+            read.append((run, align(run, shoe, kinematics)))
+        except FileError as error:
+            notes.append(f"run {number} is left out: {error}")
+    if not read:
+        raise FileError(session.folder, "no run can be used: " + "; ".join(notes))
+    first_ns = min(run.start_ns for run, _ in read)
+    duration = sum(float(aligned.time[-1] - aligned.time[0]) for _, aligned in read)
+    rate = min(settings.rate_hz, settings.samples_max / max(duration, 1.0))
+    parts, at, segments = [], 0, 0
+    for run, aligned in read:
+        part = _part(run, aligned, robot, settings, rate, at, segments, first_ns)
+        if part is None:
+            notes.append(f"run {run.info.run} is left out: no stance in it is long enough")
+            continue
+        parts.append(part)
+        at, segments = part.track.samples.stop, segments + int(part.segment.max() - segments) + 1
+    if not parts:
+        raise FileError(session.folder, "no run can be used: " + "; ".join(notes))
+    notes += _missing(parts)
+    angles = np.concatenate([part.track.mean(part.track.angles) for part in parts])
+    states = kinematics.states(angles)
+    loaded = np.concatenate([part.loaded for part in parts])
+    frame = np.where(loaded[:, 0], 0, 1)
+    rows = np.arange(len(frame))
+    up = np.concatenate(
+        [
+            np.full((len(part.segment), 3), np.nan)
+            if part.track.up is None
+            else part.track.mean(part.track.up)
+            for part in parts
+        ]
+    )
+    acceleration = np.concatenate([part.acceleration for part in parts])
+    return Samples(
+        robot=robot,
+        shoe=shoe,
+        tracks=tuple(part.track for part in parts),
+        run=np.concatenate([np.full(len(part.segment), part.track.run) for part in parts]),
+        time=np.concatenate([part.track.mean(part.track.time) for part in parts]),
+        clock=np.concatenate(
+            [part.track.start + part.track.mean(part.track.time) for part in parts]
+        ),
+        segment=np.concatenate([part.segment for part in parts]),
+        loaded=loaded,
+        readings=np.concatenate([part.track.mean(part.track.readings) for part in parts]),
+        angles=angles,
+        states=states,
+        up=up,
+        force=np.full(len(frame), robot.weight),
+        cop=states.com[rows, frame, :2],
+        acceleration=acceleration[rows, frame],
+        notes=tuple(notes),
+    )
+
+
+@dataclass(frozen=True)
+class _Part:
+    track: Track
+    segment: IntArray
+    loaded: BoolArray
+    acceleration: FloatArray
+
+
+def _part(
+    run: Run,
+    aligned: Aligned,
+    robot: Robot,
+    settings: DiagnosisSettings,
+    rate: float,
+    at: int,
+    segments: int,
+    first_ns: int,
+) -> _Part | None:
+    step = max(1, round(_rate(aligned.time) / settings.filter_rate_hz))
+    thin = np.zeros(len(aligned.time), dtype=bool)
+    thin[::step] = True
+    aligned = aligned.part(thin)
+    time = aligned.time
+    stance, loaded = _stances(aligned, robot, settings)
+    chosen = _bins(time, stance, rate)
+    if chosen is None:
+        return None
+    weights, owner = chosen
+    com = aligned.states.com
+    acceleration = np.gradient(np.gradient(_smooth(com[..., :2], time), time, axis=0), time, axis=0)
+    track = Track(
+        run=run.info.run,
+        motion=run.info.motion,
+        start=1e-9 * (run.start_ns - first_ns),
+        time=time,
+        readings=aligned.readings,
+        angles=aligned.joint_angles,
+        efforts=_efforts(run, robot, time),
+        up=_upwards(run, time),
+        temperature=_temperature(run, time),
+        com=com,
+        samples=slice(at, at + weights.shape[0]),
+        weights=weights,
+    )
+    return _Part(track, segments + owner, loaded[owner], track.mean(acceleration))
+
+
+def _step(values: FloatArray) -> float:
+    """Of a quantised angle; for a continuous one the width that has the same scatter."""
+    distinct = np.unique(values)
+    if len(distinct) < 2:
+        return 0.0
+    if len(distinct) < 0.2 * len(values):
+        return float(np.median(np.diff(distinct)))
+    jitter = np.diff(values, n=2) / np.sqrt(6.0)
+    return float(np.sqrt(12.0) * 1.4826 * np.median(np.abs(jitter)))
+
+
+def _rate(time: FloatArray) -> float:
+    return 1.0 / float(np.median(np.diff(time)))
+
+
+def _smooth(values: FloatArray, time: FloatArray, span: float = 0.1) -> FloatArray:
+    """Averaged over about a span [s], twice: a derivative of steps of an encoder is no motion."""
+    width = max(1, 2 * round(0.5 * span * _rate(time)) + 1)
+    flat = values.reshape(len(values), -1)
+    for _ in range(2):
+        padded = np.pad(flat, ((width // 2, width // 2), (0, 0)), mode="edge")
+        sums = np.cumsum(np.vstack((np.zeros((1, flat.shape[1])), padded)), axis=0)
+        flat = (sums[width:] - sums[:-width]) / width
+    return flat.reshape(values.shape)
+
+
+def _stances(
+    aligned: Aligned, robot: Robot, settings: DiagnosisSettings
+) -> tuple[IntArray, BoolArray]:
+    """Number of the stance of each sample, -1 between two; and which feet carry each stance."""
+    states, time = aligned.states, aligned.time
+    height = states.translation[:, 2]
+    off = np.abs(height - np.median(height))
+    air = off > settings.lifted_m
+    near = np.zeros(len(air), dtype=bool)
+    margin = max(1, round(TRANSIT_S * _rate(time)))
+    edges = np.flatnonzero(np.diff((off > 0.3 * settings.lifted_m).astype(int)) != 0)
+    if air.any():
+        for edge in edges:
+            near[max(0, edge - margin) : edge + margin + 1] = True
+    centres = [foot.outline.mean(axis=0) for foot in robot.feet]
+    away = np.stack(
+        [np.linalg.norm(states.com[:, foot, :2] - centres[foot], axis=1) for foot in (0, 1)]
+    )
+    standing = np.where(air, np.where(away[0] < away[1], 1, 2), 0)
+    standing[near] = -1
+    change = np.flatnonzero((np.diff(standing) != 0) | (np.diff(time) > 1.0)) + 1
+    stance = np.full(len(time), -1)
+    loaded: list[tuple[bool, bool]] = []
+    for part in np.split(np.arange(len(time)), change):
+        kind = int(standing[part[0]])
+        if kind < 0 or time[part[-1]] - time[part[0]] < MIN_SEGMENT_S:
+            continue
+        stance[part] = len(loaded)
+        loaded.append(((True, True), (True, False), (False, True))[kind])
+    return stance, np.array(loaded, dtype=bool).reshape(-1, 2)
+
+
+def _bins(time: FloatArray, stance: IntArray, rate: float) -> tuple[csr_matrix, IntArray] | None:
+    """Averages over each sample's time (T, F), and the stance that each sample is of."""
+    key = np.where(stance >= 0, np.floor(time * rate).astype(np.int64), -1)
+    pair = np.stack((stance, key), axis=1)
+    wanted = np.flatnonzero(stance >= 0)
+    if not len(wanted):
+        return None
+    names, inverse, count = np.unique(pair[wanted], axis=0, return_inverse=True, return_counts=True)
+    inverse = np.asarray(inverse).reshape(-1)
+    full = count >= max(1.0, LEAST_FILLED * min(_rate(time) / rate, float(np.median(count))))
+    order = np.cumsum(full) - 1
+    keep = full[inverse]
+    rows, columns = order[inverse[keep]], wanted[keep]
+    weights = csr_matrix(
+        (1.0 / count[inverse[keep]], (rows, columns)), shape=(int(full.sum()), len(time))
+    )
+    return weights, names[full, 0]
+
+
+def _efforts(run: Run, robot: Robot, time: FloatArray) -> FloatArray | None:
+    if run.joints.effort is None:
+        return None
+    efforts = np.zeros((len(time), len(robot.joint_names)))
+    told = dict(zip(run.joints.names, run.joints.effort.T, strict=True))
+    for index, name in enumerate(robot.joint_names):
+        if name not in told or not np.isfinite(told[name]).all():
+            if index in robot.moved:
+                return None
+            continue
+        efforts[:, index] = np.interp(time, run.joints.time, told[name])
+    return efforts if np.any(efforts) else None
+
+
+def _upwards(run: Run, time: FloatArray) -> FloatArray | None:
+    """The third row of the rotation from the base to the world."""
+    imu = run.imu
+    if imu is None or not np.isfinite(imu.quaternion).all() or len(imu.time) < 2:
+        return None
+    x, y, z, w = imu.quaternion.T
+    up = np.stack((2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)), axis=1)
+    return np.stack([np.interp(time, imu.time, axis) for axis in up.T], axis=1)
+
+
+def _temperature(run: Run, time: FloatArray) -> FloatArray | None:
+    if run.shoe_temperature is not None:
+        return np.interp(time, run.shoe_temperature.time, run.shoe_temperature.value)
+    told = run.readings.temperature
+    if not np.isfinite(told).any(axis=1).any():
+        return None
+    known = np.isfinite(told).any(axis=1)
+    mean = np.nanmean(told[known], axis=1)
+    return np.interp(time, run.readings.time[known], mean)
+
+
+def _missing(parts: Sequence[_Part]) -> list[str]:
+    tracks = [part.track for part in parts]
+    notes = []
+    if any(track.up is None for track in tracks):
+        notes.append("no /imu in every run: a tilt of the floor is only seen by the CoP")
+    if all(track.temperature is None for track in tracks):
+        notes.append("no temperature: drifts are told by time alone")
+    if all(track.efforts is None for track in tracks):
+        notes.append("no joint efforts: loads sideways on cells are not looked for")
+    if not any((~part.loaded).any() for part in parts):
+        notes.append("no foot is ever in the air: how the feet share the load is weakly fixed")
+    if len(parts) < 2:
+        raise ShoecalError(
+            "one run alone cannot tell a gap from a parameter: record at least two double supports"
+        )
+    return notes

@@ -1,0 +1,64 @@
+"""Thresholds of a diagnosis, each with its unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from shoecal_core.settings import Settings, setting
+
+
+@dataclass(frozen=True)
+class DiagnosisSettings(Settings):
+    """How samples are made and when something counts as found."""
+
+    rate_hz: float = setting(
+        5.0, "1/s", "samples that regressions see; what happens faster is worked out before",
+        minimum=0.5,
+    )  # fmt: skip
+    samples_max: int = setting(
+        4000, "", "samples of a whole session; longer ones are sampled more slowly", minimum=200
+    )
+    filter_rate_hz: float = setting(
+        100.0, "1/s", "rate at which filters, delays and derivatives are worked out", minimum=5.0
+    )
+    gain_std: float = setting(
+        1.0, "", "how far gains are off their initial guess, as a share of it", minimum=1e-6
+    )
+    nominal_gain_std: float = setting(
+        0.1, "", "the same for channels whose data sheet gives a gain", minimum=1e-6
+    )
+    offset_std_n: float = setting(
+        30.0, "N", "how far offsets are off their initial guess", minimum=1e-6
+    )
+    lifted_m: float = setting(
+        0.0025, "m", "a foot higher than this above the other one is in the air", minimum=1e-4
+    )
+    parity_residual: float = setting(
+        0.1, "", "cells of a foot count as lying on one plane when what is off it is at most this "
+        "share of their third direction", minimum=0.0,
+    )  # fmt: skip
+    causes_max: int = setting(4, "", "effects in one explanation at most", minimum=1, maximum=12)
+    evidence_min: float = setting(
+        12.0, "", "an effect is needed when the data are more probable with it by this, as a "
+        "logarithm, beyond what its prior costs", minimum=0.0,
+    )  # fmt: skip
+    material: float = setting(
+        0.7, "", "it matters when it changes CoP or GRF by this share of their noise", minimum=0.0
+    )
+    temper: float = setting(
+        0.15, "", "logarithms of probabilities count by this share: hypotheses are only models",
+        minimum=1e-3, maximum=1.0,
+    )  # fmt: skip
+    set_share: float = setting(
+        0.95, "", "probability that a set of explanations which cannot be told apart holds",
+        minimum=0.5, maximum=0.999,
+    )  # fmt: skip
+    explained_from: float = setting(
+        0.6, "", "part of the excess that must go for a gap to count as explained", minimum=0.0
+    )
+    unknown_below: float = setting(
+        0.2, "", "less than this part explained: the cause is unknown", minimum=0.0
+    )
+    gap_from: float = setting(
+        1.3, "", "errors of CoP or GRF over their floor from which there is a gap", minimum=1.0
+    )

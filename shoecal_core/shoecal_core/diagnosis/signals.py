@@ -1,0 +1,424 @@
+"""The signals that a gap shows in, and what the fitted parameters add to them.
+
+Signals are measured minus modelled. The first three are the calibration's own residuals, each
+of the others needs no force sensor, or no model, and so tells other effects apart:
+
+- grf, cop_x, cop_y: of both feet together, in the stance's frame;
+- air_f, air_mx, air_my: the wrench of a foot in the air, which should be zero;
+- closure: pose of the right sole in the left's, by the joints: constant while both stand;
+- parity: of four cells below a stiff plate three tell the fourth;
+- tilt: upwards by the IMU, in the sole frame by the joints: along z on a level floor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis import body
+from shoecal_core.diagnosis.samples import Samples
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.robot import GRAVITY
+from shoecal_core.sensing.shoe import FEET
+from shoecal_core.sensing.wrench import (
+    ChannelParameters,
+    combined,
+    to_left,
+    weight_below,
+)
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+SIGNALS = (
+    "grf", "cop_x", "cop_y", "air_f", "air_mx", "air_my",
+    "closure_x", "closure_y", "closure_z", "closure_roll", "closure_pitch", "closure_yaw",
+    "parity_left", "parity_right", "tilt_x", "tilt_y",
+)  # fmt: skip
+GRF, COP, AIR, CLOSURE, PARITY, TILT = (
+    slice(0, 1), slice(1, 3), slice(3, 6), slice(6, 12), slice(12, 14), slice(14, 16),
+)  # fmt: skip
+ROLL_PITCH = slice(9, 11)
+FAMILIES = {"air": AIR, "closure": CLOSURE, "parity": PARITY, "tilt": TILT}
+"""Families of signals that can be left out, and where they stand."""
+
+FREE = 1e6
+"""Prior of what may have any size."""
+LEAST_STANDING_M, LEAST_STANDING_RAD, BRACED_SHARE = 1e-4, 4e-4, 5e-4
+"""Least scatter from stance to stance of CoP and tilt, and that of the vertical force over it."""
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """How channels add to the wrench: the shoe file's word, unless a cable says otherwise.
+
+    Attributes:
+        columns: (n, 3) of each channel in its own foot's sole frame.
+        foot: (n,) that each channel acts on.
+    """
+
+    columns: FloatArray
+    foot: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Scene:
+    """All signals at T samples under one set of channel parameters.
+
+    Attributes:
+        samples: of the session.
+        parameters: gains and offsets.
+        answers: of the body to its joints.
+        planes: (2, n) combination of outputs that is constant on each foot; zero where its
+            cells are not known to lie on one plane.
+        without: families of signals left out.
+        wiring: of the channels.
+    """
+
+    samples: Samples
+    parameters: ChannelParameters
+    answers: body.Answers
+    planes: FloatArray
+    without: frozenset[str]
+    wiring: Wiring
+
+    # What is measured
+
+    @cached_property
+    def outputs(self) -> FloatArray:
+        """(T, n) [N or N m]."""
+        return self.parameters.outputs(self.samples.readings)
+
+    @cached_property
+    def supports(self) -> tuple[DoubleSupport, ...]:
+        """Where the right foot stands in each segment, from the joints."""
+        samples = self.samples
+        found = []
+        for segment in range(int(samples.segment.max()) + 1):
+            part = samples.segment == segment
+            dx, dy = np.median(samples.states.translation[part, :2], axis=0)
+            found.append(
+                DoubleSupport(float(dx), float(dy), float(np.median(samples.states.yaw[part])))
+            )
+        return tuple(found)
+
+    @cached_property
+    def columns(self) -> FloatArray:
+        """(segments, n, 3) of every channel in the stance's frame, those in the air zero."""
+        stacked = []
+        for segment, support in enumerate(self.supports):
+            first = int(np.argmax(self.samples.segment == segment))
+            left, right = self.samples.loaded[first]
+            if left and right:
+                turned = _turned(self.wiring, support)
+            else:
+                turned = np.where(
+                    (self.wiring.foot == (0 if left else 1))[:, None], self.wiring.columns, 0.0
+                )
+            stacked.append(turned)
+        return np.array(stacked)
+
+    @cached_property
+    def per_sample(self) -> FloatArray:
+        """(T, n, 3) the same, of each sample."""
+        return self.columns[self.samples.segment]
+
+    @cached_property
+    def foot_wrenches(self) -> FloatArray:
+        """(T, 2, 3) of each foot in its sole frame [N, N m]."""
+        each = [
+            self.outputs @ np.where((self.wiring.foot == foot)[:, None], self.wiring.columns, 0.0)
+            for foot in (0, 1)
+        ]
+        return np.stack(each, axis=1) + weight_below(self.samples.shoe)
+
+    @cached_property
+    def wrench(self) -> FloatArray:
+        """(T, 3) on all feet that stand, in the stance's frame [N, N m]."""
+        base = weight_below(self.samples.shoe)
+        fixed = []
+        for segment, support in enumerate(self.supports):
+            first = int(np.argmax(self.samples.segment == segment))
+            left, right = self.samples.loaded[first]
+            fixed.append(combined(base, support) if left and right else base[0 if left else 1])
+        found: FloatArray = (
+            np.einsum("tn,tnw->tw", self.outputs, self.per_sample)
+            + np.array(fixed)[self.samples.segment]
+        )
+        return found
+
+    @cached_property
+    def cop(self) -> FloatArray:
+        """(T, 2) measured, in the stance's frame [m]."""
+        force = np.maximum(self.wrench[:, 0], 0.2 * self.samples.force)
+        return np.stack((-self.wrench[:, 2], self.wrench[:, 1]), axis=1) / force[:, None]
+
+    @cached_property
+    def zero_moment(self) -> FloatArray:
+        """(T, 2) zero-moment point of a single mass at the CoM, less the CoM's projection [m]."""
+        samples = self.samples
+        height = samples.states.com[np.arange(len(samples.run)), samples.frame, 2]
+        return -(height / GRAVITY)[:, None] * samples.acceleration
+
+    @cached_property
+    def links(self) -> body.Links:
+        """Places of the links, and torques."""
+        return body.links(self.samples, self.foot_wrenches)
+
+    # Signals
+
+    @cached_property
+    def mask(self) -> BoolArray:
+        """(T, s) signals that are there."""
+        samples = self.samples
+        both = samples.loaded.all(axis=1)
+        there = np.zeros((len(both), len(SIGNALS)), dtype=bool)
+        there[:, :3] = True
+        there[:, AIR] = ~both[:, None]
+        there[:, CLOSURE] = both[:, None]
+        there[:, PARITY] = self.planes.any(axis=1) & samples.loaded
+        there[:, TILT] = np.isfinite(samples.up).all(axis=1)[:, None]
+        for family in self.without:
+            there[:, FAMILIES[family]] = False
+        return there
+
+    @cached_property
+    def residuals(self) -> FloatArray:
+        """(T, s) measured minus modelled; zero where a signal is not there."""
+        samples = self.samples
+        found = np.zeros((len(samples.run), len(SIGNALS)))
+        found[:, GRF] = (self.wrench[:, 0] - samples.force)[:, None]
+        found[:, COP] = self.cop - samples.cop
+        found[:, AIR] = self._hanging(self.foot_wrenches)
+        found[:, CLOSURE] = body.closure(samples.states)
+        found[:, PARITY] = self.outputs @ self.planes.T
+        up = np.where(np.isfinite(samples.up), samples.up, 0.0)
+        found[:, TILT] = body.up_in_sole(samples.states, samples.frame, up)[:, :2]
+        return self.settled(found)
+
+    @cached_property
+    def baseline(self) -> FloatArray:
+        """(p, T, s) derivatives by gains and offsets; then what `nuisances` may add."""
+        count, channels = self.outputs.shape
+        gains = [self._of_channel(i, one) for i, one in enumerate(self.samples.readings.T)]
+        offsets = [self._of_channel(i, np.ones(count)) for i in range(channels)]
+        others = [column for column, _ in self.nuisances]
+        return np.array([self.settled(one) for one in (*gains, *offsets, *others)])
+
+    def _of_channel(self, channel: int, values: FloatArray) -> FloatArray:
+        change = np.zeros_like(self.outputs)
+        change[:, channel] = values
+        column = self.by_outputs(change, settled=False)
+        # Which way a plane leans is found from the outputs; gains do not tell it.
+        column[:, PARITY] = 0.0
+        return column
+
+    @cached_property
+    def nuisances(self) -> list[tuple[FloatArray, float]]:
+        """What may be there in any recording, each (T, s) with its prior standard deviation."""
+        count = len(self.samples.run)
+        found: list[tuple[FloatArray, float]] = []
+
+        def add(signal: int, values: FloatArray, std: float) -> None:
+            column = np.zeros((count, len(SIGNALS)))
+            column[:, signal] = values
+            found.append((column, std))
+
+        for foot in (0, 1):
+            own = np.flatnonzero(self.wiring.foot == foot)
+            if self.planes[foot].any():
+                others = np.linalg.svd(self.planes[foot, own][None])[2][1:]
+                for values in (*(self.outputs[:, own] @ others.T).T, np.ones(count)):
+                    add(PARITY.start + foot, values, FREE)
+        # Accelerations move the zero-moment point; how much, a single mass tells roughly.
+        found.append((self.by_model(0.0, self.zero_moment), FREE))
+        for axis in range(TILT.start, TILT.stop):
+            add(axis, np.ones(count), FREE)
+        # Encoders stand on one step or the next for a whole stance: an error of its own.
+        steps = self.standing_errors
+        for segment in range(int(self.samples.segment.max()) + 1):
+            here = (self.samples.segment == segment).astype(np.float64)
+            for signal in (0, 1, 2, TILT.start, TILT.start + 1):
+                add(signal, here, steps[signal])
+        return found
+
+    @cached_property
+    def standing_errors(self) -> FloatArray:
+        """(s,) standard deviation of what a stance adds to each signal by itself.
+
+        From the encoders' steps, each joint by itself; the vertical force has the scatter of a
+        robot that braces its legs against each other.
+        """
+        step = self.samples.encoder_step / np.sqrt(12.0)
+        found = np.zeros(len(SIGNALS))
+        found[0] = BRACED_SHARE * float(self.samples.force.mean())
+        for part, answer, least in (
+            (COP, self.answers.cop, LEAST_STANDING_M),
+            (TILT, self.answers.tilt, LEAST_STANDING_RAD),
+        ):
+            spread = np.sqrt(np.mean(np.sum((answer * step) ** 2, axis=2), axis=0))
+            found[part] = np.maximum(spread, least)
+        return found
+
+    # What effects do to them
+
+    def by_outputs(self, change: FloatArray, *, settled: bool = True) -> FloatArray:
+        """(T, s) when channels show `change` (T, n) more than the force they feel."""
+        added = np.einsum("tn,tnw->tw", change, self.per_sample)
+        found = self.by_wrench(added, settled=False)
+        feet = np.stack(
+            [
+                change @ np.where((self.wiring.foot == foot)[:, None], self.wiring.columns, 0.0)
+                for foot in (0, 1)
+            ],
+            axis=1,
+        )
+        found[:, AIR] = self._hanging(feet)
+        found[:, PARITY] = change @ self.planes.T
+        return self.settled(found) if settled else found
+
+    def by_wrench(self, change: FloatArray, *, settled: bool = True) -> FloatArray:
+        """(T, s) when the wrench measured on what stands has `change` (T, 3) more."""
+        force = np.maximum(self.wrench[:, 0], 0.2 * self.samples.force)
+        found = np.zeros((len(change), len(SIGNALS)))
+        found[:, 0] = change[:, 0]
+        found[:, 1] = (-change[:, 2] - self.cop[:, 0] * change[:, 0]) / force
+        found[:, 2] = (change[:, 1] - self.cop[:, 1] * change[:, 0]) / force
+        return self.settled(found) if settled else found
+
+    def by_angles(self, change: FloatArray) -> FloatArray:
+        """(T, s) when encoders show `change` (T, m) more than the true angles."""
+        found = np.zeros((len(change), len(SIGNALS)))
+        found[:, COP] = -np.einsum("tim,tm->ti", self.answers.cop, change)
+        found[:, CLOSURE] = np.einsum("tim,tm->ti", self.answers.closure, change)
+        found[:, TILT] = np.einsum("tim,tm->ti", self.answers.tilt, change)
+        support = self.segment_means(found[:, CLOSURE][:, (0, 1, 5)])
+        found[:, COP] += self.by_support(support)[:, COP]
+        return self.settled(found)
+
+    def by_support(self, change: FloatArray) -> FloatArray:
+        """(T, s) when the right foot is taken to stand (T, 3) dx, dy, dtheta further."""
+        samples = self.samples
+        both = samples.loaded.all(axis=1)
+        force, about_x, about_y = self.foot_wrenches[:, 1].T
+        yaw = np.array([support.dtheta for support in self.supports])[samples.segment]
+        dx, dy, turn = change.T
+        c, s = np.cos(yaw), np.sin(yaw)
+        mx = dy * force + turn * (-s * about_x - c * about_y)
+        my = -dx * force + turn * (c * about_x - s * about_y)
+        wrench = np.stack((np.zeros_like(force), mx, my), axis=1)
+        return self.by_wrench(np.where(both[:, None], wrench, 0.0))
+
+    def by_model(self, force: FloatArray | float, cop: FloatArray) -> FloatArray:
+        """(T, s) when truly the force (T,) is more than expected, and the CoP is off by (T, 2)."""
+        found = np.zeros((len(cop), len(SIGNALS)))
+        found[:, 0] = force
+        found[:, COP] = cop
+        return found
+
+    def tilted(self, slope: FloatArray) -> FloatArray:
+        """(T, s) when soles lean: upwards has (T, 2) x, y in the stance's sole frame."""
+        samples = self.samples
+        height = samples.states.com[np.arange(len(slope)), samples.frame, 2]
+        found = np.zeros((len(slope), len(SIGNALS)))
+        found[:, COP] = -height[:, None] * slope
+        found[:, TILT] = slope
+        return found
+
+    def segment_means(self, values: FloatArray) -> FloatArray:
+        """(T, ...) each sample's segment's mean."""
+        segment = self.samples.segment
+        count = np.maximum(np.bincount(segment), 1)
+        flat = values.reshape(len(values), -1)
+        sums = np.stack([np.bincount(segment, weights=column) for column in flat.T], axis=1)
+        means: FloatArray = (sums / count[:, None])[segment].reshape(values.shape)
+        return means
+
+    def settled(self, values: FloatArray) -> FloatArray:
+        """Signals as they count: a closure tells changes within a segment only."""
+        values = values.copy()
+        values[:, CLOSURE] -= self.segment_means(values[:, CLOSURE])
+        return np.where(self.mask, values, 0.0)
+
+    def _hanging(self, feet: FloatArray) -> FloatArray:
+        """(T, 3) wrench of the foot in the air, of both feet's (T, 2, 3)."""
+        return np.where(self.samples.loaded[:, :1], feet[:, 1], feet[:, 0])
+
+    # Variations
+
+    def with_parameters(self, parameters: ChannelParameters) -> Scene:
+        """Under other gains and offsets."""
+        return replace(self, parameters=parameters)
+
+    def with_planes(self, settings: DiagnosisSettings) -> Scene:
+        """With the planes of the cells as the outputs now show them."""
+        return replace(self, planes=_planes(self.samples, self.parameters, settings))
+
+    def expected(self, channel: int) -> FloatArray:
+        """(T,) what one cell should feel by the others [N].
+
+        From the plane of a foot with four cells, else from the weight.
+        """
+        own = [
+            i
+            for i in np.flatnonzero(self.wiring.foot == self.wiring.foot[channel])
+            if self.wiring.columns[i, 0] == 1.0
+        ]
+        if len(own) == 4:
+            plane = np.linalg.svd(self.wiring.columns[own].T)[2][-1]
+            at = own.index(channel)
+            if abs(plane[at]) > 0.2:
+                return self.outputs[:, channel] - (self.outputs[:, own] @ plane) / plane[at]
+        return self.outputs[:, channel] - self.residuals[:, 0]
+
+
+def make_scene(
+    samples: Samples,
+    parameters: ChannelParameters,
+    settings: DiagnosisSettings,
+    without: frozenset[str] = frozenset(),
+) -> Scene:
+    """The scene under first parameters; planes are found from the readings."""
+    shoe = samples.shoe
+    return Scene(
+        samples=samples,
+        parameters=parameters,
+        answers=body.answers(samples),
+        planes=_planes(samples, parameters, settings),
+        without=without,
+        wiring=Wiring(shoe.columns, shoe.foot),
+    )
+
+
+def _planes(
+    samples: Samples, parameters: ChannelParameters, settings: DiagnosisSettings
+) -> FloatArray:
+    """(2, n) direction in which the outputs of a foot's four cells hardly vary.
+
+    Found by principal components over the samples in which the foot stands; used only where
+    the rest is small, as it is for cells below a stiff plate.
+    """
+    shoe = samples.shoe
+    planes = np.zeros((len(FEET), len(shoe.channels)))
+    outputs = parameters.outputs(samples.readings)
+    for foot in range(len(FEET)):
+        own = [i for i in shoe.of_foot(foot) if shoe.columns[i, 0] == 1.0 and not shoe.torque[i]]
+        part = outputs[samples.loaded[:, foot]][:, own]
+        if len(own) != 4 or len(part) < 10:
+            continue
+        _, size, directions = np.linalg.svd(part - part.mean(axis=0), full_matrices=False)
+        if size[3] <= settings.parity_residual * size[2]:
+            planes[foot, own] = directions[3]
+    return planes
+
+
+def _turned(wiring: Wiring, support: DoubleSupport) -> FloatArray:
+    """(n, 3) in the left sole's frame."""
+    columns = wiring.columns.copy()
+    right = wiring.foot == 1
+    columns[right] = columns[right] @ to_left(support).T
+    return columns

@@ -1,0 +1,128 @@
+"""Everything that hypotheses are judged by, made once for a session."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline, precision
+from shoecal_core.diagnosis.effects.base import Effect, Place
+from shoecal_core.diagnosis.hypotheses import Library, make_library
+from shoecal_core.diagnosis.noise import noise_of
+from shoecal_core.diagnosis.regression import Noise, Sums, Whitening, make_sums, solve
+from shoecal_core.diagnosis.scoring import Scored, Scorer
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.signals import Scene
+
+FloatArray = NDArray[np.float64]
+NOISE_ROUNDS = 2
+RICH = 0.3
+"""In the rich model that noise is taken from, every effect has this share of its prior's size."""
+
+
+@dataclass(frozen=True)
+class Workspace:
+    """A scene under its best parameters, all hypotheses laid out in it, and their sums.
+
+    Attributes:
+        scene: with gains and offsets fitted to the training runs.
+        noise: of the signals.
+        library: of hypotheses.
+        whitening: by that noise.
+        sums: of all runs.
+        scorer: of the training runs.
+        train, test: numbers of the runs.
+    """
+
+    scene: Scene
+    noise: Noise
+    library: Library
+    whitening: Whitening
+    sums: Sums
+    scorer: Scorer
+    train: tuple[int, ...]
+    test: tuple[int, ...]
+
+    def explained(self, scored: Scored | None) -> tuple[FloatArray, FloatArray]:
+        """Residuals (T, s) that are left, and what the hypotheses' columns add (T, s).
+
+        Of what every recording may hold only the zero-moment point and what is free count: a
+        stance's own error is no explanation.
+        """
+        scene = self.scene
+        solution = self.scorer.nothing if scored is None else scored.solution
+        columns = () if scored is None else scored.columns
+        base = len(scene.baseline)
+        vector = solution.vector[:base].copy()
+        vector[self.own_errors] = 0.0
+        added = np.tensordot(solution.vector[base:], self.library.columns[list(columns)], 1)
+        rest = scene.residuals - np.tensordot(vector, scene.baseline, 1) - added
+        return rest, added
+
+    @property
+    def own_errors(self) -> NDArray[np.int64]:
+        """Places of the stances' own errors among the baseline's columns."""
+        segments = int(self.scene.samples.segment.max()) + 1
+        count = len(self.scene.baseline)
+        return np.arange(count - 5 * segments, count)
+
+    def rows_of(self, runs: Sequence[int]) -> NDArray[np.bool_]:
+        """(T,) samples of some runs."""
+        return np.isin(self.scene.samples.run, runs)
+
+
+def make_workspace(
+    scene: Scene,
+    effects: Sequence[Effect],
+    train: Sequence[int],
+    test: Sequence[int],
+    settings: DiagnosisSettings,
+    wanted: Callable[[str, Place], bool] = lambda _effect, _place: True,
+) -> Workspace:
+    """Fit, find the noise, lay out, add up."""
+    scene = fit_baseline(scene, train, coarse_noise(), settings)
+    library = make_library(scene, effects)
+    noise = coarse_noise()
+    for _ in range(NOISE_ROUNDS):
+        noise = _noise(scene, library, noise, train, settings)
+    scene = fit_baseline(scene, train, noise, settings)
+    library = make_library(scene, effects, wanted)
+    whitening = Whitening(scene.samples, scene.mask, noise)
+    sums = make_sums(
+        whitening,
+        [*train, *test],
+        scene.baseline,
+        library.columns,
+        scene.residuals,
+        scene.mask,
+        precision(scene, scene.parameters, settings),
+    )
+    return Workspace(
+        scene, noise, library, whitening, sums, Scorer(sums, train), tuple(train), tuple(test)
+    )
+
+
+def _noise(
+    scene: Scene, library: Library, noise: Noise, train: Sequence[int], settings: DiagnosisSettings
+) -> Noise:
+    """What is left when every effect may explain a little."""
+    whitening = Whitening(scene.samples, scene.mask, noise)
+    prior = precision(scene, scene.parameters, settings)
+    sums = make_sums(
+        whitening, train, scene.baseline, library.columns, scene.residuals, scene.mask, prior
+    )
+    products, _ = sums.of(train)
+    std = np.concatenate(
+        [form.std for hypothesis in library.hypotheses for form in hypothesis.forms]
+    )
+    vector = solve(products, sums, range(len(std)), RICH * std).vector
+    base = len(scene.baseline)
+    rest = (
+        scene.residuals
+        - np.tensordot(vector[:base], scene.baseline, 1)
+        - np.tensordot(vector[base:], library.columns, 1)
+    )
+    return noise_of(scene.samples, scene.mask & np.isin(scene.samples.run, train)[:, None], rest)
