@@ -7,10 +7,12 @@ from collections.abc import Mapping
 
 from shoecal_core.diagnosis.result import VERDICTS, Cause, Diagnosis, Shrink
 from shoecal_core.diagnosis.result import Verdict as Finding
+from shoecal_core.report.diagnosis_places import left_over
 from shoecal_core.report.diagnosis_words import (
     candidate_text,
     effect_text,
     listed,
+    name_of,
     place_text,
     sizes_text,
     where_text,
@@ -62,8 +64,11 @@ def key_figures(diagnosis: Diagnosis) -> tuple[KeyFigure, ...]:
     ]  # fmt: skip
     if causes:
         shrink = causes[0].shrink
+        label = f"with {name_of(causes[0].effect)} " if len(causes) > 1 else ""
         keys.append(
-            KeyFigure("the gap shrinks by", shrink_text(shrink.fraction), interval_text(shrink))
+            KeyFigure(
+                f"{label}the gap shrinks by", shrink_text(shrink.fraction), interval_text(shrink)
+            )
         )
     return tuple(keys)
 
@@ -85,7 +90,7 @@ def _what(diagnosis: Diagnosis) -> str:
                 f"{newtons(gap.grf_mae_n)}, where noise alone leaves "
                 f"{millimetres(gap.cop_floor_mm)} and {newtons(gap.grf_floor_n)}."
             )
-        return "No effect of the library leaves what was measured, at any place."
+        return "No effect of the library, at any place, changes the signals as they are off."
     told = f"Found: {listed([cause_text(cause) for cause in diagnosis.causes])}."
     rivals = [candidate_text(one) for one in diagnosis.ambiguity[1:]]
     if rivals:
@@ -115,12 +120,12 @@ def _shrinks(diagnosis: Diagnosis) -> str:
         return ""
     if len(diagnosis.causes) > 1:
         each = [
-            f"{candidate_text(one)} {shrink_text(one.shrink.fraction)} "
+            f"with {candidate_text(one)} by {shrink_text(one.shrink.fraction)} "
             f"({interval_text(one.shrink)})"
             for one in diagnosis.causes
         ]
-        told = f"Runs never used for a fit ({run_text(diagnosis)}): the gap shrinks with "
-        return f"{told}{listed(each)}."
+        told = f"On runs never used for a fit ({run_text(diagnosis)}) the gap shrinks "
+        return f"{told}{listed(each)}.{_remains(diagnosis)}"
     shrink, gap = diagnosis.causes[0].shrink, diagnosis.gap
     cop, grf = shrink.cop_mae_mm, shrink.grf_mae_n
     return (
@@ -129,6 +134,19 @@ def _shrinks(diagnosis: Diagnosis) -> str:
         f"{number(cop[0], 2)} to {millimetres(cop[1])}, that of the GRF from "
         f"{number(grf[0], 2)} to {newtons(grf[1])}. "
         f"Noise alone would leave {millimetres(gap.cop_floor_mm)} and {newtons(gap.grf_floor_n)}."
+    )
+
+
+def _remains(diagnosis: Diagnosis) -> str:
+    """What is left with all causes together."""
+    evidence, gap = diagnosis.evidence, diagnosis.gap
+    cop, grf = (math.nan, math.nan) if evidence is None else left_over(evidence)
+    if not math.isfinite(cop):
+        return ""
+    return (
+        f" With all of it the CoP is off by {millimetres(1e3 * cop)} (noise alone: "
+        f"{millimetres(gap.cop_floor_mm)}), the GRF by {newtons(grf)} "
+        f"({newtons(gap.grf_floor_n)})."
     )
 
 

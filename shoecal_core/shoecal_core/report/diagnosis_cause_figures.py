@@ -156,12 +156,15 @@ def hidden_rms_mm(evidence: Evidence) -> tuple[float, float]:
 
     The rest is what gains and offsets can imitate.
     """
-    if evidence.explained is None:
+    if evidence.explained is None or not {"cop_x", "cop_y"} <= set(evidence.signals):
         return float("nan"), float("nan")
-    names = [name for name in ("cop_x", "cop_y") if name in evidence.signals]
-    columns = [evidence.signals.index(name) for name in names]
+    columns = [evidence.signals.index(name) for name in ("cop_x", "cop_y")]
     added = evidence.explained.contribution[:, columns]
     shown = cop_residual(evidence, evidence.without) - cop_residual(evidence, evidence.explained)
-    return tuple(  # type: ignore[return-value]
-        1e3 * float(np.sqrt(np.nanmean(np.sum(values**2, axis=1)))) for values in (added, shown)
-    )
+    return _rms_mm(added), _rms_mm(shown)
+
+
+def _rms_mm(off: FloatArray) -> float:
+    """Of lengths (T, 2) [mm]; NaN where none is known."""
+    known = off[np.isfinite(off).all(axis=1)]
+    return 1e3 * float(np.sqrt(np.mean(np.sum(known**2, axis=1)))) if len(known) else float("nan")

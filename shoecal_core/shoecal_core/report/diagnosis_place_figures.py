@@ -12,6 +12,7 @@ from shoecal_core.report.diagnosis_looks import AFTER, BEFORE
 from shoecal_core.report.diagnosis_places import (
     Field,
     Levers,
+    cop_noise,
     density,
     field_between,
     field_under,
@@ -39,13 +40,14 @@ def place_pictures(
 ) -> tuple[Picture, ...]:
     """Residuals on the feet, before and after."""
     every = np.ones(len(evidence.time), dtype=bool)
-    pairs = [("nothing added", evidence.without, BEFORE)]
+    alone = evidence.explained is None
+    pairs = [("" if alone else ", nothing added", evidence.without, BEFORE)]
     if evidence.explained is not None:
-        pairs.append(("with what was found", evidence.explained, AFTER))
+        pairs.append((", with what was found", evidence.explained, AFTER))
     supports = [stands(evidence, int(run)) for run in np.unique(evidence.run)]
     known = [one for one in dict.fromkeys(supports) if one is not None]
     fields = [field_between(evidence, fitted, every) for _, fitted, _ in pairs]
-    times = magnification([_arrows(one) for one in fields])
+    times = magnification([_arrows(one) for one in fields], cop_noise(evidence))
     pictures = []
     for (label, _, look), one in zip(pairs, fields, strict=True):
         if not known or not len(one.places):
@@ -54,7 +56,7 @@ def place_pictures(
         rights = [foot_shape(robot, shoe, 1, support) for support in known]
         pictures.append(
             Picture(
-                f"CoP error between the feet, {label}",
+                f"CoP error between the feet{label}",
                 residual_field.field_between(left, rights, _arrows(one), look, times),
                 "Each arrow starts where the model has the CoP and points to where the shoes "
                 "measured it. Look for arrows that all point one way or grow towards one place: "
@@ -76,7 +78,7 @@ def _under_feet(
     fields = [
         [field_under(evidence, fitted, every, foot) for foot in (0, 1)] for _, fitted, _ in pairs
     ]
-    times = magnification([_arrows(one) for both in fields for one in both])
+    times = magnification([_arrows(one) for both in fields for one in both], cop_noise(evidence))
     shares = _cell_shares(diagnosis)
     forces = np.concatenate([one.force for both in fields for one in both])
     largest = float(np.abs(forces).max()) if len(forces) else 0.0
@@ -90,7 +92,7 @@ def _under_feet(
         told = " Per cent at a cell: its share of the gap." if any(s.shares for s in soles) else ""
         pictures.append(
             Picture(
-                f"Error by where each foot was loaded, {label}",
+                f"Error by where each foot was loaded{label}",
                 field_under_feet(soles, look, times, largest),
                 "Arrows and circles stand where the foot's own CoP was, and show how far the CoP "
                 "and GRF of both feet together were off then. A cell that reads wrong shows as "

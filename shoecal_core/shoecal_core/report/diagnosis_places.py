@@ -80,6 +80,25 @@ def cop_residual(evidence: Evidence, fitted: Fitted) -> FloatArray:
     return np.column_stack([signal(evidence, fitted, name) for name in ("cop_x", "cop_y")])
 
 
+def cop_noise(evidence: Evidence) -> float:
+    """Standard deviation of the noise of the CoP's place [m]; NaN where it was not there."""
+    return float(np.hypot(noise_of(evidence, "cop_x"), noise_of(evidence, "cop_y")))
+
+
+def left_over(evidence: Evidence) -> tuple[float, float]:
+    """Mean errors of CoP [m] and GRF [N] on test runs with all that was found; NaN without."""
+    rows, fitted = evidence.test, evidence.explained
+    if fitted is None or not rows.any():
+        return float("nan"), float("nan")
+    off = np.linalg.norm(cop_residual(evidence, fitted)[rows], axis=1)
+    force = np.abs(signal(evidence, fitted, "grf")[rows])
+    cop, grf = (
+        float(values[np.isfinite(values)].mean()) if np.isfinite(values).any() else float("nan")
+        for values in (off, force)
+    )
+    return cop, grf
+
+
 def stands(evidence: Evidence, run: int) -> DoubleSupport | None:
     """Where the right foot stands in a run; None where it is not told."""
     both = (evidence.run == run) & np.isfinite(evidence.support).all(axis=1)
@@ -159,7 +178,7 @@ def lever_points(evidence: Evidence, fitted: Fitted, foot: int) -> Levers:
     with np.errstate(divide="ignore", invalid="ignore"):
         arm = (whole / grf)[:, None] * off
         points = where + arm
-        across = float(np.hypot(noise_of(evidence, "cop_x"), noise_of(evidence, "cop_y")))
+        across = cop_noise(evidence)
         spread = np.hypot(across * whole, np.linalg.norm(arm, axis=1) * noise) / np.abs(grf)
     clear = (np.abs(grf) > CLEAR * noise) & np.isfinite(points).all(axis=1)
     points[~clear] = np.nan

@@ -155,11 +155,11 @@ def _shrink(diagnosis: Diagnosis) -> Section | None:
             " Beside it, the effect was given to a simulated robot, which replayed the same "
             "commanded motion: everything called simulated below comes from there."
         )
-    pictures = [shrink_picture(diagnosis)]
     evidence = diagnosis.evidence
+    pictures: tuple[Picture, ...] = (shrink_picture(diagnosis),)
     if evidence is not None and evidence.explained is not None:
-        pictures += test_run_pictures(diagnosis, evidence)
-    group = Group(pictures=tuple(pictures), tables=(shrink_table(diagnosis),))
+        pictures = (*test_run_pictures(diagnosis, evidence), *pictures)
+    group = Group(pictures=pictures, tables=(shrink_table(diagnosis),))
     return Section("Before and after, on runs not used", (group,), text)
 
 

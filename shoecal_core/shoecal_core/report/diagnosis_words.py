@@ -151,7 +151,7 @@ def place_text(effect: str, location: Sequence[str]) -> str:
 def candidate_text(one: Candidate | Cause) -> str:
     """Name and place, short."""
     place = place_text(one.effect, one.location)
-    return f"{name_of(one.effect)}: {place}" if place else name_of(one.effect)
+    return f"{name_of(one.effect)} ({place})" if place else name_of(one.effect)
 
 
 def label_text(label: str) -> str:

@@ -82,6 +82,16 @@ def evidence(shoe: Shoe | None = None, *, count: int = 300, empty: bool = False)
         f"hysteresis ({CELL})": _fit(shoe, raw, forces, places, support, ~test, lag),
     }
     fitted = [Fitted(label, *found) for label, found in fits.items()]
+    hung = ~loaded[:, 0]
+    fitted = [
+        replace(
+            one,
+            residuals=_in_stance(one.residuals, hung, support),
+            contribution=_in_stance(one.contribution, hung, support),
+        )
+        for one in fitted
+    ]
+    places = _turned(places, hung, support, vectors=False)
     wrenches = foot_wrenches(shoe, forces)
     foot_cop = np.where(loaded[..., None], cop(wrenches, 1.0), np.nan)
     return Evidence(
@@ -171,6 +181,38 @@ def signals_of(
         signs = np.array([1.0, -1.0, -1.0, 1.0])[: len(own)]
         signals[:, 3 + foot] = extra[:, own] @ signs
     return signals
+
+
+def in_left(found: Evidence) -> FloatArray:
+    """(T, 2) modelled CoP in the left sole's frame [m], whichever foot stands."""
+    places = found.cop.copy()
+    for index in np.flatnonzero(~found.loaded[:, 0]):
+        stood = DoubleSupport(*map(float, found.support[index]))
+        places[index] = stood.right_to_left(found.cop[index])
+    return places
+
+
+def told_in_stance(signals: FloatArray, found: Evidence) -> FloatArray:
+    """(T, s) signals of the left sole's frame in the frame of the stance."""
+    return _in_stance(signals, ~found.loaded[:, 0], found.support)
+
+
+def _in_stance(signals: FloatArray, hung: NDArray[np.bool_], support: FloatArray) -> FloatArray:
+    turned = signals.copy()
+    turned[:, 1:3] = _turned(signals[:, 1:3], hung, support, vectors=True)
+    return turned
+
+
+def _turned(
+    values: FloatArray, hung: NDArray[np.bool_], support: FloatArray, *, vectors: bool
+) -> FloatArray:
+    """Points or vectors (T, 2) of the left sole's frame, in the right one's where left hangs."""
+    turned = values.copy()
+    for index in np.flatnonzero(hung):
+        x, y, yaw = map(float, support[index])
+        stood = DoubleSupport(0.0, 0.0, yaw) if vectors else DoubleSupport(x, y, yaw)
+        turned[index] = stood.left_to_right(values[index])
+    return turned
 
 
 def _run(

@@ -22,7 +22,7 @@ MARGIN_MM = 10.0
 TALLEST = 270.0
 LONGEST_MM = 20.0
 """Of the arrows that are drawn, but for the longest in twenty."""
-KEYS_MM = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0)
+LONGEST_OF_NOISE_MM = 5.0
 BUBBLE_MM = 7.0
 """Diameter of the bubble of the largest force."""
 
@@ -57,12 +57,18 @@ class Sole:
     shares: tuple[tuple[FloatArray, str], ...] = ()
 
 
-def magnification(fields: Sequence[Arrows]) -> float:
-    """How many times longer than true arrows are drawn; the same for all figures of one kind."""
+def magnification(fields: Sequence[Arrows], noise: float) -> float:
+    """How many times longer than true arrows are drawn; the same for all figures of one kind.
+
+    Args:
+        fields: to be drawn.
+        noise: standard deviation of one sample [m]; it is never blown up to a long arrow.
+    """
     lengths = np.concatenate([np.linalg.norm(one.vectors, axis=1) for one in fields])
     if not len(lengths) or not lengths.any():
         return 1.0
-    exact = 1e-3 * LONGEST_MM / float(np.quantile(lengths, 0.95))
+    most = 1e-3 * LONGEST_OF_NOISE_MM / noise if noise > 0.0 else np.inf
+    exact = min(1e-3 * LONGEST_MM / float(np.quantile(lengths, 0.95)), most)
     step = 10.0 ** np.floor(np.log10(exact))
     return float(step * max(factor for factor in (1.0, 2.0, 5.0) if factor * step <= exact))
 

@@ -57,7 +57,7 @@ def share_bars(shares: Sequence[Share], what: str) -> str:
             axes.barh(middle, 1.0, BAR, color=RULE.light, edgecolor="none")
             axes.barh(middle, min(max(share.value, 0.0), 1.0), BAR, color=share.colour.light,
                       edgecolor="none")  # fmt: skip
-            page.write(2.0, top + middle - 9.0, readable(share.label, 62))
+            page.write(2.0, top + middle - 9.0, readable(share.label, 70))
             page.write(WIDTH - 4.0, top + middle, percent(share.value), ha="right", va="center",
                        fontsize=SMALL + 1.0)  # fmt: skip
         told = "; ".join(f"{share.label} {percent(share.value)}" for share in shares)

@@ -1,0 +1,119 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from core.report import diagnoses
+from core.sensing import shoes
+from shoecal_core.diagnosis.result import Evidence, Fitted
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.report.diagnosis_places import (
+    CELL_M,
+    cop_residual,
+    density,
+    field,
+    field_between,
+    in_sole,
+    left_over,
+    lever_points,
+    signal,
+    stands,
+)
+
+
+@pytest.fixture(scope="module")
+def evidence() -> Evidence:
+    return diagnoses.evidence()
+
+
+def test_lever_points_are_where_the_wrong_force_acts(evidence: Evidence) -> None:
+    # One cell shows a newton too much, nothing else is wrong, nothing was fitted.
+    shoe = shoes.shoe("nao_shoe")
+    for name in ("left/rear_right", "right/front_left"):
+        index = shoe.names.index(name)
+        extra = np.zeros_like(evidence.outputs)
+        extra[:, index] = 1.0
+        exact = diagnoses.told_in_stance(
+            diagnoses.signals_of(shoe, extra, diagnoses.in_left(evidence), evidence.support),
+            evidence,
+        )
+        # G in c + G e_C / e_F is the force that was there.
+        forces = np.tile([diagnoses.WEIGHT / 2.0, diagnoses.WEIGHT / 2.0], (len(exact), 1))
+        wrong = replace(
+            evidence,
+            without=Fitted("one cell", exact, np.zeros_like(exact)),
+            foot_force=forces,
+        )
+        foot = int(shoe.foot[index])
+        both = evidence.loaded.all(axis=1)
+        found = lever_points(wrong, wrong.without, foot)
+        assert found.clear[both].all()
+        place = shoe.positions[index]
+        np.testing.assert_allclose(found.points[both], np.tile(place, (both.sum(), 1)), atol=1e-9)
+        x, y, dense = density(found, place - 0.02, place + 0.02)
+        at = np.unravel_index(int(dense.argmax()), dense.shape)
+        np.testing.assert_allclose((x[at[0]], y[at[1]]), place, atol=2e-3)
+
+
+def test_lost_in_noise_is_no_lever_point(evidence: Evidence) -> None:
+    quiet = Fitted("", 0.1 * evidence.noise * np.ones_like(evidence.without.residuals),
+                   np.zeros_like(evidence.without.residuals))  # fmt: skip
+    found = lever_points(evidence, quiet, 0)
+    assert not found.clear.any()
+    assert not density(found, np.zeros(2), np.ones(2))[2].any()
+
+
+def test_from_the_frame_of_the_stance_to_either_sole(evidence: Evidence) -> None:
+    hanging = ~evidence.loaded[:, 0]
+    assert hanging.any()
+    left = in_sole(evidence, evidence.cop, 0, vectors=False)
+    right = in_sole(evidence, evidence.cop, 1, vectors=False)
+    np.testing.assert_array_equal(left[~hanging], evidence.cop[~hanging])
+    np.testing.assert_array_equal(right[hanging], evidence.cop[hanging])
+    for run in np.unique(evidence.run):
+        rows = evidence.run == run
+        support = DoubleSupport(*map(float, evidence.support[rows][0]))
+        assert stands(evidence, int(run)) == support
+        np.testing.assert_allclose(support.right_to_left(right[rows]), left[rows], atol=1e-12)
+    residual = cop_residual(evidence, evidence.without)
+    turned = in_sole(evidence, residual, 1, vectors=True)
+    np.testing.assert_allclose(np.linalg.norm(turned, axis=1), np.linalg.norm(residual, axis=1))
+
+
+def test_without_a_support_the_other_foot_is_not_known(evidence: Evidence) -> None:
+    blind = replace(evidence, support=np.full_like(evidence.support, np.nan))
+    assert stands(blind, 1) is None
+    assert np.isnan(in_sole(blind, blind.cop, 1, vectors=False)[blind.loaded[:, 0]]).all()
+    every = np.ones(len(blind.time), dtype=bool)
+    assert len(field_between(blind, blind.without, every).places)
+
+
+def test_a_field_is_the_mean_of_its_squares() -> None:
+    rng = np.random.default_rng(2)
+    inside = np.array([3.5, -2.5]) * CELL_M + rng.uniform(-0.4, 0.4, (20, 2)) * CELL_M
+    arrows, force = rng.normal(size=(20, 2)), rng.normal(size=20)
+    places = np.vstack((inside, [[1.0, 1.0]], [[np.nan, 0.0]]))
+    found = field(places, np.vstack((arrows, np.ones((2, 2)))), np.append(force, [1.0, 1.0]))
+    np.testing.assert_allclose(found.places, [inside.mean(axis=0)])
+    np.testing.assert_allclose(found.arrows, [arrows.mean(axis=0)])
+    np.testing.assert_allclose(found.force, [force.mean()])
+    nothing = field(np.full((3, 2), np.nan), np.zeros((3, 2)), np.zeros(3))
+    assert not len(nothing.places)
+
+
+def test_signals_that_are_not_there(evidence: Evidence) -> None:
+    assert np.isnan(signal(evidence, evidence.without, "tilt_x")).all()
+    silent = evidence.without.residuals.copy()
+    silent[:, 0] = 0.0
+    assert np.isnan(signal(evidence, replace(evidence.without, residuals=silent), "grf")).all()
+
+
+def test_what_is_left_over(evidence: Evidence) -> None:
+    assert evidence.explained is not None
+    cop, grf = left_over(evidence)
+    rows = evidence.explained.residuals[evidence.test]
+    assert cop == pytest.approx(float(np.hypot(rows[:, 1], rows[:, 2]).mean()))
+    assert grf == pytest.approx(float(np.abs(rows[:, 0]).mean()))
+    assert np.isnan(left_over(replace(evidence, explained=None))).all()

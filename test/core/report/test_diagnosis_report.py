@@ -1,0 +1,184 @@
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from core.model import robots
+from core.report import diagnoses
+from core.report.pages import read
+from core.sensing import shoes
+from shoecal_core.diagnosis import result
+from shoecal_core.diagnosis.result import Candidate, Diagnosis, Evidence, Size, Where
+from shoecal_core.errors import FileError
+from shoecal_core.report.diagnosis_report import diagnosis_page, write_diagnosis_report
+from shoecal_core.report.html import render
+
+NAO, SHOE = "nao", "nao_shoe"
+HOSTILE = "<script>alert('$x$')</script> & \"b\""
+
+
+@pytest.fixture(scope="module")
+def evidence() -> Evidence:
+    return diagnoses.evidence(count=100)
+
+
+def text_of(diagnosis: Diagnosis) -> str:
+    page = diagnosis_page(diagnosis, robots.load(NAO), shoes.shoe(SHOE))
+    return read(render(page)).text
+
+
+def test_a_whole_report(tmp_path: Path, evidence: Evidence) -> None:
+    path = tmp_path / "report.html"
+    found = diagnoses.diagnosis(evidence)
+    write_diagnosis_report(found, path, robot=robots.load(NAO), shoe=shoes.shoe(SHOE))
+    html = path.read_text(encoding="utf-8")
+    document = read(html)
+    # Six on the feet, four signals, three against candidates, the ranking, three of test runs,
+    # errors before and after.
+    assert document.tags["svg"] == 6 + 4 + 3 + 1 + 3 + 1
+    assert path.stat().st_size < 3_000_000
+    assert "script" not in document.tags
+    assert not re.search(r"https?:", html)
+    assert len(document.ids) == len(set(document.ids))
+    titles = [
+        "Where the gap lies", "Which cause", "What cannot be told apart",
+        "What this session could not show", "Before and after, on runs not used",
+        "The hidden part", "What to run next", "Notes",
+    ]  # fmt: skip
+    places = [document.text.rindex(title) for title in titles]
+    assert places == sorted(places)
+
+
+def test_the_answer_comes_first_in_plain_words() -> None:
+    text = text_of(diagnoses.diagnosis())
+    answer = text[: text.index("Where the gap lies")]
+    assert "One explanation accounts for the gap." in answer
+    assert "readings that bend with the load (cell left/front_left)" in answer
+    assert "quadratic 0.00410 1/N (95 %: 0.00369 to 0.00451)" in answer
+    assert "CoP sideways at cell left/front_left (46 %)" in answer
+    assert "shrinks by 94 % (95 % interval 88 to 97 %)" in answer
+    assert "from 1.42 to 0.45 mm" in answer
+    assert "Noise alone would leave 0.38 mm and 0.10 N" in answer
+
+
+@pytest.mark.parametrize("verdict", get_args(result.Verdict))
+def test_every_verdict_without_samples(verdict: result.Verdict) -> None:
+    causes = () if verdict in {"no_gap", "unknown"} else diagnoses.diagnosis().causes
+    text = text_of(diagnoses.diagnosis(None, verdict, causes=causes))
+    assert verdict.replace("_", " ").capitalize() in text
+    assert result.VERDICTS[verdict][1:] in text
+    assert ("Before and after" in text) == bool(causes)
+
+
+def test_nothing_found_nothing_missing() -> None:
+    text = text_of(
+        diagnoses.diagnosis(
+            diagnoses.evidence(count=60, empty=True), "no_gap", causes=(), ambiguity=(), where=(),
+            ranking=(), next_motion=None, cannot_separate=(), cannot_detect=(), notes=(),
+        )
+    )  # fmt: skip
+    assert "where noise alone leaves" in text
+    assert "it can also tell apart" in text
+    assert "would have shown in this session" in text
+    assert "Nothing is left that another motion would part" in text
+    assert "Which cause" not in text
+
+
+def test_what_cannot_be_told_apart_and_why() -> None:
+    alike = (Candidate("latency", ("left",), 0.6), Candidate("low_pass", ("left",), 0.3))
+    found = diagnoses.diagnosis(
+        None, "ambiguous",
+        causes=(diagnoses.cause("latency", "timing", ("left",), 0.6, delay=(0.01, "s")),),
+        ambiguity=alike, ranking=alike,
+    )  # fmt: skip
+    text = text_of(found)
+    assert "Not to be told from the first: low pass (left foot)." in text
+    assert "faster motion parts them" in text
+    assert "cannot be told from the first" in text
+    again = replace(found, cannot_separate=(*found.cannot_separate, tuple(
+        one.label for one in reversed(alike))))  # fmt: skip
+    assert text_of(again).count("faster motion parts them") == 1
+
+
+def test_two_causes_and_their_onset(evidence: Evidence) -> None:
+    pair = (
+        diagnoses.cause("latency", "timing", ("left",), 0.9, delay=(0.01, "s")),
+        diagnoses.cause("slip", "contact", ("right",), 0.8, run=3, simulated=False,
+                        dx=(0.004, "m"), time=(4.5, "s")),
+    )  # fmt: skip
+    few = replace(evidence, rivals=())
+    found = diagnoses.diagnosis(few, "partly_explained", causes=pair)
+    html = render(diagnosis_page(found, robots.load(NAO), shoes.shoe(SHOE)))
+    text = read(html).text
+    assert "a foot that slipped (right foot, in run 3)" in text
+    assert "with latency (left foot) by 94 %" in text
+    assert "With all of it the CoP is off by" in text
+    assert ">4.5 s<" in html
+
+
+def test_feet_with_six_axis_sensors_and_no_parity() -> None:
+    origin = (0.0, 0.0, 0.05)
+    shoe = shoes.made([*shoes.six_axis(0, origin), *shoes.six_axis(1, origin)])
+    found = diagnoses.diagnosis(
+        diagnoses.evidence(shoe, count=60),
+        where=(Where("cop_x", "left", "left/fz", None, None, None, None, 0.4),
+               Where("cop_y", "left", "left/mx", None, None, None, None, 0.2)),
+    )  # fmt: skip
+    html = render(diagnosis_page(found, robots.load(NAO), shoe))
+    # Axes of one sensor stand at one place, with one share.
+    assert ">60 %<" in html
+
+
+def test_runs_with_gaps_and_signals_that_are_missing(evidence: Evidence) -> None:
+    holes = evidence.without.residuals.copy()
+    holes[40:90] = np.nan
+    holes[:, evidence.signals.index("cop_x")] = np.nan
+    partly = replace(
+        evidence,
+        without=replace(evidence.without, residuals=holes),
+        test=np.zeros_like(evidence.test),
+        rivals=evidence.rivals[:1],
+    )
+    text = text_of(diagnoses.diagnosis(partly, test=(), train=(1,)))
+    assert "no test run" in text
+    assert "CoP forward, test runs" not in text
+
+
+def test_hostile_names_do_no_harm(evidence: Evidence) -> None:
+    bad = replace(
+        diagnoses.diagnosis().causes[0], effect=HOSTILE, group=HOSTILE, location=(HOSTILE,),
+        size={HOSTILE: Size(1.0, HOSTILE, (0.0, 2.0))},
+    )  # fmt: skip
+    found = diagnoses.diagnosis(
+        replace(evidence, rivals=(replace(evidence.without, label=HOSTILE),)),
+        robot=HOSTILE, shoe=HOSTILE, notes=(HOSTILE,), cannot_detect=(HOSTILE,),
+        causes=(bad,),
+        ranking=(Candidate(HOSTILE, (HOSTILE,), 0.5),),
+        where=(Where(HOSTILE, HOSTILE, None, HOSTILE, None, HOSTILE, None, 0.2),),
+    )  # fmt: skip
+    document = read(render(diagnosis_page(found, robots.load(NAO), shoes.shoe(SHOE))))
+    assert "script" not in document.tags
+    assert document.text.count("<script>alert('$x$')</script>") > 6
+
+
+def test_the_same_diagnosis_is_the_same_bytes(evidence: Evidence) -> None:
+    small = diagnoses.diagnosis(replace(evidence, rivals=(), explained=None))
+    pages = [
+        render(diagnosis_page(small, robots.load(NAO), shoes.shoe(SHOE))) for _ in range(2)
+    ]  # fmt: skip
+    assert pages[0] == pages[1]
+
+
+def test_no_folder_to_write_into(tmp_path: Path) -> None:
+    taken = tmp_path / "file"
+    taken.write_text("")
+    with pytest.raises(FileError):
+        write_diagnosis_report(
+            diagnoses.diagnosis(), taken / "report.html", robot=robots.load(NAO),
+            shoe=shoes.shoe(SHOE),
+        )  # fmt: skip
