@@ -1,19 +1,15 @@
-"""Action `shoe/diagnose` over DDS: what is refused, what ends it, and the whole of it."""
+"""Action `shoe/diagnose` over DDS: what is refused, and what ends it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from shoecal_msgs.action import Calibrate, Diagnose
 from shoecal_msgs.srv import Rezero, SelfCalibrate
 from std_msgs.msg import Bool
-from std_srvs.srv import SetBool
-from trajectory_msgs.msg import JointTrajectory
 
-from ros.bodies import ODD, ODD_SHOE, nao_shoe
-from ros.rest import until_still
+from ros.bodies import ODD, ODD_SHOE
 from ros.standing_robot import StandingRobot
 from ros.world import Goal, World
 from shoecal_core.model.double_support import DoubleSupport
@@ -21,8 +17,6 @@ from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import load_shoe
 from shoecal_ros.common import qos
-from shoecal_ros.common.conversions import time_from_ros
-from shoecal_ros.demo import write_device
 
 CODES = Diagnose.Result
 SUPPORT = DoubleSupport(0.0, -0.112, 0.0)
@@ -122,49 +116,3 @@ def test_one_job_at_a_time_and_cancelling_wins(world: World, robot: StandingRobo
     assert after.error_code == CODES.SUPPORT_FAILED
     assert "robot/reach_support" in after.message
     assert (Path(after.session) / "session.yaml").is_file()
-
-
-# With the simulated robot
-
-QUICK = {"follow_late": 4.0, "horizon": 5, "landmark_radius": 0.012, "com_speed": 0.03}
-"""Shorter planning and motions, and patience on a busy machine."""
-
-
-@pytest.fixture(scope="module")
-def simulated(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
-    """All nodes but the model, armed."""
-    with World(tmp_path_factory.mktemp("simulated")) as world:
-        port, device = world.folder / "port", world.folder / "device.yaml"
-        write_device(device, nao_shoe(), port, 24)
-        world.start("simulator", {"port": port, "speed": 8.0})
-        world.start("shoe_driver", {"use_sim_time": True, "config_file": device})
-        world.start("planner", {"use_sim_time": True, "stale_s": 3.0, **QUICK})
-        start(world, use_sim_time=True)
-        world.until_told("planner", "planning", "ready")
-        for subject in ("voltages", "joints"):
-            world.until_told("calibrator", subject, "come")
-        assert world.call(SetBool, "shoe/arm", SetBool.Request(data=True)).success
-        yield world
-
-
-def moving(goal: Goal) -> bool:
-    assert not goal.done, goal.result().message
-    return any(one.phase == "moving" for one in goal.feedback)
-
-
-def test_cancelled_while_it_records_the_robot_stops_gently(simulated: World) -> None:
-    commands = simulated.hear(JointTrajectory, "joint_trajectory", qos.COMMAND)
-    goal = diagnose(simulated, motions=["landmarks"])
-    simulated.until(lambda: moving(goal))
-    seen = len(commands)
-    goal.cancel()
-    result = goal.result()
-    assert result.error_code == CODES.CANCELED
-    (hold,) = commands.messages[seen:]
-    (end,) = hold.points
-    assert time_from_ros(end.time_from_start) == pytest.approx(0.5e9)
-    until_still(simulated)
-    session = Session.open(Path(result.session))
-    assert not session.runs
-    assert [path.name for path in session.unfinished] == ["run_001.mcap.part"]
-    simulated.until_told("calibrator", "diagnosis", "ended: cancelled")
