@@ -106,7 +106,7 @@ class SimulatedRobot:
             floor_rotation(drawn.shoes),
             noise.spawn(1)[0],
         )
-        self._chain = SensorChain(drawn.shoes)
+        self._chain = SensorChain(drawn.shoes, made_at)
         self._before = made_at
         self._steps = 0
         self._base = self._model.body(drawn.body.links[0]).id
@@ -138,9 +138,7 @@ class SimulatedRobot:
     @property
     def weight(self) -> float:
         """True weight of robot and shoes [N]."""
-        model = self._model
-        heavy = model.body_mass * (1.0 - model.body_gravcomp)
-        return float(heavy.sum() * np.linalg.norm(model.opt.gravity))
+        return float(self._model.body_mass.sum() * np.linalg.norm(self._model.opt.gravity))
 
     # Commands
 

@@ -5,8 +5,8 @@ rigid. Each cell is a spring at its place, a fixed tendon over those three motio
 number of cells shares the load as statics and their stiffness demand. Clamps that carry moment
 are springs of the tilts alone. A foot with a six-axis sensor has a rigid bottom plate.
 
-Floor that gives is a weightless pad below the bottom plate, on springs of its tilts and its
-sinking: what touches the rigid floor is then the pad.
+Floor that gives is a pad below the bottom plate, on springs of its tilts and its sinking: what
+touches the rigid floor is then the pad.
 """
 
 from __future__ import annotations
@@ -31,8 +31,6 @@ _TIP_RADIUS = 0.004
 """m; the bottom plate touches the floor with a small ball at each corner of its outline."""
 _THICKNESS = 0.005
 """m; of a plate, for its inertia."""
-_PAD_MASS = 0.05
-"""kg; of soft floor, its weight taken away: contacts with hardly any mass would be soft."""
 _PAD_DAMPING_TIME = 0.01
 """s; damping of soft floor over its stiffness."""
 _NET_FORCE = 3
@@ -108,7 +106,7 @@ class ShoeBuilder:
         _set_plate(top, plates.mass_above * factor, plates.com_above, outline)
         bottom = top.add_body(name=sole_name(foot))
         _set_plate(bottom, plates.mass_below * factor, plates.com_below, outline)
-        ground = self._add_ground(bottom, foot, outline)
+        ground = self._ground(bottom, foot, outline)
         for index, corner in enumerate(outline):
             ground.add_geom(
                 name=f"{_tips(foot)}{index}",
@@ -126,8 +124,8 @@ class ShoeBuilder:
         else:
             self._add_sensor(spec, bottom, foot)
 
-    def _add_ground(self, bottom: mujoco.MjsBody, foot: int, outline: FloatArray) -> mujoco.MjsBody:
-        """What touches the floor: the bottom plate, or soft floor below it.
+    def _ground(self, bottom: mujoco.MjsBody, foot: int, outline: FloatArray) -> mujoco.MjsBody:
+        """What touches the floor: the bottom plate, or a pad that has half of its mass.
 
         The pad tilts about the middle of the outline, and sinks as a bed of springs would that
         gives as much.
@@ -136,8 +134,12 @@ class ShoeBuilder:
         if compliance <= 0.0:
             return bottom
         middle = (outline.min(axis=0) + outline.max(axis=0)) / 2.0
-        pad = bottom.add_body(name=f"{_OURS}{FEET[foot]}_ground", pos=[*middle, 0.0], gravcomp=1.0)
-        _set_plate(pad, _PAD_MASS, np.zeros(3), outline)
+        place = np.array([*middle, 0.0])
+        pad = bottom.add_body(name=f"{_OURS}{FEET[foot]}_ground", pos=place)
+        # Contacts of bodies with hardly any mass would be soft; the foot gets no heavier by it.
+        half, com = bottom.mass / 2.0, bottom.ipos.copy()
+        _set_plate(bottom, half, com, outline)
+        _set_plate(pad, half, com - place, outline)
         tilting = 1.0 / compliance
         sinking = tilting / ((outline - middle) ** 2).sum(axis=1).mean()
         hinge, slide = mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE

@@ -30,6 +30,8 @@ class FloorTilt(Effect):
     def read(cls, fields: Fields) -> FloorTilt:
         """From the item of a reality file."""
         fields.only("effect", "location", "about_x_rad", "about_y_rad")
+        if "location" in fields and fields.texts("location"):
+            raise fields.error("location", "names nothing, for the floor has one slope; leave it")
         about_x, about_y = (
             fields.number(name, minimum=-0.3, maximum=0.3)
             for name in ("about_x_rad", "about_y_rad")

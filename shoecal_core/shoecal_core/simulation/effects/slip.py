@@ -21,27 +21,28 @@ from shoecal_core.simulation.shoe_physics import sole_name, tip_geoms
 
 FloatArray = NDArray[np.float64]
 
-_LEVER, _REACH = 0.05, 1.0
+_LEVER, _REACH = 0.2, 1.0
 """m; arm of the spring that turns, and length of all: far longer than any slip, so that each
 pulls along one axis."""
 _POINTS = np.array([[0.0, 0.0], [0.0, 0.0], [_LEVER, 0.0]])
 _WAYS = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 1.0]])
 """Where on the sole the springs pull, and which way, in its frame."""
-_STIFFNESS, _DAMPING_TIME = 2e5, 0.005
+_STIFFNESS, _DAMPING_TIME = 1e6, 0.005
 """N/m; s, damping over stiffness."""
 _ICE = 0.02
 """Friction below a foot while it slips."""
-_SLIDING, _GRIPPING, _LETTING_GO = 0.3, 0.1, 0.3
-"""s; drawn along, held while it grips again, and the springs fade."""
-DURATION = _SLIDING
-"""s; from the beginning of a slip until the foot is where it goes to."""
+_CAUGHT = 4.0
+"""The same, once it has come to rest: it has caught on something, so that legs that were strained
+by the slip do not pull it back."""
+_DRAWN, DURATION, _HELD, _FREE = 0.3, 0.35, 0.4, 0.7
+"""s, since a slip's beginning: drawn along until, loose until, held until, and free again."""
 
 
 @dataclass(frozen=True)
 class Slip(Effect):
     """Feet that slip once, in one run: they lose their grip and are drawn along by springs.
 
-    They grip again before the springs fade: what the legs then pull back is up to friction.
+    They grip again before the springs fade, and hold fast until the next run.
 
     Attributes:
         feet: which ones.
@@ -98,27 +99,26 @@ class _Slipping:
     def act(self, sim: SimulatedRobot, time: float) -> None:
         """Loosen and draw along, grip and let go."""
         since = time - self.slip.time if sim.run == self.slip.run else -1.0
-        slips = 0.0 <= since < _SLIDING + _GRIPPING + _LETTING_GO
-        if not slips and self._ways is None:
+        if since < 0.0 and self._ways is None:
             return
         model = sim.physics.model
         tips = tip_geoms(model, self.foot)
-        loose = slips and since < _SLIDING
-        # With priority the tips' own friction counts, not the floor's greater one.
-        model.geom_priority[tips] = int(loose)
-        model.geom_friction[tips, 0] = _ICE if loose else sim.drawn.rules.floor.friction
+        friction = _ICE if since < DURATION else _CAUGHT
+        # With priority the tips' own friction counts, not the floor's.
+        model.geom_priority[tips] = int(since >= 0.0)
+        model.geom_friction[tips, 0] = friction if since >= 0.0 else sim.drawn.rules.floor.friction
         tendons = [model.tendon(name).id for name in self.springs]
-        if slips and self._ways is None:
-            self._ways = self._stretch(sim)
-        drawn = min(1.0, max(0.0, since / _SLIDING))
-        kept = min(1.0, (_SLIDING + _GRIPPING + _LETTING_GO - since) / _LETTING_GO)
-        model.tendon_stiffness[tendons] = _STIFFNESS * kept * slips
-        model.tendon_damping[tendons] = _STIFFNESS * kept * slips * _DAMPING_TIME
-        if self._ways is not None:
-            lengths = _REACH - drawn * self._ways
-            model.tendon_lengthspring[tendons] = lengths[:, None]
-        if not slips:
+        left = (_FREE - since) / (_FREE - _HELD)
+        stiffness = _STIFFNESS * float(np.clip(left, 0.0, 1.0)) * (since >= 0.0)
+        model.tendon_stiffness[tendons] = stiffness
+        model.tendon_damping[tendons] = stiffness * _DAMPING_TIME
+        if since < 0.0:
             self._ways = None
+            return
+        if self._ways is None:
+            self._ways = self._stretch(sim)
+        lengths = _REACH - min(1.0, since / _DRAWN) * self._ways
+        model.tendon_lengthspring[tendons] = lengths[:, None]
 
     def _stretch(self, sim: SimulatedRobot) -> FloatArray:
         """Fix the springs' far ends in the room, and how far (3,) each is to draw its point [m]."""
