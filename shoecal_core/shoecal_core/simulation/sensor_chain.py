@@ -28,7 +28,8 @@ class SensorChain:
         feels_sideways: whether a stage needs the floor's sideways forces.
     """
 
-    def __init__(self, shoes: DrawnShoes) -> None:
+    def __init__(self, shoes: DrawnShoes, time: float = 0.0) -> None:
+        """Nothing stands on the shoes; the session has run for some time [s]."""
         self._stages = sorted(shoes.stages, key=lambda stage: stage.place)
         self._states: list[Any] = [stage.start() for stage in self._stages]
         self._latency = shoes.latency
@@ -36,7 +37,7 @@ class SensorChain:
         self._longest = float(shoes.latency.max(initial=0.0))
         self._past: deque[tuple[float, FloatArray]] = deque()
         self._nothing = np.zeros(len(shoes.channels))
-        self.time = 0.0
+        self.time = time
         self._last = self._nothing
         self.active = bool(self._stages) or self._late.size > 0
         self.feels_sideways = any(stage.feels_sideways for stage in self._stages)

@@ -92,3 +92,10 @@ def test_shoes_without_effects_pass_everything_as_it_is() -> None:
     assert not chain.active
     assert (chain.at(FORCES[3], 1.0) == FORCES[3]).all()
     assert len(NAO.channels) == FORCES.shape[1]
+
+
+def test_in_the_middle_of_a_session_nothing_has_crept_but_much_has_drifted() -> None:
+    creep, drift = item("creep", "all", fraction=0.1, time_s=1.0), EFFECTS[4]
+    chain = SensorChain(shoes_with(creep, drift), 300.0)
+    chain.take(FORCES[0], 300.0)
+    assert chain.latest() == pytest.approx(FORCES[0] + 300.0 * 0.01)
