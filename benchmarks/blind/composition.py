@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 
@@ -21,7 +20,6 @@ from blind.draws import (
     unit_key,
 )
 from blind.inseparable import PAIRS, Pair
-from blind.motions import standard_set
 from blind.recorder import HOLD_S, PAUSE_S
 from blind.unknowns import KINDS
 from blind.world import draw_world
@@ -31,6 +29,7 @@ FULL = {"clean": 200, "single": 160, "double": 50, "unknown": 50, "inseparable":
 """Sets of a full round, by category."""
 LACKING = 0.1
 """Of the clean sets have no inertial sensor, and as many lack some motions."""
+Motions = Mapping[int, Sequence[float]]
 _UNLOADING = frozenset(("unload_left", "unload_right"))
 
 
@@ -53,13 +52,13 @@ class Mix:
         return Mix(**{name: max(1, round(total * part / whole)) for name, part in FULL.items()})
 
 
-def compose(seed: int, mix: Mix, motions: Sequence[int]) -> list[Answer]:
+def compose(seed: int, mix: Mix, motions: Motions) -> list[Answer]:
     """All sets of a round in shuffled order: numbers tell nothing.
 
     Args:
         seed: of the round.
         mix: how many.
-        motions: seeds that have a planned standard set.
+        motions: how long each of the standard set takes [s], by the seed they were planned with.
     """
     rng = np.random.default_rng([seed, 20])
     drawn = [*_clean(mix.clean, rng, motions), *_single(mix.single, rng, motions)]
@@ -71,13 +70,13 @@ def compose(seed: int, mix: Mix, motions: Sequence[int]) -> list[Answer]:
     ]
 
 
-def _blank(category: Category, rng: np.random.Generator, motions: Sequence[int]) -> Answer:
+def _blank(category: Category, rng: np.random.Generator, motions: Motions) -> Answer:
     """A set without any effect."""
     return Answer(
         number=0,
         category=category,
         seed=int(rng.integers(2**31)),
-        motions=int(rng.choice(motions)),
+        motions=int(rng.choice(list(motions))),
         order=tuple(rng.permutation(len(STANDARD)).tolist()),
         pace=1.0,
         imu=True,
@@ -85,7 +84,7 @@ def _blank(category: Category, rng: np.random.Generator, motions: Sequence[int])
     )
 
 
-def _clean(count: int, rng: np.random.Generator, motions: Sequence[int]) -> Iterator[Answer]:
+def _clean(count: int, rng: np.random.Generator, motions: Motions) -> Iterator[Answer]:
     for _ in range(count):
         answer, lacking = _blank("clean", rng, motions), rng.uniform()
         if lacking < LACKING:
@@ -95,29 +94,30 @@ def _clean(count: int, rng: np.random.Generator, motions: Sequence[int]) -> Iter
         yield answer
 
 
-def _single(count: int, rng: np.random.Generator, motions: Sequence[int]) -> Iterator[Answer]:
+def _single(count: int, rng: np.random.Generator, motions: Motions) -> Iterator[Answer]:
     """Effects in turn, strengths in turn within each."""
     names = rng.permutation(list(EFFECTS))
     for index in range(count):
         turn, place = divmod(index, len(names))
         strength = STRENGTHS[(turn + place) % len(STRENGTHS)]
         answer = _blank("single", rng, motions)
-        yield with_effect(answer, str(names[place]), strength, rng)
+        yield with_effect(answer, str(names[place]), strength, rng, motions[answer.motions])
 
 
-def _double(count: int, rng: np.random.Generator, motions: Sequence[int]) -> Iterator[Answer]:
+def _double(count: int, rng: np.random.Generator, motions: Motions) -> Iterator[Answer]:
     made = 0
     while made < count:
         one, other = rng.permutation(list(EFFECTS))[:2]
         answer = _blank("double", rng, motions)
         for name in (str(one), str(other)):
-            answer = with_effect(answer, name, float(rng.choice(STRENGTHS)), rng)
+            strength = float(rng.choice(STRENGTHS))
+            answer = with_effect(answer, name, strength, rng, motions[answer.motions])
         if _distinct(answer):
             made += 1
             yield answer
 
 
-def _unknown(count: int, rng: np.random.Generator, motions: Sequence[int]) -> Iterator[Answer]:
+def _unknown(count: int, rng: np.random.Generator, motions: Motions) -> Iterator[Answer]:
     names = list(KINDS)
     for index in range(count):
         turn, place = divmod(index, len(names))
@@ -127,20 +127,22 @@ def _unknown(count: int, rng: np.random.Generator, motions: Sequence[int]) -> It
         yield dataclasses.replace(_blank("unknown", rng, motions), foreign=foreign)
 
 
-def _inseparable(count: int, rng: np.random.Generator, motions: Sequence[int]) -> Iterator[Answer]:
+def _inseparable(count: int, rng: np.random.Generator, motions: Motions) -> Iterator[Answer]:
     for index in range(count):
         pair: Pair = PAIRS[index % len(PAIRS)]
         answer = _without(_blank("inseparable", rng, motions), pair.lacking)
         answer = dataclasses.replace(answer, imu=pair.imu)
-        answer = with_effect(answer, pair.effect, STRENGTHS[1 + index % 2], rng, kind=pair.kind)
+        strength, durations = STRENGTHS[1 + index % 2], motions[answer.motions]
+        answer = with_effect(answer, pair.effect, strength, rng, durations, pair.kind)
         (truth,) = answer.truths
         truth, alike = pair.alike(truth, rng)
         yield dataclasses.replace(answer, truths=(truth,), alike=alike)
 
 
 def with_effect(
-    answer: Answer, effect: str, strength: float, rng: np.random.Generator, kind: str = ""
-) -> Answer:
+    answer: Answer, effect: str, strength: float, rng: np.random.Generator,
+    durations: Sequence[float], kind: str = "",
+) -> Answer:  # fmt: skip
     """One more effect of the table, at a random place."""
     kind = kind or str(rng.choice(EFFECTS[effect].places))
     location = draw_location(effect, kind, rng)
@@ -148,15 +150,17 @@ def with_effect(
     magnitude = magnitude_of(key, strength, LIMITS[effect]) if effect in LIMITS else 1.0
     truth = Truth(effect, location, draw_size(effect, magnitude, rng), strength=strength)
     if effect == "slip":
-        truth = slipping(answer, truth, rng)
+        truth = slipping(answer, truth, rng, durations)
     if effect == "stuck_cell" and rng.uniform() < 0.5:
-        onset = float(rng.uniform(0.1, 0.6) * _length(answer))
+        onset = float(rng.uniform(0.1, 0.6) * _length(answer, durations))
         truth = dataclasses.replace(truth, size={**truth.size, "time": onset}, onset=onset)
     pace = magnitude if effect == "inertia" else answer.pace
     return dataclasses.replace(answer, truths=(*answer.truths, truth), pace=pace)
 
 
-def slipping(answer: Answer, truth: Truth, rng: np.random.Generator) -> Truth:
+def slipping(
+    answer: Answer, truth: Truth, rng: np.random.Generator, durations: Sequence[float]
+) -> Truth:
     """A foot slips in any run but those in which one hangs in the air."""
     standing = [
         number
@@ -164,7 +168,7 @@ def slipping(answer: Answer, truth: Truth, rng: np.random.Generator) -> Truth:
         if STANDARD[index].motion not in _UNLOADING
     ]
     run = int(rng.choice(standing))
-    length = _durations(answer.motions)[answer.order[run - 1]]
+    length = durations[answer.order[run - 1]]
     onset = HOLD_S + float(rng.uniform(0.2, 0.8)) * length
     return dataclasses.replace(truth, run=run, onset=onset, size={**truth.size, "time": onset})
 
@@ -175,15 +179,9 @@ def _without(answer: Answer, motions: frozenset[str]) -> Answer:
     return dataclasses.replace(answer, order=kept)
 
 
-def _length(answer: Answer) -> float:
+def _length(answer: Answer, durations: Sequence[float]) -> float:
     """Of the session [s], about."""
-    durations = _durations(answer.motions)
     return sum(durations[index] + 2.0 * HOLD_S + PAUSE_S for index in answer.order)
-
-
-@cache
-def _durations(motions: int) -> tuple[float, ...]:
-    return tuple(one.trajectory.duration for one in standard_set(motions))
 
 
 def _distinct(answer: Answer) -> bool:

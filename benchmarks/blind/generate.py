@@ -36,7 +36,8 @@ def draw_round(place: Round, seed: int, mix: Mix, jobs: int) -> str:
     """Draw a round and seal its answers, unless that is done; their SHA-256."""
     count = max(2, round(sum(dataclasses.astuple(mix)) / SETS_A_MOTION))
     motions = fill([100 * seed + index for index in range(1, count + 1)], jobs)
-    return seal(place, compose(seed, mix, motions))
+    planned = {one: [each.trajectory.duration for each in standard_set(one)] for one in motions}
+    return seal(place, compose(seed, mix, planned))
 
 
 def make_sets(place: Round, jobs: int) -> None:

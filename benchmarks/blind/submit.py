@@ -8,6 +8,7 @@ import json
 import os
 import queue
 import select
+import shutil
 import subprocess
 import sys
 import threading
@@ -23,7 +24,6 @@ from shoecal_core.files import atomic_write
 WORKER = Path(__file__).with_name("worker.py")
 PATIENCE_S = 900.0
 """A diagnosis that takes longer has failed."""
-_NOBODY = 65534
 
 
 @dataclass(frozen=True)
@@ -150,9 +150,6 @@ class _Worker:
         self._process: subprocess.Popen[str] | None = None
         self._drop = place.folder / "drop" / f"{threading.get_ident():x}"
         self._drop.mkdir(parents=True, exist_ok=True)
-        self._user = _NOBODY if os.geteuid() == 0 and _open_to_all(place.folder) else None
-        if self._user is not None:
-            os.chown(self._drop, _NOBODY, _NOBODY)
 
     def diagnose(self, one: Submission) -> bytes:
         """What the diagnosis says, or an error, as JSON."""
@@ -194,23 +191,23 @@ class _Worker:
         return None
 
     def _start(self) -> subprocess.Popen[str]:
-        """As a user who owns nothing here, where possible; never with our folder in sight."""
+        """A Python that does not see our folder, without the powers of root."""
         cache = str(self._drop)
         kept = {name: os.environ[name] for name in ("PATH", "LANG") if name in os.environ}
         alone = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
         return subprocess.Popen(
-            [sys.executable, "-P", str(WORKER), str(self._place.sealed)],
+            [*powerless(), sys.executable, "-P", str(WORKER), str(self._place.sealed)],
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             text=True,
             cwd=self._drop,
             env=kept | alone | {"HOME": cache, "XDG_CACHE_HOME": cache, "MPLCONFIGDIR": cache},
-            user=self._user,
-            group=self._user,
-            extra_groups=None if self._user is None else [],
         )
 
 
-def _open_to_all(folder: Path) -> bool:
-    """Whether any user gets to a folder."""
-    return all(path.stat().st_mode & 0o005 == 0o005 for path in (folder, *folder.parents))
+def powerless() -> tuple[str, ...]:
+    """Starts a program without what makes root root: it then reads only what root owns."""
+    setpriv = shutil.which("setpriv")
+    if os.geteuid() != 0 or setpriv is None:
+        return ()
+    return (setpriv, "--bounding-set=-all", "--inh-caps=-all")

@@ -38,6 +38,7 @@ from blind.draws import (
 from blind.gap import MeasuredGap, measure_gap
 from blind.generate import make_set
 from blind.layout import UNIT_SIZES, Round
+from blind.motions import standard_set
 from blind.world import draw_world
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
@@ -169,7 +170,8 @@ def _with(unit: Unit, magnitude: float) -> Answer:
     rng = np.random.default_rng(crc32(unit.key.encode()))
     truth = Truth(unit.effect, unit.location, draw_size(unit.effect, magnitude, rng))
     if unit.effect == "slip":
-        truth = slipping(answer, truth, rng)
+        durations = [one.trajectory.duration for one in standard_set(answer.motions)]
+        truth = slipping(answer, truth, rng, durations)
     pace = magnitude if unit.effect == "inertia" else 1.0
     return dataclasses.replace(answer, truths=(truth,), pace=pace)
 

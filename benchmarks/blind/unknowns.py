@@ -31,7 +31,12 @@ class Unknown(Effect):
         return (self,)
 
     def act(self, sim: SimulatedRobot, time: float) -> None:
-        """Add forces that are due at a time since the run began [s]."""
+        """Act from the moment the recording begins, not while the robot is put down."""
+        if time >= 0.0:
+            self.push(sim, time)
+
+    def push(self, sim: SimulatedRobot, time: float) -> None:
+        """Add forces that are due at a time since the recording began [s]."""
 
     def readings(self, sim: SimulatedRobot, samples: Samples) -> FloatArray:
         """(T, n) what the device reads, in the shoe's unit."""
@@ -65,7 +70,7 @@ class Cable(Unknown):
         reach = np.array([0.15 * np.cos(way), 0.15 * np.sin(way), rng.uniform(-0.05, 0.1)])
         return cls(size, str(rng.choice(["base_link", "l_wrist_link", "r_wrist_link"])), reach)
 
-    def act(self, sim: SimulatedRobot, time: float) -> None:
+    def push(self, sim: SimulatedRobot, time: float) -> None:
         """Pull."""
         place = _place(sim, self.link)
         if self._point is None or time == 0.0:
@@ -96,7 +101,7 @@ class Table(Unknown):
         """Which side."""
         return cls(size, int(rng.choice([-1, 1])), float(rng.uniform(0.0, 0.008)))
 
-    def act(self, sim: SimulatedRobot, time: float) -> None:
+    def push(self, sim: SimulatedRobot, time: float) -> None:
         """Push back what comes too near, and rub."""
         link = "LThigh_link" if self.side > 0 else "RThigh_link"
         place = _place(sim, link)
@@ -138,7 +143,7 @@ class Swing(Unknown):
             float(rng.uniform(30.0, 120.0)),
         )  # fmt: skip
 
-    def act(self, sim: SimulatedRobot, time: float) -> None:
+    def push(self, sim: SimulatedRobot, time: float) -> None:
         """Pull sideways, as a pendulum does on its thread."""
         turned = self.size * np.exp(-time / self.fading) * np.sin(2 * np.pi * time / self.period)
         force = GRAVITY * turned * np.array([np.cos(self.way), np.sin(self.way), 0.0])
@@ -201,15 +206,20 @@ class Edge(Unknown):
         )
 
     def forces(self, sim: SimulatedRobot, samples: Samples, forces: FloatArray) -> FloatArray:  # noqa: ARG002
-        """Statics of a rigid plate on its cells and, where it comes down far enough, on the rim."""
+        """What is left to the cells."""
         channels = sim.shoe.of_foot(self.foot)
-        share = _shares(sim.drawn.shoes.position[channels], self.place)
-        pressed = forces[:, channels] @ share
-        give = 1.0 / self.size + share @ share
-        past = np.maximum(pressed - self.gap, 0.0) / give
         changed = forces.copy()
-        changed[:, channels] -= past[:, None] * share
+        changed[:, channels] = self.past(forces[:, channels], sim.drawn.shoes.position[channels])
         return changed
+
+    def past(self, forces: FloatArray, places: FloatArray) -> FloatArray:
+        """(T, k) forces left on cells at places (k, 2), of (T, k) without the rim.
+
+        Statics of a rigid plate on its cells and, where it comes down far enough, on the rim.
+        """
+        share = shares(places, self.place)
+        carried = np.maximum(forces @ share - self.gap, 0.0) / (1.0 / self.size + share @ share)
+        return forces - carried[:, None] * share
 
 
 @dataclass
@@ -238,19 +248,22 @@ class LoosePlate(Unknown):
     def forces(self, sim: SimulatedRobot, samples: Samples, forces: FloatArray) -> FloatArray:  # noqa: ARG002
         """The foot's load, from where the plate lies to the cells."""
         channels = sim.shoe.of_foot(self.foot)
-        total = forces[:, channels].sum(axis=1)
+        changed = forces.copy()
+        changed[:, channels] = self.slid(forces[:, channels], sim.drawn.shoes.position[channels])
+        return changed
+
+    def slid(self, forces: FloatArray, places: FloatArray) -> FloatArray:
+        """(T, k) forces on cells at places (k, 2), of (T, k) on a plate that lies fast."""
+        total = forces.sum(axis=1)
         lies = np.zeros(len(total))
         middle = total[0]
         for index, load in enumerate(total):
             middle = float(np.clip(middle, load - self.grip / 2.0, load + self.grip / 2.0))
             lies[index] = (load - middle) / (self.grip / 2.0)
         moved = self.size * lies[:, None] * [np.cos(self.way), np.sin(self.way)]
-        places = sim.drawn.shoes.position[channels]
-        here = _shares(places, np.zeros(2))
-        lever = np.stack([_shares(places, axis) - here for axis in np.eye(2)], axis=1)
-        changed = forces.copy()
-        changed[:, channels] += total[:, None] * (moved @ lever.T)
-        return changed
+        here = shares(places, np.zeros(2))
+        lever = np.stack([shares(places, axis) - here for axis in np.eye(2)], axis=1)
+        return np.asarray(forces + total[:, None] * (moved @ lever.T))
 
 
 @dataclass
@@ -274,11 +287,14 @@ class Hand(Unknown):
         starts = np.cumsum(rng.uniform(4.0, 10.0, 8))
         return cls(size, starts, rng.uniform(2.0, 6.0, 8), rng.uniform(-0.4, 0.4, 2))
 
-    def act(self, sim: SimulatedRobot, time: float) -> None:
-        """Touch gently, hold, let go."""
+    def push(self, sim: SimulatedRobot, time: float) -> None:
+        """Hold up a part of the weight."""
+        _push(sim, "base_link", self.size * self.much(time) * np.array([*self.lean, 1.0]))
+
+    def much(self, time: float) -> float:
+        """Share of the largest force at a time [s]: it touches gently, holds, lets go."""
         phase = (time - self.starts) / self.lengths
-        much = float(np.where((phase > 0) & (phase < 1), np.sin(np.pi * phase) ** 2, 0.0).max())
-        _push(sim, "base_link", self.size * much * np.array([*self.lean, 1.0]))
+        return float(np.where((phase > 0) & (phase < 1), np.sin(np.pi * phase) ** 2, 0.0).max())
 
 
 @dataclass
@@ -341,7 +357,7 @@ def _push(sim: SimulatedRobot, link: str, force: FloatArray) -> None:
     sim.data.xfrc_applied[sim.physics.model.body(link).id, :3] += force
 
 
-def _shares(places: FloatArray, point: FloatArray) -> FloatArray:
+def shares(places: FloatArray, point: FloatArray) -> FloatArray:
     """(k,) how a rigid plate on equal springs at places (k, 2) shares a unit load at a point."""
     rows = np.column_stack([np.ones(len(places)), places])
     return np.asarray(rows @ np.linalg.solve(rows.T @ rows, [1.0, *point]))

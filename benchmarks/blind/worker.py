@@ -8,6 +8,7 @@ forbids it, and what it starts by forking, to open anything sealed and to import
 from __future__ import annotations
 
 import contextlib
+import errno
 import io
 import json
 import os
@@ -26,7 +27,7 @@ def shut_out(sealed: Path) -> None:
 
     def hook(event: str, args: tuple[object, ...]) -> None:
         if event == "import" and str(args[0]).split(".")[0] in FORBIDDEN:
-            raise PermissionError(f"the diagnosis imports {args[0]}")
+            raise PermissionError(errno.EPERM, f"the diagnosis imports {args[0]}")
         if event not in _LOOKS:
             return
         for path in args:
@@ -34,7 +35,7 @@ def shut_out(sealed: Path) -> None:
                 continue
             real = os.path.realpath(os.fsdecode(path))
             if os.path.commonpath([real, barred]) == barred:
-                raise PermissionError("the diagnosis opens what is sealed")
+                raise PermissionError(errno.EACCES, "is sealed", real)
 
     sys.addaudithook(hook)
 

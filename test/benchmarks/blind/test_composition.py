@@ -1,0 +1,133 @@
+"""What a round holds, and what is drawn of its sets."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+from blind.answers import Answer
+from blind.catalogue import EFFECTS, exactly, item
+from blind.composition import FULL, Mix, compose
+from blind.draws import STRENGTHS, draw_location, draw_size, magnitude_of, own_gap, unit_sizes
+from blind.inseparable import PAIRS
+from blind.unknowns import KINDS
+from population import nao
+from shoecal_core.planning.standard import STANDARD
+from shoecal_core.simulation.effects.registry import EFFECTS as SIMULATED
+from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.workspace import config_dir
+
+DURATIONS = {101: (30.0,) * len(STANDARD), 102: (20.0,) * len(STANDARD)}
+
+
+@pytest.fixture(scope="module")
+def full() -> list[Answer]:
+    return compose(1, Mix.of(None), DURATIONS)
+
+
+def test_a_full_round_has_enough_of_everything(full: list[Answer]) -> None:
+    counts = Counter(one.category for one in full)
+    assert counts == FULL
+    assert counts["clean"] >= 190
+    assert len(full) >= 480
+
+
+def test_numbers_tell_nothing(full: list[Answer]) -> None:
+    assert [one.number for one in full] == list(range(1, len(full) + 1))
+    clean = np.array([one.category == "clean" for one in full])
+    halves = [part.mean() for part in np.array_split(clean, 4)]
+    assert np.ptp(halves) < 0.25
+
+
+def test_a_seed_draws_the_same_round_again_and_another_one_another(full: list[Answer]) -> None:
+    assert compose(1, Mix.of(None), DURATIONS) == full
+    assert compose(2, Mix.of(None), DURATIONS) != full
+
+
+def test_effects_and_strengths_are_spread_evenly(full: list[Answer]) -> None:
+    single = [one.truths[0] for one in full if one.category == "single"]
+    effects = Counter(truth.effect for truth in single)
+    assert set(effects) == set(EFFECTS)
+    assert max(effects.values()) - min(effects.values()) <= 1
+    strengths = Counter(truth.strength for truth in single)
+    assert set(strengths) == set(STRENGTHS)
+    assert max(strengths.values()) - min(strengths.values()) <= 8
+
+
+def test_there_are_six_kinds_at_least_that_no_library_knows(full: list[Answer]) -> None:
+    kinds = {one.foreign.kind for one in full if one.foreign is not None}
+    assert kinds == set(KINDS)
+    assert len(kinds) >= 6
+    assert not {name.replace(" ", "_") for name in kinds} & set(EFFECTS)
+
+
+def test_two_effects_are_two(full: list[Answer]) -> None:
+    for one in full:
+        if one.category == "double":
+            assert len({exactly(truth.place) for truth in one.truths}) == 2
+
+
+def test_an_inseparable_set_holds_one_of_those_that_explain_it(full: list[Answer]) -> None:
+    sets = [one for one in full if one.category == "inseparable"]
+    assert len({one.truths[0].effect for one in sets}) == len(PAIRS)
+    for one in sets:
+        assert one.truths[0].place in one.alike
+        assert len(one.alike) == 2
+
+
+def test_a_small_round_has_the_same_mix() -> None:
+    assert Mix.of(48) == Mix(20, 16, 5, 5, 2)
+    assert Mix.of(2) == Mix(1, 1, 1, 1, 1)
+
+
+def test_every_effect_of_the_table_is_simulated() -> None:
+    assert set(EFFECTS) == set(SIMULATED)
+
+
+@pytest.mark.parametrize("effect", EFFECTS)
+def test_every_effect_drawn_can_be_read(effect: str, tmp_path: Path) -> None:
+    rng = np.random.default_rng(5)
+    for kind in EFFECTS[effect].places:
+        location = draw_location(effect, kind, rng)
+        size = draw_size(effect, 0.004, rng)
+        assert set(size) | {"time"} == set(EFFECTS[effect].units) | {"time"}
+        listed = item(effect, location, {**size, **({"time": 4.0} if effect == "slip" else {})})
+        file = tmp_path / "reality.yaml"
+        run = {"run": 1} if effect == "slip" else {}
+        file.write_text(yaml.safe_dump({"format": 1, "effects": [{**listed, **run}]}))
+        assert load_reality(config_dir() / "realities" / "default.yaml", file).effects
+
+
+def test_a_cell_off_its_place_towards_another_is_as_if_that_one_heard_it() -> None:
+    """Force f at t + e (u - t) has the moments of f at t (1 - e) and e f at u."""
+    pair = next(one for one in PAIRS if one.effect == "cell_position")
+    rng = np.random.default_rng(2)
+    (answer,) = [
+        one
+        for one in compose(3, Mix(0, 0, 0, 0, 4), DURATIONS)
+        if one.truths[0].effect == pair.effect
+    ]
+    _, twin = answer.alike
+    shoe, (receiver, donor) = nao()[1], twin.location
+    place = {name: shoe.positions[shoe.names.index(name)] for name in (receiver, donor)}
+    moved = np.array([answer.truths[0].size["x"], answer.truths[0].size["y"]])
+    way = place[receiver] - place[donor]
+    assert abs(np.cross(moved, way)) < 1e-12
+    heard = float(moved @ way / (way @ way))
+    force = rng.uniform(5.0, 10.0)
+    one = force * (place[donor] + moved)
+    other = force * (1.0 - heard) * place[donor] + heard * force * place[receiver]
+    np.testing.assert_allclose(one, other)
+
+
+def test_sizes_are_read_off_what_was_measured() -> None:
+    for key, told in unit_sizes().items():
+        if len(told["gap"]) > 1 and 1.6 < told["gap"][0] < told["gap"][1] < 30.0:
+            for magnitude, gap in zip(told["magnitude"], told["gap"], strict=True):
+                if told["gap"].index(gap) in {0, len(told["gap"]) - 1}:
+                    assert magnitude_of(key, gap, 1e9) == pytest.approx(magnitude)
+    assert own_gap(np.sqrt(2.0)) == pytest.approx(1.0)
