@@ -7,6 +7,7 @@ ends by itself when the node is gone.
 from __future__ import annotations
 
 import contextlib
+import os
 import pickle
 import signal
 import subprocess
@@ -110,6 +111,7 @@ class Worker:
             [sys.executable, "-c", _CHILD, str(child.fileno())],
             pass_fds=[child.fileno()],
             stdin=subprocess.DEVNULL,
+            process_group=0,  # with whatever processes it starts itself
         )
         child.close()
         self._listener = threading.Thread(target=self._listen, daemon=True)
@@ -145,15 +147,19 @@ class Worker:
                 self._connection.send(None)
 
     def close(self) -> None:
-        """End the child, whatever it is doing."""
-        self._process.terminate()
+        """End the child, whatever it is doing, and all processes it has started."""
+        self._signal(signal.SIGTERM)
         try:
             self._process.wait(END_S)
         except subprocess.TimeoutExpired:
-            self._process.kill()
+            self._signal(signal.SIGKILL)
             self._process.wait()
         self._listener.join()
         self._connection.close()
+
+    def _signal(self, number: int) -> None:
+        with contextlib.suppress(ProcessLookupError):  # it has ended by itself
+            os.killpg(self._process.pid, number)
 
     def _listen(self) -> None:
         while True:

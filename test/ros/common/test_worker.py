@@ -54,7 +54,18 @@ def worker(waiter: Waiter, monkeypatch: pytest.MonkeyPatch) -> Iterator[Worker]:
 
 
 def is_alive(pid: object) -> bool:
-    return subprocess.run(["ps", "-p", str(pid)], capture_output=True, check=False).returncode == 0
+    """Whether a process runs; one that nobody has buried yet does not."""
+    state = subprocess.run(
+        ["ps", "-o", "state=", "-p", str(pid)], capture_output=True, text=True, check=False
+    ).stdout.strip()
+    return state not in {"", "Z"}
+
+
+def wait_for_end(pid: object) -> None:
+    deadline = time.monotonic() + TIMEOUT_S
+    while is_alive(pid):
+        assert time.monotonic() < deadline
+        time.sleep(0.02)
 
 
 def test_one_thing_after_another(worker: Worker, waiter: Waiter) -> None:
@@ -105,6 +116,17 @@ def test_closing_ends_whatever_it_does(waiter: Waiter, monkeypatch: pytest.Monke
         work.result()
 
 
+def test_closing_ends_what_its_work_has_started(
+    waiter: Waiter, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(sys.path))
+    worker = Worker(waiter.wake)
+    work = worker.do(worker_tasks.hang_together)
+    waiter.until(lambda: work.progress)
+    worker.close()
+    wait_for_end(work.progress)
+
+
 def test_the_child_ends_when_its_node_is_killed() -> None:
     program = (
         "import sys, time\n"
@@ -123,7 +145,4 @@ def test_the_child_ends_when_its_node_is_killed() -> None:
         child = node.stdout.readline().strip()
         assert is_alive(child)
         node.kill()
-    deadline = time.monotonic() + TIMEOUT_S
-    while is_alive(child):
-        assert time.monotonic() < deadline
-        time.sleep(0.02)
+    wait_for_end(child)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 import time
 
@@ -45,6 +46,12 @@ def wait_for_end(link: Link) -> str:
 def hang(link: Link) -> None:
     link.progress(os.getpid())
     time.sleep(1000.0)
+
+
+def hang_together(link: Link) -> None:
+    child = subprocess.Popen(["sleep", "1000"])
+    link.progress(child.pid)
+    child.wait()
 
 
 def unspeakable(link: Link) -> object:
