@@ -31,12 +31,13 @@ MOST_SIGNALS = 3
 
 def share_picture(diagnosis: Diagnosis) -> Picture | None:
     """Shares of the gap; None where there are none."""
-    if not diagnosis.where:
-        return None
     shares = [
         Share(where_text(place), place.share, palette.BLUE)
         for place in diagnosis.where[:MOST_SHARES]
+        if place.share > 0.0
     ]
+    if not shares:
+        return None
     return Picture(
         "Shares of the gap",
         share_bars(shares, "Shares of the gap"),

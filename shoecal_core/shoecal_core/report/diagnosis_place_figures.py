@@ -12,6 +12,7 @@ from shoecal_core.report.diagnosis_looks import AFTER, BEFORE
 from shoecal_core.report.diagnosis_places import (
     Field,
     Levers,
+    accounted_for,
     cop_noise,
     density,
     field_between,
@@ -79,7 +80,12 @@ def _under_feet(
         [field_under(evidence, fitted, every, foot) for foot in (0, 1)] for _, fitted, _ in pairs
     ]
     times = magnification([_arrows(one) for both in fields for one in both], cop_noise(evidence))
-    shares = _cell_shares(diagnosis)
+    shares, told = _cell_shares(diagnosis), "its share of the gap"
+    if not shares:
+        shares, told = (
+            _accounted_for(evidence, shoe),
+            "what one wrong force there could account for",
+        )
     forces = np.concatenate([one.force for both in fields for one in both])
     largest = float(np.abs(forces).max()) if len(forces) else 0.0
     pictures = []
@@ -89,14 +95,14 @@ def _under_feet(
                  _at_cells(shoe, foot, shares) if label == pairs[0][0] else ())
             for foot in (0, 1)
         ]  # fmt: skip
-        told = " Per cent at a cell: its share of the gap." if any(s.shares for s in soles) else ""
+        numbers = f" Per cent at a cell: {told}." if any(one.shares for one in soles) else ""
         pictures.append(
             Picture(
                 f"Error by where each foot was loaded{label}",
                 field_under_feet(soles, look, times, largest),
                 "Arrows and circles stand where the foot's own CoP was, and show how far the CoP "
                 "and GRF of both feet together were off then. A cell that reads wrong shows as "
-                f"large circles around it.{told}",
+                f"large circles around it.{numbers}",
             )
         )
     return pictures
@@ -112,6 +118,16 @@ def _cell_shares(diagnosis: Diagnosis) -> dict[str, float]:
         if place.cell:
             shares[place.cell] = shares.get(place.cell, 0.0) + place.share
     return shares
+
+
+def _accounted_for(evidence: Evidence, shoe: Shoe) -> dict[str, float]:
+    """Of every cell; nothing of six-axis sensors, which tell force and moments apart."""
+    shares = {
+        channel.name: accounted_for(evidence, evidence.without, channel.foot, channel.position)
+        for channel in shoe.channels
+        if not shoe.torque[shoe.of_foot(channel.foot)].any()
+    }
+    return {name: share for name, share in shares.items() if np.isfinite(share)}
 
 
 def _at_cells(

@@ -13,6 +13,8 @@ from shoecal_core.model.double_support import DoubleSupport
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+LEAST_EXCESS = 0.2
+"""Excess over noise, as a part of it, from which it is worth asking who makes it."""
 CELL_M = 0.008
 """Side of the squares over which arrows are averaged [m]."""
 LEAST_SAMPLES = 3
@@ -183,6 +185,31 @@ def lever_points(evidence: Evidence, fitted: Fitted, foot: int) -> Levers:
     clear = (np.abs(grf) > CLEAR * noise) & np.isfinite(points).all(axis=1)
     points[~clear] = np.nan
     return Levers(points, np.hypot(spread, BLUR_M), np.where(clear, grf**2, 0.0))
+
+
+def accounted_for(evidence: Evidence, fitted: Fitted, foot: int, place: FloatArray) -> float:
+    """How much of the excess of GRF and CoP one force of any course at a place would account for.
+
+    Of each sample's residual the part is taken that such a force can make; what noise alone
+    would give is taken off. NaN where there is no clear excess.
+
+    Args:
+        place: (2,) in the foot's sole frame [m].
+    """
+    noise = np.array([noise_of(evidence, name) for name in ("grf", "cop_x", "cop_y")])
+    off = in_sole(evidence, cop_residual(evidence, fitted), foot, vectors=True)
+    arm = place - in_sole(evidence, evidence.cop, foot, vectors=False)
+    whole = np.nansum(evidence.foot_force, axis=1)
+    seen = np.column_stack((signal(evidence, fitted, "grf"), off)) / noise
+    with np.errstate(divide="ignore", invalid="ignore"):
+        way = np.column_stack((np.ones(len(arm)), arm / whole[:, None])) / noise
+    known = np.isfinite(seen).all(axis=1) & np.isfinite(way).all(axis=1)
+    seen, way = seen[known], way[known]
+    excess = float((seen**2).sum()) - seen.size
+    if excess < LEAST_EXCESS * max(seen.size, 1):
+        return float("nan")
+    made = ((seen * way).sum(axis=1) ** 2 / (way**2).sum(axis=1)).sum() - len(seen)
+    return float(np.clip(made / excess, 0.0, 1.0))
 
 
 def density(levers: Levers, low: FloatArray, high: FloatArray) -> tuple[FloatArray, ...]:

@@ -11,6 +11,7 @@ from shoecal_core.diagnosis.result import Evidence, Fitted
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.report.diagnosis_places import (
     CELL_M,
+    accounted_for,
     cop_residual,
     density,
     field,
@@ -34,7 +35,7 @@ def test_lever_points_are_where_the_wrong_force_acts(evidence: Evidence) -> None
     for name in ("left/rear_right", "right/front_left"):
         index = shoe.names.index(name)
         extra = np.zeros_like(evidence.outputs)
-        extra[:, index] = 1.0
+        extra[:, index] = 5.0
         exact = diagnoses.told_in_stance(
             diagnoses.signals_of(shoe, extra, diagnoses.in_left(evidence), evidence.support),
             evidence,
@@ -52,6 +53,10 @@ def test_lever_points_are_where_the_wrong_force_acts(evidence: Evidence) -> None
         assert found.clear[both].all()
         place = shoe.positions[index]
         np.testing.assert_allclose(found.points[both], np.tile(place, (both.sum(), 1)), atol=1e-9)
+        cells = shoe.positions[shoe.of_foot(foot)]
+        told = [accounted_for(wrong, wrong.without, foot, other) for other in cells]
+        assert accounted_for(wrong, wrong.without, foot, place) > 0.99
+        assert sum(share > 0.99 for share in told) == 1
         x, y, dense = density(found, place - 0.02, place + 0.02)
         at = np.unravel_index(int(dense.argmax()), dense.shape)
         np.testing.assert_allclose((x[at[0]], y[at[1]]), place, atol=2e-3)
@@ -62,6 +67,7 @@ def test_lost_in_noise_is_no_lever_point(evidence: Evidence) -> None:
                    np.zeros_like(evidence.without.residuals))  # fmt: skip
     found = lever_points(evidence, quiet, 0)
     assert not found.clear.any()
+    assert np.isnan(accounted_for(evidence, quiet, 0, np.zeros(2)))
     assert not density(found, np.zeros(2), np.ones(2))[2].any()
 
 
