@@ -16,6 +16,7 @@ from scipy.sparse import csr_matrix
 
 from shoecal_core.calibration.aligned import Aligned, align
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.walking_samples import Walk, find_walk
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.model.robot import Robot
@@ -31,6 +32,8 @@ IntArray = NDArray[np.int64]
 TRANSIT_S = 0.8
 """Around lifting and landing, samples are left out for this long."""
 MIN_SEGMENT_S = 0.8
+UNSURE_MASS = 0.02
+"""Standard uncertainty of the robot's mass, over the mass, from which it is told."""
 LEAST_FILLED = 0.5
 """Part of a sample's time in which there must be readings."""
 
@@ -40,7 +43,7 @@ class Track:
     """One run at the rate of its readings, F of them.
 
     Attributes:
-        run: its number. motion: what it did.
+        run: its number. motion: what it did. walks: it names no double support: feet move.
         start: of the run since the session's first sample [s].
         time: (F,) since the run's start [s].
         readings: (F, n) raw.
@@ -55,6 +58,7 @@ class Track:
 
     run: int
     motion: str
+    walks: bool
     start: float
     time: FloatArray
     readings: FloatArray
@@ -89,7 +93,9 @@ class Samples:
         force: (T,) expected vertical force [N].
         cop: (T, 2) modelled CoP in the frame of the stance: the left sole's, or the right
             sole's while the left foot hangs [m].
-        acceleration: (T, 2) of the CoM in that frame [m/s^2].
+        walks: (T,) force and CoP are the zero-moment point's, not those of a slow motion.
+        acceleration: (T, 2) of the CoM in that frame; zero where it walks [m/s^2].
+        spin: (T, 2) what the angular momentum adds to the CoP where it walks, else zero [m].
         notes: what is missing or was left out, in words.
     """
 
@@ -107,7 +113,9 @@ class Samples:
     up: FloatArray
     force: FloatArray
     cop: FloatArray
+    walks: BoolArray
     acceleration: FloatArray
+    spin: FloatArray
     notes: tuple[str, ...]
 
     @property
@@ -122,13 +130,14 @@ class Samples:
 
     @cached_property
     def encoder_step(self) -> FloatArray:
-        """(m,) smallest steps of the joints' angles; their scatter where they have none [rad]."""
-        return np.array(
-            [
-                _step(np.concatenate([t.angles[:, joint] for t in self.tracks]))
-                for joint in range(self.angles.shape[1])
-            ]
-        )
+        """(m,) smallest steps of the joints' angles; their scatter where they have none [rad].
+
+        Zero where a robot only walks: there it drowns in the dynamics.
+        """
+        slow = [track.angles for track in self.tracks if not track.walks]
+        if not slow:
+            return np.zeros(self.angles.shape[1])
+        return np.array([_step(joint) for joint in np.concatenate(slow).T])
 
     def decimated(self, work: Callable[[Track], FloatArray]) -> FloatArray:
         """(T, ...) of what is worked out on each run at the recorded rate (F, ...)."""
@@ -158,8 +167,6 @@ def load_samples(
             progress(f"reading run {number}", index / len(runs))
         try:
             run = session.read(number)
-            if run.info.support is None:
-                raise FileError(run.path, "names no double support")
             read.append((run, align(run, shoe, kinematics)))
         except FileError as error:
             notes.append(f"run {number} is left out: {error}")
@@ -167,10 +174,16 @@ def load_samples(
         raise FileError(session.folder, "no run can be used: " + "; ".join(notes))
     first_ns = min(run.start_ns for run, _ in read)
     duration = sum(float(aligned.time[-1] - aligned.time[0]) for _, aligned in read)
-    rate = min(settings.rate_hz, settings.samples_max / max(duration, 1.0))
+    walks = any(run.info.support is None for run, _ in read)
+    wanted = settings.walking_rate_hz if walks else settings.rate_hz
+    rate = min(wanted, settings.samples_max / max(duration, 1.0))
     parts, at, segments = [], 0, 0
     for run, aligned in read:
-        part = _part(run, aligned, robot, settings, rate, at, segments, first_ns)
+        try:
+            part = _part(run, aligned, robot, shoe, settings, rate, at, segments, first_ns)
+        except ShoecalError as error:
+            notes.append(f"run {run.info.run} is left out: {error}")
+            continue
         if part is None:
             notes.append(f"run {run.info.run} is left out: no stance in it is long enough")
             continue
@@ -178,7 +191,7 @@ def load_samples(
         at, segments = part.track.samples.stop, segments + int(part.segment.max() - segments) + 1
     if not parts:
         raise FileError(session.folder, "no run can be used: " + "; ".join(notes))
-    notes += _missing(parts)
+    notes += _missing(parts, robot)
     angles = np.concatenate([part.track.mean(part.track.angles) for part in parts])
     states = kinematics.states(angles)
     loaded = np.concatenate([part.loaded for part in parts])
@@ -193,6 +206,13 @@ def load_samples(
         ]
     )
     acceleration = np.concatenate([part.acceleration for part in parts])
+    force, cop = np.full(len(frame), robot.weight), states.com[rows, frame, :2]
+    walking, spin = np.zeros(len(frame), dtype=bool), np.zeros((len(frame), 2))
+    for part in parts:
+        if part.walk is not None:
+            here, mean = part.track.samples, part.track.mean
+            force[here], cop[here] = mean(part.walk.force), mean(part.walk.cop)
+            walking[here], spin[here] = True, mean(part.walk.spin)
     return Samples(
         robot=robot,
         shoe=shoe,
@@ -208,9 +228,11 @@ def load_samples(
         angles=angles,
         states=states,
         up=up,
-        force=np.full(len(frame), robot.weight),
-        cop=states.com[rows, frame, :2],
-        acceleration=acceleration[rows, frame],
+        force=force,
+        cop=cop,
+        walks=walking,
+        acceleration=np.where(walking[:, None], 0.0, acceleration[rows, frame]),
+        spin=spin,
         notes=tuple(notes),
     )
 
@@ -221,12 +243,14 @@ class _Part:
     segment: IntArray
     loaded: BoolArray
     acceleration: FloatArray
+    walk: Walk | None
 
 
 def _part(
     run: Run,
     aligned: Aligned,
     robot: Robot,
+    shoe: Shoe,
     settings: DiagnosisSettings,
     rate: float,
     at: int,
@@ -238,16 +262,24 @@ def _part(
     thin[::step] = True
     aligned = aligned.part(thin)
     time = aligned.time
-    stance, loaded = _stances(aligned, robot, settings)
+    walk = find_walk(run, aligned, shoe, robot) if run.info.support is None else None
+    if walk is None:
+        stance, loaded = _stances(aligned, robot, settings)
+    else:
+        stance, loaded = walk.stance, walk.loaded
     chosen = _bins(time, stance, rate)
     if chosen is None:
         return None
     weights, owner = chosen
+    # Stances too short for one sample are gone: those left are numbered without gaps.
+    kept, owner = np.unique(owner, return_inverse=True)
+    loaded, owner = loaded[kept], owner.reshape(-1)
     com = aligned.states.com
     acceleration = np.gradient(np.gradient(_smooth(com[..., :2], time), time, axis=0), time, axis=0)
     track = Track(
         run=run.info.run,
         motion=run.info.motion,
+        walks=walk is not None,
         start=1e-9 * (run.start_ns - first_ns),
         time=time,
         readings=aligned.readings,
@@ -259,7 +291,7 @@ def _part(
         samples=slice(at, at + weights.shape[0]),
         weights=weights,
     )
-    return _Part(track, segments + owner, loaded[owner], track.mean(acceleration))
+    return _Part(track, segments + owner, loaded[owner], track.mean(acceleration), walk)
 
 
 def _step(values: FloatArray) -> float:
@@ -374,9 +406,19 @@ def _temperature(run: Run, time: FloatArray) -> FloatArray | None:
     return np.interp(time, run.readings.time[known], mean)
 
 
-def _missing(parts: Sequence[_Part]) -> list[str]:
+def _missing(parts: Sequence[_Part], robot: Robot) -> list[str]:
     tracks = [part.track for part in parts]
     notes = []
+    if walking := [str(track.run) for track in tracks if track.walks]:
+        notes.append(
+            f"runs {', '.join(walking)} walk: CoP and GRF are told against the zero-moment point "
+            "of joints and base pose, in single and double supports of flat, still feet"
+        )
+    if robot.mass_std > UNSURE_MASS * robot.mass:
+        notes.append(
+            f"the robot's weight is known to {robot.mass_std / robot.mass:.0%} only, and a wrong "
+            "one looks exactly like a common error of all gains: put it on a scale"
+        )
     if any(track.up is None for track in tracks):
         notes.append("no /imu in every run: a tilt of the floor is only seen by the CoP")
     if all(track.temperature is None for track in tracks):

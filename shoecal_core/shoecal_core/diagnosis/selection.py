@@ -27,27 +27,33 @@ class Found:
         chosen: all causes together; None when nothing is needed.
         alternatives: of each cause, every hypothesis in its place beside the other causes, the
             best first, with the logarithm of its evidence against having nothing there.
+        singles: every hypothesis by itself, the best first.
     """
 
     chosen: Scored | None
     alternatives: tuple[tuple[tuple[Hypothesis, float], ...], ...]
+    singles: tuple[Scored, ...]
 
 
 def select(workspace: Workspace, settings: DiagnosisSettings) -> Found:
     """Forward, one at a time; then each is tried again beside the others, and pruned."""
     parts: list[Part] = []
     score = 0.0
+    singles = ranked(workspace)
     while len(parts) < settings.causes_max:
-        best = _best(workspace, parts, settings)
+        candidates = ranked(workspace, parts) if parts else singles
+        best = _best(workspace, candidates, len(parts), settings)
         if best is None or best.evidence - score < settings.evidence_min:
             break
         parts, score = list(best.parts), best.evidence
     parts = _revised(workspace, parts, settings)
     if not parts:
-        return Found(None, ())
+        return Found(None, (), tuple(singles))
     chosen = workspace.scorer.score(parts)
     return Found(
-        chosen, tuple(_alternatives(workspace, parts, index) for index in range(len(parts)))
+        chosen,
+        tuple(_alternatives(workspace, parts, index) for index in range(len(parts))),
+        tuple(singles),
     )
 
 
@@ -75,9 +81,11 @@ def weight(scored: Scored) -> float:
     return told + math.log(hypothesis.prior)
 
 
-def _best(workspace: Workspace, parts: list[Part], settings: DiagnosisSettings) -> Scored | None:
-    for scored in ranked(workspace, parts)[:_TRIED]:
-        if material(workspace, scored, len(parts), settings):
+def _best(
+    workspace: Workspace, candidates: Sequence[Scored], index: int, settings: DiagnosisSettings
+) -> Scored | None:
+    for scored in candidates[:_TRIED]:
+        if material(workspace, scored, index, settings):
             return scored
     return None
 

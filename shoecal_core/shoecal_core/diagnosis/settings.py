@@ -15,6 +15,9 @@ class DiagnosisSettings(Settings):
         5.0, "1/s", "samples that regressions see; what happens faster is worked out before",
         minimum=0.5,
     )  # fmt: skip
+    walking_rate_hz: float = setting(
+        10.0, "1/s", "the same for sessions in which the robot walks", minimum=0.5
+    )
     samples_max: int = setting(
         4000, "", "samples of a whole session; longer ones are sampled more slowly", minimum=200
     )

@@ -48,6 +48,8 @@ FAMILIES = {"air": AIR, "closure": CLOSURE, "parity": PARITY, "tilt": TILT}
 
 FREE = 1e6
 """Prior of what may have any size."""
+QUASI_STATIC_M = 6e-4
+"""Root mean square of the zero-moment point's way off the CoM in a motion meant to be slow."""
 LEAST_STANDING_M, LEAST_STANDING_RAD, BRACED_SHARE = 1e-4, 4e-4, 5e-4
 """Least scatter from stance to stance of CoP and tilt, and that of the vertical force over it."""
 
@@ -159,10 +161,19 @@ class Scene:
 
     @cached_property
     def zero_moment(self) -> FloatArray:
-        """(T, 2) zero-moment point of a single mass at the CoM, less the CoM's projection [m]."""
+        """(T, 2) zero-moment point less the modelled CoP [m].
+
+        In slow motions that of a single mass at the CoM; where the robot walks the model is that
+        already, and the angular momentum's part is left.
+        """
         samples = self.samples
         height = samples.states.com[np.arange(len(samples.run)), samples.frame, 2]
-        return -(height / GRAVITY)[:, None] * samples.acceleration
+        return -(height / GRAVITY)[:, None] * samples.acceleration + samples.spin
+
+    @property
+    def fast(self) -> bool:
+        """Whether the zero-moment point is so far off the CoM that it counts as an effect."""
+        return bool(np.sqrt(np.mean(self.zero_moment**2)) > QUASI_STATIC_M)
 
     @cached_property
     def links(self) -> body.Links:
@@ -235,16 +246,23 @@ class Scene:
                 for values in (*(self.outputs[:, own] @ others.T).T, np.ones(count)):
                     add(PARITY.start + foot, values, FREE)
         # Accelerations move the zero-moment point; how much, a single mass tells roughly.
-        found.append((self.by_model(0.0, self.zero_moment), FREE))
+        if not self.fast:
+            found.append((self.by_model(0.0, self.zero_moment), FREE))
         for axis in range(TILT.start, TILT.stop):
             add(axis, np.ones(count), FREE)
         # Encoders stand on one step or the next for a whole stance: an error of its own.
         steps = self.standing_errors
-        for segment in range(int(self.samples.segment.max()) + 1):
+        for segment in self.slow_segments:
             here = (self.samples.segment == segment).astype(np.float64)
             for signal in (0, 1, 2, TILT.start, TILT.start + 1):
                 add(signal, here, steps[signal])
         return found
+
+    @cached_property
+    def slow_segments(self) -> tuple[int, ...]:
+        """Segments of slow runs; in a walk a stance's own error drowns in the dynamics."""
+        samples = self.samples
+        return tuple(np.unique(samples.segment[~samples.walks]).tolist())
 
     @cached_property
     def standing_errors(self) -> FloatArray:

@@ -63,11 +63,15 @@ class Workspace:
         return rest, added
 
     @property
+    def floor(self) -> FloatArray:
+        """(s,) what noise and the stances' own errors leave of each signal."""
+        return np.hypot(self.noise.std, self.scene.standing_errors)
+
+    @property
     def own_errors(self) -> NDArray[np.int64]:
         """Places of the stances' own errors among the baseline's columns."""
-        segments = int(self.scene.samples.segment.max()) + 1
         count = len(self.scene.baseline)
-        return np.arange(count - 5 * segments, count)
+        return np.arange(count - 5 * len(self.scene.slow_segments), count)
 
     def rows_of(self, runs: Sequence[int]) -> NDArray[np.bool_]:
         """(T,) samples of some runs."""

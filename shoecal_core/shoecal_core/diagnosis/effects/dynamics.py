@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from shoecal_core.diagnosis.effects.base import Component, Place, Shape
 from shoecal_core.diagnosis.signals import Scene
-from shoecal_core.model.robot import GRAVITY
 
 
 class Inertia:
@@ -23,7 +20,6 @@ class Inertia:
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
         """Of a mass at the CoM: -h a / g."""
-        samples = scene.samples
-        height = samples.states.com[np.arange(len(samples.run)), samples.frame, 2]
-        cop = -(height / GRAVITY)[:, None] * samples.acceleration
-        yield Shape(("factor",), scene.by_model(0.0, cop)[None])
+        # In slow motions it is taken for granted, whatever else is looked for.
+        if scene.fast:
+            yield Shape(("factor",), scene.by_model(0.0, scene.zero_moment)[None])

@@ -1,0 +1,248 @@
+"""The whole procedure: look, preflight, fit, rank, judge, measure the shrink, propose."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.calibration.pipeline import split_runs
+from shoecal_core.diagnosis.baseline import first_parameters
+from shoecal_core.diagnosis.effects import EFFECTS, Effect, Place
+from shoecal_core.diagnosis.evidence import evidence
+from shoecal_core.diagnosis.hidden import hidden_cop
+from shoecal_core.diagnosis.hypotheses import Hypothesis
+from shoecal_core.diagnosis.next_motion import propose
+from shoecal_core.diagnosis.preflight import preflight
+from shoecal_core.diagnosis.result import Candidate, Cause, Diagnosis, NextMotion, Verdict
+from shoecal_core.diagnosis.rewiring import Exchange, rewired
+from shoecal_core.diagnosis.samples import load_samples
+from shoecal_core.diagnosis.scoring import Scored
+from shoecal_core.diagnosis.selection import Found, select
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.shrink import excess, gap, shrink
+from shoecal_core.diagnosis.signals import make_scene
+from shoecal_core.diagnosis.sizes import sizes
+from shoecal_core.diagnosis.where import where
+from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+from shoecal_core.recording.session import Session
+
+FloatArray = NDArray[np.float64]
+Progress = Callable[[str, float], None]
+SHOWN = 20
+"""Hypotheses that a ranking lists."""
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """Which hypotheses are looked at: all, or an effect, or an effect at a place."""
+
+    effect: str
+    place: Place | None = None
+
+    def __call__(self, effect: str, place: Place) -> bool:
+        return effect == self.effect and (self.place is None or place == self.place)
+
+
+def diagnose(
+    session: Session,
+    train: Sequence[int] = (),
+    test: Sequence[int] = (),
+    settings: DiagnosisSettings | None = None,
+    *,
+    without: frozenset[str] = frozenset(),
+    only: Wanted | None = None,
+    effects: Sequence[Effect] = EFFECTS,
+    progress: Progress | None = None,
+) -> Diagnosis:
+    """Tell where model and reality differ, and why.
+
+    Args:
+        session: recorded.
+        train, test: runs; see `split_runs`. Test runs touch no fit and no ranking.
+        settings: thresholds.
+        without: families of signals left out (`signals.FAMILIES`).
+        only: looks at nothing else.
+        effects: the library.
+        progress: told what is being done and the share done (0 to 1).
+
+    Raises:
+        ShoecalError: when the session cannot tell a gap from a parameter at all.
+    """
+    settings = DiagnosisSettings() if settings is None else settings
+    tell = progress or (lambda _text, _share: None)
+    train, test = split_runs(session, train, test)
+    samples = load_samples(
+        session, (*train, *test), settings, lambda text, share: tell(text, 0.2 * share)
+    )
+    train, test = (tuple(run for run in runs if run in samples.runs) for runs in (train, test))
+    tell("fitting with nothing added", 0.2)
+    scene = make_scene(samples, first_parameters(samples, train), settings, without)
+    workspace = make_workspace(
+        scene, effects, train, test, settings, only or (lambda _effect, _place: True)
+    )
+    tell("what this session can tell", 0.45)
+    before = preflight(workspace, settings)
+    tell("trying every effect", 0.5)
+    exchange = rewired(workspace, effects, settings)
+    best = workspace if exchange is None else exchange.workspace
+    found = select(best, settings)
+    tell("measuring the shrink", 0.8)
+    answer = _answer(workspace, best, exchange, found, settings)
+    tell("choosing the next motion", 0.85)
+    proposed = _proposed(best, found, answer, settings)
+    tell("done", 1.0)
+    return Diagnosis(
+        verdict=answer.verdict,
+        gap=gap(best, workspace.explained(None)[0]),
+        where=where(best, workspace.explained(None)[0], found.chosen),
+        causes=answer.causes,
+        ambiguity=answer.ambiguity,
+        ranking=answer.ranking[:SHOWN],
+        cannot_detect=before.cannot_detect,
+        cannot_separate=before.cannot_separate,
+        next_motion=proposed,
+        train=train,
+        test=test,
+        notes=samples.notes,
+        robot=samples.robot.name,
+        shoe=samples.shoe.name,
+        evidence=evidence(best, found.chosen, found.singles),
+    )
+
+
+@dataclass(frozen=True)
+class _Answer:
+    verdict: Verdict
+    causes: tuple[Cause, ...] = ()
+    ambiguity: tuple[Candidate, ...] = ()
+    ranking: tuple[Candidate, ...] = ()
+
+
+def _answer(
+    workspace: Workspace,
+    best: Workspace,
+    exchange: Exchange | None,
+    found: Found,
+    settings: DiagnosisSettings,
+) -> _Answer:
+    """The verdict.
+
+    Args:
+        workspace: with nothing added. best: the same, or under the wiring that was found.
+    """
+    before, _ = workspace.explained(None)
+    size = gap(best, before)
+    there = (
+        size.cop_mae_mm > settings.gap_from * size.cop_floor_mm
+        or size.grf_mae_n > settings.gap_from * size.grf_floor_n
+    )
+    rankings = [_probabilities(one, settings) for one in found.alternatives]
+    causes = [
+        _cause(best, found.chosen, index, before, rankings[index])
+        for index in range(0 if found.chosen is None else len(found.chosen.parts))
+        if found.chosen is not None
+    ]
+    causes.sort(key=lambda cause: -cause.shrink.fraction)
+    ranking = rankings[0] if rankings else ()
+    ambiguity = _set(ranking, settings) if ranking else ()
+    if exchange is not None:
+        first = _exchanged(exchange, before)
+        causes.insert(0, first)
+        ambiguity = (Candidate(first.effect, first.location, first.probability),)
+        ranking = (*ambiguity, *ranking)
+    if not causes:
+        return _Answer("unknown" if there else "no_gap")
+    after, _ = best.explained(found.chosen)
+    over, left = excess(best, before), excess(best, after)
+    explained = 1.0 - max(left, 0.0) / over if over > 0.0 else 1.0
+    if there and explained < settings.unknown_below:
+        return _Answer("unknown", ranking=ranking)
+    verdict: Verdict = "ambiguous" if len(ambiguity) > 1 else "explained"
+    if there and explained < settings.explained_from:
+        verdict = "partly_explained"
+    return _Answer(verdict, tuple(causes), ambiguity, ranking)
+
+
+def _probabilities(
+    alternatives: Sequence[tuple[Hypothesis, float]], settings: DiagnosisSettings
+) -> tuple[Candidate, ...]:
+    """Of everything that could stand in a cause's place, nothing included."""
+    logs = np.array([*(settings.temper * one for _, one in alternatives), 0.0])
+    shares = np.exp(logs - logs.max())
+    shares /= shares.sum()
+    return tuple(
+        Candidate(hypothesis.effect.identifier, hypothesis.place, float(share))
+        for (hypothesis, _), share in zip(alternatives, shares[:-1], strict=True)
+    )
+
+
+def _set(ranking: Sequence[Candidate], settings: DiagnosisSettings) -> tuple[Candidate, ...]:
+    """The most probable ones that together hold with the wanted probability."""
+    total = sum(one.probability for one in ranking)
+    chosen, held = [], 0.0
+    for one in ranking:
+        chosen.append(one)
+        held += one.probability / max(total, 1e-300)
+        if held >= settings.set_share:
+            break
+    return tuple(chosen)
+
+
+def _cause(
+    workspace: Workspace,
+    chosen: Scored,
+    index: int,
+    before: FloatArray,
+    ranking: Sequence[Candidate],
+) -> Cause:
+    hypothesis, form = chosen.parts[index]
+    if len(chosen.parts) > 1:
+        others = [part for at, part in enumerate(chosen.parts) if at != index]
+        before, _ = workspace.explained(workspace.scorer.score(others, foretell=False))
+    probability = next(
+        one.probability
+        for one in ranking
+        if (one.effect, one.location) == (hypothesis.effect.identifier, hypothesis.place)
+    )
+    return Cause(
+        effect=hypothesis.effect.identifier,
+        group=hypothesis.effect.group,
+        location=hypothesis.place,
+        probability=probability,
+        size=sizes(workspace, chosen, index),
+        run=form.shape.run,
+        shrink=shrink(workspace, before, workspace.explained(chosen)[0]),
+        hidden_cop_mm=1e3 * hidden_cop(workspace, chosen, index),
+    )
+
+
+def _exchanged(exchange: Exchange, before: FloatArray) -> Cause:
+    """The cause that another wiring is."""
+    hypothesis = exchange.hypothesis
+    return Cause(
+        effect=hypothesis.effect.identifier,
+        group=hypothesis.effect.group,
+        location=hypothesis.place,
+        probability=1.0,
+        size={},
+        run=None,
+        shrink=shrink(exchange.workspace, before, exchange.workspace.explained(None)[0]),
+        hidden_cop_mm=0.0,
+    )
+
+
+def _proposed(
+    workspace: Workspace, found: Found, answer: _Answer, settings: DiagnosisSettings
+) -> NextMotion | None:
+    if len(answer.ambiguity) < 2 or not found.alternatives:
+        return None
+    confused = {(one.effect, one.location): one.probability for one in answer.ambiguity}
+    rivals = [
+        (scored, confused[key])
+        for scored in found.singles
+        if (key := (scored.parts[0][0].effect.identifier, scored.parts[0][0].place)) in confused
+    ]
+    return propose(workspace, rivals, settings)

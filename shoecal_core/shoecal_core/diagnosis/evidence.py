@@ -1,0 +1,60 @@
+"""What pictures of a diagnosis are drawn from."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.result import Candidate, Evidence, Fitted
+from shoecal_core.diagnosis.scoring import Scored
+from shoecal_core.diagnosis.signals import SIGNALS
+from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.sensing.sensing import MINIMUM_FORCE
+from shoecal_core.sensing.wrench import cop
+
+FloatArray = NDArray[np.float64]
+RIVALS = 4
+
+
+def evidence(workspace: Workspace, chosen: Scored | None, rivals: Sequence[Scored]) -> Evidence:
+    """Arrays of all samples, test runs included.
+
+    Args:
+        chosen: the explanation; None where nothing was found.
+        rivals: hypotheses by themselves, the best first.
+    """
+    scene = workspace.scene
+    samples = scene.samples
+    supports = np.array([[one.dx, one.dy, one.dtheta] for one in scene.supports])
+    return Evidence(
+        signals=SIGNALS,
+        run=samples.run,
+        time=samples.time,
+        test=workspace.rows_of(workspace.test),
+        loaded=samples.loaded,
+        support=supports[samples.segment],
+        cop=samples.cop,
+        foot_cop=cop(scene.foot_wrenches, MINIMUM_FORCE),
+        foot_force=scene.foot_wrenches[..., 0],
+        outputs=scene.outputs,
+        noise=workspace.floor,
+        without=_fitted(workspace, None, "nothing added"),
+        explained=None if chosen is None else _fitted(workspace, chosen, "what was found"),
+        rivals=tuple(_fitted(workspace, one, label(one)) for one in rivals[:RIVALS]),
+    )
+
+
+def label(scored: Scored) -> str:
+    """Of all parts together, for a person to read."""
+    return " and ".join(
+        Candidate(hypothesis.effect.identifier, hypothesis.place, 0.0).label
+        for hypothesis, _ in scored.parts
+    )
+
+
+def _fitted(workspace: Workspace, scored: Scored | None, name: str) -> Fitted:
+    rest, added = workspace.explained(scored)
+    mask = workspace.scene.mask
+    return Fitted(name, np.where(mask, rest, np.nan), np.where(mask, added, np.nan))

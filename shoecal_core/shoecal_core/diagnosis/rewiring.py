@@ -1,0 +1,91 @@
+"""Hypotheses that change what channels mean: they cannot be added, the fit is made anew."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.effects.base import Effect
+from shoecal_core.diagnosis.hypotheses import Hypothesis
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.signals import Scene, Wiring
+from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+from shoecal_core.sensing.wrench import at_cop, combined, to_left, weight_below
+
+FloatArray = NDArray[np.float64]
+CLEARLY = 0.5
+"""Squares that another wiring must leave, over those of the shoe file's."""
+LEVER = 0.04
+"""m; by which moments count against forces."""
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """A wiring that explains much more than the shoe file's.
+
+    Attributes:
+        hypothesis: which.
+        workspace: of the session under it.
+    """
+
+    hypothesis: Hypothesis
+    workspace: Workspace
+
+
+def rewired(
+    workspace: Workspace, effects: Sequence[Effect], settings: DiagnosisSettings
+) -> Exchange | None:
+    """The best other wiring, where it is clearly better.
+
+    Wrenches are linear in gains and offsets whatever the wiring, so a quick look is one linear
+    least squares each; the best is then fitted in full.
+    """
+    if not workspace.library.rewired:
+        return None
+    usual = _misfit(workspace, workspace.scene.wiring)
+    found = []
+    for hypothesis in workspace.library.rewired:
+        scene = hypothesis.forms[0].shape.scene
+        assert scene is not None
+        found.append((_misfit(workspace, scene.wiring), hypothesis, scene))
+    squares, hypothesis, scene = min(found, key=lambda one: one[0])
+    if squares > CLEARLY * usual:
+        return None
+    return Exchange(
+        hypothesis,
+        make_workspace(scene, effects, workspace.train, workspace.test, settings),
+    )
+
+
+def _misfit(workspace: Workspace, wiring: Wiring) -> float:
+    """Mean square of what the best gains and offsets leave of the wrenches of both feet [N^2]."""
+    scene: Scene = workspace.scene
+    samples = scene.samples
+    shoe = samples.shoe
+    base = weight_below(shoe)
+    rows, targets = [], []
+    for segment, support in enumerate(scene.supports):
+        part = (samples.segment == segment) & samples.loaded.all(axis=1)
+        part &= workspace.rows_of(workspace.train)
+        if not part.any():
+            continue
+        columns = wiring.columns.copy()
+        right = wiring.foot == 1
+        columns[right] = columns[right] @ to_left(support).T
+        readings = samples.readings[part]
+        wrench = at_cop(samples.force[part], samples.cop[part]) - combined(base, support)
+        for axis, scale in enumerate((1.0, 1.0 / LEVER, 1.0 / LEVER)):
+            rows.append(
+                scale
+                * np.hstack(
+                    (readings * columns[:, axis], np.tile(columns[:, axis], (len(readings), 1)))
+                )
+            )
+            targets.append(scale * wrench[:, axis])
+    matrix, target = np.concatenate(rows), np.concatenate(targets)
+    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-12)
+    fitted = np.linalg.lstsq(matrix / size, target, rcond=1e-6)[0]
+    return float(np.mean((target - matrix / size @ fitted) ** 2))

@@ -1,0 +1,98 @@
+"""How far the gap shrinks on runs that no fit and no ranking has seen."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.result import Gap, Shrink
+from shoecal_core.diagnosis.signals import COP, GRF
+from shoecal_core.diagnosis.workspace import Workspace
+
+FloatArray = NDArray[np.float64]
+MEAN_NORM = float(np.sqrt(np.pi / 2.0))
+"""Mean length of two normal numbers of unit deviation."""
+MEAN_SIZE = float(np.sqrt(2.0 / np.pi))
+BLOCK_S = 6.0
+"""Stretches that count as one: errors within them are alike."""
+DRAWS = 400
+
+
+def gap(workspace: Workspace, rest: FloatArray) -> Gap:
+    """Errors against the model on the test runs, of residuals (T, s), and their floor."""
+    cop, grf = maes(workspace, rest)
+    noise = workspace.floor
+    return Gap(
+        cop_mae_mm=1e3 * cop,
+        grf_mae_n=grf,
+        cop_floor_mm=1e3 * MEAN_NORM * float(np.sqrt((noise[COP] ** 2).mean())),
+        grf_floor_n=MEAN_SIZE * float(noise[0]),
+    )
+
+
+def maes(workspace: Workspace, rest: FloatArray) -> tuple[float, float]:
+    """Mean error of CoP [m] and GRF [N] of residuals (T, s) on the test runs."""
+    rows = judged(workspace)
+    mask = workspace.scene.mask
+    force, place = rows & mask[:, 0], rows & mask[:, 1]
+    return (
+        float(np.linalg.norm(rest[place][:, COP], axis=1).mean()),
+        float(np.abs(rest[force][:, GRF]).mean()),
+    )
+
+
+def judged(workspace: Workspace) -> NDArray[np.bool_]:
+    """(T,) samples of the test runs; of the training runs where there is none."""
+    return workspace.rows_of(workspace.test or workspace.train)
+
+
+def shrink(workspace: Workspace, before: FloatArray, after: FloatArray) -> Shrink:
+    """From residuals (T, s) without an explanation to those with it."""
+    first, second = (_squares(workspace, rest) for rest in (before, after))
+    blocks = _blocks(workspace)
+    sums = np.array(
+        [
+            [one[blocks == block].sum() for block in np.unique(blocks)]
+            for one in (first, second, np.ones_like(first))
+        ]
+    )
+    draws = np.random.default_rng(0).integers(0, sums.shape[1], (DRAWS, sums.shape[1]))
+    fractions = [_fraction(*one) for one in sums[:, draws].sum(axis=2).T]
+    low, high = np.quantile(fractions, (0.025, 0.975))
+    (cop_before, grf_before), (cop_after, grf_after) = (
+        maes(workspace, rest) for rest in (before, after)
+    )
+    return Shrink(
+        fraction=_fraction(*sums.sum(axis=1)),
+        ci95=(float(low), float(high)),
+        cop_mae_mm=(1e3 * cop_before, 1e3 * cop_after),
+        grf_mae_n=(grf_before, grf_after),
+    )
+
+
+def excess(workspace: Workspace, rest: FloatArray) -> float:
+    """Mean square of the whitened errors of GRF and CoP on the test runs, less their floor."""
+    return float(_squares(workspace, rest).mean()) - 1.0
+
+
+def _fraction(before: float, after: float, count: float) -> float:
+    over = before - count
+    if over <= 0.0:
+        return 0.0
+    return float(np.clip(1.0 - max(after - count, 0.0) / over, -9.0, 1.0))
+
+
+def _squares(workspace: Workspace, rest: FloatArray) -> FloatArray:
+    """(k,) mean over GRF and CoP of the squares of each judged sample, in noises."""
+    rows = judged(workspace) & workspace.scene.mask[:, 1]
+    part = slice(GRF.start, COP.stop)
+    squares: FloatArray = ((rest[rows][:, part] / workspace.floor[part]) ** 2).mean(axis=1)
+    return squares
+
+
+def _blocks(workspace: Workspace) -> NDArray[np.int64]:
+    samples = workspace.scene.samples
+    rows = judged(workspace) & workspace.scene.mask[:, 1]
+    return np.asarray(
+        1000 * samples.run[rows] + np.floor(samples.time[rows] / BLOCK_S).astype(np.int64)
+    )

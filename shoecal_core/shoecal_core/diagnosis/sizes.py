@@ -1,0 +1,81 @@
+"""How large what was found is, with intervals that do not trust the noise to be white."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.result import Size
+from shoecal_core.diagnosis.scoring import Scored
+from shoecal_core.diagnosis.workspace import Workspace
+
+FloatArray = NDArray[np.float64]
+BLOCK_S = 6.0
+Z95 = 1.96
+
+
+def sizes(workspace: Workspace, scored: Scored, index: int) -> Mapping[str, Size]:
+    """Of one part, by component."""
+    hypothesis, form = scored.parts[index]
+    known = {component.name: component for component in hypothesis.effect.components}
+    covariance = _sandwich(workspace, scored)
+    own = scored.own(index)
+    values = scored.solution.vector[own]
+    deviations = np.sqrt(np.diag(covariance)[own])
+    found: dict[str, Size] = {}
+    for name, value, deviation in zip(form.shape.free, values, deviations, strict=True):
+        if name in known:
+            spread = Z95 * float(deviation)
+            found[name] = Size(
+                float(value), known[name].unit, (float(value) - spread, float(value) + spread)
+            )
+    for name, value in form.shape.fixed.items():
+        if name in known:
+            spread = Z95 * form_spread(workspace, scored, index, name, value)
+            found[name] = Size(value, known[name].unit, (value - spread, value + spread))
+    return found
+
+
+def form_spread(workspace: Workspace, scored: Scored, index: int, name: str, value: float) -> float:
+    """How far a component that forms hold may be off: as the evidence of the other forms says."""
+    hypothesis, _ = scored.parts[index]
+    beside = [part for at, part in enumerate(scored.parts) if at != index]
+    found = [
+        (
+            form.shape.fixed.get(name, value),
+            workspace.scorer.score([*beside, (hypothesis, form)], foretell=False).evidence,
+        )
+        for form in hypothesis.forms
+    ]
+    values = np.array([one for one, _ in found])
+    evidence = np.array([one for _, one in found])
+    share = np.exp(evidence - evidence.max())
+    share /= share.sum()
+    step = np.diff(np.unique(values))
+    grid = 0.5 * float(step.min()) if len(step) else 0.5 * abs(value)
+    return float(np.hypot(np.sqrt(share @ (values - value) ** 2), grid / np.sqrt(3.0)))
+
+
+def _sandwich(workspace: Workspace, scored: Scored) -> FloatArray:
+    """(p + k, p + k): stretches of time are independent, what is within one need not be."""
+    scene = workspace.scene
+    rows = workspace.rows_of(workspace.train)
+    columns = np.concatenate((scene.baseline, workspace.library.columns[list(scored.columns)]))
+    whitened = workspace.whitening(columns)
+    rest = workspace.whitening(scene.residuals - np.tensordot(scored.solution.vector, columns, 1))
+    pulls = np.einsum("ptx,tx->tp", whitened[:, rows], rest[rows])
+    samples = scene.samples
+    block = 1000 * samples.run[rows] + np.floor(samples.time[rows] / BLOCK_S).astype(np.int64)
+    _, number = np.unique(block, return_inverse=True)
+    sums = np.zeros((int(number.max()) + 1, pulls.shape[1]))
+    np.add.at(sums, number, pulls)
+    bread = scored.solution.covariance
+    robust = bread @ (sums.T @ sums) @ bread
+    noise = max(1.0, scored.solution.squares / workspace.scorer.rows)
+    # Whichever is larger: few stretches tell their scatter badly.
+    larger = np.maximum(np.diag(robust), noise * np.diag(bread))
+    scale = np.sqrt(larger / np.maximum(np.diag(bread), 1e-300))
+    widened: FloatArray = bread * np.outer(scale, scale)
+    return widened

@@ -1,0 +1,99 @@
+"""What a diagnosis makes of a run in which feet move: walking, or stepping on the spot.
+
+Single and double supports in which the feet that stand are flat and still count as stances
+(`calibration.walking`). The body accelerates: the expected force is m (g + a_z), and the
+expected CoP is the zero-moment point of a single mass at the CoM. What that leaves out, the
+rate of the angular momentum L about the CoM, moves the zero-moment point by
+    (-dL_y/dt, dL_x/dt) / (m (g + a_z))
+and is told apart from it, so that a diagnosis can ask whether it is needed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation, Slerp
+
+from shoecal_core.calibration.aligned import Aligned
+from shoecal_core.calibration.walking import World, derivative, in_world, walking_stances
+from shoecal_core.errors import FileError
+from shoecal_core.model.robot import GRAVITY, Robot
+from shoecal_core.recording.run import PoseSamples, Run
+from shoecal_core.sensing.shoe import Shoe
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Walk:
+    """F samples of a run at the rate of its readings; what is between stances is NaN.
+
+    Attributes:
+        stance: (F,) number of each sample's stance, -1 between two.
+        loaded: (S, 2) which feet carry each stance.
+        force: (F,) expected vertical force [N].
+        cop: (F, 2) zero-moment point of a single mass, in the stance's frame [m].
+        spin: (F, 2) what the angular momentum adds to it [m].
+    """
+
+    stance: NDArray[np.int64]
+    loaded: NDArray[np.bool_]
+    force: FloatArray
+    cop: FloatArray
+    spin: FloatArray
+
+
+def find_walk(run: Run, aligned: Aligned, shoe: Shoe, robot: Robot) -> Walk:
+    """Stances of a run that names no double support.
+
+    Raises:
+        FileError: without the pose of the base.
+        ShoecalError: when no foot ever stands flat and still under load.
+    """
+    base = run.base_pose
+    if base is None or len(base.time) < 2:
+        raise FileError(
+            run.path,
+            "names no double support and has no /base_pose to find the stances with; "
+            "record one of the two",
+        )
+    world = in_world(aligned, base)
+    stances = walking_stances(run.info.run, aligned, world, shoe, robot.mass)
+    count = len(aligned.time)
+    stance = np.full(count, -1)
+    force, cop, spin = np.full(count, np.nan), np.full((count, 2), np.nan), np.zeros((count, 2))
+    shift = _spin(aligned, base, world, robot)
+    for number, one in enumerate(stances):
+        here = np.searchsorted(aligned.time, one.time)
+        stance[here], force[here], cop[here] = number, one.force, one.cop
+        yaw = np.median(np.unwrap(world.yaw[here, one.loaded.index(True)]))
+        c, s = np.cos(yaw), np.sin(yaw)
+        spin[here] = shift[here] @ np.array([[c, -s], [s, c]])
+    return Walk(stance, np.array([one.loaded for one in stances]), force, cop, spin)
+
+
+def _spin(aligned: Aligned, base: PoseSamples, world: World, robot: Robot) -> FloatArray:
+    """(F, 2) how far the angular momentum's rate moves the zero-moment point, in the world [m]."""
+    rate = derivative(angular_momentum(aligned, base, robot), aligned.time, 1)
+    force = robot.mass * (GRAVITY + world.acceleration[:, 2])
+    return np.stack((-rate[:, 1], rate[:, 0]), axis=1) / force[:, None]
+
+
+def angular_momentum(aligned: Aligned, base: PoseSamples, robot: Robot) -> FloatArray:
+    """(F, 3) of the whole body about its CoM, along the world's axes [N m s]."""
+    time = np.clip(aligned.time, base.time[0], base.time[-1])
+    turns = Slerp(base.time, Rotation.from_quat(base.quaternion))(time).as_quat()
+    place = np.stack([np.interp(time, base.time, axis) for axis in base.position.T], axis=1)
+    poses = np.hstack((place, turns, aligned.joint_angles))
+    last = len(poses) - 1
+    data = robot.model.createData()
+    found = np.zeros((len(poses), 3))
+    for index, pose in enumerate(poses):
+        before, after = max(index - 1, 0), min(index + 1, last)
+        moved = pin.difference(robot.model, poses[before], poses[after])
+        velocity = moved / (aligned.time[after] - aligned.time[before])
+        found[index] = pin.computeCentroidalMomentum(robot.model, data, pose, velocity).angular
+    return found
