@@ -89,10 +89,10 @@ def in_world(aligned: Aligned, base: PoseSamples) -> World:
     com = np.einsum("tij,tj->ti", rotation, states.com_in_base) + position
     return World(
         com=com,
-        acceleration=_derivative(com, aligned.time, 2),
+        acceleration=derivative(com, aligned.time, 2),
         sole_rotation=np.einsum("tij,tfjk->tfik", rotation, turns),
         sole=sole,
-        sole_velocity=_derivative(sole, aligned.time, 1),
+        sole_velocity=derivative(sole, aligned.time, 1),
     )
 
 
@@ -187,7 +187,7 @@ def _stretches(here: BoolArray, time: FloatArray) -> list[slice]:
     return parts
 
 
-def _derivative(values: FloatArray, time: FloatArray, order: int) -> FloatArray:
+def derivative(values: FloatArray, time: FloatArray, order: int) -> FloatArray:
     """Smoothed derivative along time of values (T, ...), by local cubics."""
     period = float(np.median(np.diff(time)))
     window = max(5, 2 * round(SMOOTHING_S / period / 2.0) + 1)
