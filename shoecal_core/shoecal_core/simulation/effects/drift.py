@@ -53,7 +53,7 @@ class Course:
 
 @dataclass(frozen=True)
 class _Drift(SensorEffect):
-    """What both drifts are read from: one of the two sizes.
+    """What both drifts are read from.
 
     Attributes:
         channels: which drift.
@@ -81,7 +81,7 @@ class _Drift(SensorEffect):
 
 @dataclass(frozen=True)
 class ZeroDrift(_Drift):
-    """Zeros wander: f^ = f + d; rate in N/s, per_kelvin in N/K. Channels of torques stay."""
+    """Zeros wander: f^ = f + d; rate in N/s, per_kelvin in N/K."""
 
     @classmethod
     def read(cls, fields: Fields) -> ZeroDrift:
@@ -138,10 +138,8 @@ class SpanShift(Memoryless):
 
 
 def _read(fields: Fields, rate: str, per_kelvin: str) -> tuple[Channels, float, float]:
-    """Where, and the size a second and a kelvin, of which one is given."""
+    """Where, and the size a second and a kelvin, of which at least one is given."""
     fields.only("effect", "location", rate, per_kelvin)
-    if rate in fields and per_kelvin in fields:
-        raise fields.error(per_kelvin, f"stands beside {rate}; give one (list the effect twice)")
     if per_kelvin not in fields:
         fields.value(rate)
     channels = Channels.read(fields, areas=True)

@@ -78,14 +78,20 @@ class Channels:
     def every(self, shoe: Shoe) -> IntArray:
         """Indices of the channels, whatever they read, in the order of their names here.
 
+        Of a foot, those of vertical force: its cells, or that axis of its six-axis sensor.
+
         Raises:
             FileError: for a channel that the shoe lacks.
         """
         chosen: list[int] = []
         for name in self.names:
             if name in _AREAS:
-                feet = (0, 1) if name == ALL else (FEET.index(name),)
-                chosen += [index for foot in feet for index in shoe.of_foot(foot).tolist()]
+                feet = FEET if name == ALL else (name,)
+                chosen += [
+                    index
+                    for index in range(len(shoe.names))
+                    if FEET[shoe.foot[index]] in feet and shoe.columns[index, 0] == 1.0
+                ]
             elif name in shoe.names:
                 chosen.append(shoe.names.index(name))
             else:
@@ -94,7 +100,7 @@ class Channels:
         return np.array(list(dict.fromkeys(chosen)), dtype=np.int64)
 
     def forces(self, shoe: Shoe) -> IntArray:
-        """Indices of the channels that read a force; of a foot, those among its channels.
+        """Indices of the channels, which must read forces.
 
         Raises:
             FileError: for a channel that the shoe lacks, or that reads a torque.
@@ -102,8 +108,7 @@ class Channels:
         for name in self.names:
             if name in shoe.names and shoe.torque[shoe.names.index(name)]:
                 raise self.error(f"'{name}' reads a torque; this effect needs a force's channel")
-        chosen = self.every(shoe)
-        return chosen[~shoe.torque[chosen]]
+        return self.every(shoe)
 
     def cells(self, shoe: Shoe) -> IntArray:
         """Indices of one-axis load cells.

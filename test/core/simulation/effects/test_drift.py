@@ -47,12 +47,19 @@ def test_a_drift_by_the_kelvin_follows_the_shoes_temperature(rise: float) -> Non
     assert reached == pytest.approx(10.0 * (1.0 + 0.01 * warmer) + 0.1 * warmer)
 
 
-def test_a_torque_has_no_newtons_to_drift_by() -> None:
+def test_all_of_six_axis_sensors_means_their_vertical_forces() -> None:
     shoes = shoes_with(item("zero_drift", "all", rate_n_per_s=0.01), shoe=SIX_AXIS)
     drifted = through(shoes, np.zeros((2, 10)), period=100.0)[-1]
-    assert ((drifted != 0.0) == ~SIX_AXIS.torque).all()
+    assert [SIX_AXIS.names[index] for index in np.flatnonzero(drifted)] == ["left/fz", "right/fz"]
 
 
 def test_shoes_that_stay_cold_drift_by_no_kelvin() -> None:
     with pytest.raises(FileError, match=r"location: the shoes of this reality do not warm up"):
         shoes_with(item("zero_drift", "all", per_kelvin_n_per_k=0.1), shoe=NAO)
+
+
+def test_a_drift_may_follow_time_and_temperature() -> None:
+    both = item("zero_drift", "all", rate_n_per_s=0.01, per_kelvin_n_per_k=0.1)
+    reached = through(shoes_with(both, rules=warm(5.0)), FORCE, period=1.0)
+    warmer = 5.0 * (1.0 - np.exp(-290.0 / 100.0))
+    assert reached[-1] == pytest.approx(np.full(8, 13.0 + 0.1 * warmer))
