@@ -101,8 +101,8 @@ def _under_feet(
                 f"Error by where each foot was loaded{label}",
                 field_under_feet(soles, look, times, largest),
                 "Arrows and circles stand where the foot's own CoP was, and show how far the CoP "
-                "and GRF of both feet together were off then. A cell that reads wrong shows as "
-                f"large circles around it.{numbers}",
+                "and GRF of both feet together were off then. Where circles grow, look at the "
+                f"cells that carry the load there.{numbers}",
             )
         )
     return pictures
