@@ -23,6 +23,7 @@ COMMANDS = {
     "plan": "plan the motions of a self-calibration and check them",
     "simulate": "record a session of the simulated robot, without ROS",
     "calibrate": "find gains and offsets from a recorded session",
+    "diagnose": "where model and reality differ, which effect causes it, and what cannot be known",
     "evaluate": "how far a calibration is off model, truth or another calibration",
     "manual": "calibrate with known weights: single cells, then the shoe",
     "check": "what is in a session, and is it fit for use",

@@ -1,0 +1,149 @@
+"""The diagnosis of one session as a job that another process can do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.calibration.evaluate import errors, measured_series, modelled_series
+from shoecal_core.calibration.evaluation import load_calibration_of
+from shoecal_core.calibration.pipeline import load_data
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.commands.simulated_shrink import with_simulated_shrink
+from shoecal_core.diagnosis.diagnose import diagnose
+from shoecal_core.diagnosis.effects import EFFECTS, Effect, effects_from
+from shoecal_core.diagnosis.result import Diagnosis
+from shoecal_core.errors import ShoecalError
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.recording.session import Session
+from shoecal_core.report.diagnosis_report import write_diagnosis_report
+
+Progress = Callable[[str, float], None]
+SIMULATED_FROM = 0.7
+"""Share of the work after which the found effects are simulated."""
+
+
+@dataclass(frozen=True)
+class DiagnosisJob:
+    """What to diagnose, and how.
+
+    Attributes:
+        session: its folder.
+        calibration: file of one whose own gap is told beside it; None: none.
+        train, test: runs; empty: as the session marks them.
+        without: signals that are not used: closure, parity, tilt, air.
+        only: effects that are looked for, each with the place it is looked for at (empty: at
+            all of its places); nothing: all.
+        effects_from: a Python file with more effects.
+        simulate: whether the found effects are simulated.
+        report: HTML file to write.
+    """
+
+    session: Path
+    calibration: Path | None = None
+    train: tuple[int, ...] = ()
+    test: tuple[int, ...] = ()
+    without: frozenset[str] = frozenset()
+    only: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    effects_from: Path | None = None
+    simulate: bool = True
+    report: Path | None = None
+
+    def wanted(self, effect: str, place: tuple[str, ...]) -> bool:
+        """Whether an effect is looked for at a place."""
+        return any(effect == name and where in ((), place) for name, where in self.only)
+
+
+@dataclass(frozen=True)
+class CalibratedGap:
+    """What a calibration leaves between measurement and model on the test runs.
+
+    Attributes:
+        id: of the calibration.
+        cop_mae_mm, grf_mae_n: mean errors.
+    """
+
+    id: str
+    cop_mae_mm: float
+    grf_mae_n: float
+
+
+@dataclass(frozen=True)
+class Diagnosed:
+    """What came of a job: a diagnosis, or the error that stopped it.
+
+    Attributes:
+        session: folder.
+        diagnosis: without its evidence, which the report has used up.
+        calibrated: of the calibration that was named.
+        error: in words; empty where there is a diagnosis.
+    """
+
+    session: Path
+    diagnosis: Diagnosis | None = None
+    calibrated: CalibratedGap | None = None
+    error: str = ""
+
+    def to_json(self) -> dict[str, object]:
+        """The diagnosis as it is told to programs, or the error in its place."""
+        if self.diagnosis is None:
+            return {"session": str(self.session), "error": self.error}
+        told = {"session": str(self.session), **self.diagnosis.to_json()}
+        if self.calibrated is not None:
+            told["calibration"] = vars(self.calibrated).copy()
+        return told
+
+
+def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
+    """Diagnose, simulate what was found, and write the report.
+
+    Raises:
+        ShoecalError: for a session, a calibration or an option that cannot be used.
+    """
+    tell = progress or (lambda _text, _share: None)
+    session = Session.open(job.session)
+    calibration = None
+    if job.calibration is not None:
+        calibration = load_calibration_of(job.calibration, session)
+    found = diagnose(
+        session,
+        job.train,
+        job.test,
+        without=job.without,
+        only=job.wanted if job.only else None,
+        effects=_library(job.effects_from),
+        progress=lambda text, share: tell(text, SIMULATED_FROM * share),
+    )
+    if job.simulate and found.causes:
+        tell("simulating what was found", SIMULATED_FROM)
+        found = with_simulated_shrink(found, session)
+    if job.report is not None:
+        robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
+        write_diagnosis_report(found, job.report, robot=robot, shoe=session.shoe)
+    calibrated = None if calibration is None else _calibrated(calibration, session, found.test)
+    tell("done", 1.0)
+    return Diagnosed(job.session, replace(found, evidence=None), calibrated)
+
+
+def attempt(job: DiagnosisJob) -> Diagnosed:
+    """The same, an error in its place: one bad session does not stop the others."""
+    try:
+        return do(job)
+    except ShoecalError as error:
+        return Diagnosed(job.session, error=str(error))
+
+
+def _library(own: Path | None) -> tuple[Effect, ...]:
+    """All effects that are known, and those of a file."""
+    return EFFECTS if own is None else (*EFFECTS, *effects_from(own))
+
+
+def _calibrated(calibration: Calibration, session: Session, runs: tuple[int, ...]) -> CalibratedGap:
+    data = load_data(session, runs, CalibrationSettings())
+    sensing = calibration.sensing(data.shoe)
+    found = errors(
+        [(measured_series(sensing, stance), modelled_series(stance)) for stance in data.of(runs)]
+    )
+    return CalibratedGap(calibration.id, 1e3 * found.cop.mean, found.grf.mean)
