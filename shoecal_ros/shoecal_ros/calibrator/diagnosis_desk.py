@@ -50,6 +50,11 @@ class DiagnosisDesk:
         }
         return Condition(Level.OK, "under way", told)
 
+    def close(self) -> None:
+        """End what is under way: the node ends."""
+        if self._job is not None:
+            self._job.close()
+
     async def _execute(self, goal: ServerGoalHandle) -> Diagnose.Result:
         result = Diagnose.Result()
         try:

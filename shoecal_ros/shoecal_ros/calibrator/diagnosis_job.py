@@ -81,6 +81,7 @@ class DiagnosisJob:
         self._feedback = feedback
         self._pacing = Pacing()
         self._progress = _Progress(_parts(request))
+        self._worker: Worker | None = None
 
     async def run(self) -> str:
         """Do it all; what came out, in a line for a person.
@@ -93,7 +94,7 @@ class DiagnosisJob:
         site.recorder.problem = ""
         if request.moves:
             self._job.check()
-        worker = Worker(site.wake)
+        self._worker = worker = Worker(site.wake)
         try:
             if request.records:
                 await self._record(worker, request.motions)
@@ -108,6 +109,11 @@ class DiagnosisJob:
         finally:
             site.recorder.abandon()
             worker.close()
+
+    def close(self) -> None:
+        """End what its worker is doing: the node ends."""
+        if self._worker is not None:
+            self._worker.close()
 
     # Steps
 

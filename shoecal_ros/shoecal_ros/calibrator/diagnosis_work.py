@@ -9,7 +9,6 @@ from pathlib import Path
 
 from shoecal_core.files import atomic_write
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import (
     STANDARD_SUPPORTS,
@@ -91,22 +90,20 @@ def runs_to_record(
 
 def diagnose_session(link: Link, folder: Path) -> Diagnosed:
     """Diagnose a session; JSON and report are kept in its folder."""
-    from shoecal_core.diagnosis.diagnose import diagnose
+    # Simulator and pictures come along: the node itself stays lean.
+    from shoecal_core.commands.diagnosis_job import DiagnosisJob, do  # noqa: PLC0415
 
-    from shoecal_core.report.diagnosis_report import write_diagnosis_report
-
-    session = Session.open(folder)
-    found = diagnose(session, progress=link.progress)
-    text = json.dumps(found.to_json(), indent=1, allow_nan=False)
+    job = DiagnosisJob(folder, report=folder / REPORT)
+    done = do(job, lambda doing, share: link.progress((doing, share)))
+    found = done.diagnosis
+    assert found is not None, "else it has raised"
+    text = json.dumps(done.to_json(), indent=1, allow_nan=False)
     atomic_write(folder / JSON, text + "\n")
-    report = folder / REPORT
-    robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
-    write_diagnosis_report(found, report, robot=robot, shoe=session.shoe)
     following = found.next_motion
     return Diagnosed(
         verdict=found.verdict,
         json=text,
-        report=report,
+        report=folder / REPORT,
         proposed="" if following is None else following.motion,
         separates=() if following is None else tuple(following.separates),
     )

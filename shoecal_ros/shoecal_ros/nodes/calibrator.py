@@ -198,8 +198,9 @@ class Calibrator(ShoecalNode):
         super().watch()
 
     def close(self) -> None:
-        """Keep what is being recorded."""
+        """Keep what is being recorded, and look for no more causes."""
         self.recorder.abandon()
+        self._diagnoses.close()
 
     # Input
 
