@@ -24,7 +24,7 @@ class StuckCell(SensorEffect):
 
     Attributes:
         channels: of any kind.
-        share: of the signal that stays (1: the whole).
+        share: of the signal that stays (1: the whole; estimates may be a little above).
         time: since the session began, from which on [s]; 0: it never moved from no load.
     """
 
@@ -36,7 +36,7 @@ class StuckCell(SensorEffect):
     def read(cls, fields: Fields) -> StuckCell:
         """From the item of a reality file."""
         fields.only("effect", "location", "share", "time_s")
-        share = fields.number("share", above=0.0, maximum=1.0)
+        share = fields.number("share", above=0.0, maximum=1.5)
         return cls(Channels.read(fields), share, fields.number("time_s", minimum=0.0))
 
     def stage(self, shoes: DrawnShoes) -> Held:

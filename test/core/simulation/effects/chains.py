@@ -53,7 +53,7 @@ def through(
     chain, reached = SensorChain(shoes), []
     for index, felt in enumerate(forces):
         chain.take(felt, index * period, sideways)
-        reached.append(chain.at(felt, index * period, sideways))
+        reached.append(chain.latest())
     return np.array(reached)
 
 

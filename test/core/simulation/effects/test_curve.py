@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.simulation.effects.chains import NAO, item, on_first, shoes_with, through
@@ -10,6 +10,7 @@ from core.simulation.effects.chains import NAO, item, on_first, shoes_with, thro
 CELL = "left/front_left"
 
 
+@settings(max_examples=25)
 @given(st.floats(-0.01, 0.01), st.floats(-5e-4, 5e-4))
 def test_small_forces_bend_by_the_stated_coefficients(quadratic: float, cubic: float) -> None:
     shoes = shoes_with(item("nonlinearity", CELL, quadratic_per_n=quadratic, cubic_per_n2=cubic))
@@ -30,6 +31,7 @@ def test_large_forces_bend_by_almost_as_much_but_by_another_law() -> None:
     assert 0.96 < cubic / (1e-4 * 8000.0) < 0.99
 
 
+@settings(max_examples=25)
 @given(st.floats(1.0, 40.0))
 def test_a_saturated_cell_ends_at_its_level_with_a_smooth_knee(level: float) -> None:
     force = np.linspace(-level, 3.0 * level, 401)

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.simulation.effects.chains import NAO, SIX_AXIS, item, shoes_with, through, warm
@@ -12,6 +12,7 @@ FORCE = np.full((301, 8), 10.0)
 """N; an instant a second."""
 
 
+@settings(max_examples=25)
 @given(st.floats(-0.05, 0.05))
 def test_zeros_drift_by_the_stated_rate_over_a_session(rate: float) -> None:
     shoes = shoes_with(item("zero_drift", "left", rate_n_per_s=rate))

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.simulation.effects.chains import NAO, PERIOD, item, shoes_with, through
@@ -11,6 +11,7 @@ RAMP = np.tile(10.0 * np.arange(0.0, 3.0, PERIOD)[:, None], 8)
 """N; 10 N/s."""
 
 
+@settings(max_examples=25)
 @given(st.floats(0.002, 0.2))
 def test_a_ramp_is_behind_by_the_time_of_a_low_pass(time: float) -> None:
     reached = through(shoes_with(item("low_pass", "right", time_s=time)), RAMP)
@@ -25,6 +26,7 @@ def test_a_step_begins_softly_as_behind_two_lags() -> None:
     assert reached == pytest.approx(1.0 - (1.0 + ratio) * np.exp(-ratio), abs=6e-3)
 
 
+@settings(max_examples=25)
 @given(st.floats(0.0, 0.5))
 def test_late_readings_are_those_of_before(delay: float) -> None:
     reached = through(shoes_with(item("latency", "left", delay_s=delay)), RAMP)
