@@ -1,22 +1,209 @@
-"""What a session can tell, before anything is named."""
+"""What a session can tell, before anything is named: what it would not show, what looks alike.
+
+Columns are taken after the baseline has explained what it can of them: with the Gram matrix of the
+whitened columns in blocks of the baseline b and of hypotheses h, what is left is its Schur
+complement S = G_hh - G_hb (G_bb + P)^-1 G_bh, P the baseline's prior precision. An effect of size s
+is then expected to gain s' S s / 2 in log evidence (Lindley, On a measure of the information
+provided by an experiment, 1956, for linear models), less what its prior costs.
+"""
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.signals import COP
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.sensing.shoe import FEET
+
+FloatArray = NDArray[np.float64]
+
+MATTERS_M = 0.001
+"""Mean change of the CoP from which any effect matters."""
+SEPARATE_FROM = 3.0
+"""Expected log evidence of one explanation over another from which they can be told apart."""
 
 
 @dataclass(frozen=True)
 class Preflight:
-    """What cannot be seen, and what cannot be told apart."""
+    """What cannot be seen, and what cannot be told apart.
+
+    Attributes:
+        cannot_detect: effects that would not show at a size that matters, in words.
+        cannot_separate: sets of labels of which the session takes one for another.
+        detectable: hypotheses that would show. tried: all of them.
+    """
 
     cannot_detect: tuple[str, ...]
     cannot_separate: tuple[tuple[str, ...], ...]
+    detectable: int
+    tried: int
 
 
 def preflight(workspace: Workspace, settings: DiagnosisSettings) -> Preflight:
-    """Of a session."""
-    del settings
-    return Preflight(workspace.library.lacking, ())
+    """Say what the training runs of a session could show of each hypothesis."""
+    hypotheses = workspace.library.hypotheses
+    left = unexplained(workspace)
+    sizes = typical_sizes(workspace)
+    gains = np.array([_gain(one, left, sizes) for one in hypotheses])
+    seen = gains >= settings.evidence_min
+    shown = [hypotheses[index] for index in np.flatnonzero(seen)]
+    return Preflight(
+        cannot_detect=(*_missing_channels(workspace), *_unseen(workspace, seen)),
+        cannot_separate=_alike(shown, left, sizes),
+        detectable=len(shown),
+        tried=len(hypotheses),
+    )
+
+
+def unexplained(workspace: Workspace) -> FloatArray:
+    """(k, k) products of the hypotheses' columns that the baseline leaves, on training runs."""
+    sums = workspace.sums
+    products, _ = sums.of(workspace.train)
+    base, count = sums.base, len(workspace.library.columns)
+    normal = products[:base, :base] + np.diag(sums.precision)
+    scale = 1.0 / np.sqrt(np.diag(normal))
+    factor = np.linalg.cholesky(normal * np.outer(scale, scale) + 1e-12 * np.eye(base))
+    shared = np.linalg.solve(factor, scale[:, None] * products[:base, base : base + count])
+    left: FloatArray = products[base : base + count, base : base + count] - shared.T @ shared
+    return left
+
+
+def typical_sizes(workspace: Workspace) -> FloatArray:
+    """(k,) of each column: its prior's, or what moves the CoP by MATTERS_M where that is less."""
+    columns = workspace.library.columns
+    part = workspace.rows_of(workspace.train)
+    moved = np.linalg.norm(columns[:, part, COP], axis=2).mean(axis=1)
+    sizes = np.zeros(len(columns))
+    for hypothesis in workspace.library.hypotheses:
+        for form in hypothesis.forms:
+            own = list(form.columns)
+            sizes[own] = np.minimum(form.std, MATTERS_M / np.maximum(moved[own], 1e-12))
+    return sizes
+
+
+def _gain(hypothesis: Hypothesis, left: FloatArray, sizes: FloatArray) -> float:
+    """Expected log evidence of its best seen component, in a usual form."""
+    gains = []
+    for form in hypothesis.forms:
+        own = list(form.columns)
+        block = left[np.ix_(own, own)]
+        prior = np.linalg.slogdet(np.eye(len(own)) + np.outer(form.std, form.std) * block)[1]
+        gains.append(0.5 * float(np.max(sizes[own] ** 2 * np.diag(block)) - prior))
+    return float(np.median(gains))
+
+
+# What cannot be seen
+
+
+def _missing_channels(workspace: Workspace) -> list[str]:
+    """Lines for effects that need what was not recorded."""
+    tracks = workspace.scene.samples.tracks
+    lines = []
+    if all(track.temperature is None for track in tracks):
+        lines.append("drifts with temperature: none was recorded, they are told by time alone")
+    if any(track.efforts is None for track in tracks):
+        lines.append("off_axis_load: joint efforts were not recorded")
+    if any(track.up is None for track in tracks):
+        lines.append("floor_tilt apart from joint offsets and shifted masses: no /imu")
+    return lines
+
+
+def _unseen(workspace: Workspace, seen: NDArray[np.bool_]) -> list[str]:
+    """One line an effect and foot, with how many of its places are concerned."""
+    places: defaultdict[tuple[str, str], list[tuple[Hypothesis, bool]]] = defaultdict(list)
+    for hypothesis, is_seen in zip(workspace.library.hypotheses, seen, strict=True):
+        key = hypothesis.effect.identifier, _whereabouts(hypothesis)
+        places[key].append((hypothesis, bool(is_seen)))
+    lines = []
+    for (effect, where), group in places.items():
+        hidden = [hypothesis for hypothesis, is_seen in group if not is_seen]
+        if not hidden:
+            continue
+        if len(group) == 1:
+            lines.append(hidden[0].label)
+        elif len(hidden) == len(group):
+            lines.append(f"{effect}{where} ({len(hidden)} of {len(group)} places)")
+        else:
+            named = ", ".join(" and ".join(one.place) for one in hidden)
+            lines.append(f"{effect}{where} ({len(hidden)} of {len(group)} places: {named})")
+    return lines
+
+
+def _whereabouts(hypothesis: Hypothesis) -> str:
+    """Words for what its places have in common; empty for joints and links."""
+    place = hypothesis.place
+    foot, _, cell = place[0].partition("/") if place else ("", "", "")
+    if cell and foot in FEET:
+        cells = "between cells" if len(place) > 1 else "of cells"
+        return f" {cells} of the {foot} foot"
+    return " of whole feet" if place and place[0] in FEET else ""
+
+
+# What looks alike
+
+
+def distances(hypotheses: Sequence[Hypothesis], left: FloatArray, sizes: FloatArray) -> FloatArray:
+    """(h, h) expected log evidence of each hypothesis, where it is true, over each other one.
+
+    Each in its usual form and size, all components together; the other one in the form that
+    comes nearest, of any size that its prior allows.
+    """
+    truth = np.zeros((len(hypotheses), len(left)))
+    for row, hypothesis in zip(truth, hypotheses, strict=True):
+        own = list(_usual(hypothesis).columns)
+        row[own] = sizes[own]
+    seen = left @ truth.T
+    whole = np.einsum("hk,kh->h", truth, seen)
+    found = np.zeros((len(hypotheses), len(hypotheses)))
+    for index, other in enumerate(hypotheses):
+        most = np.zeros(len(hypotheses))
+        for form in other.forms:
+            own = list(form.columns)
+            normal = left[np.ix_(own, own)] + np.diag(1.0 / form.std**2)
+            most = np.maximum(most, (seen[own] * np.linalg.solve(normal, seen[own])).sum(axis=0))
+        found[:, index] = 0.5 * (whole - most)
+    np.fill_diagonal(found, 0.0)
+    return np.maximum(found, 0.0)
+
+
+def _usual(hypothesis: Hypothesis) -> Form:
+    return hypothesis.forms[len(hypothesis.forms) // 2]
+
+
+def _alike(
+    hypotheses: Sequence[Hypothesis], left: FloatArray, sizes: FloatArray
+) -> tuple[tuple[str, ...], ...]:
+    """Sets of labels each of which is taken for any other of its set, or the other for it."""
+    if not hypotheses:
+        return ()
+    close = distances(hypotheses, left, sizes) < SEPARATE_FROM
+    close |= close.T
+    np.fill_diagonal(close, False)
+    neighbours = [frozenset(np.flatnonzero(row).tolist()) for row in close]
+    concerned = frozenset(index for index, others in enumerate(neighbours) if others)
+    sets = sorted(sorted(one) for one in _cliques(neighbours, frozenset(), concerned, frozenset()))
+    return tuple(tuple(hypotheses[index].label for index in one) for one in sets)
+
+
+def _cliques(
+    neighbours: Sequence[frozenset[int]],
+    chosen: frozenset[int],
+    open_: frozenset[int],
+    done: frozenset[int],
+) -> Iterator[frozenset[int]]:
+    """Largest sets that are all neighbours of each other (Bron and Kerbosch, 1973, pivoting)."""
+    if not open_ and not done:
+        yield chosen
+        return
+    pivot = max(open_ | done, key=lambda index: len(open_ & neighbours[index]))
+    for index in sorted(open_ - neighbours[pivot]):
+        near = neighbours[index]
+        yield from _cliques(neighbours, chosen | {index}, open_ & near, done & near)
+        open_, done = open_ - {index}, done | {index}
