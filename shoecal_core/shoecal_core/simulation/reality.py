@@ -76,6 +76,13 @@ class Bounds:
     width: int = 1
 
 
+@dataclass(frozen=True)
+class Choices:
+    """Words of which one is to be chosen."""
+
+    words: tuple[str, ...]
+
+
 Number = Annotated[float, Bounds()]
 NonNegative = Annotated[float, Bounds(minimum=0.0)]
 Positive = Annotated[float, Bounds(above=0.0)]
@@ -83,6 +90,19 @@ Fraction = Annotated[float, Bounds(minimum=0.0, maximum=0.9)]
 Errors = Annotated[Table, Bounds()]
 RelativeErrors = Annotated[Table, Bounds(minimum=-0.9)]
 NonNegatives = Annotated[Table, Bounds(minimum=0.0)]
+
+
+INTEGRATORS = ("discrete", "implicit", "implicitfast", "euler")
+CONES = ("elliptic", "pyramidal")
+
+
+@dataclass(frozen=True)
+class EngineRules:
+    """How the physics is computed."""
+
+    integrator: Annotated[str, Choices(INTEGRATORS)]
+    cone: Annotated[str, Choices(CONES)]
+    sideways_ratio: Positive
 
 
 @dataclass(frozen=True)
@@ -183,6 +203,7 @@ class Reality:
 
     name: str
     step_s: Annotated[float, Bounds(above=0.0, maximum=0.01)]
+    engine: EngineRules
     body: BodyRules
     joints: JointRules
     servo: ServoRules

@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.registry import read_effect
-from shoecal_core.simulation.reality import Bounds, Reality, Table
+from shoecal_core.simulation.reality import Bounds, Choices, Reality, Table
 
 FORMAT = 1
 Section = TypeVar("Section")
@@ -59,12 +59,14 @@ def _entry(fields: Fields, name: str, hint: Any, base: Any) -> object:
     if get_origin(hint) is tuple:
         return tuple(read_effect(item) for item in fields.items(name))
     if get_origin(hint) is Annotated:
-        return _numbers(fields, name, *get_args(hint))
+        return _bounded(fields, name, *get_args(hint))
     return _section(fields.mapping(name), hint, base)
 
 
-def _numbers(fields: Fields, name: str, kind: type[Any], bounds: Bounds) -> object:
-    """A number or a table of numbers, within bounds."""
+def _bounded(fields: Fields, name: str, kind: type[Any], bounds: Bounds | Choices) -> object:
+    """A number or a table of numbers, within bounds, or one of some words."""
+    if isinstance(bounds, Choices):
+        return fields.choice(name, dict.fromkeys(bounds.words))
     if kind is Table:
         block = fields.mapping(name)
         return Table(dict(_rows(block, bounds)), block.path, block.prefix)

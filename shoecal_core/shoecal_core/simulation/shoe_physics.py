@@ -46,10 +46,10 @@ def add_floor(spec: mujoco.MjSpec, rules: Reality, shoes: DrawnShoes) -> None:
     """
     option = spec.option
     option.timestep = rules.step_s
-    # Implicit in stiffness too: cells and servos are stiff against such steps.
-    option.integrator = mujoco.mjtIntegrator.mjINT_DISCRETE
-    option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
-    option.impratio = 10.0
+    engine = rules.engine
+    option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{engine.integrator.upper()}")
+    option.cone = getattr(mujoco.mjtCone, f"mjCONE_{engine.cone.upper()}")
+    option.impratio = engine.sideways_ratio
     option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_ISLAND)
     option.gravity = floor_rotation(shoes).T @ [0.0, 0.0, -GRAVITY]
     spec.worldbody.add_geom(

@@ -58,6 +58,7 @@ def test_every_key_of_the_default_is_needed(tmp_path: Path) -> None:
         ("servo: {friction_fraction: -0.1}", r"servo\.friction_fraction: must be at least 0"),
         ("servo: {friction_fraction:}", r"servo\.friction_fraction: is missing"),
         ("step_s: 0", r"step_s: must be above 0"),
+        ("engine: {integrator: rk4}", r"engine\.integrator: .*discrete, implicit, implicitfast"),
         ("cells: {converter_bits: 2.5}", r"cells\.converter_bits: expected a whole number"),
         ("cells: {position_error_m: {a: [1]}}", r"position_error_m\.a: expected 2 numbers"),
         ("joints: {play_rad: {all: -1}}", r"joints\.play_rad\.all: must be at least 0"),

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import dataclasses
 from pathlib import Path
 
 import mujoco
@@ -160,3 +161,28 @@ def test_a_urdf_that_mujoco_refuses_is_one_clear_error(tmp_path: Path) -> None:
     with pytest.raises(FileError, match=r"odd_biped\.urdf: not fit for simulation") as caught:
         World(robot, odd.shoe, odd.kinematics).simulate(DEFAULT)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("cone", ["elliptic", "pyramidal"])
+def test_engines_agree_on_statics(nao: World, cone: str) -> None:
+    usual = nao.standing(DEFAULT)
+    engine = dataclasses.replace(DEFAULT.engine, cone=cone, sideways_ratio=3.0)
+    other = nao.standing(dataclasses.replace(DEFAULT, engine=engine, step_s=0.001))
+    assert other.truth().grf == pytest.approx(usual.weight, abs=0.01)
+    assert other.truth().cop == pytest.approx(usual.truth().cop, abs=2e-4)
+
+
+def test_another_integrator_stands_where_springs_are_soft_and_steps_short(nao: World) -> None:
+    soft = changed(
+        DEFAULT,
+        cells__stiffness_n_per_m=20000.0,
+        servo__full_torque_error_rad=0.05,
+        floor__contact_time_s=0.01,
+    )
+    cops = []
+    for integrator, step in (("discrete", 0.0005), ("implicitfast", 0.0002)):
+        engine = dataclasses.replace(DEFAULT.engine, integrator=integrator)
+        sim = nao.standing(dataclasses.replace(soft, engine=engine, step_s=step))
+        assert sim.truth().grf == pytest.approx(sim.weight, abs=0.01)
+        cops.append(sim.truth().cop)
+    assert cops[0] == pytest.approx(cops[1], abs=1e-4)
