@@ -16,6 +16,8 @@ from shoecal_core.diagnosis.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNA
 from shoecal_core.sensing.wrench import ChannelParameters, columns_in_left, combined, weight_below
 
 FloatArray = NDArray[np.float64]
+HANGING_LEVERS_M = (0.1, 0.1)
+"""Levers by which a swinging foot's forces make moments."""
 STEPS = 12
 SETTLED = 1e-7
 """Share of the priors; a smaller step ends the iteration."""
@@ -72,19 +74,31 @@ def precision(
     return np.asarray(1.0 / np.concatenate((gain, offset, others)) ** 2)
 
 
-def coarse_noise() -> Noise:
-    """Before anything is known of the noise."""
+def coarse_noise(samples: Samples) -> Noise:
+    """Before anything is known of the noise; dynamics are foretold far worse than statics."""
     std = np.ones(len(SIGNALS))
     std[GRF], std[COP] = 0.3, 0.001
     std[AIR], std[CLOSURE], std[PARITY], std[TILT] = (0.1, 0.01, 0.01), 0.001, 0.3, 0.002
+    if samples.walks.any():
+        weight = samples.robot.weight
+        std[GRF], std[COP], std[CLOSURE] = 0.02 * weight, 0.01, 0.003
+        std[AIR] = 0.01 * weight * np.array([1.0, *HANGING_LEVERS_M])
     return Noise(std, np.full(len(SIGNALS), 0.8))
 
 
 def fit_baseline(
-    scene: Scene, runs: Sequence[int], noise: Noise, settings: DiagnosisSettings
+    scene: Scene,
+    runs: Sequence[int],
+    noise: Noise,
+    settings: DiagnosisSettings,
+    guess: ChannelParameters | None = None,
 ) -> Scene:
-    """Gauss-Newton over gains and offsets on some runs."""
-    guess = scene.parameters
+    """Gauss-Newton over gains and offsets on some runs.
+
+    Args:
+        guess: that priors are about; by default the scene's parameters.
+    """
+    guess = scene.parameters if guess is None else guess
     scene = scene.with_planes(settings)
     channels = len(guess.gain)
     prior = precision(scene, guess, settings)

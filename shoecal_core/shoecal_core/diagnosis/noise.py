@@ -7,11 +7,31 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.regression import Noise
 from shoecal_core.diagnosis.samples import Samples
-from shoecal_core.diagnosis.signals import SIGNALS
+from shoecal_core.diagnosis.signals import AIR, SIGNALS, Scene
 
 FloatArray = NDArray[np.float64]
 MOST_KEEP = 0.97
 FEWEST = 10
+
+
+def least_noise(scene: Scene) -> FloatArray:
+    """(s,) noise that no fit may go below.
+
+    A foot that swings pulls at its sensor: what varies there is noise to a model of a foot at
+    rest, however small gains would make it. Taken from the first guess of the gains.
+    """
+    samples = scene.samples
+    least = np.zeros(len(SIGNALS))
+    here = samples.walks & ~samples.loaded.all(axis=1)
+    if here.any():
+        owner = np.stack((samples.run, samples.frame), axis=1)[here]
+        _, group = np.unique(owner, axis=0, return_inverse=True)
+        values = scene.residuals[here, AIR]
+        group = group.reshape(-1)
+        count = np.bincount(group)[:, None]
+        sums = np.stack([np.bincount(group, weights=one) for one in values.T], axis=1)
+        least[AIR] = (values - (sums / count)[group]).std(axis=0)
+    return least
 
 
 def noise_of(samples: Samples, mask: NDArray[np.bool_], rest: FloatArray) -> Noise:

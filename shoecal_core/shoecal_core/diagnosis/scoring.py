@@ -11,14 +11,68 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import solve_triangular
 
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
 from shoecal_core.diagnosis.regression import Solution, Sums, solve
 
 FloatArray = NDArray[np.float64]
+Part = tuple[Hypothesis, Form]
+
+
+@dataclass(frozen=True)
+class Small:
+    """A fit of a few columns.
+
+    Attributes:
+        sizes: (k,) of the columns.
+        squares: left, priors included.
+        log_volume: half the logarithm of how much the data narrow the columns' priors.
+    """
+
+    sizes: FloatArray
+    squares: float
+    log_volume: float
+
+
+class Reduced:
+    """Sums of some runs, the baseline's columns fitted already whatever else is added.
+
+    Args:
+        products: (q, q) of the runs. sums: what they are of.
+    """
+
+    def __init__(self, products: FloatArray, sums: Sums) -> None:
+        base = sums.base
+        scale = 1.0 / np.sqrt(np.diag(products)[:base] + sums.precision)
+        system = (products[:base, :base] + np.diag(sums.precision)) * np.outer(scale, scale)
+        factor = np.linalg.cholesky(system + 1e-12 * np.eye(base))
+        beside = solve_triangular(factor, scale[:, None] * products[:base, base:], lower=True)
+        self._rest = products[base:, base:] - beside.T @ beside
+        self._log_base = float(
+            np.log(np.diag(factor)).sum() - np.log(scale).sum() - 0.5 * np.log(sums.precision).sum()
+        )
+
+    def fit(self, columns: Sequence[int], std: FloatArray) -> Small:
+        """Some columns with priors, beside the baseline."""
+        if not len(columns):
+            return Small(np.zeros(0), float(self._rest[-1, -1]), 0.0)
+        chosen = np.asarray(columns, dtype=np.int64)
+        matrix = np.eye(len(std)) + self._rest[np.ix_(chosen, chosen)] * np.outer(std, std)
+        right = std * self._rest[chosen, -1]
+        factor = np.linalg.cholesky(matrix)
+        half = solve_triangular(factor, right, lower=True)
+        sizes = std * solve_triangular(factor.T, half, lower=False)
+        squares = float(self._rest[-1, -1] - half @ half)
+        return Small(sizes, squares, float(np.log(np.diag(factor)).sum()))
+
+    def log_evidence(self, fit: Small, noise: float) -> float:
+        """Of the runs under noise of this variance, but for a constant."""
+        return -0.5 * fit.squares / noise - fit.log_volume - self._log_base
 
 
 @dataclass(frozen=True)
@@ -26,14 +80,16 @@ class Scored:
     """Some forms together, fitted.
 
     Attributes:
+        scorer: what scored them.
         parts: hypotheses with the form chosen of each.
-        solution: of the fit on all training runs.
+        sizes: (k,) of all their columns.
         evidence: logarithm, against nothing added.
         foretold: logarithm of how much better runs left out are foretold, against nothing added.
     """
 
-    parts: tuple[tuple[Hypothesis, Form], ...]
-    solution: Solution
+    scorer: Scorer
+    parts: tuple[Part, ...]
+    sizes: FloatArray
     evidence: float
     foretold: float
 
@@ -42,8 +98,14 @@ class Scored:
         """Of all parts, in order."""
         return tuple(column for _, form in self.parts for column in form.columns)
 
+    @cached_property
+    def solution(self) -> Solution:
+        """The whole fit, the baseline's columns included."""
+        std = np.concatenate([np.zeros(0), *(form.std for _, form in self.parts)])
+        return solve(self.scorer.products, self.scorer.sums, self.columns, std)
+
     def own(self, index: int) -> slice:
-        """Where the components of a part stand in the fit's vector, counted from its end."""
+        """Where the components of a part stand among all parts', counted from the end."""
         counts = [len(form.columns) for _, form in self.parts]
         start = sum(counts[:index]) - sum(counts)
         stop = start + counts[index]
@@ -60,50 +122,45 @@ class Scorer:
     def __init__(self, sums: Sums, runs: Sequence[int]) -> None:
         self.sums, self.runs = sums, tuple(runs)
         self.products, self.rows = sums.of(runs)
-        self._others = [sums.of([one for one in runs if one != run])[0] for run in runs]
-        self.nothing = solve(self.products, sums, (), np.zeros(0))
-        self._nothing_left = [solve(part, sums, (), np.zeros(0)) for part in self._others]
+        self._all = Reduced(self.products, sums)
+        self._others = [
+            Reduced(sums.of([one for one in runs if one != run])[0], sums)
+            for run in (runs if len(runs) > 2 else ())
+        ]
+        none = np.zeros(0)
+        self._nothing = self._all.fit((), none)
+        self._nothing_left = [others.fit((), none) for others in self._others]
+        self.nothing = solve(self.products, sums, (), none)
 
-    def score(self, parts: Sequence[tuple[Hypothesis, Form]], *, foretell: bool = True) -> Scored:
+    def score(self, parts: Sequence[Part], *, foretell: bool = True) -> Scored:
         """Fit some forms together."""
         columns = [column for _, form in parts for column in form.columns]
-        std = np.concatenate([form.std for _, form in parts]) if parts else np.zeros(0)
-        solution = solve(self.products, self.sums, columns, std)
-        evidence = self._evidence(solution)
-        evidence -= sum(math.log(len(hypothesis.forms)) for hypothesis, _ in parts)
-        foretold = 0.0
-        if foretell and len(self.runs) > 2:
-            foretold = self._foretold(solution, columns, std)
-        return Scored(tuple(parts), solution, evidence, foretold)
+        std = np.concatenate([np.zeros(0), *(form.std for _, form in parts)])
+        fit = self._all.fit(columns, std)
+        gain = 0.5 * self.rows * math.log(self._nothing.squares / max(fit.squares, 1e-12))
+        tried = sum(math.log(len(hypothesis.forms)) for hypothesis, _ in parts)
+        foretold = self._foretold(fit, columns, std) if foretell else 0.0
+        return Scored(self, tuple(parts), fit.sizes, gain - fit.log_volume - tried, foretold)
 
-    def _evidence(self, solution: Solution) -> float:
-        gain = 0.5 * self.rows * math.log(self.nothing.squares / max(solution.squares, 1e-12))
-        return gain - solution.log_volume
-
-    def _foretold(self, solution: Solution, columns: Sequence[int], std: FloatArray) -> float:
+    def _foretold(self, fit: Small, columns: Sequence[int], std: FloatArray) -> float:
         """Log predictive density of each run under a fit of the others, against nothing added.
 
         What a run is foretold to be, with all uncertainty of the fit, is the evidence of all
         runs over that of the others.
         """
-        noise = solution.squares / self.rows
+        noise = fit.squares / self.rows
+        ours, usual = (self._all.log_evidence(one, noise) for one in (fit, self._nothing))
         total = 0.0
         for others, nothing in zip(self._others, self._nothing_left, strict=True):
-            left = solve(others, self.sums, columns, std)
-            ours = _log_evidence(solution, noise) - _log_evidence(left, noise)
-            total += ours - _log_evidence(self.nothing, noise) + _log_evidence(nothing, noise)
+            left = others.fit(columns, std)
+            total += ours - others.log_evidence(left, noise)
+            total -= usual - others.log_evidence(nothing, noise)
         return total
 
-    def best_form(
-        self, hypothesis: Hypothesis, beside: Sequence[tuple[Hypothesis, Form]] = ()
-    ) -> Scored:
+    def best_form(self, hypothesis: Hypothesis, beside: Sequence[Part] = ()) -> Scored:
         """The form that explains most, beside others that stay."""
         scored = [
             self.score([*beside, (hypothesis, form)], foretell=False) for form in hypothesis.forms
         ]
         best = max(range(len(scored)), key=lambda index: scored[index].evidence)
         return self.score([*beside, (hypothesis, hypothesis.forms[best])])
-
-
-def _log_evidence(solution: Solution, noise: float) -> float:
-    return -0.5 * solution.squares / noise - solution.log_all

@@ -7,16 +7,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
-from shoecal_core.diagnosis.scoring import Scored
+from shoecal_core.diagnosis.hypotheses import Hypothesis
+from shoecal_core.diagnosis.scoring import Part, Scored
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.signals import COP
 from shoecal_core.diagnosis.workspace import Workspace
-
-FloatArray = NDArray[np.float64]
-Part = tuple[Hypothesis, Form]
 
 
 @dataclass(frozen=True)
@@ -39,33 +35,34 @@ def select(workspace: Workspace, settings: DiagnosisSettings) -> Found:
     """Forward, one at a time; then each is tried again beside the others, and pruned."""
     parts: list[Part] = []
     score = 0.0
-    singles = ranked(workspace)
+    singles = ranked(workspace, settings)
     while len(parts) < settings.causes_max:
-        candidates = ranked(workspace, parts) if parts else singles
-        best = _best(workspace, candidates, len(parts), settings)
-        if best is None or best.evidence - score < settings.evidence_min:
+        candidates = ranked(workspace, settings, parts) if parts else singles
+        if not candidates or candidates[0].evidence - score < settings.evidence_min:
             break
-        parts, score = list(best.parts), best.evidence
+        parts, score = list(candidates[0].parts), candidates[0].evidence
     parts = _revised(workspace, parts, settings)
     if not parts:
         return Found(None, (), tuple(singles))
-    chosen = workspace.scorer.score(parts)
     return Found(
-        chosen,
-        tuple(_alternatives(workspace, parts, index) for index in range(len(parts))),
+        workspace.scorer.score(parts),
+        tuple(_alternatives(workspace, parts, index, settings) for index in range(len(parts))),
         tuple(singles),
     )
 
 
-def ranked(workspace: Workspace, beside: Sequence[Part] = ()) -> list[Scored]:
-    """Every hypothesis beside some that stay, the most probable first."""
+def ranked(
+    workspace: Workspace, settings: DiagnosisSettings, beside: Sequence[Part] = ()
+) -> list[Scored]:
+    """Every hypothesis that matters, beside some that stay; the most probable first."""
     taken = {id(hypothesis) for hypothesis, _ in beside}
     scored = [
         workspace.scorer.best_form(hypothesis, beside)
         for hypothesis in workspace.library.hypotheses
         if id(hypothesis) not in taken
     ]
-    return sorted(scored, key=weight, reverse=True)
+    mattering = [one for one in scored if material(workspace, one, len(beside), settings)]
+    return sorted(mattering, key=weight, reverse=True)
 
 
 def weight(scored: Scored) -> float:
@@ -79,19 +76,6 @@ def weight(scored: Scored) -> float:
     if form.shape.run is None:
         told = 0.5 * (scored.evidence + min(scored.foretold, scored.evidence))
     return told + math.log(hypothesis.prior)
-
-
-def _best(
-    workspace: Workspace, candidates: Sequence[Scored], index: int, settings: DiagnosisSettings
-) -> Scored | None:
-    for scored in candidates[:_TRIED]:
-        if material(workspace, scored, index, settings):
-            return scored
-    return None
-
-
-_TRIED = 8
-"""Hypotheses that are looked at for one that matters, the most probable first."""
 
 
 def material(workspace: Workspace, scored: Scored, index: int, settings: DiagnosisSettings) -> bool:
@@ -108,11 +92,12 @@ def material(workspace: Workspace, scored: Scored, index: int, settings: Diagnos
 def contribution(workspace: Workspace, scored: Scored, index: int) -> tuple[float, float]:
     """Root mean square of what a part changes of one axis of the CoP [m], and of the GRF [N]."""
     _, form = scored.parts[index]
-    sizes = scored.solution.vector[scored.own(index)]
-    added = np.tensordot(sizes, workspace.library.columns[list(form.columns)], 1)
-    mask = workspace.scene.mask
-    cop = added[:, COP][mask[:, COP]]
-    return float(np.sqrt(np.mean(cop**2))), float(np.sqrt(np.mean(added[mask[:, 0], 0] ** 2)))
+    sizes = scored.sizes[scored.own(index)]
+    places = np.array(form.columns)
+    return tuple(  # type: ignore[return-value]
+        float(np.sqrt(max(sizes @ workspace.powers[signal][np.ix_(places, places)] @ sizes, 0.0)))
+        for signal in ("cop", "grf")
+    )
 
 
 def _revised(workspace: Workspace, parts: list[Part], settings: DiagnosisSettings) -> list[Part]:
@@ -122,21 +107,20 @@ def _revised(workspace: Workspace, parts: list[Part], settings: DiagnosisSetting
             break
         others = [part for at, part in enumerate(parts) if at != index]
         without = workspace.scorer.score(others, foretell=False).evidence
-        best = ranked(workspace, others)[0]
-        if best.evidence - without < settings.evidence_min or not material(
-            workspace, best, len(others), settings
-        ):
+        candidates = ranked(workspace, settings, others)
+        if not candidates or candidates[0].evidence - without < settings.evidence_min:
             parts = others
         else:
-            parts = [*others, best.parts[-1]]
+            parts = [*others, candidates[0].parts[-1]]
     return parts
 
 
 def _alternatives(
-    workspace: Workspace, parts: list[Part], index: int
+    workspace: Workspace, parts: list[Part], index: int, settings: DiagnosisSettings
 ) -> tuple[tuple[Hypothesis, float], ...]:
     others = [part for at, part in enumerate(parts) if at != index]
     without = workspace.scorer.score(others, foretell=False).evidence if others else 0.0
     return tuple(
-        (scored.parts[-1][0], weight(scored) - without) for scored in ranked(workspace, others)
+        (scored.parts[-1][0], weight(scored) - without)
+        for scored in ranked(workspace, settings, others)
     )

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis import body
-from shoecal_core.diagnosis.samples import Samples
+from shoecal_core.diagnosis.filters import play
+from shoecal_core.diagnosis.samples import Samples, Track
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import GRAVITY
@@ -48,6 +49,8 @@ FAMILIES = {"air": AIR, "closure": CLOSURE, "parity": PARITY, "tilt": TILT}
 
 FREE = 1e6
 """Prior of what may have any size."""
+LOOP_WIDTHS = (0.1, 0.3, 0.6)
+"""Widths of plays, over the range of a channel's output."""
 QUASI_STATIC_M = 6e-4
 """Root mean square of the zero-moment point's way off the CoM in a motion meant to be slow."""
 LEAST_STANDING_M, LEAST_STANDING_RAD, BRACED_SHARE = 1e-4, 4e-4, 5e-4
@@ -174,6 +177,23 @@ class Scene:
     def fast(self) -> bool:
         """Whether the zero-moment point is so far off the CoM that it counts as an effect."""
         return bool(np.sqrt(np.mean(self.zero_moment**2)) > QUASI_STATIC_M)
+
+    @cached_property
+    def loops(self) -> list[FloatArray]:
+        """(T, n) what plays of several widths make of the outputs, a unit of width; each less them.
+
+        A play of width w, turned round, makes a loop w high.
+        """
+        span = np.ptp(self.outputs, axis=0)
+
+        def loop(width: float) -> FloatArray:
+            def work(track: Track) -> FloatArray:
+                force = self.parameters.outputs(track.readings)
+                return (play(force, width * span) - force) / width
+
+            return self.samples.decimated(work)
+
+        return [loop(width) for width in LOOP_WIDTHS]
 
     @cached_property
     def links(self) -> body.Links:

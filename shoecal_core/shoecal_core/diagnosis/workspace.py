@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,11 +12,11 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline, precision
 from shoecal_core.diagnosis.effects.base import Effect, Place
 from shoecal_core.diagnosis.hypotheses import Library, make_library
-from shoecal_core.diagnosis.noise import noise_of
+from shoecal_core.diagnosis.noise import least_noise, noise_of
 from shoecal_core.diagnosis.regression import Noise, Sums, Whitening, make_sums, solve
 from shoecal_core.diagnosis.scoring import Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.signals import COP, Scene
 
 FloatArray = NDArray[np.float64]
 NOISE_ROUNDS = 2
@@ -62,6 +63,14 @@ class Workspace:
         rest = scene.residuals - np.tensordot(vector, scene.baseline, 1) - added
         return rest, added
 
+    @cached_property
+    def powers(self) -> Mapping[str, FloatArray]:
+        """(k, k) mean products of all hypotheses' columns, in one axis of the CoP and in GRF."""
+        columns, mask = self.library.columns, self.scene.mask[:, 1]
+        cop = columns[:, mask, COP].reshape(len(columns), -1)
+        grf = columns[:, mask, 0]
+        return {"cop": cop @ cop.T / cop.shape[1], "grf": grf @ grf.T / grf.shape[1]}
+
     @property
     def floor(self) -> FloatArray:
         """(s,) what noise and the stances' own errors leave of each signal."""
@@ -87,12 +96,13 @@ def make_workspace(
     wanted: Callable[[str, Place], bool] = lambda _effect, _place: True,
 ) -> Workspace:
     """Fit, find the noise, lay out, add up."""
-    scene = fit_baseline(scene, train, coarse_noise(), settings)
+    guess, least, noise = scene.parameters, least_noise(scene), coarse_noise(scene.samples)
+    scene = fit_baseline(scene, train, noise, settings)
     library = make_library(scene, effects)
-    noise = coarse_noise()
     for _ in range(NOISE_ROUNDS):
         noise = _noise(scene, library, noise, train, settings)
-    scene = fit_baseline(scene, train, noise, settings)
+        noise = Noise(np.maximum(noise.std, least), noise.keep)
+    scene = fit_baseline(scene, train, noise, settings, guess)
     library = make_library(scene, effects, wanted)
     whitening = Whitening(scene.samples, scene.mask, noise)
     sums = make_sums(

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.effects import places
 from shoecal_core.diagnosis.effects.base import Component, Place, Shape
-from shoecal_core.diagnosis.effects.filters import low_passed, play
+from shoecal_core.diagnosis.filters import low_passed
 from shoecal_core.diagnosis.samples import Track
 from shoecal_core.diagnosis.signals import Scene
 
@@ -83,15 +83,8 @@ class Hysteresis:
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
         """A play operator; its width as a share of each cell's range."""
         channels = places.channels_at(scene, place)
-        span = np.ptp(scene.outputs[:, channels], axis=0)
-        for width in (0.1, 0.3, 0.6):
-
-            def work(track: Track, width: float = width) -> FloatArray:
-                force = scene.parameters.outputs(track.readings)[:, channels]
-                # A play of width w turned round makes a loop w high; the loop is what counts.
-                return (play(force, width * span) - force) / width
-
-            yield Shape(("fraction",), shown(scene, channels, scene.samples.decimated(work))[None])
+        for loop in scene.loops:
+            yield Shape(("fraction",), shown(scene, channels, loop[:, channels])[None])
 
 
 class Creep:
