@@ -33,7 +33,7 @@ def first_parameters(samples: Samples, runs: Sequence[int]) -> ChannelParameters
     base = weight_below(shoe)
     stances = []
     for segment in np.unique(samples.segment):
-        part = (samples.segment == segment) & samples.loaded.all(axis=1)
+        part = (samples.segment == segment) & samples.both
         if not part.any() or int(samples.run[part][0]) not in runs:
             continue
         support = samples.states.support() if part.all() else _support(samples, part)

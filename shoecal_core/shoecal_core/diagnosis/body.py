@@ -51,7 +51,8 @@ def up_in_sole(states: BodyStates, frame: NDArray[np.int64], up: FloatArray) -> 
     """(T, 3) upwards in the stance's sole frame, from upwards in the base's (T, 3)."""
     left = np.einsum("tji,tj->ti", states.left_rotation, up)
     right = np.einsum("tji,tj->ti", states.rotation, left)
-    return np.where((frame == 0)[:, None], left, right)
+    found: FloatArray = np.where((frame == 0)[:, None], left, right)
+    return found
 
 
 def answers(samples: Samples) -> Answers:

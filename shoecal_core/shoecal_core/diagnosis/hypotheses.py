@@ -92,7 +92,8 @@ def make_library(
             lacking.append(effect.identifier)
     columns: list[FloatArray] = []
     at = 0
-    ordinary, rewired = [], []
+    ordinary: list[Hypothesis] = []
+    rewired: list[Hypothesis] = []
     for effect, place, shapes in found:
         forms = []
         for shape in shapes:

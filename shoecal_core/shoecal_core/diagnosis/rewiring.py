@@ -68,7 +68,7 @@ def _misfit(workspace: Workspace, wiring: Wiring) -> float:
     base = weight_below(shoe)
     rows, targets = [], []
     for segment, support in enumerate(scene.supports):
-        part = (samples.segment == segment) & samples.loaded.all(axis=1)
+        part = (samples.segment == segment) & samples.both
         part &= workspace.rows_of(workspace.train)
         if not part.any():
             continue

@@ -123,6 +123,18 @@ class Samples:
         """(T,) foot in whose sole frame a sample is told: the right one while the left hangs."""
         return np.where(self.loaded[:, 0], 0, 1)
 
+    @cached_property
+    def both(self) -> BoolArray:
+        """(T,) samples in which both feet stand."""
+        standing: BoolArray = self.loaded[:, 0] & self.loaded[:, 1]
+        return standing
+
+    @cached_property
+    def standing(self) -> tuple[tuple[bool, bool], ...]:
+        """Which feet stand in each segment."""
+        first = [int(np.argmax(self.segment == one)) for one in range(int(self.segment.max()) + 1)]
+        return tuple((bool(self.loaded[at, 0]), bool(self.loaded[at, 1])) for at in first)
+
     @property
     def runs(self) -> tuple[int, ...]:
         """Numbers of the runs."""

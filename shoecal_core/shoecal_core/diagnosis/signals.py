@@ -116,8 +116,7 @@ class Scene:
         """(segments, n, 3) of every channel in the stance's frame, those in the air zero."""
         stacked = []
         for segment, support in enumerate(self.supports):
-            first = int(np.argmax(self.samples.segment == segment))
-            left, right = self.samples.loaded[first]
+            left, right = self.samples.standing[segment]
             if left and right:
                 turned = _turned(self.wiring, support)
             else:
@@ -147,8 +146,7 @@ class Scene:
         base = weight_below(self.samples.shoe)
         fixed = []
         for segment, support in enumerate(self.supports):
-            first = int(np.argmax(self.samples.segment == segment))
-            left, right = self.samples.loaded[first]
+            left, right = self.samples.standing[segment]
             fixed.append(combined(base, support) if left and right else base[0 if left else 1])
         found: FloatArray = (
             np.einsum("tn,tnw->tw", self.outputs, self.per_sample)
@@ -160,7 +158,8 @@ class Scene:
     def cop(self) -> FloatArray:
         """(T, 2) measured, in the stance's frame [m]."""
         force = np.maximum(self.wrench[:, 0], 0.2 * self.samples.force)
-        return np.stack((-self.wrench[:, 2], self.wrench[:, 1]), axis=1) / force[:, None]
+        place: FloatArray = np.stack((-self.wrench[:, 2], self.wrench[:, 1]), axis=1)
+        return place / force[:, None]
 
     @cached_property
     def zero_moment(self) -> FloatArray:
@@ -171,7 +170,8 @@ class Scene:
         """
         samples = self.samples
         height = samples.states.com[np.arange(len(samples.run)), samples.frame, 2]
-        return -(height / GRAVITY)[:, None] * samples.acceleration + samples.spin
+        away: FloatArray = -(height / GRAVITY)[:, None] * samples.acceleration + samples.spin
+        return away
 
     @property
     def fast(self) -> bool:
@@ -206,8 +206,8 @@ class Scene:
     def mask(self) -> BoolArray:
         """(T, s) signals that are there."""
         samples = self.samples
-        both = samples.loaded.all(axis=1)
-        there = np.zeros((len(both), len(SIGNALS)), dtype=bool)
+        both = samples.both
+        there = np.zeros((len(both), len(SIGNALS)), dtype=np.bool_)
         there[:, :3] = True
         there[:, AIR] = ~both[:, None]
         there[:, CLOSURE] = both[:, None]
@@ -341,7 +341,7 @@ class Scene:
     def by_support(self, change: FloatArray) -> FloatArray:
         """(T, s) when the right foot is taken to stand (T, 3) dx, dy, dtheta further."""
         samples = self.samples
-        both = samples.loaded.all(axis=1)
+        both = samples.both
         force, about_x, about_y = self.foot_wrenches[:, 1].T
         yaw = np.array([support.dtheta for support in self.supports])[samples.segment]
         dx, dy, turn = change.T
@@ -403,15 +403,16 @@ class Scene:
         """
         own = [
             i
-            for i in np.flatnonzero(self.wiring.foot == self.wiring.foot[channel])
+            for i in np.flatnonzero(self.wiring.foot == self.wiring.foot[channel]).tolist()
             if self.wiring.columns[i, 0] == 1.0
         ]
         if len(own) == 4:
             plane = np.linalg.svd(self.wiring.columns[own].T)[2][-1]
             at = own.index(channel)
             if abs(plane[at]) > 0.2:
-                return self.outputs[:, channel] - (self.outputs[:, own] @ plane) / plane[at]
-        return self.outputs[:, channel] - self.residuals[:, 0]
+                told: FloatArray = self.outputs[:, own] @ plane / plane[at]
+                return self.outputs[:, channel] - told
+        return np.asarray(self.outputs[:, channel] - self.residuals[:, 0])
 
 
 def make_scene(

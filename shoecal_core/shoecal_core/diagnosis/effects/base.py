@@ -59,17 +59,22 @@ class Shape:
 
 
 class Effect(Protocol):
-    """A cause of a gap.
+    """A cause of a gap; its first three members are mostly attributes of the class."""
 
-    Attributes:
-        identifier: its name, part of the public contract.
-        group: its class: load_cell, timing, body, contact or dynamics.
-        components: of its size, each with its prior.
-    """
+    @property
+    def identifier(self) -> str:
+        """Its name, part of the public contract."""
+        ...
 
-    identifier: str
-    group: str
-    components: tuple[Component, ...]
+    @property
+    def group(self) -> str:
+        """Its class: load_cell, timing, body, contact or dynamics."""
+        ...
+
+    @property
+    def components(self) -> tuple[Component, ...]:
+        """Of its size, each with its prior."""
+        ...
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Where it can sit in this robot and these shoes."""

@@ -54,7 +54,7 @@ class Slip:
         foot = FEET.index(place[0])
         samples = scene.samples
         whole = [slipped(scene, foot, axis) for axis in range(3)]
-        both = samples.loaded.all(axis=1)
+        both = samples.both
         for track in samples.tracks:
             here = (samples.run == track.run) & both
             if np.count_nonzero(here) < 4 * _EDGE:

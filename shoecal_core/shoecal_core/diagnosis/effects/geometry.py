@@ -37,7 +37,7 @@ class CellPosition:
         foot = int(scene.wiring.foot[channel])
         samples = scene.samples
         stands = samples.loaded[:, foot]
-        alone = ~samples.loaded.all(axis=1)
+        alone = ~samples.both
         yaw = np.array([support.dtheta for support in scene.supports])[samples.segment]
         turn = np.where(alone | (foot == 0), 0.0, yaw)
         c, s = np.cos(turn), np.sin(turn)

@@ -95,7 +95,8 @@ def all_channels_at(scene: Scene, place: Place) -> IntArray:
     """Channels of any kind of a foot, or all."""
     shoe = scene.samples.shoe
     (name,) = place
-    return shoe.of_foot(FEET.index(name)) if name in FEET else np.arange(len(shoe.channels))
+    channels = shoe.of_foot(FEET.index(name)) if name in FEET else range(len(shoe.channels))
+    return np.array(channels, dtype=np.int64)
 
 
 def joints_at(scene: Scene, place: Place) -> Sequence[int]:
