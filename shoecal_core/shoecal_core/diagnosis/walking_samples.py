@@ -64,18 +64,18 @@ def find_walk(run: Run, aligned: Aligned, shoe: Shoe, robot: Robot) -> Walk:
     stances = walking_stances(run.info.run, aligned, world, shoe, robot.mass)
     count = len(aligned.time)
     stance = np.full(count, -1)
-    force, cop, spin = np.full(count, np.nan), np.full((count, 2), np.nan), np.zeros((count, 2))
-    shift = _spin(aligned, base, world, robot)
+    force, cop, added = np.full(count, np.nan), np.full((count, 2), np.nan), np.zeros((count, 2))
+    shift = spin(aligned, base, world, robot)
     for number, one in enumerate(stances):
         here = np.searchsorted(aligned.time, one.time)
         stance[here], force[here], cop[here] = number, one.force, one.cop
         yaw = np.median(np.unwrap(world.yaw[here, one.loaded.index(True)]))
         c, s = np.cos(yaw), np.sin(yaw)
-        spin[here] = shift[here] @ np.array([[c, -s], [s, c]])
-    return Walk(stance, np.array([one.loaded for one in stances]), force, cop, spin)
+        added[here] = shift[here] @ np.array([[c, -s], [s, c]])
+    return Walk(stance, np.array([one.loaded for one in stances]), force, cop, added)
 
 
-def _spin(aligned: Aligned, base: PoseSamples, world: World, robot: Robot) -> FloatArray:
+def spin(aligned: Aligned, base: PoseSamples, world: World, robot: Robot) -> FloatArray:
     """(F, 2) how far the angular momentum's rate moves the zero-moment point, in the world [m]."""
     rate = derivative(angular_momentum(aligned, base, robot), aligned.time, 1)
     force = robot.mass * (GRAVITY + world.acceleration[:, 2])
