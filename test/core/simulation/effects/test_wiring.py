@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from core.simulation.effects.chains import NAO, PERIOD, item, on_first, shoes_with, through
@@ -13,6 +13,7 @@ CELL = "left/front_left"
 RISE = on_first(NAO, np.linspace(0.0, 10.0, 101))
 
 
+@settings(max_examples=25)
 @given(st.floats(0.05, 1.0), st.integers(0, 100))
 def test_a_stuck_cell_stays_where_it_was(share: float, since: int) -> None:
     shoes = shoes_with(item("stuck_cell", CELL, share=share, time_s=since * PERIOD))
