@@ -19,6 +19,11 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 IntArray = NDArray[np.int64]
 
+FEW_RUNS, STRETCHES = 4, 4
+"""Of fewer training runs than the first, stretches are left out: each run is cut into the second.
+
+Without one of a few double supports a fit loses rank, and what it foretells says nothing."""
+
 
 @dataclass(frozen=True)
 class Noise:
@@ -58,6 +63,7 @@ class Whitening:
         scale = np.where(self._follows, 1.0, first) / np.maximum(noise.innovation, 1e-300)
         self._scale = np.where(mask, scale, 0.0)
         self.run = samples.run
+        self.stretch = stretches_of(samples)
 
     def __call__(self, values: FloatArray) -> FloatArray:
         """(..., T, s) whitened."""
@@ -67,16 +73,25 @@ class Whitening:
         return whitened
 
 
+def stretches_of(samples: Samples) -> IntArray:
+    """(T,) which of the stretches of its run each sample is of, alike in length."""
+    found = np.zeros(len(samples.run), dtype=np.int64)
+    for run in np.unique(samples.run):
+        here = np.flatnonzero(samples.run == run)
+        found[here] = np.arange(len(here)) * STRETCHES // len(here)
+    return found
+
+
 @dataclass(frozen=True)
 class Sums:
-    """Products of whitened columns and of the residuals, by run.
+    """Products of whitened columns and of the residuals, by stretches of runs.
 
     The columns are the baseline's first, then those of hypotheses, then the residuals.
 
     Attributes:
-        runs: numbers.
-        products: (runs, q, q).
-        rows: (runs,) number of whitened rows.
+        runs: (B,) number of the run of which each stretch is.
+        products: (B, q, q).
+        rows: (B,) number of whitened rows.
         base: number of the baseline's columns.
         precision: (base,) prior precision of the baseline's columns.
     """
@@ -89,8 +104,16 @@ class Sums:
 
     def of(self, runs: Sequence[int]) -> tuple[FloatArray, float]:
         """Products and number of rows of some runs together."""
-        part = [self.runs.index(run) for run in runs]
+        part = np.isin(self.runs, runs)
         return self.products[part].sum(axis=0), float(self.rows[part].sum())
+
+    def others(self, runs: Sequence[int]) -> list[FloatArray]:
+        """Products of some runs without one of their stretches, each in turn."""
+        mine = np.isin(self.runs, runs)
+        return [
+            self.products[mine & (np.arange(len(mine)) != left_out)].sum(axis=0)
+            for left_out in np.flatnonzero(mine)
+        ]
 
 
 def make_sums(
@@ -101,6 +124,8 @@ def make_sums(
     residuals: FloatArray,
     mask: BoolArray,
     precision: FloatArray,
+    *,
+    cut: bool = False,
 ) -> Sums:
     """Add up all products.
 
@@ -108,18 +133,22 @@ def make_sums(
         baseline: (p, T, s). hypotheses: (k, T, s). residuals: (T, s).
         mask: (T, s) signals that are there.
         precision: (p,) prior precision of the baseline's columns.
+        cut: runs into stretches.
     """
     whole = np.concatenate((baseline, hypotheses, residuals[None]))
     size = len(whole)
-    products = np.zeros((len(runs), size, size))
-    rows = np.zeros(len(runs))
+    stretches = [(run, at) for run in runs for at in range(STRETCHES if cut else 1)]
+    products = np.zeros((len(stretches), size, size))
+    rows = np.zeros(len(stretches))
     whitened = whitening(whole)
-    for index, run in enumerate(runs):
+    for index, (run, stretch) in enumerate(stretches):
         part = whitening.run == run
+        if cut:
+            part &= whitening.stretch == stretch
         flat = whitened[:, part][:, mask[part]]
         products[index] = flat @ flat.T
         rows[index] = mask[part].sum()
-    return Sums(tuple(runs), products, rows, len(baseline), precision)
+    return Sums(tuple(run for run, _ in stretches), products, rows, len(baseline), precision)
 
 
 @dataclass(frozen=True)

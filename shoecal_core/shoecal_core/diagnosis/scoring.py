@@ -123,10 +123,7 @@ class Scorer:
         self.sums, self.runs = sums, tuple(runs)
         self.products, self.rows = sums.of(runs)
         self._all = Reduced(self.products, sums)
-        self._others = [
-            Reduced(sums.of([one for one in runs if one != run])[0], sums)
-            for run in (runs if len(runs) > 2 else ())
-        ]
+        self._others = [Reduced(products, sums) for products in sums.others(runs)]
         none = np.zeros(0)
         self._nothing = self._all.fit((), none)
         self._nothing_left = [others.fit((), none) for others in self._others]
@@ -145,8 +142,8 @@ class Scorer:
     def _foretold(self, fit: Small, columns: Sequence[int], std: FloatArray) -> float:
         """Log predictive density of each run under a fit of the others, against nothing added.
 
-        What a run is foretold to be, with all uncertainty of the fit, is the evidence of all
-        runs over that of the others.
+        Where there are few runs, of stretches of them. What one is foretold to be, with all
+        uncertainty of the fit, is the evidence of all runs over that of the others.
         """
         noise = fit.squares / self.rows
         ours, usual = (self._all.log_evidence(one, noise) for one in (fit, self._nothing))

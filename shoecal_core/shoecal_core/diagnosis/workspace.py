@@ -13,7 +13,7 @@ from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline, precisio
 from shoecal_core.diagnosis.effects.base import Effect, Place
 from shoecal_core.diagnosis.hypotheses import Library, make_library
 from shoecal_core.diagnosis.noise import least_noise, noise_of
-from shoecal_core.diagnosis.regression import Noise, Sums, Whitening, make_sums, solve
+from shoecal_core.diagnosis.regression import FEW_RUNS, Noise, Sums, Whitening, make_sums, solve
 from shoecal_core.diagnosis.scoring import Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.signals import COP, Scene
@@ -113,6 +113,7 @@ def make_workspace(
         scene.residuals,
         scene.mask,
         precision(scene, scene.parameters, settings),
+        cut=len(train) < FEW_RUNS,
     )
     return Workspace(
         scene, noise, library, whitening, sums, Scorer(sums, train), tuple(train), tuple(test)
