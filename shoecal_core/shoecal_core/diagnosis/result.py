@@ -231,6 +231,7 @@ class Diagnosis:
         train, test: numbers of the runs.
         notes: what was missing or left out, in words.
         robot, shoe: names.
+        shrink: with all causes together, from nothing added; None where it was not measured.
         evidence: for pictures; None once read back from JSON.
     """
 
@@ -248,6 +249,7 @@ class Diagnosis:
     notes: tuple[str, ...]
     robot: str
     shoe: str
+    shrink: Shrink | None = None
     evidence: Evidence | None = field(default=None, repr=False, compare=False)
 
     def to_json(self) -> dict[str, object]:
