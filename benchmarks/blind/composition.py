@@ -29,6 +29,8 @@ FULL = {"clean": 200, "single": 160, "double": 50, "unknown": 50, "inseparable":
 """Sets of a full round, by category."""
 LACKING = 0.1
 """Of the clean sets have no inertial sensor, and as many lack some motions."""
+LEAST_PACE = 1.3
+"""Motions that show inertia are faster than planned by this at least."""
 Motions = Mapping[int, Sequence[float]]
 _UNLOADING = frozenset(("unload_left", "unload_right"))
 
@@ -154,7 +156,7 @@ def with_effect(
     if effect == "stuck_cell" and rng.uniform() < 0.5:
         onset = float(rng.uniform(0.1, 0.6) * _length(answer, durations))
         truth = dataclasses.replace(truth, size={**truth.size, "time": onset}, onset=onset)
-    pace = magnitude if effect == "inertia" else answer.pace
+    pace = max(LEAST_PACE, magnitude) if effect == "inertia" else answer.pace
     return dataclasses.replace(answer, truths=(*answer.truths, truth), pace=pace)
 
 

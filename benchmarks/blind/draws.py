@@ -127,17 +127,17 @@ FOREIGN_LIMITS: Mapping[str, float] = {
 """The same of what is not in the table, in each kind's own unit."""
 
 FOREIGN_GUESS: Mapping[str, float] = {
-    "cable": 10.0, "rubbing thigh": 100.0, "swinging load": 0.01, "motor pick-up": 0.02,
-    "touching edge": 0.1, "loose plate": 0.001, "steadying hand": 0.5, "pebble": 0.0003,
+    "cable": 3.0, "rubbing thigh": 20.0, "swinging load": 0.01, "motor pick-up": 0.05,
+    "touching edge": 0.06, "loose plate": 0.002, "steadying hand": 0.2, "pebble": 0.0006,
 }  # fmt: skip
 
 FIRST_GUESS: Mapping[str, float] = {
     "nonlinearity": 0.05, "saturation": 0.3, "hysteresis": 0.05, "creep": 0.05,
     "zero_drift": 2e-3, "span_drift": 1e-4, "stuck_cell": 0.1, "crosstalk": 0.1,
     "cell_position": 0.004, "off_axis_load": 0.1, "latency": 0.1, "low_pass": 0.1,
-    "payload": 0.2, "link_com": 0.01, "joint_offset": 0.01, "joint_compliance": 0.005,
-    "backlash": 0.006, "foot_placement": 0.004, "slip": 0.004, "floor_tilt": 0.02,
-    "soft_ground": 0.005, "inertia": 2.0,
+    "payload": 0.2, "link_com": 0.01, "joint_offset": 0.02, "joint_compliance": 0.01,
+    "backlash": 0.015, "foot_placement": 0.005, "slip": 0.004, "floor_tilt": 0.04,
+    "soft_ground": 0.01, "inertia": 2.0,
 }  # fmt: skip
 """Magnitudes at which `unit_sizes` begins."""
 

@@ -22,6 +22,8 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
 
 WORKER = Path(__file__).with_name("worker.py")
+ALWAYS = ("--no-simulation", "--jobs", "1")
+"""Of every diagnosis: what is scored needs no replay, and each process has one set at a time."""
 PATIENCE_S = 900.0
 """A diagnosis that takes longer has failed."""
 
@@ -155,7 +157,7 @@ class _Worker:
         """What the diagnosis says, or an error, as JSON."""
         answer = self._drop / "answer.json"
         answer.unlink(missing_ok=True)
-        command = ["diagnose", str(one.session), "--json", str(answer), *one.options]
+        command = ["diagnose", str(one.session), "--json", str(answer), *ALWAYS, *one.options]
         said = self._ask(json.dumps(command))
         if said is None:
             return json.dumps({"error": "the process ended or took too long"}).encode()

@@ -19,7 +19,7 @@ WITHOUT: Mapping[str, str] = {
     "without closure": "closure",
     "without tilt": "tilt",
     "without parity": "parity",
-    "without unloading": "unloading",
+    "without unloading": "air",
 }
 """What is switched off, by the name of the variant."""
 PAPER = frozenset(("landmarks", "reversed"))

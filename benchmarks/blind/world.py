@@ -20,18 +20,24 @@ from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir
 
+WHOLE = ""
+"""Stands for the keys of a reality file that are in no section."""
 NOISE_N = 0.01
 """Of a cell in the middle of the range drawn."""
 
 
-def draw_world(rng: np.random.Generator) -> dict[str, dict[str, float]]:
+def draw_world(rng: np.random.Generator) -> dict[str, dict[str, float | str]]:
     """Sections of a reality file: gains, offsets, noise, encoders, and the engine."""
 
     def between(lowest: float, highest: float) -> float:
         return float(np.exp(rng.uniform(np.log(lowest), np.log(highest))))
 
     return {
-        "engine": {"step_s": float(rng.choice([0.002, 0.01 / 3.0]))},
+        WHOLE: {"step_s": float(rng.choice([0.002, 0.01 / 3.0]))},
+        "engine": {
+            "cone": str(rng.choice(["elliptic", "pyramidal"])),
+            "sideways_ratio": between(5.0, 20.0),
+        },
         "servo": {
             "full_torque_error_rad": between(0.008, 0.018),
             "damping_time_s": between(0.02, 0.045),
@@ -55,6 +61,24 @@ def draw_world(rng: np.random.Generator) -> dict[str, dict[str, float]]:
     }
 
 
+def middle_world() -> dict[str, dict[str, float | str]]:
+    """The middle of what is drawn."""
+    return {
+        WHOLE: {"step_s": 0.01 / 3.0},
+        "servo": {"full_torque_error_rad": 0.012, "damping_time_s": 0.03},
+        "floor": {"friction": 0.9, "contact_time_s": 0.009},
+        "cells": {
+            "stiffness_n_per_m": 4.5e5,
+            "gain_spread_fraction": 0.2,
+            "offset_std_fraction": 0.05,
+            "noise_std_n": NOISE_N,
+            "converter_bits": 22,
+        },
+        "imu": {"orientation_std_rad": 0.0005},
+        "joints": {"encoder_resolution_rad": 0.00055},
+    }
+
+
 def write_world(path: Path, answer: Answer, items: Sequence[Mapping[str, Any]]) -> Reality:
     """Write a set's reality file and read it: the perfect world, changed.
 
@@ -66,7 +90,7 @@ def write_world(path: Path, answer: Answer, items: Sequence[Mapping[str, Any]]) 
     realities = config_dir() / "realities"
     merged = copy.deepcopy(yaml.safe_load((realities / "perfect.yaml").read_text()))
     for section, values in answer.world.items():
-        if section == "engine":
+        if section == WHOLE:
             merged |= values
         else:
             merged.setdefault(section, {}).update(values)
