@@ -21,7 +21,6 @@ SECTION = "blind"
 NOTHING = "nothing"
 
 BODY = """\
-## Checked blind
 Made by `{command}`: {sets}. Answers drawn and sealed before anything was
 simulated, SHA-256 `{seal}`; each set was diagnosed once, by processes that
 cannot read them. The floor, the median of clean sets after a plain calibration, is
