@@ -7,12 +7,10 @@ from collections.abc import Mapping
 
 from shoecal_core.diagnosis.result import VERDICTS, Cause, Diagnosis, Shrink
 from shoecal_core.diagnosis.result import Verdict as Finding
-from shoecal_core.report.diagnosis_places import left_over
 from shoecal_core.report.diagnosis_words import (
     candidate_text,
     effect_text,
     listed,
-    name_of,
     place_text,
     sizes_text,
     where_text,
@@ -31,6 +29,10 @@ LEVELS: Mapping[Finding, str] = {
 """How well the question was answered, as colour and sign."""
 
 
+MOST_CAUSES = 2
+"""Causes that have a key figure of their own."""
+
+
 def verdict_of(diagnosis: Diagnosis) -> Verdict:
     """The first thing to read: what, where, how big, how far it shrinks, what remains."""
     meaning = VERDICTS[diagnosis.verdict]
@@ -39,12 +41,8 @@ def verdict_of(diagnosis: Diagnosis) -> Verdict:
         label=diagnosis.verdict.replace("_", " ").capitalize(),
         meaning=f"{meaning[0].upper()}{meaning[1:]}.",
         reasons=(),
-        lines=tuple(
-            line
-            for line in (_what(diagnosis), _where(diagnosis), _shrinks(diagnosis))
-            if line
-        ),
-    )  # fmt: skip
+        lines=(*_what(diagnosis), *filter(None, (_where(diagnosis), _shrinks(diagnosis)))),
+    )
 
 
 def key_figures(diagnosis: Diagnosis) -> tuple[KeyFigure, ...]:
@@ -58,17 +56,13 @@ def key_figures(diagnosis: Diagnosis) -> tuple[KeyFigure, ...]:
                   f"noise alone: {newtons(gap.grf_floor_n)}; {runs}"),
     ]  # fmt: skip
     keys += [
-        KeyFigure(candidate_text(cause), percent(cause.probability),
-                  "; ".join(filter(None, ("probability", sizes_text(cause)))))
-        for cause in causes
-    ]  # fmt: skip
+        KeyFigure(candidate_text(cause), percent(cause.probability), "probability")
+        for cause in causes[:MOST_CAUSES]
+    ]
     if causes:
-        shrink = causes[0].shrink
-        label = f"with {name_of(causes[0].effect)} " if len(causes) > 1 else ""
+        whole = whole_shrink(diagnosis)
         keys.append(
-            KeyFigure(
-                f"{label}the gap shrinks by", shrink_text(shrink.fraction), interval_text(shrink)
-            )
+            KeyFigure("the gap shrinks by", shrink_text(whole.fraction), interval_text(whole))
         )
     return tuple(keys)
 
@@ -81,20 +75,28 @@ def run_text(diagnosis: Diagnosis) -> str:
     return f"test run{plural} {listed([str(run) for run in diagnosis.test])}"
 
 
-def _what(diagnosis: Diagnosis) -> str:
+def _what(diagnosis: Diagnosis) -> list[str]:
+    """A line a cause, and what cannot be told from them."""
     if not diagnosis.causes:
         if diagnosis.verdict == "no_gap":
             gap = diagnosis.gap
-            return (
-                f"CoP and GRF are off by {millimetres(gap.cop_mae_mm)} and "
-                f"{newtons(gap.grf_mae_n)}, where noise alone leaves "
-                f"{millimetres(gap.cop_floor_mm)} and {newtons(gap.grf_floor_n)}."
-            )
-        return "No effect of the library, at any place, changes the signals as they are off."
-    told = f"Found: {listed([cause_text(cause) for cause in diagnosis.causes])}."
-    rivals = [candidate_text(one) for one in diagnosis.ambiguity[1:]]
+            off, floor = (
+                f"{millimetres(cop)} and {newtons(grf)}"
+                for cop, grf in ((gap.cop_mae_mm, gap.grf_mae_n),
+                                 (gap.cop_floor_mm, gap.grf_floor_n))
+            )  # fmt: skip
+            return [f"CoP and GRF are off by {off}, where noise alone leaves {floor}."]
+        return ["No effect of the library, at any place, changes the signals as they are off."]
+    first, *others = diagnosis.causes
+    told = [f"Found: {cause_text(first)}.", *(f"And: {cause_text(one)}." for one in others)]
+    chosen = {(one.effect, one.location) for one in diagnosis.causes}
+    rivals = [
+        candidate_text(one)
+        for one in diagnosis.ambiguity
+        if (one.effect, one.location) not in chosen
+    ]
     if rivals:
-        told += f" Not to be told from the first: {listed(rivals, 'or')}."
+        told.append(f"In its place it could as well be: {listed(rivals, 'or')}.")
     return told
 
 
@@ -115,38 +117,39 @@ def _where(diagnosis: Diagnosis) -> str:
     return f"It shows most in: {'; then '.join(texts)}."
 
 
-def _shrinks(diagnosis: Diagnosis) -> str:
-    if not diagnosis.causes:
-        return ""
-    if len(diagnosis.causes) > 1:
-        each = [
-            f"with {candidate_text(one)} by {shrink_text(one.shrink.fraction)} "
-            f"({interval_text(one.shrink)})"
-            for one in diagnosis.causes
-        ]
-        told = f"On runs never used for a fit ({run_text(diagnosis)}) the gap shrinks "
-        return f"{told}{listed(each)}.{_remains(diagnosis)}"
+def whole_shrink(diagnosis: Diagnosis) -> Shrink:
+    """With all causes together; without an interval where that was not measured.
+
+    The shrink of one of several causes is told beside the others: it ends where all are in.
+    """
+    if diagnosis.shrink is not None:
+        return diagnosis.shrink
     shrink, gap = diagnosis.causes[0].shrink, diagnosis.gap
-    cop, grf = shrink.cop_mae_mm, shrink.grf_mae_n
-    return (
-        f"On runs never used for a fit ({run_text(diagnosis)}) the gap shrinks by "
-        f"{shrink_text(shrink.fraction)} ({interval_text(shrink)}): the CoP's error from "
-        f"{number(cop[0], 2)} to {millimetres(cop[1])}, that of the GRF from "
-        f"{number(grf[0], 2)} to {newtons(grf[1])}. "
-        f"Noise alone would leave {millimetres(gap.cop_floor_mm)} and {newtons(gap.grf_floor_n)}."
+    if len(diagnosis.causes) == 1:
+        return shrink
+    return Shrink(
+        fraction=math.nan,
+        ci95=(math.nan, math.nan),
+        cop_mae_mm=(gap.cop_mae_mm, shrink.cop_mae_mm[1]),
+        grf_mae_n=(gap.grf_mae_n, shrink.grf_mae_n[1]),
     )
 
 
-def _remains(diagnosis: Diagnosis) -> str:
-    """What is left with all causes together."""
-    evidence, gap = diagnosis.evidence, diagnosis.gap
-    cop, grf = (math.nan, math.nan) if evidence is None else left_over(evidence)
-    if not math.isfinite(cop):
+def _shrinks(diagnosis: Diagnosis) -> str:
+    if not diagnosis.causes:
         return ""
+    shrink, gap = whole_shrink(diagnosis), diagnosis.gap
+    cop, grf = shrink.cop_mae_mm, shrink.grf_mae_n
+    by = (
+        f" by {shrink_text(shrink.fraction)} ({interval_text(shrink)}): "
+        if math.isfinite(shrink.fraction)
+        else ": "
+    )
     return (
-        f" With all of it the CoP is off by {millimetres(1e3 * cop)} (noise alone: "
-        f"{millimetres(gap.cop_floor_mm)}), the GRF by {newtons(grf)} "
-        f"({newtons(gap.grf_floor_n)})."
+        f"On runs never used for a fit ({run_text(diagnosis)}) the gap shrinks{by}"
+        f"the CoP's error from {number(cop[0], 2)} to {millimetres(cop[1])}, that of the GRF from "
+        f"{number(grf[0], 2)} to {newtons(grf[1])}. "
+        f"Noise alone would leave {millimetres(gap.cop_floor_mm)} and {newtons(gap.grf_floor_n)}."
     )
 
 
@@ -157,6 +160,8 @@ def shrink_text(fraction: float) -> str:
 
 def interval_text(shrink: Shrink) -> str:
     """Its 95 % interval."""
+    if not all(map(math.isfinite, shrink.ci95)):
+        return ""
     low, high = (number(100.0 * end, 0) for end in shrink.ci95)
     return f"95{SPACE}% interval {low} to {high}{SPACE}%"
 

@@ -7,12 +7,12 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Diagnosis, Evidence, Fitted
 from shoecal_core.report import palette
+from shoecal_core.report.diagnosis_answer import whole_shrink
 from shoecal_core.report.diagnosis_looks import AFTER, BEFORE, unit_of
 from shoecal_core.report.diagnosis_places import cop_residual, noise_of, signal
 from shoecal_core.report.diagnosis_words import (
     candidate_text,
     label_text,
-    name_of,
     signal_text,
     where_text,
 )
@@ -59,7 +59,7 @@ def ranking_picture(diagnosis: Diagnosis) -> Picture | None:
         if key in chosen:
             colour, kind = palette.TEAL, "chosen"
         elif key in alike:
-            colour, kind = palette.WARN, "cannot be told from the first"
+            colour, kind = palette.WARN, "as good as a chosen one"
         shares.append(Share(candidate_text(one), one.probability, colour, kind))
     return Picture(
         "How probable each candidate is",
@@ -117,18 +117,17 @@ def _added(evidence: Evidence, rival: Fitted, name: str, rows: BoolArray, factor
 
 def shrink_picture(diagnosis: Diagnosis) -> Picture:
     """Errors before and after on test runs, measured and simulated."""
+    whole = whole_shrink(diagnosis)
+    simulated = next((one.simulated for one in diagnosis.causes if one.simulated is not None), None)
+    gone = [Gone("measured", whole.fraction, whole.ci95)]
+    cop, grf = [Pair("measured", *whole.cop_mae_mm)], [Pair("measured", *whole.grf_mae_n)]
+    volts = []
+    if simulated is not None:
+        gone.append(Gone("simulated", simulated.fraction, (np.nan, np.nan)))
+        cop.append(Pair("simulated", *simulated.cop_mae_mm))
+        grf.append(Pair("simulated", *simulated.grf_mae_n))
+        volts.append(Pair("simulated", *simulated.voltage_mae))
     gap = diagnosis.gap
-    gone, cop, grf, volts = [], [], [], []
-    for cause in diagnosis.causes:
-        name = name_of(cause.effect) if len(diagnosis.causes) > 1 else ""
-        gone.append(Gone(name, "measured", cause.shrink.fraction, cause.shrink.ci95))
-        cop.append(Pair(name, "measured", *cause.shrink.cop_mae_mm))
-        grf.append(Pair(name, "measured", *cause.shrink.grf_mae_n))
-        if cause.simulated is not None:
-            gone.append(Gone(name, "simulated", cause.simulated.fraction, (np.nan, np.nan)))
-            cop.append(Pair(name, "simulated", *cause.simulated.cop_mae_mm))
-            grf.append(Pair(name, "simulated", *cause.simulated.grf_mae_n))
-            volts.append(Pair(name, "simulated", *cause.simulated.voltage_mae))
     panels = [
         Quantity("CoP error, mean (mm)", tuple(cop), gap.cop_floor_mm),
         Quantity("GRF error, mean (N)", tuple(grf), gap.grf_floor_n),
@@ -136,19 +135,18 @@ def shrink_picture(diagnosis: Diagnosis) -> Picture:
     if volts:
         panels.append(Quantity("readings, mean error (unit of the shoe)", tuple(volts), np.nan))
     caption = (
-        "On test runs. Measured: recording against the model, without and with the effect. The "
-        "nearer to the dashed line, the less is left to explain."
+        "On test runs. Measured: recording against the model, without and with what was found. "
+        "The nearer to the dashed line, the less is left to explain."
     )
     if volts:
         caption += (
             " Simulated: the recording against a simulated robot that replays the same commands, "
-            "without and with the effect; it differs from the real one in other ways too."
+            "without and with what was found; it differs from the real one in other ways too."
         )
     return Picture(
         "Error before and after",
         before_and_after(gone, panels, (BEFORE, AFTER)),
         caption,
-        tall=True,
     )
 
 

@@ -8,11 +8,13 @@ from shoecal_core.report import palette
 
 BEFORE = palette.Look(palette.RED, 1.1)
 AFTER = palette.Look(palette.TEAL, 1.1)
-_UNITS = {"grf": (1.0, "N"), "cop": (1e3, "mm"), "air_f": (1.0, "N"), "air_m": (1.0, "N m"),
-          "closure_x": (1e3, "mm"), "closure_y": (1e3, "mm"), "closure_z": (1e3, "mm"),
-          "closure": (180.0 / math.pi, "°"), "parity": (1.0, "N"),
-          "tilt": (180.0 / math.pi, "°")}  # fmt: skip
-"""By the beginning of a signal's name: factor and unit for a person."""
+_LENGTH, _ANGLE, _FORCE = (1e3, "mm"), (180.0 / math.pi, "°"), (1.0, "N")
+_UNITS = {
+    "grf": _FORCE, "cop": _LENGTH, "air_f": _FORCE, "air_m": (1.0, "N m"),
+    "closure_roll": _ANGLE, "closure_pitch": _ANGLE, "closure_yaw": _ANGLE,
+    "closure": _LENGTH, "parity": _FORCE, "tilt": _ANGLE,
+}  # fmt: skip
+"""By the beginning of a signal's name, the first that fits: factor and unit for a person."""
 
 
 def unit_of(name: str) -> tuple[float, str]:

@@ -87,20 +87,6 @@ def cop_noise(evidence: Evidence) -> float:
     return float(np.hypot(noise_of(evidence, "cop_x"), noise_of(evidence, "cop_y")))
 
 
-def left_over(evidence: Evidence) -> tuple[float, float]:
-    """Mean errors of CoP [m] and GRF [N] on test runs with all that was found; NaN without."""
-    rows, fitted = evidence.test, evidence.explained
-    if fitted is None or not rows.any():
-        return float("nan"), float("nan")
-    off = np.linalg.norm(cop_residual(evidence, fitted)[rows], axis=1)
-    force = np.abs(signal(evidence, fitted, "grf")[rows])
-    cop, grf = (
-        float(values[np.isfinite(values)].mean()) if np.isfinite(values).any() else float("nan")
-        for values in (off, force)
-    )
-    return cop, grf
-
-
 def stands(evidence: Evidence, run: int) -> DoubleSupport | None:
     """Where the right foot stands in a run; None where it is not told."""
     both = (evidence.run == run) & np.isfinite(evidence.support).all(axis=1)

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from shoecal_core.diagnosis.result import Diagnosis
+from shoecal_core.diagnosis.result import Diagnosis, Shrink, SimulatedShrink
 from shoecal_core.report.diagnosis_answer import (
     interval_text,
     millimetres,
     newtons,
     shrink_text,
+    whole_shrink,
 )
 from shoecal_core.report.diagnosis_words import (
     candidate_text,
+    effect_of,
     effect_text,
     label_text,
     listed,
@@ -58,38 +60,46 @@ def blind_spots_table(diagnosis: Diagnosis) -> Table | None:
     """What could not be detected; None where there is nothing."""
     if not diagnosis.cannot_detect:
         return None
-    rows = []
+    rows: list[tuple[str, ...]] = []
     for text in diagnosis.cannot_detect:
-        what, mark, why = text.partition(": ")
-        rows.append((label_text(what), why if mark else UNKNOWN))
-    header = ("it could be there", "and would not be seen, because")
-    if all(why == UNKNOWN for _, why in rows):
-        return Table("Not to be seen in this session", header[:1], tuple(r[:1] for r in rows))
+        what, _, why = text.partition(": ")
+        rows.append((label_text(what), effect_text(effect_of(what)), why or UNKNOWN))
+    header: tuple[str, ...] = ("it could be there", "that is", "and would not be seen, because")
+    if all(why == UNKNOWN for *_, why in rows):
+        header, rows = header[:2], [row[:2] for row in rows]
     return Table("Not to be seen in this session", header, tuple(rows))
 
 
 def shrink_table(diagnosis: Diagnosis) -> Table:
     """How far the gap shrinks, measured and simulated."""
-    rows = []
-    for cause in diagnosis.causes:
-        shrink, simulated = cause.shrink, cause.simulated
-        rows.append(
-            (f"{candidate_text(cause)}, measured", shrink_text(shrink.fraction),
-             interval_text(shrink), _from_to(shrink.cop_mae_mm, millimetres),
-             _from_to(shrink.grf_mae_n, newtons))
-        )  # fmt: skip
-        if simulated is not None:
-            rows.append(
-                (f"{candidate_text(cause)}, simulated", shrink_text(simulated.fraction), UNKNOWN,
-                 _from_to(simulated.cop_mae_mm, millimetres),
-                 _from_to(simulated.grf_mae_n, newtons))
-            )  # fmt: skip
+    several = len(diagnosis.causes) > 1
+    first = diagnosis.causes[0]
+    name = "all of it" if several else candidate_text(first)
+    rows = [_shrink_row(f"{name}, measured", whole_shrink(diagnosis))]
+    simulated = next((one.simulated for one in diagnosis.causes if one.simulated is not None), None)
+    if simulated is not None:
+        rows.append(_shrink_row(f"{name}, simulated", simulated))
+    if several:
+        rows += [
+            _shrink_row(f"{candidate_text(cause)}, beside the others", cause.shrink)
+            for cause in diagnosis.causes
+        ]
     return Table(
         "How far the gap shrinks",
-        ("with", "share that is gone", "uncertainty", "CoP error", "GRF error"),
+        ("with", "share that is gone", "CoP error", "GRF error"),
         tuple(rows),
-        "Share that is gone: of the squared error beyond noise, on test runs.",
+        "Share that is gone: of the squared error beyond noise, on test runs."
+        + (" Beside the others: from all but this one to all." if several else ""),
     )
+
+
+def _shrink_row(label: str, shrink: Shrink | SimulatedShrink) -> tuple[str, ...]:
+    share = shrink_text(shrink.fraction)
+    if isinstance(shrink, Shrink) and interval_text(shrink):
+        share += f" ({interval_text(shrink)})"
+    return (
+        label, share, _from_to(shrink.cop_mae_mm, millimetres), _from_to(shrink.grf_mae_n, newtons),
+    )  # fmt: skip
 
 
 def hidden_table(diagnosis: Diagnosis) -> Table:

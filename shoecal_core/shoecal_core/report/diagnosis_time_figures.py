@@ -19,6 +19,7 @@ ALWAYS = ("grf", "cop_x", "cop_y")
 LOUD = 1.3
 """Any other signal is drawn whose RMS is so many times its noise."""
 MOST_RUNS = 16
+MOST_SIGNALS = 9
 _CAPTIONS = {
     "grf": "Measured minus the robot's weight. A run that is off as a whole: a drift or another "
     "weight. Off with the motion: cells. Off from an instant on: a step.",
@@ -70,28 +71,32 @@ def _picture(
 
 
 def told_signals(diagnosis: Diagnosis, evidence: Evidence) -> list[str]:
-    """Force and CoP always, others where something is in them."""
+    """Force and CoP always, of the others the loudest, where something is in them."""
     named = {place.signal for place in diagnosis.where}
-    shown = []
-    for name, noise in zip(evidence.signals, evidence.noise, strict=True):
-        values = signal(evidence, evidence.without, name)
-        known = values[np.isfinite(values)]
-        if not len(known):
-            continue
-        loud = float(np.sqrt(np.mean(known**2))) > LOUD * noise
-        if name in ALWAYS or loud or name in named:
-            shown.append(name)
-    return shown
+    loud = {name: _loudness(evidence, name) for name in evidence.signals}
+    heard = [
+        name
+        for name in evidence.signals
+        if loud[name] > (0.0 if name in {*ALWAYS, *named} else LOUD)
+    ]
+    heard.sort(key=lambda name: (name not in ALWAYS, -loud[name]))
+    return sorted(heard[:MOST_SIGNALS], key=evidence.signals.index)
+
+
+def _loudness(evidence: Evidence, name: str) -> float:
+    """RMS of a signal in standard deviations of its noise; 0 where it was not there."""
+    values = signal(evidence, evidence.without, name)
+    known = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(known**2))) / noise_of(evidence, name) if len(known) else 0.0
 
 
 def quiet_signals(diagnosis: Diagnosis, evidence: Evidence) -> list[str]:
     """Signals that were there and told nothing but noise."""
-    shown = told_signals(diagnosis, evidence)
     return [
-        name
-        for name in evidence.signals
-        if name not in shown and np.isfinite(signal(evidence, evidence.without, name)).any()
-    ]
+        name for name in evidence.signals
+        if name not in ALWAYS and 0.0 < _loudness(evidence, name) <= LOUD
+        and name not in {place.signal for place in diagnosis.where}
+    ]  # fmt: skip
 
 
 def _rows(

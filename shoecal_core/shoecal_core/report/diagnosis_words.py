@@ -155,8 +155,8 @@ def candidate_text(one: Candidate | Cause) -> str:
 
 
 def label_text(label: str) -> str:
-    """The same of a label as hypotheses bear it: `effect (place, place)`, several with `+`."""
-    return " + ".join(_one_label(part.strip()) for part in label.split("+"))
+    """The same of a label as hypotheses bear it: `effect (place, place)`, several with `and`."""
+    return " and ".join(_one_label(part) for part in label.split(" and "))
 
 
 def _one_label(label: str) -> str:

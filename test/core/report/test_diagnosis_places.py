@@ -17,7 +17,6 @@ from shoecal_core.report.diagnosis_places import (
     field,
     field_between,
     in_sole,
-    left_over,
     lever_points,
     signal,
     stands,
@@ -114,12 +113,3 @@ def test_signals_that_are_not_there(evidence: Evidence) -> None:
     silent = evidence.without.residuals.copy()
     silent[:, 0] = 0.0
     assert np.isnan(signal(evidence, replace(evidence.without, residuals=silent), "grf")).all()
-
-
-def test_what_is_left_over(evidence: Evidence) -> None:
-    assert evidence.explained is not None
-    cop, grf = left_over(evidence)
-    rows = evidence.explained.residuals[evidence.test]
-    assert cop == pytest.approx(float(np.hypot(rows[:, 1], rows[:, 2]).mean()))
-    assert grf == pytest.approx(float(np.abs(rows[:, 0]).mean()))
-    assert np.isnan(left_over(replace(evidence, explained=None))).all()

@@ -97,9 +97,9 @@ def test_what_cannot_be_told_apart_and_why() -> None:
         ambiguity=alike, ranking=alike,
     )  # fmt: skip
     text = text_of(found)
-    assert "Not to be told from the first: low pass (left foot)." in text
+    assert "In its place it could as well be: low pass (left foot)." in text
     assert "faster motion parts them" in text
-    assert "cannot be told from the first" in text
+    assert "as good as a chosen one" in text
     again = replace(found, cannot_separate=(*found.cannot_separate, tuple(
         one.label for one in reversed(alike))))  # fmt: skip
     assert text_of(again).count("faster motion parts them") == 1
@@ -116,8 +116,11 @@ def test_two_causes_and_their_onset(evidence: Evidence) -> None:
     html = render(diagnosis_page(found, robots.load(NAO), shoes.shoe(SHOE)))
     text = read(html).text
     assert "a foot that slipped (right foot, in run 3)" in text
-    assert "with latency (left foot) by 94 %" in text
-    assert "With all of it the CoP is off by" in text
+    assert "the gap shrinks: the CoP's error from 1.42 to 0.45 mm" in text
+    assert "slip (right foot), beside the others 94 %" in text
+    whole = replace(pair[0].shrink, fraction=0.55, ci95=(0.4, 0.6))
+    text = text_of(diagnoses.diagnosis(None, "partly_explained", causes=pair, shrink=whole))
+    assert "shrinks by 55 % (95 % interval 40 to 60 %)" in text
     assert ">4.5 s<" in html
 
 

@@ -61,7 +61,7 @@ def test_labels_read_as_candidates() -> None:
     other = Candidate("floor_tilt", (), 0.5)
     assert label_text(one.label) == candidate_text(one) == "crosstalk (cell left/a shows left/b)"
     assert label_text(other.label) == "floor tilt"
-    assert label_text(f"{one.label} + {other.label}").endswith("left/b) + floor tilt")
+    assert label_text(f"{one.label} and {other.label}").endswith("left/b) and floor tilt")
 
 
 def test_where_it_is() -> None:

@@ -19,7 +19,7 @@ FloatArray = NDArray[np.float64]
 ROW, GAP, TOP, BOTTOM = 32.0, 6.0, 42.0, 36.0
 LINE = 17.0
 """Height of a second row of the legend."""
-NUMBERS = 78.0
+NUMBERS = 92.0
 """Room for a row's figures, right of it."""
 BAND = 2.0
 """Standard deviations of the noise that the band shows to each side."""

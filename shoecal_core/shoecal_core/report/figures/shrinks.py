@@ -10,11 +10,11 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from shoecal_core.report.palette import INK, MUTED, Look
+from shoecal_core.report.palette import CARD, INK, MUTED, Look
 from shoecal_core.report.svg import SMALL, WIDTH, Canvas, canvas, readable
 
 TOP, ROW, GAP, BOTTOM = 40.0, 24.0, 46.0, 20.0
-NAMES = 96.0
+NAMES = 72.0
 
 
 @dataclass(frozen=True)
@@ -22,13 +22,11 @@ class Pair:
     """One comparison.
 
     Attributes:
-        label: of what was added; empty where there is but one.
-        kind: for example `measured`.
+        label: for example `measured`.
         before, after: errors in the panel's unit.
     """
 
     label: str
-    kind: str
     before: float
     after: float
 
@@ -53,13 +51,12 @@ class Gone:
     """The share of a gap that an explanation takes away.
 
     Attributes:
-        label, kind: as of a `Pair`.
+        label: as of a `Pair`.
         fraction: 1 where all is gone.
         ci95: its 95 % interval; NaN where unknown.
     """
 
     label: str
-    kind: str
     fraction: float
     ci95: tuple[float, float]
 
@@ -91,9 +88,9 @@ def before_and_after(
                 _name(page, pair, top + ROW * (2 * index + 1))
             top += height + GAP
         told = "; ".join(
-            [f"{one.label} {one.kind}: {100.0 * one.fraction:.0f} % gone" for one in gone]
+            [f"{one.label}: {100.0 * one.fraction:.0f} % gone" for one in gone]
             + [
-                f"{one.label}, {pair.label} {pair.kind}: from {pair.before:.3g} to {pair.after:.3g}"
+                f"{one.label}, {pair.label}: from {pair.before:.3g} to {pair.after:.3g}"
                 for one in quantities
                 for pair in one.pairs
             ]
@@ -102,8 +99,7 @@ def before_and_after(
 
 
 def _name(page: Canvas, one: Pair | Gone, middle: float) -> None:
-    lines = [readable(line, 17) for line in (one.label, one.kind) if line]
-    page.write(NAMES - 6.0, middle, "\n".join(lines), ha="right", va="center",
+    page.write(NAMES - 6.0, middle, readable(one.label, 14), ha="right", va="center",
                fontsize=SMALL)  # fmt: skip
 
 
@@ -136,7 +132,9 @@ def _draw(axes: Axes, one: Quantity, looks: tuple[Look, Look]) -> None:
             row = 2.0 * index + 0.62 + 0.76 * part
             axes.barh(row, value, 0.6, color=look.colour.light, edgecolor="none")
             axes.annotate(f"{value:.3g}", (value, row), (4.0, 0.0), textcoords="offset points",
-                          va="center", fontsize=SMALL)  # fmt: skip
+                          va="center", fontsize=SMALL,
+                          bbox={"facecolor": CARD.light, "edgecolor": "none", "pad": 0.5}
+            )  # fmt: skip
     if np.isfinite(one.floor):
         axes.plot((one.floor, one.floor), (0.1, 1.9), color=INK.light, linewidth=1.4,
                   dashes=(3.0, 2.0))  # fmt: skip
