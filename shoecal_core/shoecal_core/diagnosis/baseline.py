@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.initial_guess import initial_guess
 from shoecal_core.calibration.stance import Stance
+from shoecal_core.diagnosis.effects.base import USUAL_WEIGHT
 from shoecal_core.diagnosis.regression import Noise, Whitening, make_sums, solve
 from shoecal_core.diagnosis.samples import Samples
 from shoecal_core.diagnosis.settings import DiagnosisSettings
@@ -68,7 +69,8 @@ def precision(
     shoe = scene.samples.shoe
     known = np.array([channel.nominal_gain is not None for channel in shoe.channels])
     gain = np.abs(parameters.gain) * np.where(known, settings.nominal_gain_std, settings.gain_std)
-    offset = np.full(len(known), settings.offset_std_n)
+    larger = max(1.0, scene.samples.robot.weight / USUAL_WEIGHT)
+    offset = np.full(len(known), settings.offset_std_n * larger)
     offset[shoe.torque] *= 0.1
     others = np.array([std for _, std in scene.nuisances])
     return np.asarray(1.0 / np.concatenate((gain, offset, others)) ** 2)

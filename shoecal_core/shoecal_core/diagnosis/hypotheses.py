@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.effects.base import Effect, Place, Shape, stds
+from shoecal_core.diagnosis.effects.base import Effect, Place, Shape, leasts, stds
 from shoecal_core.diagnosis.result import Candidate
 from shoecal_core.diagnosis.signals import Scene
 
@@ -23,11 +23,13 @@ class Form:
         shape: what it is.
         columns: places among all hypotheses' columns.
         std: (k,) priors of its free components.
+        least: (k,) below which they make no sense.
     """
 
     shape: Shape
     columns: tuple[int, ...]
     std: FloatArray
+    least: FloatArray
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,7 @@ def make_library(
     Every class has the same prior, within it every effect, within that every place.
     """
     groups = {effect.group for effect in effects}
+    weight = scene.samples.robot.weight
     found: list[tuple[Effect, Place, list[Shape]]] = []
     lacking = []
     for effect in effects:
@@ -99,7 +102,9 @@ def make_library(
         for shape in shapes:
             count = len(shape.columns)
             places = tuple(range(at, at + count)) if shape.scene is None else ()
-            forms.append(Form(shape, places, stds(effect, shape.free)))
+            forms.append(
+                Form(shape, places, stds(effect, shape.free, weight), leasts(effect, shape.free))
+            )
             if shape.scene is None:
                 columns.append(shape.columns)
                 at += count

@@ -16,7 +16,7 @@ from scipy.sparse import csr_matrix
 
 from shoecal_core.calibration.aligned import Aligned, align
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.walking_samples import Walk, find_walk
+from shoecal_core.diagnosis.walking_samples import Walk, find_walk, pieces
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.model.robot import Robot
@@ -182,14 +182,28 @@ def load_samples(
             read.append((run, align(run, shoe, kinematics)))
         except FileError as error:
             notes.append(f"run {number} is left out: {error}")
-    if not read:
+    parts = _parts(read, robot, shoe, settings, notes)
+    if not parts:
         raise FileError(session.folder, "no run can be used: " + "; ".join(notes))
-    first_ns = min(run.start_ns for run, _ in read)
+    notes += _missing(parts, robot)
+    return _joined(parts, robot, shoe, kinematics, notes)
+
+
+def _parts(
+    read: Sequence[tuple[Run, Aligned]],
+    robot: Robot,
+    shoe: Shoe,
+    settings: DiagnosisSettings,
+    notes: list[str],
+) -> list[_Part]:
+    """Samples of each run that has any; of the others it is noted why not."""
+    first_ns = min((run.start_ns for run, _ in read), default=0)
     duration = sum(float(aligned.time[-1] - aligned.time[0]) for _, aligned in read)
     walks = any(run.info.support is None for run, _ in read)
     wanted = settings.walking_rate_hz if walks else settings.rate_hz
     rate = min(wanted, settings.samples_max / max(duration, 1.0))
-    parts, at, segments = [], 0, 0
+    parts: list[_Part] = []
+    at, segments = 0, 0
     for run, aligned in read:
         try:
             part = _part(run, aligned, robot, shoe, settings, rate, at, segments, first_ns)
@@ -200,10 +214,18 @@ def load_samples(
             notes.append(f"run {run.info.run} is left out: no stance in it is long enough")
             continue
         parts.append(part)
-        at, segments = part.track.samples.stop, segments + int(part.segment.max() - segments) + 1
-    if not parts:
-        raise FileError(session.folder, "no run can be used: " + "; ".join(notes))
-    notes += _missing(parts, robot)
+        at, segments = part.track.samples.stop, int(part.segment.max()) + 1
+    return parts
+
+
+def _joined(
+    parts: Sequence[_Part],
+    robot: Robot,
+    shoe: Shoe,
+    kinematics: Kinematics,
+    notes: Sequence[str],
+) -> Samples:
+    """One after the other."""
     angles = np.concatenate([part.track.mean(part.track.angles) for part in parts])
     states = kinematics.states(angles)
     loaded = np.concatenate([part.loaded for part in parts])
@@ -279,7 +301,8 @@ def _part(
         stance, loaded = _stances(aligned, robot, settings)
     else:
         stance, loaded = walk.stance, walk.loaded
-    chosen = _bins(time, stance, rate)
+    key = np.floor(time * rate) if walk is None else pieces(time, stance, rate)
+    chosen = _bins(time, stance, key, rate)
     if chosen is None:
         return None
     weights, owner = chosen
@@ -364,10 +387,11 @@ def _stances(
     return stance, np.array(loaded, dtype=bool).reshape(-1, 2)
 
 
-def _bins(time: FloatArray, stance: IntArray, rate: float) -> tuple[csr_matrix, IntArray] | None:
-    """Averages over each sample's time (T, F), and the stance that each sample is of."""
-    key = np.where(stance >= 0, np.floor(time * rate).astype(np.int64), -1)
-    pair = np.stack((stance, key), axis=1)
+def _bins(
+    time: FloatArray, stance: IntArray, key: FloatArray, rate: float
+) -> tuple[csr_matrix, IntArray] | None:
+    """Averages over samples of one stance and key (T, F), and the stance that each is of."""
+    pair = np.stack((stance, np.where(stance >= 0, key.astype(np.int64), -1)), axis=1)
     wanted = np.flatnonzero(stance >= 0)
     if not len(wanted):
         return None

@@ -16,8 +16,9 @@ class DiagnosisSettings(Settings):
         minimum=0.5,
     )  # fmt: skip
     walking_rate_hz: float = setting(
-        10.0, "1/s", "the same for sessions in which the robot walks", minimum=0.5
-    )
+        1.0, "1/s", "the same for sessions in which the robot walks: what the model misses within "
+        "a step would pass for small gains", minimum=0.1,
+    )  # fmt: skip
     samples_max: int = setting(
         4000, "", "samples of a whole session; longer ones are sampled more slowly", minimum=200
     )
@@ -42,11 +43,18 @@ class DiagnosisSettings(Settings):
     )  # fmt: skip
     causes_max: int = setting(4, "", "effects in one explanation at most", minimum=1, maximum=12)
     evidence_min: float = setting(
-        12.0, "", "an effect is needed when the data are more probable with it by this, as a "
+        30.0, "", "an effect is needed when the data are more probable with it by this, as a "
         "logarithm, beyond what its prior costs", minimum=0.0,
     )  # fmt: skip
     material: float = setting(
-        0.7, "", "it matters when it changes CoP or GRF by this share of their noise", minimum=0.0
+        1.0, "", "it matters when it changes CoP or GRF by this share of their floor", minimum=0.0
+    )
+    hidden_evidence_min: float = setting(
+        100.0, "", "the same where the test runs show no gap: what was found is all hidden",
+        minimum=0.0,
+    )  # fmt: skip
+    hidden_material: float = setting(
+        3.0, "", "and by this share of the floor it must then change CoP or GRF", minimum=0.0
     )
     temper: float = setting(
         0.15, "", "logarithms of probabilities count by this share: hypotheses are only models",
@@ -63,5 +71,5 @@ class DiagnosisSettings(Settings):
         0.2, "", "less than this part explained: the cause is unknown", minimum=0.0
     )
     gap_from: float = setting(
-        1.3, "", "errors of CoP or GRF over their floor from which there is a gap", minimum=1.0
+        1.8, "", "errors of CoP or GRF over their floor from which there is a gap", minimum=1.0
     )

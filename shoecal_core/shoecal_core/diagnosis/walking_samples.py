@@ -75,6 +75,21 @@ def find_walk(run: Run, aligned: Aligned, shoe: Shoe, robot: Robot) -> Walk:
     return Walk(stance, np.array([one.loaded for one in stances]), force, cop, added)
 
 
+def pieces(time: FloatArray, stance: NDArray[np.int64], rate: float) -> FloatArray:
+    """(F,) number of the piece of its stance that each sample is of, all about 1 / rate long.
+
+    What a model of a walk misses within a step is in the readings too: fitted sample by sample,
+    gains would shrink to hide it. Over a whole step accelerations even out.
+    """
+    found = np.zeros(len(time))
+    for number in range(int(stance.max()) + 1):
+        here = stance == number
+        since = time[here] - time[here][0]
+        count = max(1, round(float(since[-1]) * rate))
+        found[here] = np.minimum(np.floor(since / max(float(since[-1]), 1e-9) * count), count - 1)
+    return found
+
+
 def spin(aligned: Aligned, base: PoseSamples, world: World, robot: Robot) -> FloatArray:
     """(F, 2) how far the angular momentum's rate moves the zero-moment point, in the world [m]."""
     rate = derivative(angular_momentum(aligned, base, robot), aligned.time, 1)

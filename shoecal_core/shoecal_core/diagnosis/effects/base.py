@@ -18,6 +18,12 @@ from shoecal_core.diagnosis.signals import Scene
 FloatArray = NDArray[np.float64]
 ALL = "all"
 Place = tuple[str, ...]
+USUAL_WEIGHT = 52.0
+"""N; of the robots that priors are told for."""
+FORCES = {
+    "kg": 1, "N": 1, "N/s": 1, "N/K": 1, "1/N": -1, "1/N^2": -2, "rad/(N m)": -1,
+}  # fmt: skip
+"""Powers of a force in the units of components."""
 
 
 @dataclass(frozen=True)
@@ -26,12 +32,15 @@ class Component:
 
     Attributes:
         name, unit: as in the files.
-        std: how large it usually is where it is: the prior, in its unit.
+        std: how large it usually is where it is: the prior, in its unit, on a robot of
+            `USUAL_WEIGHT`; units with forces in them grow with the robot.
+        least: below this it makes no sense.
     """
 
     name: str
     unit: str
     std: float
+    least: float = -np.inf
 
 
 @dataclass(frozen=True)
@@ -85,7 +94,19 @@ class Effect(Protocol):
         ...
 
 
-def stds(effect: Effect, names: tuple[str, ...]) -> FloatArray:
-    """Priors of some components; 1 for a factor that is no component."""
-    known = {component.name: component.std for component in effect.components}
+def leasts(effect: Effect, names: tuple[str, ...]) -> FloatArray:
+    """Least values of some components; a factor that is no component is at least a half.
+
+    Such a factor says how much of the effect's own fixed form is there: wholly, if it is there.
+    """
+    known = {component.name: component.least for component in effect.components}
+    return np.array([known.get(name, 0.5) for name in names])
+
+
+def stds(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
+    """Priors of some components on a robot of this weight [N]; 1 for what is no component."""
+    known = {
+        component.name: component.std * (weight / USUAL_WEIGHT) ** FORCES.get(component.unit, 0)
+        for component in effect.components
+    }
     return np.array([known.get(name, 1.0) for name in names])

@@ -11,7 +11,6 @@ from shoecal_core.diagnosis.body import driven_together
 from shoecal_core.diagnosis.effects import places
 from shoecal_core.diagnosis.effects.base import Component, Place, Shape
 from shoecal_core.diagnosis.signals import Scene
-from shoecal_core.model.robot import GRAVITY
 
 FloatArray = NDArray[np.float64]
 LEAST_MASS = 0.01
@@ -31,7 +30,7 @@ class Payload:
     """A mass on a link that the model does not know."""
 
     identifier, group = "payload", "body"
-    components = (Component("mass", "kg", 0.15),)
+    components = (Component("mass", "kg", 0.15, 0.0),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every link that weighs something."""
@@ -41,8 +40,10 @@ class Payload:
         """More force, and a CoM that leans towards it."""
         links, samples = scene.links, scene.samples
         at = links.com[:, links.names.index(place[0]), :2]
-        cop = (at - samples.cop) / samples.robot.mass
-        yield Shape(("mass",), scene.by_model(GRAVITY, cop)[None] * _shown(scene))
+        com = samples.states.com[np.arange(len(at)), samples.frame, :2]
+        cop = (at - com) / samples.robot.mass
+        force = samples.force / samples.robot.mass
+        yield Shape(("mass",), scene.by_model(force, cop)[None] * _shown(scene))
 
 
 class LinkCom:
@@ -99,7 +100,7 @@ class JointCompliance:
     """A joint gives under its torque, behind the encoder."""
 
     identifier, group = "joint_compliance", "body"
-    components = (Component("compliance", "rad/(N m)", 0.008),)
+    components = (Component("compliance", "rad/(N m)", 0.008, 0.0),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every joint of the legs, and all alike."""
@@ -117,7 +118,7 @@ class Backlash:
     """A joint has play behind the encoder: it lies on the side to which it is pushed."""
 
     identifier, group = "backlash", "body"
-    components = (Component("play", "rad", 0.015),)
+    components = (Component("play", "rad", 0.015, 0.0),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every joint of the legs, and all alike."""

@@ -19,16 +19,14 @@ FloatArray = NDArray[np.float64]
 
 
 class CellPosition:
-    """A cell acts elsewhere than the shoe file says."""
+    """A cell, or a six-axis sensor, acts elsewhere than the shoe file says."""
 
     identifier, group = "cell_position", "load_cell"
     components = (Component("x", "m", 0.004), Component("y", "m", 0.004))
 
     def places(self, scene: Scene) -> Iterator[Place]:
-        """Every cell of a foot that has cells."""
-        shoe = scene.samples.shoe
-        for index in places.cells(shoe):
-            yield (shoe.names[index],)
+        """Every cell; of a six-axis sensor the channel of its vertical force."""
+        return places.each_cell(scene)
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
         """The moment that the file's place misses; it is turned with its foot."""
@@ -54,17 +52,22 @@ class CellPosition:
 
 
 class Crosstalk:
-    """A cell shows a part of another one's force."""
+    """A channel shows a part of what another one feels.
+
+    Between a force and a torque of a six-axis sensor the fraction is a lever [m], or its inverse.
+    """
 
     identifier, group = "crosstalk", "load_cell"
     components = (Component("fraction", "", 0.05),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
-        """Receiver and donor of one foot's cells: they share a board."""
+        """Receiver and donor of one foot's cells, which share a board; axes of one sensor."""
         shoe = scene.samples.shoe
         for receiver, donor in permutations(places.cells(shoe), 2):
             if shoe.foot[receiver] == shoe.foot[donor]:
                 yield (shoe.names[receiver], shoe.names[donor])
+        for receiver, donor in places.coupled_axes(shoe):
+            yield (shoe.names[receiver], shoe.names[donor])
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
         """The donor's force."""

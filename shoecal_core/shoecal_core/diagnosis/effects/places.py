@@ -30,6 +30,23 @@ def _six_axis(shoe: Shoe, index: int) -> bool:
     return bool(shoe.torque[shoe.of_foot(int(shoe.foot[index]))].any())
 
 
+def coupled_axes(shoe: Shoe) -> Iterator[tuple[int, int]]:
+    """Receivers and donors among the axes of each six-axis sensor.
+
+    What vertical force adds to torques is the sensor's place, what sideways channels receive
+    hardly counts: both are left out.
+    """
+    for foot in range(len(FEET)):
+        own = [int(index) for index in shoe.of_foot(foot) if _six_axis(shoe, int(index))]
+        upright = set(vertical(shoe).tolist())
+        for receiver in own:
+            if receiver not in upright and not shoe.torque[receiver]:
+                continue
+            for donor in own:
+                if donor != receiver and not (donor in upright and shoe.torque[receiver]):
+                    yield receiver, donor
+
+
 def vertical(shoe: Shoe) -> IntArray:
     """Channels of vertical force: cells, and that axis of six-axis sensors."""
     return np.flatnonzero((shoe.columns[:, 0] != 0.0) & ~shoe.torque)
