@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.pipeline import split_runs
 from shoecal_core.diagnosis.baseline import first_parameters
-from shoecal_core.diagnosis.effects import EFFECTS, Effect, Place
+from shoecal_core.diagnosis.effects.base import Effect, Place
+from shoecal_core.diagnosis.effects.library import EFFECTS
 from shoecal_core.diagnosis.evidence import evidence
 from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.hypotheses import Hypothesis
@@ -20,7 +21,7 @@ from shoecal_core.diagnosis.result import Candidate, Cause, Diagnosis, NextMotio
 from shoecal_core.diagnosis.rewiring import Exchange, rewired
 from shoecal_core.diagnosis.samples import load_samples
 from shoecal_core.diagnosis.scoring import Scored
-from shoecal_core.diagnosis.selection import Found, select
+from shoecal_core.diagnosis.selection import Found, matter, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, gap, shrink
 from shoecal_core.diagnosis.signals import make_scene
@@ -153,6 +154,8 @@ def _answer(
         causes.insert(0, first)
         ambiguity = (Candidate(first.effect, first.location, first.probability),)
         ranking = (*ambiguity, *ranking)
+    if not there and exchange is None and not _surely_hidden(best, found, settings):
+        return _Answer("no_gap", ranking=ranking)
     if not causes:
         return _Answer("unknown" if there else "no_gap")
     after, _ = best.explained(found.chosen)
@@ -164,6 +167,16 @@ def _answer(
     if there and explained < settings.explained_from:
         verdict = "partly_explained"
     return _Answer(verdict, tuple(causes), ambiguity, ranking)
+
+
+def _surely_hidden(best: Workspace, found: Found, settings: DiagnosisSettings) -> bool:
+    """Whether an effect is there for certain though the test runs show no gap."""
+    chosen = found.chosen
+    return (
+        chosen is not None
+        and chosen.evidence >= settings.hidden_evidence_min
+        and matter(best, chosen, 0) >= settings.hidden_material
+    )
 
 
 def _probabilities(

@@ -1,18 +1,250 @@
-"""The run that would best separate what is confused."""
+"""The run that would best separate what is confused (Box and Hill, Discrimination among
+mechanistic models, 1967).
+
+Rivals A and B, each fitted to the recorded runs with the baseline, foretell a new run as
+y_A = X a and y_B = X b. Were A true, the run's log Bayes factor for A would be, in the mean and to
+second order,
+    1/2 (a - b)' X' (I + X C_B X')^-1 X (a - b)
+with X the whitened columns in that run and C_B the covariance of B's fit: what remains when B is
+fitted anew to all runs together. Everything follows from the run's Gram matrix X' X.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.candidates import BY_HAND, possible_runs
+from shoecal_core.diagnosis.forecast import PossibleRun, extended
+from shoecal_core.diagnosis.hypotheses import Form, Hypothesis, Library, make_library
+from shoecal_core.diagnosis.regression import Whitening
 from shoecal_core.diagnosis.result import NextMotion
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.signals import Scene
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.planning.settings import PlannerSettings
+
+FloatArray = NDArray[np.float64]
+Rivals = Sequence[tuple[Scored, float]]
+Part = tuple[Hypothesis, Form]
+_Places = dict[tuple[int, ...], NDArray[np.int64]]
+
+SEPARATE_FROM = 3.0
+"""Expected log evidence of one explanation over another from which a run tells them apart."""
+BY_HAND_WORTH = 0.7
+"""What a robot can do by itself is preferred from this share of a person's run's worth."""
+OWN_ERRORS = 5
+"""Columns of the baseline that each stance has for itself."""
+
+
+@dataclass(frozen=True)
+class Separation:
+    """What a run is expected to tell.
+
+    Attributes:
+        motion: its name.
+        gains: (r, r) expected log evidence of each rival, where it is true, over each other one.
+        worth: of all pairs, weighted by their probabilities, 0 to 1.
+    """
+
+    motion: str
+    gains: FloatArray
+    worth: float
 
 
 def propose(
-    workspace: Workspace, rivals: Sequence[tuple[Scored, float]], settings: DiagnosisSettings
+    workspace: Workspace,
+    rivals: Rivals,
+    settings: DiagnosisSettings,
+    planning: PlannerSettings | None = None,
+    progress: Callable[[str, float], None] | None = None,
 ) -> NextMotion | None:
-    """Choose it."""
-    del workspace, rivals, settings
+    """Choose it.
+
+    Args:
+        workspace: of the recorded runs.
+        rivals: fitted explanations that are confused, with their probabilities.
+        settings: of the diagnosis. planning: of motions.
+        progress: told what is being done and the share done (0 to 1).
+
+    Returns:
+        None where nothing is confused, or no run on the menu would help.
+    """
+    if len(rivals) < 2:
+        return None
+    runs = possible_runs(workspace.scene, planning or PlannerSettings(), progress)
+    return chosen(separations(workspace, rivals, runs, settings), rivals)
+
+
+def chosen(found: Sequence[Separation], rivals: Rivals) -> NextMotion | None:
+    """The best run; one that needs a person only where it is clearly better."""
+    useful = [one for one in found if _apart(one.gains).any()]
+    alone = [one for one in useful if one.motion not in BY_HAND]
+    if not useful:
+        return None
+    best = max(useful, key=lambda one: one.worth)
+    if alone:
+        own = max(alone, key=lambda one: one.worth)
+        best = own if own.worth >= BY_HAND_WORTH * best.worth else best
+    told = np.flatnonzero(_apart(best.gains).any(axis=0)).tolist()
+    return NextMotion(best.motion, tuple(rivals[i][0].parts[-1][0].label for i in told))
+
+
+def _apart(gains: FloatArray) -> NDArray[np.bool_]:
+    """(r, r) pairs that a run tells apart whichever is true."""
+    return np.minimum(gains, gains.T) > SEPARATE_FROM
+
+
+def separations(
+    workspace: Workspace,
+    rivals: Rivals,
+    runs: Sequence[PossibleRun],
+    settings: DiagnosisSettings,
+) -> tuple[Separation, ...]:
+    """What each possible run would tell of the rivals."""
+    recorded = workspace.scene
+    if not runs or recorded.fast or not recorded.slow_segments:
+        # A robot that walks is fitted with another baseline than one that stands.
+        return ()
+    scene = extended(recorded, runs)
+    shared = len(recorded.baseline) - OWN_ERRORS * len(recorded.slow_segments)
+    columns, places = _columns(scene, _different(rivals))
+    own_precision = workspace.sums.precision[-OWN_ERRORS:]
+    fits = [_fit(scored, shared, places, len(columns)) for scored, _ in rivals]
+    noise = max(1.0, min(s.solution.squares / workspace.scorer.rows for s, _ in rivals))
+    whitening = Whitening(scene.samples, scene.mask, workspace.noise)
+    weights = np.array([probability for _, probability in rivals])
+    pairs = np.outer(weights, weights)
+    np.fill_diagonal(pairs, 0.0)
+    pairs /= max(float(pairs.sum()), 1e-300)
+    # Evidence counts by a share only (`temper`): so much makes one of two quite clear.
+    clear = SEPARATE_FROM / settings.temper
+    found = []
+    number = max(workspace.scene.samples.runs)
+    for index, run in enumerate(runs, 1):
+        gram = _gram(scene, whitening, number + index, shared, columns, own_precision)
+        gains = np.array([[_gain(one, other, gram) for other in fits] for one in fits]) / noise
+        worth = float((pairs * gains / (gains + clear)).sum())
+        found.append(Separation(run.name, gains, worth))
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """A rival's fit to the recorded runs.
+
+    Attributes:
+        mean: (q,) of all columns, zero where it has none.
+        used: (u,) columns that it has.
+        root: (u, u) of their covariance, root @ root.T.
+    """
+
+    mean: FloatArray
+    used: NDArray[np.int64]
+    root: FloatArray
+
+
+def _fit(scored: Scored, shared: int, places: _Places, count: int) -> _Fit:
+    solution = scored.solution
+    own = len(scored.columns)
+    kept = np.concatenate(
+        (np.arange(shared), np.arange(len(solution.vector) - own, len(solution.vector)))
+    )
+    used = np.concatenate(
+        [np.arange(shared), *(shared + places[form.columns] for _, form in scored.parts)]
+    )
+    mean = np.zeros(shared + count)
+    mean[used] = solution.vector[kept]
+    covariance = solution.covariance[np.ix_(kept, kept)]
+    scale = np.sqrt(np.diag(covariance))
+    values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
+    return _Fit(mean, used, scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
+
+
+def _gain(true: _Fit, other: _Fit, gram: FloatArray) -> float:
+    """Expected log evidence of the true one over the other one."""
+    away = true.mean - other.mean
+    seen = gram @ away
+    turned = other.root.T @ seen[other.used]
+    uncertain = other.root.T @ gram[np.ix_(other.used, other.used)] @ other.root
+    refitted = turned @ np.linalg.solve(np.eye(len(turned)) + uncertain, turned)
+    return max(0.0, 0.5 * float(away @ seen - refitted))
+
+
+def _different(rivals: Rivals) -> list[Part]:
+    """All parts, each once."""
+    return list(
+        {form.columns: (hypothesis, form) for one, _ in rivals for hypothesis, form in one.parts}
+        .values()
+    )  # fmt: skip
+
+
+def _columns(scene: Scene, parts: Sequence[Part]) -> tuple[FloatArray, _Places]:
+    """Columns (k, T, s) of parts in another scene, and where each part's stand.
+
+    A form that another recording would not have, as one that belongs to a moment, adds nothing
+    to runs that were not recorded.
+    """
+    effects = {hypothesis.effect.identifier: hypothesis.effect for hypothesis, _ in parts}
+    wanted = {(hypothesis.effect.identifier, hypothesis.place) for hypothesis, _ in parts}
+    library = make_library(
+        scene, tuple(effects.values()), lambda effect, place: (effect, place) in wanted
+    )
+    found: list[FloatArray] = []
+    places: _Places = {}
+    at = 0
+    for hypothesis, form in parts:
+        there = _same_form(library, hypothesis, form)
+        shape = (len(form.columns), *scene.residuals.shape)
+        found.append(np.zeros(shape) if there is None else library.columns[list(there.columns)])
+        places[form.columns] = np.arange(at, at + len(form.columns))
+        at += len(form.columns)
+    return np.concatenate(found), places
+
+
+def _same_form(library: Library, hypothesis: Hypothesis, form: Form) -> Form | None:
+    index = next(i for i, one in enumerate(hypothesis.forms) if one is form)
+    for other in library.hypotheses:
+        if other.label != hypothesis.label:
+            continue
+        # Where several forms have the same words, they are told by their order.
+        ordered = [*other.forms[index : index + 1], *other.forms]
+        return next((one for one in ordered if _words(one) == _words(form)), None)
     return None
+
+
+def _words(form: Form) -> tuple[object, ...]:
+    shape = form.shape
+    return shape.free, dict(shape.fixed), shape.run
+
+
+def _gram(
+    scene: Scene,
+    whitening: Whitening,
+    run: int,
+    shared: int,
+    columns: FloatArray,
+    own_precision: FloatArray,
+) -> FloatArray:
+    """(q, q) products of the shared baseline and of columns in one run.
+
+    What its stances have for themselves has been fitted to them.
+    """
+    part = scene.samples.run == run
+    here = set(np.unique(scene.samples.segment[part]).tolist())
+    stances = [index for index, one in enumerate(scene.slow_segments) if one in here]
+    own = np.array(
+        [shared + OWN_ERRORS * stance + i for stance in stances for i in range(OWN_ERRORS)]
+    )
+    whole = np.concatenate((scene.baseline[:shared], columns, scene.baseline[own]))
+    flat = whitening(whole)[:, part][:, scene.mask[part]]
+    products = flat @ flat.T
+    count = shared + len(columns)
+    normal = products[count:, count:] + np.diag(np.tile(own_precision, len(stances)))
+    across = products[:count, count:]
+    gram: FloatArray = products[:count, :count] - across @ np.linalg.solve(normal, across.T)
+    return gram

@@ -98,6 +98,12 @@ class Scored:
         """Of all parts, in order."""
         return tuple(column for _, form in self.parts for column in form.columns)
 
+    @property
+    def sensible(self) -> bool:
+        """Whether no component is where it makes no sense: a negative delay, a mass below zero."""
+        least = np.concatenate([np.zeros(0), *(form.least for _, form in self.parts)])
+        return bool(np.all(self.sizes >= least))
+
     @cached_property
     def solution(self) -> Solution:
         """The whole fit, the baseline's columns included."""
@@ -159,5 +165,7 @@ class Scorer:
         scored = [
             self.score([*beside, (hypothesis, form)], foretell=False) for form in hypothesis.forms
         ]
-        best = max(range(len(scored)), key=lambda index: scored[index].evidence)
+        best = max(
+            range(len(scored)), key=lambda index: (scored[index].sensible, scored[index].evidence)
+        )
         return self.score([*beside, (hypothesis, hypothesis.forms[best])])

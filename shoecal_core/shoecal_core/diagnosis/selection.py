@@ -61,7 +61,9 @@ def ranked(
         for hypothesis in workspace.library.hypotheses
         if id(hypothesis) not in taken
     ]
-    mattering = [one for one in scored if material(workspace, one, len(beside), settings)]
+    mattering = [
+        one for one in scored if one.sensible and material(workspace, one, len(beside), settings)
+    ]
     return sorted(mattering, key=weight, reverse=True)
 
 
@@ -83,10 +85,14 @@ def material(workspace: Workspace, scored: Scored, index: int, settings: Diagnos
 
     What is sure but too small to matter to a controller is no gap.
     """
+    return matter(workspace, scored, index) >= settings.material
+
+
+def matter(workspace: Workspace, scored: Scored, index: int) -> float:
+    """How much a part changes of CoP or GRF, whichever is more, over the floor of their noise."""
     cop, grf = contribution(workspace, scored, index)
-    noise = workspace.noise.std
-    cop_noise = float(np.sqrt((noise[COP] ** 2).mean()))
-    return cop >= settings.material * cop_noise or grf >= settings.material * float(noise[0])
+    floor = workspace.floor
+    return max(cop / float(np.sqrt((floor[COP] ** 2).mean())), grf / float(floor[0]))
 
 
 def contribution(workspace: Workspace, scored: Scored, index: int) -> tuple[float, float]:

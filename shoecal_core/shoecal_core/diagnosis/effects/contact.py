@@ -16,6 +16,8 @@ FloatArray = NDArray[np.float64]
 MOVES = (Component("dx", "m", 0.004), Component("dy", "m", 0.004), Component("dtheta", "rad", 0.03))
 _ONSETS = 2
 """Times in a run at which a slip is looked for."""
+TURNED = "turn_180"
+"""Motion's name of a run for which the robot was turned by half a turn on the same floor."""
 _EDGE = 5
 """Samples at a run's ends among which no step can be told."""
 
@@ -159,10 +161,15 @@ class FloorTilt:
         yield ()
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
-        """Upwards leans in the sole frames; the left sole stands along the floor's x axis."""
+        """Upwards leans in the sole frames; the left sole stands along the floor's x axis.
+
+        In runs for which the robot was turned it stands against it.
+        """
         samples = scene.samples
         yaw = np.array([support.dtheta for support in scene.supports])[samples.segment]
         turn = np.where(samples.frame == 0, 0.0, yaw)
+        turned = [track.run for track in samples.tracks if track.motion == TURNED]
+        turn = turn + np.where(np.isin(samples.run, turned), np.pi, 0.0)
         c, s = np.cos(turn), np.sin(turn)
         columns = []
         for x, y in ((0.0, 1.0), (-1.0, 0.0)):
@@ -175,7 +182,7 @@ class SoftGround:
     """A shoe leans into the floor below its load."""
 
     identifier, group = "soft_ground", "contact"
-    components = (Component("compliance", "rad/(N m)", 0.008),)
+    components = (Component("compliance", "rad/(N m)", 0.008, 0.0),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Each foot, or both alike."""

@@ -12,7 +12,7 @@ class Inertia:
     """The CoP is the zero-moment point, which accelerations move off the CoM's projection."""
 
     identifier, group = "inertia", "dynamics"
-    components = (Component("factor", "", 1.0),)
+    components = (Component("factor", "", 1.0, 0.0),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """The whole body."""

@@ -74,7 +74,7 @@ class Hysteresis:
     """Outputs lag behind the direction in which the load goes."""
 
     identifier, group = "hysteresis", "load_cell"
-    components = (Component("fraction", "", 0.03),)
+    components = (Component("fraction", "", 0.03, 0.0),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every cell, and all of a foot alike."""
@@ -91,7 +91,7 @@ class Creep:
     """After a change of load the output goes on growing for a while."""
 
     identifier, group = "creep", "load_cell"
-    components = (Component("fraction", "", 0.03), Component("time", "s", 30.0))
+    components = (Component("fraction", "", 0.03, 0.0), Component("time", "s", 30.0))
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every cell, and all of a foot alike."""
@@ -150,7 +150,7 @@ class StuckCell:
     """A cell's reading stays where it was."""
 
     identifier, group = "stuck_cell", "load_cell"
-    components = (Component("share", "", 1.0), Component("time", "s", 100.0))
+    components = (Component("share", "", 1.0, 0.3), Component("time", "s", 100.0))
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every cell."""

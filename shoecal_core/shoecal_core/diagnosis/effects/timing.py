@@ -21,7 +21,7 @@ class Latency:
     """Readings are older than their stamps say, against the joints."""
 
     identifier, group = "latency", "timing"
-    components = (Component("delay", "s", 0.04),)
+    components = (Component("delay", "s", 0.04, 0.0),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Each foot, or both alike."""
@@ -44,7 +44,7 @@ class LowPass:
     """Readings follow the force with a lag of first order."""
 
     identifier, group = "low_pass", "timing"
-    components = (Component("time", "s", 0.08),)
+    components = (Component("time", "s", 0.08, 0.0),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Each foot, or both alike."""

@@ -1,0 +1,99 @@
+"""What could be done next: the menu of motions, and what needs a person or time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+from shoecal_core.diagnosis.effects.contact import TURNED
+from shoecal_core.diagnosis.forecast import PossibleRun
+from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.errors import ShoecalError
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.planner import Planner
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.feasible import Feasible
+from shoecal_core.planning.supports.named import named_support
+
+Progress = Callable[[str, float], None]
+
+WARM, WEIGHTED, YAWED = "warm_up", "known_weight", "yawed_stance"
+
+
+@dataclass(frozen=True)
+class ByHand:
+    """A motion of the menu that needs more than the robot.
+
+    Attributes:
+        motion: on the menu.
+        later: time that passes before [s].
+        mass: that a person adds [kg].
+        warmer: by then [K].
+    """
+
+    motion: str
+    later: float = 1.0
+    mass: float = 0.0
+    warmer: float = 0.0
+
+
+BY_HAND: Mapping[str, ByHand] = {
+    TURNED: ByHand("landmarks"),
+    WARM: ByHand("hold", later=600.0, warmer=3.0),
+    WEIGHTED: ByHand("landmarks", mass=0.5),
+}
+"""Beside the menu; see docs/nodes.md for what a person does."""
+
+
+def possible_runs(
+    scene: Scene, settings: PlannerSettings, progress: Progress | None = None
+) -> tuple[PossibleRun, ...]:
+    """Every motion that this robot can do, planned and checked, in the session's first support.
+
+    That is where the nodes run it too; `yawed_stance` is in the one with much yaw that is
+    farthest from those so far. What cannot be planned is left out.
+    """
+    planner = Planner(scene.samples.robot, settings)
+    so_far = [
+        support
+        for segment, support in enumerate(scene.supports)
+        if scene.samples.loaded[scene.samples.segment == segment].all()
+    ]
+    neutral = DoubleSupport(*map(float, scene.samples.robot.support_range.neutral))
+    usual = so_far[0] if so_far else neutral
+    planned: dict[str, Motion] = {}
+    names = (*MENU, YAWED)
+    for index, name in enumerate(names):
+        if progress is not None:
+            progress(f"planning {name}", index / len(names))
+        for motion in _planned(planner, name, usual, so_far):
+            planned[name] = motion
+    runs = [PossibleRun(name, motion) for name, motion in planned.items()]
+    for name, hand in BY_HAND.items():
+        if hand.motion in planned:
+            runs.append(PossibleRun(name, planned[hand.motion], hand.later, hand.mass, hand.warmer))
+    return tuple(runs)
+
+
+def _planned(
+    planner: Planner, name: str, usual: DoubleSupport, so_far: list[DoubleSupport]
+) -> Iterator[Motion]:
+    """The motion, or none where the robot cannot do it."""
+    try:
+        if name == YAWED:
+            support = _yawed(Feasible(planner.legs.robot, planner.settings), so_far)
+            yield planner.plan(support, "landmarks")
+        else:
+            yield planner.plan(usual, name)
+    except ShoecalError:
+        return
+
+
+def _yawed(feasible: Feasible, so_far: list[DoubleSupport]) -> DoubleSupport:
+    """The double support with much yaw whose yaw is farthest from those so far."""
+    return max(
+        (named_support(name, feasible) for name in ("toes_in", "toes_out")),
+        key=lambda one: min((abs(one.dtheta - other.dtheta) for other in so_far), default=0.0),
+    )
