@@ -11,10 +11,12 @@ from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.info import RunInfo
+from shoecal_core.recording.series import series
 from shoecal_core.recording.session import Session
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import Samples
 
+FloatArray = NDArray[np.float64]
 Stamps = NDArray[np.int64]
 Message = tuple[int, str, bytes]
 """Stamp [ns], topic, CDR bytes."""
@@ -32,6 +34,7 @@ def record_run(
     *,
     start_ns: int,
     hold: float,
+    truth: bool = True,
 ) -> int:
     """Write one run, and beside it the truth.
 
@@ -43,6 +46,7 @@ def record_run(
         samples: of the whole run.
         start_ns: stamp of the first sample [ns].
         hold: how long it stood still before the trajectory [s].
+        truth: whether the truth is written too.
 
     Returns:
         The run's number.
@@ -62,17 +66,24 @@ def record_run(
     ]
     written = [message for source in sources for message in source]
     written.sort(key=lambda message: message[0])
-    with session.new_run(planned.motion, planned.support, hint=planned.hint) as writer:
+    with session.new_run(planned.motion, planned.support, hint=planned.hint, live=False) as writer:
         for stamp, topic, message in written:
             writer.write(topic, message, stamp)
-    _record_truth(session, writer.info, samples, stamps)
+    if truth:
+        _record_truth(session, writer.info, samples, stamps)
     return writer.info.run
 
 
 def _joints(sim: SimulatedRobot, samples: Samples, stamps: Stamps) -> Iterator[Message]:
     names, joints = sim.robot.joint_names, samples.joints
-    for stamp, angles, efforts in zip(stamps.tolist(), joints.angles, joints.efforts, strict=True):
-        yield stamp, schemas.JOINT_STATES, messages.joint_state(stamp, names, angles, efforts)
+    count = len(names)
+
+    def one(stamp: int, numbers: FloatArray) -> bytes:
+        return messages.joint_state(stamp, names, numbers[:count], numbers[count:])
+
+    made = series(one, stamps, np.hstack((joints.angles, joints.efforts)))
+    for stamp, message in zip(stamps.tolist(), made, strict=True):
+        yield stamp, schemas.JOINT_STATES, message
 
 
 def _voltages(sim: SimulatedRobot, samples: Samples, stamps: Stamps) -> Iterator[Message]:
@@ -89,11 +100,12 @@ def _imu(sim: SimulatedRobot, samples: Samples, stamps: Stamps) -> Iterator[Mess
     told, frame = samples.imu, sim.drawn.body.links[0]
     if told is None:
         return
-    for index, stamp in enumerate(stamps.tolist()):
-        message = messages.imu(
-            stamp, frame, told.orientation[index], told.angular_velocity[index],
-            told.linear_acceleration[index],
-        )  # fmt: skip
+
+    def one(stamp: int, numbers: FloatArray) -> bytes:
+        return messages.imu(stamp, frame, numbers[:4], numbers[4:7], numbers[7:])
+
+    numbers = np.hstack((told.orientation, told.angular_velocity, told.linear_acceleration))
+    for stamp, message in zip(stamps.tolist(), series(one, stamps, numbers), strict=True):
         yield stamp, schemas.IMU, message
 
 
@@ -125,5 +137,4 @@ def _sparse(samples: Samples) -> list[int]:
 def _record_truth(session: Session, info: RunInfo, samples: Samples, stamps: Stamps) -> None:
     true = samples.truth
     with session.new_truth(info) as truth:
-        for index, stamp in enumerate(stamps.tolist()):
-            truth.write(stamp, true.cop[index], true.foot_cop[index], true.foot_force[index, :, 2])
+        truth.write_all(stamps, true.cop, true.foot_cop, true.foot_grf)

@@ -12,7 +12,7 @@ from rosbags.typesys.stores import ros2_jazzy as ros
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE, typestore
 
-_SECOND = 1_000_000_000
+SECOND_NS = 1_000_000_000
 _UNKNOWN_COVARIANCE = np.zeros(9)
 
 
@@ -137,7 +137,7 @@ def joint_trajectory(
             accelerations=empty,
             effort=empty,
             time_from_start=ros.builtin_interfaces__msg__Duration(
-                *divmod(round(time * _SECOND), _SECOND)
+                *divmod(round(time * SECOND_NS), SECOND_NS)
             ),
         )
         for time, row in zip(times.tolist(), np.ascontiguousarray(angles), strict=True)
@@ -158,7 +158,7 @@ def _serialise(message: _Message) -> bytes:
 
 
 def _header(stamp_ns: int, frame_id: str) -> ros.std_msgs__msg__Header:
-    sec, nanosec = divmod(int(stamp_ns), _SECOND)
+    sec, nanosec = divmod(int(stamp_ns), SECOND_NS)
     if not 0 <= sec < 2**31:
         raise ShoecalError(f"stamp {stamp_ns} ns cannot be recorded: must be 0 to 2^31 s")
     stamp = ros.builtin_interfaces__msg__Time(sec=sec, nanosec=nanosec)

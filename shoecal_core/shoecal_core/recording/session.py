@@ -169,13 +169,16 @@ class Session:
         finished = {run for run, _ in self._files(finished=True)}
         return tuple(path for run, path in self._files(finished=False) if run not in finished)
 
-    def new_run(self, motion: str, support: DoubleSupport | None, *, hint: str = "") -> RunWriter:
+    def new_run(
+        self, motion: str, support: DoubleSupport | None, *, hint: str = "", live: bool = True
+    ) -> RunWriter:
         """Start the next run.
 
         Args:
             motion: its name.
             support: pose of the right sole in the left; None where there is none.
             hint: what it is meant for: `train`, `test`, or empty.
+            live: as for RunWriter.
         """
         taken = [run for run, _ in self._files()] + [item.run for item in self._listed]
         listed = ListedRun(max(taken, default=0) + 1, motion, support, _known_hint(hint))
@@ -191,7 +194,7 @@ class Session:
         )
         self._listed.append(listed)
         self._save(self.folder)
-        return RunWriter(self.folder / listed.file, info)
+        return RunWriter(self.folder / listed.file, info, live=live)
 
     def mark(self, train: Collection[int], test: Collection[int]) -> None:
         """Write down which runs are meant to train and which to test.

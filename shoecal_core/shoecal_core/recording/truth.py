@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.recording import messages, schemas
@@ -18,6 +18,7 @@ from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.join import Piece
 from shoecal_core.recording.reader import seconds
 from shoecal_core.recording.run import Floats
+from shoecal_core.recording.series import series
 from shoecal_core.recording.source import Source
 from shoecal_core.recording.writer import RunWriter
 
@@ -64,31 +65,44 @@ class TruthWriter:
     """Writes `truth/run_NNN.mcap`; closes, fails and stays unfinished as a RunWriter does."""
 
     def __init__(self, path: Path, info: RunInfo) -> None:
-        self._writer = RunWriter(path, info, topics=schemas.TRUTH_TOPICS)
+        self._writer = RunWriter(path, info, topics=schemas.TRUTH_TOPICS, live=False)
 
     def write(
         self, stamp_ns: int, cop: ArrayLike, foot_cop: ArrayLike, foot_grf: ArrayLike
     ) -> None:
-        """Append one sampling time.
+        """Append one sampling time; arguments as `write_all`, without its first dimension."""
+        rows = (np.asarray(part, dtype=np.float64)[None] for part in (cop, foot_cop, foot_grf))
+        self.write_all(np.array([stamp_ns], dtype=np.int64), *rows)
+
+    def write_all(
+        self, stamps_ns: NDArray[np.int64], cop: Floats, foot_cop: Floats, foot_grf: Floats
+    ) -> None:
+        """Append T sampling times.
 
         Args:
-            stamp_ns: when.
-            cop: (2,) of both feet in l_sole [m]; NaN: nothing is loaded.
-            foot_cop: (2, 2) of left and right, each in its own sole frame [m]; NaN likewise.
-            foot_grf: (2,) of left and right [N].
+            stamps_ns: (T,) when.
+            cop: (T, 2) of both feet in l_sole [m]; NaN: nothing is loaded.
+            foot_cop: (T, 2, 2) of left and right, each in its own sole frame [m]; NaN likewise.
+            foot_grf: (T, 2) of left and right [N].
         """
-        left, right = _floats("foot_grf", foot_grf, (2,))
-        places = [*_floats("cop", cop, (2,)), *_floats("foot_cop", foot_cop, (2, 2))]
-        for index, force in enumerate((left + right, left, right)):
-            x, y = places[2 * index : 2 * index + 2]
-            loaded = math.isfinite(x + y)
-            frame = _FRAMES[index]
-            if loaded:
-                point = messages.point(stamp_ns, frame, (x, y, 0.0))
-                self._writer.write(_COPS[index], point, stamp_ns)
-            torque = (y * force, -x * force, 0.0) if loaded else (0.0, 0.0, 0.0)
-            wrench = messages.wrench(stamp_ns, frame, (0.0, 0.0, force), torque)
-            self._writer.write(_GRFS[index], wrench, stamp_ns)
+        count = len(stamps_ns)
+        _check("cop", cop, (count, 2))
+        _check("foot_cop", foot_cop, (count, 2, 2))
+        _check("foot_grf", foot_grf, (count, 2))
+        places = (cop, foot_cop[:, 0], foot_cop[:, 1])
+        forces = (foot_grf.sum(axis=1), foot_grf[:, 0], foot_grf[:, 1])
+        written: list[tuple[int, str, bytes]] = []
+        for place, force, frame, on, of in zip(places, forces, _FRAMES, _COPS, _GRFS, strict=True):
+            loaded = np.isfinite(place.sum(axis=1))
+            made = series(_point(frame), stamps_ns[loaded], place[loaded])
+            written += zip(stamps_ns[loaded].tolist(), [on] * len(made), made, strict=True)
+            known = np.where(loaded[:, None], place, 0.0)
+            wrenches = np.column_stack((force, known[:, 1] * force, -known[:, 0] * force))
+            made = series(_wrench(frame), stamps_ns, wrenches)
+            written += zip(stamps_ns.tolist(), [of] * count, made, strict=True)
+        written.sort(key=lambda message: message[0])
+        for stamp, topic, message in written:
+            self._writer.write(topic, message, stamp)
 
     def close(self) -> Path:
         """Finish the file and give it its name."""
@@ -143,10 +157,20 @@ def read_truth(path: Path, start_ns: int | None = None) -> Truth:
     )
 
 
-def _floats(name: str, values: ArrayLike, shape: tuple[int, ...]) -> list[float]:
-    array = np.asarray(values, dtype=np.float64)
-    if array.shape != shape:
-        raise ShapeError(f"truth.{name}", str(shape), array.shape)
-    if np.isinf(array).any():
+def _point(frame: str) -> Callable[[int, Floats], bytes]:
+    """Makes the message of a CoP (2,)."""
+    return lambda stamp, place: messages.point(stamp, frame, (*place, 0.0))
+
+
+def _wrench(frame: str) -> Callable[[int, Floats], bytes]:
+    """Makes the message of a vertical force and its moments about x and y (3,)."""
+    return lambda stamp, told: messages.wrench(
+        stamp, frame, (0.0, 0.0, told[0]), (told[1], told[2], 0.0)
+    )
+
+
+def _check(name: str, values: Floats, shape: tuple[int, ...]) -> None:
+    if values.shape != shape:
+        raise ShapeError(f"truth.{name}", str(shape), values.shape)
+    if np.isinf(values).any():
         raise ShoecalError(f"truth.{name}: infinite; an unloaded foot is told by NaN")
-    return [float(value) for value in array.flat]

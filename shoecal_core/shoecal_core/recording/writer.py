@@ -17,6 +17,8 @@ from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.info import RECORD, RunInfo
 
 CHUNK_BYTES = 16 * 1024
+WHOLE_CHUNK_BYTES = 1024 * 1024
+"""Of files that are made in one go."""
 SYNC_NS = 500_000_000
 """Span of log time after which all that was written is made durable."""
 
@@ -59,6 +61,7 @@ class RunWriter:
         *,
         topics: Mapping[str, str] = schemas.RUN_TOPICS,
         suffix: str = PART,
+        live: bool = True,
     ) -> None:
         """Start a file.
 
@@ -67,6 +70,8 @@ class RunWriter:
             info: what it says of itself.
             topics: types by topic of this kind of file.
             suffix: of the file while it is written.
+            live: whether it takes its time, so that little may be lost at a kill; what can be
+                made again is written in larger pieces and made durable when it is closed.
 
         Raises:
             RecordingError: when it exists already or cannot be made.
@@ -75,6 +80,7 @@ class RunWriter:
         self.part = self.path.with_name(self.path.name + suffix)
         self.info = info
         self._topics = topics
+        self._live = live
         self._channels: dict[str, int] = {}
         self._schemas: dict[str, int] = {}
         self._synced_ns: int | None = None
@@ -90,7 +96,10 @@ class RunWriter:
                 self.part, f"cannot be made ({error.strerror}); check the folder and its rights"
             ) from error
         self._mcap: _Container = Writer(
-            self._file, chunk_size=CHUNK_BYTES, enable_crcs=True, enable_data_crcs=True
+            self._file,
+            chunk_size=CHUNK_BYTES if live else WHOLE_CHUNK_BYTES,
+            enable_crcs=True,
+            enable_data_crcs=True,
         )
         with self._guard():
             self._mcap.start(profile="ros2", library="shoecal")
@@ -120,7 +129,7 @@ class RunWriter:
             )
             if self._synced_ns is None:
                 self._synced_ns = log_time_ns
-            elif abs(log_time_ns - self._synced_ns) >= SYNC_NS:
+            elif self._live and abs(log_time_ns - self._synced_ns) >= SYNC_NS:
                 self._synced_ns = log_time_ns
                 self._sync()
 

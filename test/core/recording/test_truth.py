@@ -58,7 +58,7 @@ def test_torque_is_that_of_the_force_at_the_cop(tmp_path: Path) -> None:
 
 def test_bad_truth_is_refused(tmp_path: Path) -> None:
     with TruthWriter(tmp_path / "run_001.mcap", samples.INFO) as writer:
-        with pytest.raises(ShapeError, match=r"truth.foot_cop: expected shape \(2, 2\)"):
+        with pytest.raises(ShapeError, match=r"truth.foot_cop: expected shape \(1, 2, 2\)"):
             writer.write(0, [0, 0], [0, 0], [0, 0])
         with pytest.raises(ShoecalError, match=r"truth.foot_grf: infinite"):
             writer.write(0, [0, 0], np.zeros((2, 2)), [np.inf, 0])
