@@ -16,7 +16,7 @@ from pathlib import Path
 from blind.answers import read_answers
 from blind.composition import Mix
 from blind.generate import draw_round, make_sets
-from blind.layout import OUT, Round
+from blind.layout import OUT, ROOT, Round
 from blind.score import score
 from blind.submit import Submission, submit
 from blind.unit_sizes import measure_units
@@ -55,7 +55,7 @@ def main() -> None:
             args.jobs,
             command=f'make blind ARGS="--seed {args.seed}{small}"',
             ablations=args.ablations,
-            publish=not args.no_page,
+            project=None if args.no_page else ROOT,
         )
         for key, figure in found.items():
             print(f"{key}: {figure.to_json()}")

@@ -6,7 +6,7 @@ import io
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -43,35 +43,35 @@ class PlannedMotion:
         return PlannedMotion(self.run, faster)
 
 
-def standard_set(seed: int, folder: Path = POOL) -> tuple[PlannedMotion, ...]:
+def standard_set(seed: int) -> tuple[PlannedMotion, ...]:
     """The standard set of motions in double supports that a seed draws; planned once."""
-    file = _file(folder, f"{seed:04d}")
+    file = _file(f"{seed:04d}")
     if not file.is_file():
         _keep(file, [_planned(run) for run in _runs(seed)])
     return _kept(file)
 
 
-def extra(seed: int, run: PlannedRun, folder: Path = POOL) -> PlannedMotion:
+def extra(seed: int, run: PlannedRun) -> PlannedMotion:
     """One more motion in a double support of a seed's set; planned once."""
     support = run.support
     about = f"{run.motion}_{support.dx:.3f}_{support.dy:.3f}_{support.dtheta:.3f}"
-    file = _file(folder, f"{seed:04d}_{about}")
+    file = _file(f"{seed:04d}_{about}")
     if not file.is_file():
         _keep(file, [_planned(run)])
     return _kept(file)[0]
 
 
-def fill(seeds: Sequence[int], jobs: int, folder: Path = POOL) -> list[int]:
+def fill(seeds: Sequence[int], jobs: int) -> list[int]:
     """Plan what is missing of several standard sets; the seeds that have one."""
     with ProcessPoolExecutor(jobs) as pool:
-        there = pool.map(partial(_there, folder=folder), seeds)
+        there = pool.map(_there, seeds)
         return [seed for seed, can in zip(seeds, there, strict=True) if can]
 
 
-def _there(seed: int, folder: Path) -> bool:
+def _there(seed: int) -> bool:
     """Whether a seed's motions could be planned."""
     try:
-        standard_set(seed, folder)
+        standard_set(seed)
     except ShoecalError as error:
         print(f"motions {seed}: {error}", flush=True)
         return False
@@ -94,10 +94,10 @@ def _planned(run: PlannedRun) -> PlannedMotion:
     return PlannedMotion(run, JointTrajectory(motion.joint_names, motion.time, motion.positions))
 
 
-def _file(folder: Path, name: str) -> Path:
+def _file(name: str) -> Path:
     """Of motions; another robot or shoe has others."""
     robot, shoe = nao()
-    return folder / f"{robot.digest[:8]}_{shoe.digest[:8]}" / f"{name}.npz"
+    return POOL / f"{robot.digest[:8]}_{shoe.digest[:8]}" / f"{name}.npz"
 
 
 def _keep(file: Path, motions: Sequence[PlannedMotion]) -> None:

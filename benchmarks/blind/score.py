@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from blind.answers import check_seal
 from blind.cases import Case, load_cases, variant_cases
@@ -10,16 +11,16 @@ from blind.chart import write_chart
 from blind.figures import Figure, figures, shrink_figures
 from blind.follow import follow
 from blind.layout import Round
-from blind.page import FIGURE, write_json, write_page
-from blind.variants import TRUE, run_variants
+from blind.page import FIGURE, JSON, PAGE, write_json, write_page
+from blind.variants import LANDMARKS, TRUE, WITHOUT, run_variants
 
 WHOLE = "everything"
 
 
 def score(
-    place: Round, jobs: int, *, command: str, ablations: int, publish: bool
+    place: Round, jobs: int, *, command: str, ablations: int, project: Path | None
 ) -> dict[str, Figure]:
-    """Every figure of a round; with `publish` the page, its picture and out/blind.json too.
+    """Every figure of a round; for a project its page, picture and JSON too.
 
     Args:
         place: of the round, all sets diagnosed.
@@ -27,22 +28,18 @@ def score(
         command: that makes the round, for the page.
         ablations: single sets that are looked at with something switched off; 0: none, and
             neither true effects nor proposed motions are looked at.
-        publish: whether to write.
+        project: whose docs/diagnosis.md and out/blind.json are written; None: nothing is.
     """
     cases, floor, failed = load_cases(place)
     found = figures(cases)
     without: dict[str, dict[str, Figure]] = {}
-    missing = ["`without reference weight`: the standard set holds no known weight."]
     if ablations:
-        offered = run_variants(place, cases, jobs, ablations)
-        if TRUE in offered:
-            found |= shrink_figures(_pairs(place, cases))
-        else:
-            missing.append("Shrink against the true effect's: no `--only` on the command.")
+        run_variants(place, cases, jobs, ablations)
+        found |= shrink_figures(_pairs(place, cases))
         found |= follow(place, cases, jobs)
-        without = _ablations(place, cases, [name for name in offered if name != TRUE])
-    if publish:
-        write_chart(cases, FIGURE)
+        without = _ablations(place, cases, [*WITHOUT, LANDMARKS])
+    if project is not None:
+        write_chart(cases, project / FIGURE)
         about = {
             "command": command,
             "answers_sha256": check_seal(place),
@@ -51,7 +48,7 @@ def score(
             "floor_cop_mm": floor.cop_mm,
             "floor_grf_n": floor.grf_n,
         }
-        write_json(found, cases, without, about)
+        write_json(found, cases, without, about, project / JSON)
         write_page(
             found,
             cases,
@@ -60,7 +57,7 @@ def score(
             seal=check_seal(place),
             floor=f"{floor.cop_mm:.2f} mm and {floor.grf_n:.3f} N",
             failed=f"{failed} sets could not be simulated (the robot fell)." if failed else "",
-            missing=" ".join(missing),
+            page=project / PAGE,
         )
     return found
 

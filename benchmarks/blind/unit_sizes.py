@@ -42,7 +42,6 @@ from blind.motions import standard_set
 from blind.world import middle_world
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
-from shoecal_core.planning.standard import STANDARD
 from shoecal_core.recording.session import Session
 
 AIM = 3.0
@@ -52,6 +51,8 @@ _TRIES, _NEAR = 3, 0.35
 _RATE_HZ = 25.0
 """Enough for a mean error, and four times as fast to write."""
 _SEED = 1
+_ORDER = (0, 1, 2, 6)
+"""Of the standard set: three motions to train, one to test; all of them tell much the same."""
 _UNKNOWN = "unknown "
 
 
@@ -156,8 +157,7 @@ def _next(found: Mapping[float, float]) -> float:
 
 def _answer() -> Answer:
     """A clean set, always the same."""
-    order = tuple(range(len(STANDARD)))
-    return Answer(0, "single", _SEED, _SEED, order, 1.0, imu=True, world=middle_world())
+    return Answer(0, "single", _SEED, _SEED, _ORDER, 1.0, imu=True, world=middle_world())
 
 
 def _with(unit: Unit, magnitude: float) -> Answer:

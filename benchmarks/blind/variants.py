@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import io
 from collections.abc import Mapping, Sequence
-from contextlib import redirect_stdout, suppress
-from functools import cache
 
 from blind.cases import Case
 from blind.layout import Round
 from blind.submit import Submission, submit
-from shoecal_core.cli import main as shoecal
+from shoecal_core.planning.standard import TEST, TRAIN
 from shoecal_core.recording.session import Session
 
 TRUE = "true effect"
@@ -26,39 +23,29 @@ PAPER = frozenset(("landmarks", "reversed"))
 """Motions that the paper has, one way round and the other."""
 
 
-def run_variants(place: Round, cases: Sequence[Case], jobs: int, ablations: int) -> list[str]:
-    """Diagnose sets again in other ways; the variants that the command offers.
+def run_variants(place: Round, cases: Sequence[Case], jobs: int, ablations: int) -> None:
+    """Diagnose sets again in other ways.
 
     Args:
         place: the round.
         cases: of it, all diagnosed once.
         jobs: processes.
-        ablations: of how many sets something is switched off.
+        ablations: of how many single sets something is switched off, and of a third as many clean.
     """
     single = [case for case in cases if case.answer.category == "single"]
-    todo: list[Submission] = []
-    offered = []
-    if _offers("--only"):
-        offered.append(TRUE)
-        todo += [_true(place, case) for case in single if case.certain and case.found]
-    chosen = [*single[:ablations], *_clean(cases)[: ablations // 3]]
-    if _offers("--without"):
-        offered += WITHOUT
-        for name, what in WITHOUT.items():
-            todo += [_variant(place, case, name, ("--without", what)) for case in chosen]
-    offered.append(LANDMARKS)
-    for case in chosen:
-        session = Session.open(place.recorded(case.answer.number))
-        runs = [
-            entry.run
-            for entry in session.runs
-            if entry.hint == "train" and entry.info.motion in PAPER
-        ]
-        test = [entry.run for entry in session.runs if entry.hint == "test"]
-        options = ("--train", _listed(runs), "--test", _listed(test))
-        todo.append(_variant(place, case, LANDMARKS, options))
+    todo = [_true(place, case) for case in single if case.certain and case.found]
+    for case in (*single[:ablations], *_clean(cases)[: ablations // 3]):
+        todo += [_variant(place, case, name, ("--without", what)) for name, what in WITHOUT.items()]
+        todo.append(_variant(place, case, LANDMARKS, _of_the_paper(place, case)))
     submit(place, todo, jobs)
-    return offered
+
+
+def _of_the_paper(place: Round, case: Case) -> tuple[str, ...]:
+    """Options that leave out what the paper does not record."""
+    session = Session.open(place.recorded(case.answer.number))
+    train = [one.run for one in session.runs if one.hint == TRAIN and one.info.motion in PAPER]
+    test = [one.run for one in session.runs if one.hint == TEST]
+    return "--train", _listed(train), "--test", _listed(test)
 
 
 def _clean(cases: Sequence[Case]) -> list[Case]:
@@ -79,12 +66,3 @@ def _variant(place: Round, case: Case, name: str, options: tuple[str, ...]) -> S
 
 def _listed(runs: Sequence[int]) -> str:
     return ",".join(map(str, runs))
-
-
-@cache
-def _offers(option: str) -> bool:
-    """Whether `shoecal diagnose` has an option."""
-    told = io.StringIO()
-    with redirect_stdout(told), suppress(SystemExit):
-        shoecal(["diagnose", "--help"])
-    return option in told.getvalue()
