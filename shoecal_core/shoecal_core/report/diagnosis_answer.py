@@ -29,6 +29,8 @@ LEVELS: Mapping[Finding, str] = {
 """How well the question was answered, as colour and sign."""
 
 
+SMALL_N = 0.095
+"""Smaller errors of the GRF are told to the millinewton [N]."""
 MOST_CAUSES = 2
 """Causes that have a key figure of their own."""
 
@@ -59,8 +61,8 @@ def key_figures(diagnosis: Diagnosis) -> tuple[KeyFigure, ...]:
         KeyFigure(candidate_text(cause), percent(cause.probability), "probability")
         for cause in causes[:MOST_CAUSES]
     ]
-    if causes:
-        whole = whole_shrink(diagnosis)
+    whole = whole_shrink(diagnosis) if causes else None
+    if whole is not None and math.isfinite(whole.fraction):
         keys.append(
             KeyFigure("the gap shrinks by", shrink_text(whole.fraction), interval_text(whole))
         )
@@ -148,7 +150,7 @@ def _shrinks(diagnosis: Diagnosis) -> str:
     return (
         f"On runs never used for a fit ({run_text(diagnosis)}) the gap shrinks{by}"
         f"the CoP's error from {number(cop[0], 2)} to {millimetres(cop[1])}, that of the GRF from "
-        f"{number(grf[0], 2)} to {newtons(grf[1])}. "
+        f"{force(grf[0])} to {newtons(grf[1])}. "
         f"Noise alone would leave {millimetres(gap.cop_floor_mm)} and {newtons(gap.grf_floor_n)}."
     )
 
@@ -173,4 +175,9 @@ def millimetres(value: float) -> str:
 
 def newtons(value: float) -> str:
     """An error of the GRF."""
-    return f"{number(value, 2)}{SPACE}N"
+    return f"{force(value)}{SPACE}N"
+
+
+def force(value: float) -> str:
+    """Its number; errors of heavy cells are small."""
+    return number(value, 2 if abs(value) >= SMALL_N else 3)

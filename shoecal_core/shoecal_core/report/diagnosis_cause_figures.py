@@ -89,7 +89,7 @@ def candidate_pictures(evidence: Evidence) -> tuple[Picture, ...]:
                 added_variables(
                     [one for one in panels if len(one.change)], (BEFORE, AFTER), unit, told
                 ),
-                "Right candidate: without it the dots climb along the diagonal, with it they lie "
+                "Right candidate: without it the dots climb like the dashed line, with it they lie "
                 "flat. A narrow column: this candidate can change next to nothing here.",
                 tall=True,
             )
@@ -119,7 +119,7 @@ def shrink_picture(diagnosis: Diagnosis) -> Picture:
     """Errors before and after on test runs, measured and simulated."""
     whole = whole_shrink(diagnosis)
     simulated = next((one.simulated for one in diagnosis.causes if one.simulated is not None), None)
-    gone = [Gone("measured", whole.fraction, whole.ci95)]
+    gone = [Gone("measured", whole.fraction, whole.ci95)] if np.isfinite(whole.fraction) else []
     cop, grf = [Pair("measured", *whole.cop_mae_mm)], [Pair("measured", *whole.grf_mae_n)]
     volts = []
     if simulated is not None:

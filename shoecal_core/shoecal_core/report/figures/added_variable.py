@@ -18,7 +18,7 @@ TOP, HEIGHT, GAP, BOTTOM, LEFT = 24.0, 104.0, 40.0, 36.0, 52.0
 BINS = 8
 LEAST_IN_BIN = 8
 MOST_DOTS = 250
-LEAST_SPAN = 0.5
+LEAST_SPAN = 0.25
 """No means are drawn of a candidate that changes less than this part of what the best does."""
 
 
@@ -42,9 +42,8 @@ def added_variables(
     candidates: Sequence[Added], looks: tuple[Look, Look], unit: str, signal: str
 ) -> str:
     """A panel a candidate, all to one scale: dots are samples, lines means of many."""
-    reach = max(float(np.quantile(np.abs(one.change), 0.995)) for one in candidates)
-    tall = max(float(np.quantile(np.abs(one.before), 0.995)) for one in candidates)
-    reach, tall = max(reach, 1e-9), max(tall, 1e-9)
+    across = _ends([one.change for one in candidates])
+    upwards = _ends([values for one in candidates for values in (one.before, one.after)])
     height = TOP + (HEIGHT + GAP) * len(candidates) - GAP + BOTTOM + 14.0
     with canvas(height) as page:
         page.legend([line_key(looks[0], "without it"), line_key(looks[1], "with it in the model")],
@@ -53,13 +52,14 @@ def added_variables(
             axes = page.panel(TOP + 14.0 + index * (HEIGHT + GAP), HEIGHT, left=LEFT)
             axes.set_title(readable(one.label, 52), loc="left", pad=4.0, fontsize=SMALL + 0.5)
             axes.axhline(0.0, color=MUTED.light, linewidth=0.8)
+            axes.axline((0.0, 0.0), slope=1.0, color=MUTED.light, linewidth=0.8, dashes=(3.0, 2.0))
             for values, look in zip((one.before, one.after), looks, strict=True):
                 _dots(axes, one.change, values, look)
-            if np.ptp(one.change) > LEAST_SPAN * reach:
+            if np.ptp(one.change) > LEAST_SPAN * (across[1] - across[0]):
                 for values, look in zip((one.before, one.after), looks, strict=True):
                     _means(axes, one.change, values, look)
-            axes.set_xlim(-1.05 * reach, 1.05 * reach)
-            axes.set_ylim(-1.1 * tall, 1.1 * tall)
+            axes.set_xlim(*across)
+            axes.set_ylim(*upwards)
             axes.locator_params(axis="y", nbins=4)
             axes.set_ylabel(f"residual ({unit})")
             axes.yaxis.set_label_coords(-40.0 / (WIDTH - LEFT - 8.0), 0.5)
@@ -71,6 +71,14 @@ def added_variables(
             for one in candidates
         )
         return page.svg(f"Residual of the {signal} against what candidates change in it. {told}.")
+
+
+def _ends(values: Sequence[FloatArray]) -> tuple[float, float]:
+    """Nearly all of it, and nothing, with a little room."""
+    ends = np.array([np.quantile(one, (0.005, 0.995)) for one in values])
+    low, high = min(float(ends.min()), 0.0), max(float(ends.max()), 0.0)
+    room = max(0.06 * (high - low), 1e-9)
+    return low - room, high + room
 
 
 def slope(change: FloatArray, values: FloatArray) -> float:

@@ -67,7 +67,8 @@ def before_and_after(
     """Shares that are gone, then bars before and after, a panel a quantity."""
     heights = [2.0 * ROW * len(one.pairs) for one in quantities]
     shares = 1.2 * ROW * len(gone)
-    whole = TOP + shares + GAP + sum(heights) + GAP * (len(quantities) - 1) + BOTTOM + 20.0
+    first = TOP + (shares + GAP if gone else 0.0)
+    whole = first + sum(heights) + GAP * (len(quantities) - 1) + BOTTOM + 20.0
     floors = any(np.isfinite(one.floor) for one in quantities)
     with canvas(whole) as page:
         keys: list[Patch | Line2D] = [
@@ -78,8 +79,9 @@ def before_and_after(
             keys.append(Line2D([], [], color=INK.light, linewidth=1.4, dashes=(3.0, 2.0),
                                label="noise alone"))  # fmt: skip
         page.legend(keys)
-        _shares(page, gone, shares, looks[1])
-        top = TOP + shares + GAP
+        if gone:
+            _shares(page, gone, shares, looks[1])
+        top = first
         for one, height in zip(quantities, heights, strict=True):
             axes = page.panel(top, height, left=NAMES, right=WIDTH - 34.0)
             page.write(0.0, top - 6.0, one.label)
