@@ -1,0 +1,128 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from core.model import robots
+from core.report.pages import read_svg
+from core.sensing import shoes
+from shoecal_core.report.diagnosis_looks import AFTER, BEFORE, unit_of
+from shoecal_core.report.figures.added_variable import Added, added_variables, slope
+from shoecal_core.report.figures.lever_map import LeverMap, box, lever_map
+from shoecal_core.report.figures.residual_field import (
+    LONGEST_MM,
+    LONGEST_OF_NOISE_MM,
+    Arrows,
+    Sole,
+    field_between,
+    field_under_feet,
+    magnification,
+)
+from shoecal_core.report.figures.run_lines import RunLine, run_lines
+from shoecal_core.report.figures.shares import Share, percent, share_bars
+from shoecal_core.report.figures.shrinks import Gone, Pair, Quantity, before_and_after
+from shoecal_core.report.foot_shapes import foot_shape
+from shoecal_core.report.palette import BLUE
+
+LOOKS = (BEFORE, AFTER)
+NOTHING = Arrows(np.empty((0, 2)), np.empty((0, 2)))
+
+
+def alt(svg: str) -> str:
+    return read_svg(svg).get("aria-label", "")
+
+
+def test_shares_are_told() -> None:
+    told = alt(share_bars([Share("a", 0.46, BLUE, "kind"), Share("b", 1.4, BLUE)], "Shares"))
+    assert told == "Shares: a 46 %; b 140 %."
+    assert [percent(value) for value in (0.0, 0.001, 0.5, 0.999, 1.0)] == [
+        "0 %", "< 1 %", "50 %", "> 99 %", "100 %",
+    ]  # fmt: skip
+
+
+def test_lines_by_run() -> None:
+    time = np.linspace(0.0, 10.0, 50)
+    rows = [
+        RunLine("run 1", time, np.full(50, 2.0), np.full(50, 0.5), ((3.0, 4.0),), (6.0,)),
+        RunLine("run 2 · test", time, np.full(50, np.nan), np.full(50, np.nan), (), ()),
+    ]
+    svg = run_lines(rows, LOOKS, "mm", 0.1, "CoP forward")
+    assert "run 1 2 → 0.5; run 2 · test –" in alt(svg)
+    assert ">6.0 s<" in svg
+    assert "one foot lifted" in svg
+    alone = run_lines([RunLine("run 1", time, np.zeros(50), np.empty(0), (), ())], LOOKS, "N", 0.1,
+                      "GRF")  # fmt: skip
+    assert "with what was found" not in alone
+    assert "something begins" not in alone
+
+
+def test_the_right_candidate_turns_the_diagonal_flat() -> None:
+    rng = np.random.default_rng(1)
+    change = rng.normal(size=200)
+    noise = 0.01 * rng.normal(size=200)
+    right = Added("right", change, change + noise, noise)
+    wrong = Added("wrong", np.zeros(200), change, change)
+    told = alt(added_variables([right, wrong], LOOKS, "mm", "CoP"))
+    assert "right: slope 1.00 without, " in told
+    assert "wrong: slope 0.00 without, 0.00 with it" in told
+    assert slope(change, 3.0 * change) == pytest.approx(3.0)
+
+
+def test_errors_before_and_after() -> None:
+    pairs = (Pair("measured", 1.42, 0.45), Pair("simulated", 1.6, 0.7))
+    panel = Quantity("CoP error, mean (mm)", pairs, 0.38)
+    gone = [Gone("measured", 0.94, (0.88, 0.97)), Gone("simulated", -0.2, (np.nan, np.nan))]
+    told = alt(before_and_after(gone, [panel], LOOKS))
+    assert "measured: 94 % gone" in told
+    assert "simulated: from 1.6 to 0.7" in told
+    without = before_and_after([], [Quantity("readings (V)", pairs, np.nan)], LOOKS)
+    assert "share of the gap" not in without
+    assert "noise alone" not in without
+
+
+def test_arrows_have_one_round_scale_and_noise_stays_short() -> None:
+    one = Arrows(np.zeros((9, 2)), np.full((9, 2), 2e-3))
+    for noise in (0.0, 4e-4, 5e-3):
+        times = magnification([one, NOTHING], noise)
+        assert 2e-3 * np.sqrt(2.0) * times <= 1e-3 * LONGEST_MM
+        assert noise * times <= 1e-3 * LONGEST_OF_NOISE_MM
+        assert f"{times:.0e}"[0] in "125"
+    assert magnification([NOTHING], 1e-3) == 1.0
+
+
+def test_feet_with_and_without_arrows() -> None:
+    robot, shoe = robots.load("nao"), shoes.shoe("nao_shoe")
+    left, right = (foot_shape(robot, shoe, foot) for foot in (0, 1))
+    some = Arrows(np.array([[0.01, 0.0], [0.03, 0.01]]), np.array([[1e-3, 0.0], [0.0, 2e-3]]))
+    assert "2 places, 1.50 mm on average, 2.00 mm at most" in alt(
+        field_between(left, [right], some, BEFORE, 5.0)
+    )
+    soles = [
+        Sole(left, some, np.array([0.4, -0.2]), ((left.cells[0], "46 %"),)),
+        Sole(right, NOTHING, np.empty(0)),
+    ]
+    svg = field_under_feet(soles, BEFORE, 5.0, 0.4)
+    assert ">46 %<" in svg
+    assert "GRF off by 0.4 N" in svg
+    assert "right: No sample." in alt(svg)
+
+
+def test_a_map_of_lever_points() -> None:
+    robot, shoe = robots.load("nao"), shoes.shoe("nao_shoe")
+    shape = foot_shape(robot, shoe, 0)
+    low, high = box(shape)
+    x, y = np.linspace(low[0], high[0], 9), np.linspace(low[1], high[1], 9)
+    dense = np.exp(-(((x[:, None] - 0.086) / 0.02) ** 2) - ((y - 0.041) / 0.02) ** 2)
+    maps = [LeverMap(shape, x, y, values, np.array([0.086, 0.041]), "2 mm from front left")
+            for values in (dense, np.zeros_like(dense))]  # fmt: skip
+    assert "left foot: 2 mm from front left" in alt(lever_map(maps))
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("grf", "N"), ("cop_y", "mm"), ("air_f", "N"), ("air_mx", "N m"), ("closure_y", "mm"),
+     ("closure_yaw", "°"), ("closure_pitch", "°"), ("parity_left", "N"), ("tilt_x", "°"),
+     ("mine", "")],
+)  # fmt: skip
+def test_units_of_signals(name: str, unit: str) -> None:
+    assert unit_of(name)[1] == unit
