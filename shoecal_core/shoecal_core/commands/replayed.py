@@ -16,6 +16,7 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 from shoecal_core.simulation.drawn import DrawnReality, draw
 from shoecal_core.simulation.effects.effect import Effect
+from shoecal_core.simulation.placing import place_showing
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.snapshot import stack
@@ -72,7 +73,7 @@ def replay(run: Run, robot: Robot, shoe: Shoe, drawn: DrawnReality, begun: float
     sim = SimulatedRobot(robot, shoe, drawn, np.random.default_rng(0), made_at=begun)
     known = [name for name in run.joints.names if name in robot.joint_names]
     first = [run.joints.names.index(name) for name in known]
-    sim.place(robot.from_measured(known, run.joints.position[:1, first])[0])
+    place_showing(sim, robot.from_measured(known, run.joints.position[:1, first])[0])
     start = sim.time
     sim.begin_run(number=run.info.run)
     pending = sorted(run.commanded, key=lambda one: one.start)

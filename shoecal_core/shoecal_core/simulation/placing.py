@@ -1,0 +1,31 @@
+"""Putting a simulated robot where a recorded one stood."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.simulation.robot import SimulatedRobot
+
+FloatArray = NDArray[np.float64]
+
+
+def place_showing(sim: SimulatedRobot, joint_angles: FloatArray) -> None:
+    """Put the robot down so that, at rest, its encoders show these angles.
+
+    Servos give under load, so a robot that is told what another one showed stands lower than that
+    one, and its feet push each other otherwise. What it misses is added to what it is told.
+
+    Args:
+        sim: to put down.
+        joint_angles: (m,) as a recorded robot's encoders showed them [rad].
+
+    Raises:
+        SupportNotReachedError: when the soles are not level or it does not come to rest.
+        RobotFellError: when it falls.
+    """
+    sim.place(joint_angles)
+    told = 2.0 * joint_angles - sim.joints().angles
+    for motor in sim.robot.shared:
+        told[motor.joint] = motor.ratio * told[motor.leader]
+    sim.place(np.clip(told, sim.robot.lower, sim.robot.upper))
