@@ -17,6 +17,8 @@ from shoecal_core.sensing.shoe import FEET
 FloatArray = NDArray[np.float64]
 Size = dict[str, float]
 
+AIM = 3.0
+"""Gap over the floor that guesses are meant to make, and measured sizes come near to."""
 STRENGTHS = (1.5, 3.0, 6.0)
 """Gap over the floor that an effect is meant to make alone."""
 
@@ -120,6 +122,9 @@ LIMITS: Mapping[str, float] = {
 }  # fmt: skip
 """Largest magnitudes: beyond them nobody needs a diagnosis, or the robot no longer stands."""
 
+UNKNOWN = "unknown "
+"""Begins the key of what is not in the table."""
+
 FOREIGN_LIMITS: Mapping[str, float] = {
     "cable": 60.0, "rubbing thigh": 600.0, "swinging load": 0.2, "motor pick-up": 0.5,
     "touching edge": 5.0, "loose plate": 0.01, "steadying hand": 6.0, "pebble": 0.0015,
@@ -171,9 +176,10 @@ def unit_sizes(file: Path = UNIT_SIZES) -> Mapping[str, Mapping[str, list[float]
 def magnitude_of(key: str, strength: float, limit: float) -> float:
     """The magnitude that makes a gap, read off the measured ones, up to a limit.
 
-    Own gaps add to the floor in squares; an own gap grows about evenly with its magnitude.
+    Own gaps add to the floor in squares; an own gap grows about evenly with its magnitude. What
+    has not been measured is guessed; whatever is drawn, the gap that it makes is measured later.
     """
-    told = unit_sizes()[key]
+    told = unit_sizes().get(key) or {"magnitude": [_guess(key)], "gap": [AIM]}
     magnitude = np.log(np.array(told["magnitude"]))
     own = np.log(np.array([own_gap(gap) for gap in told["gap"]]))
     wanted = np.log(own_gap(strength))
@@ -185,6 +191,12 @@ def magnitude_of(key: str, strength: float, limit: float) -> float:
     else:
         found = np.interp(wanted, own[order], magnitude[order])
     return min(limit, float(np.exp(found)))
+
+
+def _guess(key: str) -> float:
+    return (
+        FOREIGN_GUESS.get(key.removeprefix(UNKNOWN), 0.0) or FIRST_GUESS[key.split(maxsplit=1)[0]]
+    )
 
 
 def own_gap(gap: float) -> float:

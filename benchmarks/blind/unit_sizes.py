@@ -23,6 +23,7 @@ from blind.answers import Answer, Foreign, Truth
 from blind.catalogue import EFFECTS
 from blind.composition import slipping
 from blind.draws import (
+    AIM,
     CARRIERS,
     FIRST_GUESS,
     FOREIGN_GUESS,
@@ -30,6 +31,7 @@ from blind.draws import (
     JOINTS,
     LIMITS,
     LINKS,
+    UNKNOWN,
     draw_location,
     draw_size,
     own_gap,
@@ -44,8 +46,6 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
 from shoecal_core.recording.session import Session
 
-AIM = 3.0
-"""Gap over the floor."""
 _TRIES, _NEAR = 3, 0.35
 """Magnitudes tried of each, and how near to the aim, as a logarithm, is near enough."""
 _RATE_HZ = 25.0
@@ -53,7 +53,6 @@ _RATE_HZ = 25.0
 _SEED = 1
 _ORDER = (0, 1, 2, 6)
 """Of the standard set: three motions to train, one to test; all of them tell much the same."""
-_UNKNOWN = "unknown "
 
 
 @dataclasses.dataclass(frozen=True)
@@ -77,7 +76,7 @@ class Unit:
     @property
     def kind(self) -> str:
         """Of what is not in the table."""
-        return self.key.removeprefix(_UNKNOWN)
+        return self.key.removeprefix(UNKNOWN)
 
 
 def units() -> list[Unit]:
@@ -86,7 +85,7 @@ def units() -> list[Unit]:
     for effect, location in _places():
         key = unit_key(effect, location)
         found.setdefault(key, Unit(key, effect, location))
-    foreign = [Unit(f"{_UNKNOWN}{kind}", "") for kind in FOREIGN_GUESS]
+    foreign = [Unit(f"{UNKNOWN}{kind}", "") for kind in FOREIGN_GUESS]
     return [*found.values(), *foreign]
 
 
