@@ -7,7 +7,17 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.regression import Noise
 from shoecal_core.diagnosis.samples import Samples
-from shoecal_core.diagnosis.signals import AIR, SIGNALS, Scene
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.signals import (
+    AIR,
+    CLOSURE,
+    COP,
+    GRF,
+    PARITY,
+    SIGNALS,
+    TILT,
+    Scene,
+)
 
 FloatArray = NDArray[np.float64]
 MOST_KEEP = 0.97
@@ -32,6 +42,29 @@ def least_noise(scene: Scene) -> FloatArray:
         sums = np.stack([np.bincount(group, weights=one) for one in values.T], axis=1)
         least[AIR] = (values - (sums / count)[group]).std(axis=0)
     return least
+
+
+def with_model_error(scene: Scene, noise: Noise, settings: DiagnosisSettings) -> Noise:
+    """With what no model tells: soles that give, legs that brace each other, links that bend.
+
+    As large as if each sole leant by `model_error_rad`, and alike for `model_error_s`: however
+    well sensors tell what happens, smaller things than that are not what is looked for.
+    """
+    samples = scene.samples
+    lean = settings.model_error_rad
+    height = float(np.median(samples.states.com[:, 0, 2]))
+    weight = float(np.median(samples.force))
+    error = np.zeros(len(SIGNALS))
+    error[GRF] = lean * weight
+    error[COP] = lean * height
+    error[AIR] = lean * weight * np.array([1.0, 0.1 * height, 0.1 * height])
+    error[CLOSURE] = lean * np.array([*(3 * (0.5 * height,)), 1.0, 1.0, 1.0])
+    error[PARITY] = 0.2 * lean * weight
+    error[TILT] = lean
+    step = float(np.median(np.diff(samples.time)[np.diff(samples.segment) == 0]))
+    keep = float(np.exp(-step / settings.model_error_s))
+    std = np.hypot(noise.std, error)
+    return Noise(std, (noise.std**2 * noise.keep + error**2 * keep) / std**2)
 
 
 def noise_of(samples: Samples, mask: NDArray[np.bool_], rest: FloatArray) -> Noise:

@@ -41,6 +41,10 @@ class DiagnosisSettings(Settings):
         0.1, "", "cells of a foot count as lying on one plane when what is off it is at most this "
         "share of their third direction", minimum=0.0,
     )  # fmt: skip
+    model_error_rad: float = setting(
+        6e-4, "rad", "errors that any model has, as if soles leant by this", minimum=0.0
+    )
+    model_error_s: float = setting(2.0, "s", "for how long such errors stay alike", minimum=1e-3)
     causes_max: int = setting(4, "", "effects in one explanation at most", minimum=1, maximum=12)
     evidence_min: float = setting(
         30.0, "", "an effect is needed when the data are more probable with it by this, as a "

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline, precision
 from shoecal_core.diagnosis.effects.base import Effect, Place
 from shoecal_core.diagnosis.hypotheses import Library, make_library
-from shoecal_core.diagnosis.noise import least_noise, noise_of
+from shoecal_core.diagnosis.noise import least_noise, noise_of, with_model_error
 from shoecal_core.diagnosis.regression import FEW_RUNS, Noise, Sums, Whitening, make_sums, solve
 from shoecal_core.diagnosis.scoring import Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
@@ -102,6 +102,7 @@ def make_workspace(
     for _ in range(NOISE_ROUNDS):
         noise = _noise(scene, library, noise, train, settings)
         noise = Noise(np.maximum(noise.std, least), noise.keep)
+    noise = with_model_error(scene, noise, settings)
     scene = fit_baseline(scene, train, noise, settings, guess)
     library = make_library(scene, effects, wanted)
     whitening = Whitening(scene.samples, scene.mask, noise)
