@@ -194,9 +194,9 @@ def magnitude_of(key: str, strength: float, limit: float) -> float:
 
 
 def _guess(key: str) -> float:
-    return (
-        FOREIGN_GUESS.get(key.removeprefix(UNKNOWN), 0.0) or FIRST_GUESS[key.split(maxsplit=1)[0]]
-    )
+    if key.startswith(UNKNOWN):
+        return FOREIGN_GUESS[key.removeprefix(UNKNOWN)]
+    return FIRST_GUESS[key.split(maxsplit=1)[0]]
 
 
 def own_gap(gap: float) -> float:
