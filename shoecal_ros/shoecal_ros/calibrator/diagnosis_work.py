@@ -12,6 +12,7 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import (
     STANDARD_SUPPORTS,
+    TEST,
     TRAIN,
     PlannedRun,
     listed_runs,
@@ -27,6 +28,8 @@ from shoecal_ros.common.worker import Link
 
 JSON, REPORT = "diagnosis.json", "diagnosis.html"
 YAWED = ("toes_in", "toes_out")
+LEAST_TRAIN = 2
+"""Runs that must be left to train before one is kept for the test."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,7 @@ def runs_to_record(
         motions: of the planner's menu or proposed; none: the standard set.
         seed: draws the double supports.
         session: to add to: what is added trains, in the double supports that are there already.
+            Of a new one the last quarter tests.
     """
     del link
     robot, shoe = files.load_robot(), files.load_shoe()
@@ -74,9 +78,8 @@ def runs_to_record(
         return list(standard_runs(draw_supports(robot, shoe, settings, STANDARD_SUPPORTS, seed)))
     count = min(len(motions), STANDARD_SUPPORTS)
     places = so_far or draw_supports(robot, shoe, settings, count, seed)
-    # Where no run says what it is meant for, all train.
-    hint = TRAIN if any(entry.hint for entry in entries) else ""
     runs = listed_runs(places, [planned_as(name) for name in motions])
+    hints = _marks(len(motions)) if session is None else [_mark_beside(entries)] * len(motions)
     # A run bears the name that it was asked for by: the recording tells what was done by hand.
     return [
         PlannedRun(
@@ -84,7 +87,7 @@ def runs_to_record(
             name,
             hint,
         )
-        for run, name in zip(runs, motions, strict=True)
+        for run, name, hint in zip(runs, motions, hints, strict=True)
     ]
 
 
@@ -107,6 +110,17 @@ def diagnose_session(link: Link, folder: Path) -> Diagnosed:
         proposed="" if following is None else following.motion,
         separates=() if following is None else tuple(following.separates),
     )
+
+
+def _marks(count: int) -> list[str]:
+    """What listed runs are meant for: the last quarter tests, of three runs the last one."""
+    tests = max(count // 4, 1 if count > LEAST_TRAIN else 0)
+    return [TRAIN] * (count - tests) + [TEST] * tests if tests else [""] * count
+
+
+def _mark_beside(entries: Sequence[RunEntry]) -> str:
+    """What a run added to others is meant for: to train, unless unmarked ones do all."""
+    return TRAIN if any(entry.hint for entry in entries) else ""
 
 
 def _supports(entries: Sequence[RunEntry]) -> list[DoubleSupport]:

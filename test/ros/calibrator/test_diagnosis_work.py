@@ -39,10 +39,18 @@ def test_without_motions_it_is_the_standard_set() -> None:
     assert [(run.motion, run.hint) for run in found] == [(one.motion, one.hint) for one in STANDARD]
 
 
-def test_listed_motions_in_drawn_supports() -> None:
-    found = runs(("landmarks", "hold"))
-    assert [(run.motion, run.hint) for run in found] == [("landmarks", ""), ("hold", "")]
-    assert found[0].support != found[1].support
+@pytest.mark.parametrize(
+    ("motions", "hints"),
+    [
+        (("landmarks", "hold"), ("", "")),
+        (("landmarks", "hold", "faster"), ("train", "train", "test")),
+    ],
+)
+def test_listed_motions_in_drawn_supports(motions: tuple[str, ...], hints: tuple[str, ...]) -> None:
+    found = runs(motions)
+    assert tuple(run.motion for run in found) == motions
+    assert tuple(run.hint for run in found) == hints
+    assert len({run.support for run in found}) == len(motions)
 
 
 def test_what_is_added_to_a_session_trains_in_its_own_supports(session: Path) -> None:
