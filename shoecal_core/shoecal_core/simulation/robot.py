@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import mujoco
@@ -21,6 +20,8 @@ from shoecal_core.simulation.drawn import DrawnReality
 from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError
 from shoecal_core.simulation.floor import FloorTruth, floor_truth, sideways_forces
 from shoecal_core.simulation.imu import Imu, ImuReadings, base_motion
+from shoecal_core.simulation.joint_sensors import JointReadings, JointSensors
+from shoecal_core.simulation.posing import Posing
 from shoecal_core.simulation.sensor_chain import NO_SIDEWAYS, SensorChain
 from shoecal_core.simulation.set_points import SERVO_PERIOD, SetPoints
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader, floor_rotation
@@ -31,31 +32,12 @@ if TYPE_CHECKING:
 
 FloatArray = NDArray[np.float64]
 
-__all__ = ["JointReadings", "RobotFellError", "SimulatedRobot", "SupportNotReachedError"]
+__all__ = ["RobotFellError", "SimulatedRobot", "SupportNotReachedError"]
 
-_DROP = 5e-4
-"""m; from how high the soles are put down."""
-_UNEVEN_HEIGHT, _UNEVEN_TILT = 0.01, 0.05
-"""m, rad; soles farther from one level plane than this do not stand flat."""
 _FALLEN_TILT, _FALLEN_HEIGHT = 1.0, 0.7
 """rad, and part of the standing height: a torso beyond either has fallen."""
 _REST_SPEED, _REST_TIME = 2e-3, 0.5
 """m/s, rad/s: slower than this, for that long [s], is at rest."""
-
-
-@dataclass(frozen=True)
-class JointReadings:
-    """What the robot tells of its joints, m of them.
-
-    Attributes:
-        angles: as encoders show them [rad].
-        efforts: torque of each joint's motor [N m].
-        temperatures: of each joint's motor [degC].
-    """
-
-    angles: FloatArray
-    efforts: FloatArray
-    temperatures: FloatArray
 
 
 class SimulatedRobot:
@@ -95,7 +77,9 @@ class SimulatedRobot:
         self.robot, self.shoe, self.drawn = robot, shoe, drawn
         self.physics = robot_physics.build(robot, shoe, drawn)
         self._model = self.physics.model
-        self.data, self._scratch = mujoco.MjData(self._model), mujoco.MjData(self._model)
+        self.data = mujoco.MjData(self._model)
+        self._posing = Posing(robot, self.physics)
+        self._joints = JointSensors(self.physics, drawn)
         self._outputs = ChannelOutputs(self._model, shoe)
         self._soles = SoleReader(self._model)
         self._converter = Converter(shoe, drawn.rules, drawn.shoes, noise)
@@ -159,9 +143,8 @@ class SimulatedRobot:
         still = JointTrajectory(self.robot.joint_names, np.zeros(1), joint_angles[None])
         still = still.full(self.robot, joint_angles)
         told = still.positions[0]
-        self._check_soles(told)
-        self._pose(self.data, told - self.drawn.body.encoder_error)
-        self._lower_to_floor()
+        self._posing.check(told)
+        self._posing.put(self.data, told - self.drawn.body.encoder_error)
         self._before, self._steps = self.session_time, 0
         self._run_begin, self._acting = None, self._always
         self._set_points = SetPoints(still, self._steps, self.drawn.rules.step_s)
@@ -268,17 +251,7 @@ class SimulatedRobot:
     def joints(self, at: Snapshot | None = None) -> JointReadings:
         """What the robot tells of its joints, now or at other instants."""
         snap = self.snapshot() if at is None else at
-        physics, servo = self.physics, self.drawn.rules.servo
-        angles = physics.ratio * snap.motor_angle[..., physics.motor]
-        angles = angles + self.drawn.body.encoder_error
-        resolution = self.drawn.rules.joints.encoder_resolution_rad
-        if resolution > 0.0:
-            angles = np.rint(angles / resolution) * resolution
-        return JointReadings(
-            angles=angles,
-            efforts=snap.motor_torque[..., physics.motor],
-            temperatures=servo.ambient_degc + snap.motor_heat[..., physics.motor],
-        )
+        return self._joints(snap)
 
     def readings(self, at: Snapshot | None = None) -> Readings:
         """What the channels' converter gives, now or for other instants in their order."""
@@ -313,41 +286,6 @@ class SimulatedRobot:
         """(a,) what the servos aim at so that their encoders show joint angles (m,)."""
         angles: FloatArray = (told - self.drawn.body.encoder_error)[self._leaders]
         return angles
-
-    def _pose(self, data: mujoco.MjData, motor_angles: FloatArray) -> None:
-        """Joints at these angles, left sole on the world's origin, all else at zero."""
-        mujoco.mj_resetData(self._model, data)
-        data.qpos[self.physics.positions] = motor_angles
-        mujoco.mj_kinematics(self._model, data)
-        position, rotation = self._soles.pose(data)
-        to_left = rotation[0].T
-        data.qpos[:3] = -to_left @ position[0]
-        mujoco.mju_mat2Quat(data.qpos[3:7], to_left.ravel())
-        mujoco.mj_kinematics(self._model, data)
-
-    def _check_soles(self, angles: FloatArray) -> None:
-        self._pose(self._scratch, angles)
-        position, rotation = self._soles.pose(self._scratch)
-        height = abs(float(position[1, 2]))
-        tilt = math.acos(min(1.0, float(rotation[1, 2, 2])))
-        if height > _UNEVEN_HEIGHT or tilt > _UNEVEN_TILT:
-            raise SupportNotReachedError(
-                f"robot '{self.robot.name}' cannot stand with these joint angles: its soles are "
-                f"{height * 1e3:.0f} mm apart in height and {tilt:.2f} rad in tilt; give angles "
-                "that put both soles flat"
-            )
-
-    def _lower_to_floor(self) -> None:
-        """The lowest corner of both outlines just above the floor."""
-        lowest = min(
-            float((position + rotation[:, :2] @ corner)[2])
-            for position, rotation, foot in zip(
-                *self._soles.pose(self.data), self.robot.feet, strict=True
-            )
-            for corner in foot.outline
-        )
-        self.data.qpos[2] += _DROP - lowest
-        mujoco.mj_kinematics(self._model, self.data)
 
     def _posture(self) -> tuple[float, float]:
         """Tilt of the torso [rad], and its height over the standing one."""

@@ -11,7 +11,8 @@ from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.robot import Robot
 from shoecal_core.simulation.converter import Readings
 from shoecal_core.simulation.floor import FloorTruth
-from shoecal_core.simulation.robot import JointReadings, SimulatedRobot
+from shoecal_core.simulation.joint_sensors import JointReadings
+from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.snapshot import stack
 
 FloatArray = NDArray[np.float64]
