@@ -127,14 +127,16 @@ def separations(
     number = max(workspace.scene.samples.runs)
     for index, run in enumerate(runs, 1):
         gram = _gram(scene, whitening, number + index, shared, columns, own_precision)
-        gains = np.array([[_gain(one, other, gram) for other in fits] for one in fits]) / noise
+        gains = (
+            np.array([[expected_gain(one, other, gram) for other in fits] for one in fits]) / noise
+        )
         worth = float((pairs * gains / (gains + clear)).sum())
         found.append(Separation(run.name, gains, worth))
     return tuple(found)
 
 
 @dataclass(frozen=True)
-class _Fit:
+class Fit:
     """A rival's fit to the recorded runs.
 
     Attributes:
@@ -148,7 +150,7 @@ class _Fit:
     root: FloatArray
 
 
-def _fit(scored: Scored, shared: int, places: _Places, count: int) -> _Fit:
+def _fit(scored: Scored, shared: int, places: _Places, count: int) -> Fit:
     solution = scored.solution
     own = len(scored.columns)
     kept = np.concatenate(
@@ -162,11 +164,11 @@ def _fit(scored: Scored, shared: int, places: _Places, count: int) -> _Fit:
     covariance = solution.covariance[np.ix_(kept, kept)]
     scale = np.sqrt(np.diag(covariance))
     values, vectors = np.linalg.eigh(covariance / np.outer(scale, scale))
-    return _Fit(mean, used, scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
+    return Fit(mean, used, scale[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))
 
 
-def _gain(true: _Fit, other: _Fit, gram: FloatArray) -> float:
-    """Expected log evidence of the true one over the other one."""
+def expected_gain(true: Fit, other: Fit, gram: FloatArray) -> float:
+    """Expected log evidence of the true one over the other one, by a run's Gram matrix (q, q)."""
     away = true.mean - other.mean
     seen = gram @ away
     turned = other.root.T @ seen[other.used]

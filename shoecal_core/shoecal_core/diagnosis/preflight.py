@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -188,8 +189,19 @@ def _alike(
     np.fill_diagonal(close, False)
     neighbours = [frozenset(np.flatnonzero(row).tolist()) for row in close]
     concerned = frozenset(index for index, others in enumerate(neighbours) if others)
-    sets = sorted(sorted(one) for one in _cliques(neighbours, frozenset(), concerned, frozenset()))
+    cliques = list(_cliques(neighbours, frozenset(), concerned, frozenset())) if concerned else []
+    sets = sorted(sorted(one) for one in _covering(cliques))
     return tuple(tuple(hypotheses[index].label for index in one) for one in sets)
+
+
+def _covering(cliques: Sequence[frozenset[int]]) -> Iterator[frozenset[int]]:
+    """The largest ones, as many as it takes to hold every pair."""
+    told: set[tuple[int, int]] = set()
+    for clique in sorted(cliques, key=lambda one: (-len(one), sorted(one))):
+        pairs = set(combinations(sorted(clique), 2))
+        if pairs - told:
+            told |= pairs
+            yield clique
 
 
 def _cliques(

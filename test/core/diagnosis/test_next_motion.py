@@ -1,0 +1,134 @@
+"""The run that separates what is confused."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from core.diagnosis import rivals
+from shoecal_core.diagnosis.candidates import WARM
+from shoecal_core.diagnosis.effects.contact import TURNED
+from shoecal_core.diagnosis.forecast import PossibleRun
+from shoecal_core.diagnosis.next_motion import (
+    Fit,
+    Separation,
+    chosen,
+    expected_gain,
+    propose,
+    separations,
+)
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.workspace import Workspace
+
+FloatArray = NDArray[np.float64]
+SETTINGS = DiagnosisSettings()
+
+
+def told(
+    workspace: Workspace, runs: tuple[PossibleRun, ...], true: str, size: list[float], *others: str
+) -> dict[str, Separation]:
+    session, fits = rivals.where(workspace, true, size, *others)
+    return {one.motion: one for one in separations(session, fits, runs, SETTINGS)}
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_gain_is_what_a_new_fit_to_all_runs_leaves(seed: int) -> None:
+    """Least squares of both rivals to the recorded rows, then to both sets of rows."""
+    rng = np.random.default_rng(seed)
+    recorded, new = rng.normal(size=(40, 6)), rng.normal(size=(15, 6))
+    prior = rng.uniform(0.1, 2.0, 6)
+    measured = recorded @ rng.normal(size=6) + rng.normal(size=40)
+    used = {"a": np.array([0, 1, 2, 3]), "b": np.array([0, 1, 4, 5])}
+
+    def fit(rows: FloatArray, values: FloatArray, own: NDArray[np.int64]) -> tuple[Fit, float]:
+        normal = rows[:, own].T @ rows[:, own] + np.diag(prior[own])
+        mean = np.zeros(6)
+        mean[own] = np.linalg.solve(normal, rows[:, own].T @ values)
+        squares = np.sum((values - rows @ mean) ** 2) + prior @ mean**2
+        return Fit(mean, own, np.linalg.cholesky(np.linalg.inv(normal))), float(squares)
+
+    (a, before_a), (b, before_b) = (fit(recorded, measured, own) for own in used.values())
+    foretold = new @ a.mean
+    rows, values = np.vstack((recorded, new)), np.concatenate((measured, foretold))
+    (_, after_a), (_, after_b) = (fit(rows, values, own) for own in used.values())
+    assert after_a == pytest.approx(before_a)
+    assert expected_gain(a, b, new.T @ new) == pytest.approx(0.5 * (after_b - before_b))
+    assert expected_gain(a, a, new.T @ new) == pytest.approx(0.0, abs=1e-9)
+
+
+def test_faster_motion_tells_a_delay_from_a_lag(
+    workspace: Workspace, runs: tuple[PossibleRun, ...]
+) -> None:
+    found = told(workspace, runs, "latency (left)", [0.04], "low_pass (left)")
+    assert max(found.values(), key=lambda one: one.worth).motion == "faster"
+    assert found["faster"].gains[0, 1] > 3.0 * found["landmarks"].gains[0, 1]
+
+
+def test_turning_the_robot_tells_the_floor_from_the_body(
+    workspace: Workspace, runs: tuple[PossibleRun, ...]
+) -> None:
+    body = ("joint_offset (LAnkleRoll)", "link_com (base_link)")
+    found = told(workspace, runs, "floor_tilt", [0.004, 0.002], *body)
+    for rival in (1, 2):
+        turned, again = (found[name].gains[0, rival] for name in (TURNED, "landmarks"))
+        assert turned > 3.0 * again
+
+
+def test_time_tells_a_drift_from_creep(workspace: Workspace, runs: tuple[PossibleRun, ...]) -> None:
+    found = told(workspace, runs, "zero_drift (left)", [3e-4], "span_drift (left)")
+    assert found[WARM].gains[0, 1] > 3.0 * found["landmarks"].gains[0, 1]
+
+
+def test_exact_twins_stay_twins_whatever_is_run(
+    workspace: Workspace, runs: tuple[PossibleRun, ...]
+) -> None:
+    pair = "crosstalk (left/rear_left, left/front_left)", "cell_position (left/front_left)"
+    session, fits = rivals.where(workspace, pair[0], [0.05], pair[1])
+    found = separations(session, fits, runs, SETTINGS)
+    assert max(one.gains.max() for one in found) < 3.0
+    assert chosen(found, fits) is None
+
+
+def test_a_proposal_names_what_it_tells_apart(workspace: Workspace) -> None:
+    session, fits = rivals.where(workspace, "soft_ground (left)", [0.002], "foot_placement (left)")
+    heard: list[float] = []
+    found = propose(session, fits, SETTINGS, progress=lambda _text, share: heard.append(share))
+    assert found is not None
+    assert found.separates == ("soft_ground (left)", "foot_placement (left)")
+    assert heard == sorted(heard)
+    assert heard
+
+
+def test_nothing_is_proposed_where_nothing_is_confused(workspace: Workspace) -> None:
+    session, fits = rivals.where(workspace, "floor_tilt", [0.004, 0.002])
+    assert propose(session, fits, SETTINGS) is None
+    assert propose(session, [], SETTINGS) is None
+
+
+def test_a_moments_effect_adds_nothing_to_runs_to_come(
+    workspace: Workspace, runs: tuple[PossibleRun, ...]
+) -> None:
+    found = told(workspace, runs, "slip (left)", [0.004, 0.0, 0.0], "slip (right)")
+    assert all(np.isfinite(one.gains).all() for one in found.values())
+
+
+@pytest.mark.parametrize(("own_worth", "expected"), [(0.8, "reversed"), (0.5, TURNED)])
+def test_a_person_is_asked_only_where_that_is_clearly_better(
+    workspace: Workspace, own_worth: float, expected: str
+) -> None:
+    _, fits = rivals.where(workspace, "latency (left)", [0.03], "low_pass (left)")
+    clear = np.array([[0.0, 9.0], [9.0, 0.0]])
+    found = chosen([Separation("reversed", clear, own_worth), Separation(TURNED, clear, 1.0)], fits)
+    assert found is not None
+    assert found.motion == expected
+
+
+def test_what_a_run_does_not_separate_is_not_named(workspace: Workspace) -> None:
+    _, fits = rivals.where(
+        workspace, "latency (left)", [0.03], "low_pass (left)", "latency (right)"
+    )
+    gains = np.array([[0.0, 1.0, 9.0], [9.0, 0.0, 9.0], [9.0, 2.0, 0.0]])
+    found = chosen([Separation("faster", gains, 0.4)], fits)
+    assert found is not None
+    assert found.separates == ("latency (left)", "latency (right)")
