@@ -83,7 +83,7 @@ def _planned(
     """The motion, or none where the robot cannot do it."""
     try:
         if name == YAWED:
-            support = _yawed(Feasible(planner.legs.robot, planner.settings), so_far)
+            support = yawed_support(Feasible(planner.legs.robot, planner.settings), so_far)
             yield planner.plan(support, "landmarks")
         else:
             yield planner.plan(usual, name)
@@ -91,7 +91,7 @@ def _planned(
         return
 
 
-def _yawed(feasible: Feasible, so_far: list[DoubleSupport]) -> DoubleSupport:
+def yawed_support(feasible: Feasible, so_far: list[DoubleSupport]) -> DoubleSupport:
     """The double support with much yaw whose yaw is farthest from those so far."""
     return max(
         (named_support(name, feasible) for name in ("toes_in", "toes_out")),
