@@ -16,7 +16,8 @@ from shoecal_core.sensing.shoe import FEET, Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
-FORMAT = 1
+FORMAT = 2
+"""1: without columns; still written where there are none, so that older versions read it."""
 VERDICTS = ("PASS", "WARN", "FAIL")
 
 
@@ -44,6 +45,8 @@ class Calibration:
         verdict: PASS, WARN or FAIL.
         reasons: what the verdict rests on.
         fitted_runs: SHA-256 of the run files it was fitted to; empty where nobody knows.
+        columns: (n, 3) what one unit of each output adds to its foot's wrench, where that was
+            calibrated, too (places of cells, crosstalk, plates); None: as the shoe's file says.
     """
 
     id: str
@@ -63,6 +66,7 @@ class Calibration:
     verdict: str
     reasons: tuple[str, ...]
     fitted_runs: tuple[str, ...] = ()
+    columns: FloatArray | None = None
 
     def __post_init__(self) -> None:
         self._check_channels()
@@ -83,11 +87,24 @@ class Calibration:
             raise ShoecalError("a gain of zero makes its cell blind; recalibrate")
         if len(set(self.channels)) < count:
             raise ShoecalError("a channel appears twice in the calibration")
+        if self.columns is not None:
+            if self.columns.shape != (count, 3):
+                raise ShapeError("columns", f"({count}, 3)", self.columns.shape)
+            if not np.isfinite(self.columns).all():
+                raise ShoecalError("the columns hold a number that is not finite")
         if self.covariance is not None:
             if self.covariance.shape != (2 * count, 2 * count):
                 raise ShapeError("covariance", f"({2 * count}, {2 * count})", self.covariance.shape)
             if not np.isfinite(self.covariance).all():
                 raise ShoecalError("the covariance holds a number that is not finite")
+
+    def calibrated(self, shoe: Shoe) -> Shoe:
+        """The shoe with the columns that were calibrated.
+
+        Args:
+            shoe: as its file says, with this calibration's channels.
+        """
+        return shoe if self.columns is None else shoe.with_columns(self.columns)
 
     def sensing(self, shoe: Shoe) -> Sensing:
         """The measuring side under this calibration.
@@ -100,7 +117,7 @@ class Calibration:
                 f"calibration '{self.id}' is of shoe '{self.shoe}' with channels "
                 f"{', '.join(self.channels)}, but shoe '{shoe.name}' has {', '.join(shoe.names)}"
             )
-        return Sensing(shoe, self.parameters, self.corrections)
+        return Sensing(self.calibrated(shoe), self.parameters, self.corrections)
 
 
 def save_calibration(calibration: Calibration, path: Path) -> None:
@@ -109,7 +126,7 @@ def save_calibration(calibration: Calibration, path: Path) -> None:
     write_yaml(
         path,
         {
-            "format": FORMAT,
+            "format": 1 if calibration.columns is None else FORMAT,
             "id": calibration.id,
             "source": calibration.source,
             "made_ns": calibration.made_ns,
@@ -130,6 +147,7 @@ def save_calibration(calibration: Calibration, path: Path) -> None:
                     calibration.channels, parameters.gain, parameters.offset, strict=True
                 )
             ],
+            **({} if calibration.columns is None else {"columns": calibration.columns.tolist()}),
             "corrections": [
                 {
                     "foot": FEET[correction.foot],
@@ -160,7 +178,7 @@ def load_calibration(path: Path) -> Calibration:
     fields.only(
         "format", "id", "source", "made_ns", "robot", "shoe", "robot_hash", "shoe_hash",
         "weight_n", "time_offset_s", "temperature_degc", "reasons", "fitted_runs",
-        "channels", "corrections", "covariance", "verdict",
+        "channels", "columns", "corrections", "covariance", "verdict",
     )  # fmt: skip
     channels = fields.items("channels")
     for channel in channels:
@@ -194,6 +212,7 @@ def load_calibration(path: Path) -> Calibration:
             verdict=fields.choice("verdict", dict.fromkeys(VERDICTS)),
             reasons=tuple(fields.texts("reasons")),
             fitted_runs=tuple(fields.texts("fitted_runs") if "fitted_runs" in fields else ()),
+            columns=fields.array("columns", (count, 3)) if "columns" in fields else None,
         )
     except FileError:
         raise

@@ -107,10 +107,12 @@ def truth_series(truth: Truth, stance: Stance) -> Series:
         columns = [np.interp(stance.time, truth.time, column) for column in flat.T]
         return np.stack(columns, axis=1).reshape(len(stance.time), *values.shape[1:])
 
+    # The truth of both feet is told in the left sole's frame, a left foot in the air or not.
+    place = truth.foot_cop[:, 1] if stance.hanging == 0 else truth.cop
     return Series(
         stance.time,
         at(truth.foot_grf).sum(axis=1),
-        at(truth.cop),
+        at(place),
         at(truth.foot_grf),
         at(truth.foot_cop),
     )

@@ -104,6 +104,7 @@ def hanging_stance(
         np.full(len(aligned.time), kinematics.robot.weight),
         aligned.states.cop[:, 1 - foot],
         aligned.joint_angles,
+        aligned.efforts,
     )
 
 
@@ -142,4 +143,5 @@ def double_support_stance(
         np.full(count, kinematics.robot.weight),
         aligned.states.cop[:, 0],
         aligned.joint_angles,
+        aligned.efforts,
     )

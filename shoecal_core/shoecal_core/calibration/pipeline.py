@@ -27,6 +27,8 @@ from shoecal_core.calibration.checks import (
 from shoecal_core.calibration.evaluate import Errors, errors, measured_series, modelled_series
 from shoecal_core.calibration.extract import stances_of
 from shoecal_core.calibration.fit import SelfCalibration, self_calibrate
+from shoecal_core.calibration.refinement.found_effects import FoundEffects
+from shoecal_core.calibration.refinement.refined import Refined, refined
 from shoecal_core.calibration.screening.clocks import LEFT_STD_S, put_together
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
@@ -72,6 +74,18 @@ class SessionData:
         """Stances of some runs."""
         return [stance for run in runs for stance in self.stances[run]]
 
+    def corrected(self, refinement: Refined) -> SessionData:
+        """The same with the corrected shoe and reference."""
+        correct = refinement.refinement.correct
+        return replace(
+            self,
+            shoe=refinement.refinement.shoe,
+            stances={
+                run: tuple(correct(stance) for stance in stances)
+                for run, stances in self.stances.items()
+            },
+        )
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -85,6 +99,7 @@ class Outcome:
         train, test: numbers of the runs; those that were left out are in neither.
         modelled: errors against the model, by stage (`initial_guess`, `self_calibration`) and
             set (`train`, `test`); a set without runs is left out.
+        refined: what was allowed to be wrong, and is put right in `data`; None: nothing.
     """
 
     calibration: Calibration
@@ -94,6 +109,7 @@ class Outcome:
     train: tuple[int, ...]
     test: tuple[int, ...]
     modelled: dict[str, dict[str, Errors]]
+    refined: Refined | None = None
 
     @property
     def screening(self) -> Screening:
@@ -181,6 +197,7 @@ def calibrate_session(
     *,
     source: str = "self",
     made_ns: int = 0,
+    effects: FoundEffects | None = None,
 ) -> Outcome:
     """Self-calibration from a recording (paper, section VI).
 
@@ -191,6 +208,7 @@ def calibrate_session(
         tolerances: of what the files of robot and shoes say.
         source: kept in the calibration.
         made_ns: time stamp of the calibration [ns since the epoch]; 0: that of the last run.
+        effects: found by a diagnosis: fitted too, with the tolerances; None: neither.
 
     Raises:
         ShoecalError: when no calibration can be had from the session at all. A calibration
@@ -204,8 +222,13 @@ def calibrate_session(
     if data.screening.fails:
         raise FileError(session.folder, "; ".join(finding.reason for finding in found))
     train, test = (tuple(run for run in runs if data.stances[run]) for runs in (train, test))
+    _require_supports(session, data.of(train), found)
+    refinement = None
+    if effects is not None:
+        refinement = refined(data.robot, data.shoe, data.of(train), effects, settings, tolerances)
+        data, settings = data.corrected(refinement), refinement.settings
+        found += refinement.findings
     training, testing = data.of(train), data.of(test)
-    _require_supports(session, training, found)
     stages = self_calibrate(data.shoe, training, _fitting(settings, data.screening))
     guessed = Sensing(data.shoe, stages.guess.parameters)
     sets = {name: part for name, part in (("train", training), ("test", testing)) if part}
@@ -217,7 +240,7 @@ def calibrate_session(
     verdict = _verdict(data, stages, modelled["self_calibration"], settings, found, assessment)
     return Outcome(
         calibration=replace(
-            _calibration(data, stages, assessment, verdict, source, made_ns),
+            _calibration(data, stages, assessment, verdict, source, made_ns, refinement),
             fitted_runs=tuple(sha256(entry.path) for entry in session.runs if entry.run in train),
         ),
         stages=stages,
@@ -226,6 +249,7 @@ def calibrate_session(
         train=train,
         test=test,
         modelled=modelled,
+        refined=refinement,
     )
 
 
@@ -286,6 +310,7 @@ def _calibration(
     verdict: Verdict,
     source: str,
     made_ns: int,
+    refinement: Refined | None,
 ) -> Calibration:
     count = len(data.shoe.names)
     stamp = made_ns or data.end_ns
@@ -307,4 +332,5 @@ def _calibration(
         temperature=data.temperature,
         verdict=verdict.verdict,
         reasons=verdict.reasons,
+        columns=None if refinement is None else data.shoe.columns,
     )

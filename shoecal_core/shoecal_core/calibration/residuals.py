@@ -22,6 +22,9 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, weight_below
 
 FloatArray = NDArray[np.float64]
+HANGING_STD_N, HANGING_LEVER_M = 0.05, 0.05
+"""How far the force that a foot in the air feels is off zero, and the lever of its moments: the
+weight of what hangs below the cells is known, and cells hold their zero."""
 
 
 @dataclass(frozen=True)
@@ -116,6 +119,18 @@ def _measured(vector: FloatArray, stance: Stance) -> tuple[FloatArray, FloatArra
     return force, np.stack((-my, mx), axis=1) / force[:, None]
 
 
+def hanging_weights(stance: Stance, weights: Weights) -> Weights:
+    """Weights of a foot in the air: while the robot stands still, no error of the model matters."""
+    if not stance.quasi_static or not len(stance.force):
+        return weights
+    weight = float(stance.force.mean())
+    return Weights(
+        min(weights.force, HANGING_STD_N),
+        min(weights.cop, HANGING_STD_N * HANGING_LEVER_M / weight),
+        weights.correlation,
+    )
+
+
 def hanging_residuals(
     vector: FloatArray, stance: Stance, shoe: Shoe, weights: Weights, weight: float
 ) -> tuple[FloatArray, FloatArray]:
@@ -125,6 +140,7 @@ def hanging_residuals(
     """
     foot = stance.hanging
     assert foot is not None
+    weights = hanging_weights(stance, weights)
     parameters, _ = unpack(vector)
     columns = np.where((shoe.foot == foot)[:, None], shoe.columns, 0.0)
     wrench = parameters.outputs(stance.readings) @ columns + weight_below(shoe)[foot]
@@ -259,7 +275,8 @@ class Term:
             if self.weight is None:
                 yield extended, _loaded(wrench, self.stance, part, time_offset, weights)
             else:
-                yield extended, _hanging(wrench, self.weight, weights)
+                tight = hanging_weights(self.stance, weights)
+                yield extended, _hanging(wrench, self.weight, tight)
 
 
 def _loaded(

@@ -150,6 +150,7 @@ def compare(
         tolerance: of weight and modelled CoP.
     """
     sensing = calibration.sensing(shoe)
+    shoe = sensing.shoe
     outputs = sensing.parameters.outputs(readings)
     parts = [_hanging_foot(shoe, foot, outputs) for foot, hangs in enumerate(hanging) if hangs]
     if not all(hanging):

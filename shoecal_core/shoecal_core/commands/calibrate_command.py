@@ -12,6 +12,8 @@ from rich.console import Console
 from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.calibration.initial_guess import InitialGuess
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
+from shoecal_core.calibration.refinement.found_effects import load_found_effects
+from shoecal_core.calibration.refinement.unknowns import MEASURING
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.commands.arguments import add_sets, require_folder
@@ -22,6 +24,9 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.session import Session
 from shoecal_core.report.session_report import write_session_report
 from shoecal_core.settings import load_settings
+
+SURE = 2.0
+"""Effects are named from this many of their standard deviations on."""
 
 
 class CalibrationFailedError(ShoecalError):
@@ -38,6 +43,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="parameter file of the calibrator node, for its weights and tolerances",
     )
+    parser.add_argument(
+        "--effects",
+        type=Path,
+        metavar="DIAGNOSIS.json",
+        help="of `shoecal diagnose --json`: fit what it found, too, and all tolerances",
+    )
     add_sets(parser)
 
 
@@ -50,9 +61,13 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     for path in filter(None, (args.out, args.report, args.json)):
         require_folder(path)
     session = Session.open(args.session)
-    outcome = calibrate_session(session, args.train, args.test, settings, tolerances)
+    effects = None if args.effects is None else load_found_effects(args.effects)
+    outcome = calibrate_session(
+        session, args.train, args.test, settings, tolerances, effects=effects
+    )
     console.print(errors_table("Measured against modelled", stages_rows(outcome.modelled)))
     _print_channels(outcome, console)
+    _print_refined(outcome, console)
     _print_trust(outcome, console)
     calibration = outcome.calibration
     if calibration.verdict != "FAIL":
@@ -97,6 +112,7 @@ def to_json(outcome: Outcome) -> dict[str, object]:
         "assessment": outcome.assessment.to_json(outcome.data.shoe),
         "screening": outcome.screening.to_json(),
         "time_offset_s": calibration.time_offset,
+        "effects": [] if outcome.refined is None else outcome.refined.to_json(),
         "initial_guess": {
             "cop_rows": _guess(outcome.stages.guess),
             "cop_and_weight_rows": _guess(outcome.stages.guess_with_weight),
@@ -114,6 +130,27 @@ def _guess(guess: InitialGuess) -> dict[str, float | None]:
         name: value if math.isfinite(value) else None
         for name, value in (("gain", guess.gain), ("offset_n", guess.offset))
     }
+
+
+def _print_refined(outcome: Outcome, console: Console) -> None:
+    """What was found to be wrong beyond doubt, on the measuring side and in the model."""
+    if outcome.refined is None:
+        return
+    for title, measuring in (
+        ("shoes (part of the calibration)", True),
+        ("model (cleans the reference only)", False),
+    ):
+        sure = [
+            one
+            for one in outcome.refined.refinement.fitted
+            if (one.unknown.effect in MEASURING) == measuring and abs(one.value) > SURE * one.std
+        ]
+        told = ", ".join(
+            f"{one.unknown.effect} {' '.join(one.unknown.location)} {one.unknown.component} "
+            f"{one.value:.2g} ± {one.std:.2g}"
+            for one in sure
+        )
+        console.print(f"  {title}: {told or 'nothing sure'}", markup=False, soft_wrap=True)
 
 
 def _print_trust(outcome: Outcome, console: Console) -> None:

@@ -54,7 +54,7 @@ def diagnose(
     settings: DiagnosisSettings | None = None,
     *,
     without: frozenset[str] = frozenset(),
-    only: Wanted | None = None,
+    only: Callable[[str, Place], bool] | None = None,
     effects: Sequence[Effect] = EFFECTS,
     progress: Progress | None = None,
 ) -> Diagnosis:
@@ -65,7 +65,7 @@ def diagnose(
         train, test: runs; see `split_runs`. Test runs touch no fit and no ranking.
         settings: thresholds.
         without: families of signals left out (`signals.FAMILIES`).
-        only: looks at nothing else.
+        only: tells of an effect and a place whether to look; None: everywhere (see `Wanted`).
         effects: the library.
         progress: told what is being done and the share done (0 to 1).
 

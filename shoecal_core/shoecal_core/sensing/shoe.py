@@ -8,7 +8,7 @@ y left, z up.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -132,6 +132,14 @@ class Shoe:
     def mass(self) -> float:
         """Mass of both shoes [kg]."""
         return sum(plates.mass_above + plates.mass_below for plates in self.plates)
+
+    def with_columns(self, columns: NDArray[np.float64]) -> Shoe:
+        """The same with other columns (n, 3)."""
+        channels = tuple(
+            replace(channel, column=column)
+            for channel, column in zip(self.channels, columns, strict=True)
+        )
+        return replace(self, channels=channels)
 
     def index(self, name: str) -> int:
         """Place of a channel in the arrays."""

@@ -23,6 +23,7 @@ from shoecal_core.calibration.calibration import (
     save_calibration,
 )
 from shoecal_core.errors import FileError, ShapeError, ShoecalError, VersionError
+from shoecal_core.files import read_yaml
 from shoecal_core.sensing.correction import CopCorrection
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
@@ -99,6 +100,23 @@ def test_there_and_back_with_as_little_as_possible(whole: Calibration, tmp_path:
     path = tmp_path / "calibration.yaml"
     save_calibration(little, path)
     assert same(load_calibration(path), little)
+
+
+def test_calibrated_columns(whole: Calibration, shoe: Shoe, tmp_path: Path) -> None:
+    """They go into the file and into what is measured; without them the file is an older one."""
+    path = tmp_path / "calibration.yaml"
+    save_calibration(whole, path)
+    assert read_yaml(path).integer("format") == 1
+    columns = shoe.columns + 0.001 * np.arange(shoe.columns.size).reshape(-1, 3)
+    moved = replace(whole, columns=columns, corrections=())
+    save_calibration(moved, path)
+    assert read_yaml(path).integer("format") == 2
+    assert same(load_calibration(path), moved)
+    np.testing.assert_array_equal(moved.sensing(shoe).shoe.columns, columns)
+    np.testing.assert_array_equal(whole.sensing(shoe).shoe.columns, shoe.columns)
+    for wrong in (columns[1:], np.full_like(columns, np.nan)):
+        with pytest.raises(ShoecalError, match="columns"):
+            replace(whole, columns=wrong)
 
 
 @given(st.data())
@@ -262,7 +280,7 @@ def test_each_fault_is_one_error_that_names_its_field(name: str, tmp_path: Path)
 def test_a_newer_format_is_refused(whole: Calibration, tmp_path: Path) -> None:
     path = tmp_path / "calibration.yaml"
     save_calibration(whole, path)
-    mutations.write_edited(path, path, (("format",), 2))
+    mutations.write_edited(path, path, (("format",), 3))
     with pytest.raises(VersionError, match="update shoecal"):
         load_calibration(path)
 
