@@ -95,10 +95,12 @@ def diagnose(
     tell("choosing the next motion", 0.85)
     proposed = _proposed(best, found, answer, settings)
     tell("done", 1.0)
+    chosen = found.chosen if answer.causes else None
+    without_any, _ = workspace.explained(None)
     return Diagnosis(
         verdict=answer.verdict,
-        gap=gap(best, workspace.explained(None)[0]),
-        where=where(best, workspace.explained(None)[0], found.chosen),
+        gap=gap(best, without_any),
+        where=where(best, without_any, chosen),
         causes=answer.causes,
         ambiguity=answer.ambiguity,
         ranking=answer.ranking[:SHOWN],
@@ -110,7 +112,7 @@ def diagnose(
         notes=samples.notes,
         robot=samples.robot.name,
         shoe=samples.shoe.name,
-        evidence=evidence(best, found.chosen, found.singles),
+        evidence=evidence(best, chosen, found.singles),
     )
 
 
