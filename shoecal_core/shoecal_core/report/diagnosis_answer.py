@@ -92,13 +92,14 @@ def _what(diagnosis: Diagnosis) -> list[str]:
     first, *others = diagnosis.causes
     told = [f"Found: {cause_text(first)}.", *(f"And: {cause_text(one)}." for one in others)]
     chosen = {(one.effect, one.location) for one in diagnosis.causes}
-    rivals = [
-        candidate_text(one)
-        for one in diagnosis.ambiguity
-        if (one.effect, one.location) not in chosen
-    ]
+    rivals: list[str] = []
+    replaced: list[str] = []
+    for one in diagnosis.ambiguity:
+        taken = (one.effect, one.location) in chosen
+        (replaced if taken else rivals).append(candidate_text(one))
     if rivals:
-        told.append(f"In its place it could as well be: {listed(rivals, 'or')}.")
+        place = f"In place of {listed(replaced)}" if replaced else "In place of one of these"
+        told.append(f"{place} it could as well be {listed(rivals, 'or')}.")
     return told
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Sequence
 
 from shoecal_core.diagnosis.result import Diagnosis, Shrink, SimulatedShrink
 from shoecal_core.report.diagnosis_answer import (
@@ -13,17 +14,25 @@ from shoecal_core.report.diagnosis_answer import (
     whole_shrink,
 )
 from shoecal_core.report.diagnosis_words import (
+    EFFECTS,
     candidate_text,
     effect_of,
     effect_text,
     label_text,
     listed,
+    name_of,
     sizes_text,
     why_alike,
 )
 from shoecal_core.report.figures.shares import percent
 from shoecal_core.report.page import Table
 from shoecal_core.report.quantities import UNKNOWN
+
+MOST_OF_SET = 6
+"""Candidates of one set that are spelt out."""
+MOST_ALIKE = 3
+"""Sets alike for one reason that are spelt out."""
+_PLACES = re.compile(r"(\w+)((?: of | between )[^(]+)? (\(\d+ of \d+ places.*\))$")
 
 
 def causes_table(diagnosis: Diagnosis) -> Table:
@@ -47,27 +56,48 @@ def alike_table(diagnosis: Diagnosis) -> Table | None:
         sets.insert(0, first)
     if not sets:
         return None
+    reasons: dict[str, list[str]] = {}
+    for one in sets:
+        names = [label_text(name) for name in one]
+        if len(names) > MOST_OF_SET:
+            names[MOST_OF_SET:] = [f"{len(names) - MOST_OF_SET} more"]
+        told = listed(names, "or")
+        reasons.setdefault(why_alike(one), []).append(told)
     return Table(
         "Alike in this session",
         ("these", "because"),
-        tuple((listed([label_text(name) for name in one], "or"), why_alike(one)) for one in sets),
+        tuple((_first(told), why) for why, told in reasons.items()),
         "Told of the motions of this session. What is not found is listed too: if it were "
         "there, it could be taken for its companion.",
     )
+
+
+def _first(told: Sequence[str]) -> str:
+    """A few of many, and how many more."""
+    shown = "; ".join(told[:MOST_ALIKE])
+    return shown if len(told) <= MOST_ALIKE else f"{shown}; and {len(told) - MOST_ALIKE} more"
 
 
 def blind_spots_table(diagnosis: Diagnosis) -> Table | None:
     """What could not be detected; None where there is nothing."""
     if not diagnosis.cannot_detect:
         return None
-    rows: list[tuple[str, ...]] = []
-    for text in diagnosis.cannot_detect:
-        what, _, why = text.partition(": ")
-        rows.append((label_text(what), effect_text(effect_of(what)), why or UNKNOWN))
-    header: tuple[str, ...] = ("it could be there", "that is", "and would not be seen, because")
-    if all(why == UNKNOWN for *_, why in rows):
-        header, rows = header[:2], [row[:2] for row in rows]
-    return Table("Not to be seen in this session", header, tuple(rows))
+    return Table(
+        "Not to be seen in this session",
+        ("it could be there", "that is", "where, or why it would not be seen"),
+        tuple(_blind_spot(text) for text in diagnosis.cannot_detect),
+    )
+
+
+def _blind_spot(text: str) -> tuple[str, str, str]:
+    """What, in words, where or why: of `effect of … (k of n places: …)` or `what: why`."""
+    found = _PLACES.match(text)
+    if found is not None:
+        effect, common, places = found.groups("")
+        return (name_of(effect), effect_text(effect), f"{common.strip()} {places}".strip())
+    what, _, why = text.partition(": ")
+    meaning = EFFECTS.get(effect_of(what), UNKNOWN)
+    return (label_text(what), meaning, why or UNKNOWN)
 
 
 def shrink_table(diagnosis: Diagnosis) -> Table:

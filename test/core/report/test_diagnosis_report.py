@@ -109,12 +109,31 @@ def test_what_cannot_be_told_apart_and_why() -> None:
         ambiguity=alike, ranking=alike,
     )  # fmt: skip
     text = text_of(found)
-    assert "In its place it could as well be: low pass (left foot)." in text
+    assert "In place of latency (left foot) it could as well be low pass (left foot)." in text
     assert "faster motion parts them" in text
     assert "as good as a chosen one" in text
     again = replace(found, cannot_separate=(*found.cannot_separate, tuple(
         one.label for one in reversed(alike))))  # fmt: skip
     assert text_of(again).count("faster motion parts them") == 1
+
+
+def test_many_alike_and_many_blind_spots_in_few_rows() -> None:
+    cells = [f"left/{index}" for index in range(6)]
+    pairs = tuple((f"crosstalk (left/a, {cell})", f"cell_position ({cell})") for cell in cells)
+    text = text_of(
+        diagnoses.diagnosis(
+            None, cannot_separate=pairs,
+            cannot_detect=("creep of cells of the left foot (1 of 4 places: left/a)",
+                           "link_com (2 of 25 places: Neck, Head)", "tether (1 of 1 places)",
+                           "drifts with temperature: none was recorded", "floor_tilt"),
+        )
+    )  # fmt: skip
+    assert text.count("exactly as that cell standing elsewhere") == 1
+    assert "and 3 more" in text
+    assert "of cells of the left foot (1 of 4 places: left/a)" in text
+    assert "link com a centre of mass" in text
+    assert "drifts with temperature – none was recorded" in text
+    assert "floor tilt a floor that is not level" in text
 
 
 def test_two_causes_and_their_onset(evidence: Evidence) -> None:
