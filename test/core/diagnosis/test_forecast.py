@@ -39,7 +39,8 @@ def test_recorded_runs_stay_as_they_are(workspace: Workspace, scene: Scene) -> N
     assert scene.samples.run[count] == max(before.samples.runs) + 1
     np.testing.assert_array_equal(scene.residuals[:count], before.residuals)
     np.testing.assert_allclose(scene.baseline[:base, :count], before.baseline, atol=1e-12)
-    assert (np.diff(scene.samples.clock)[count:] > -1e-9).all()
+    # Each is an alternative: it begins after all that were recorded.
+    assert scene.samples.clock[count:].min() > before.samples.clock.max()
 
 
 def test_nothing_is_wrong_in_a_run_that_has_not_happened(
@@ -49,7 +50,7 @@ def test_nothing_is_wrong_in_a_run_that_has_not_happened(
     rest = scene.residuals[coming]
     # The weight is shared so that the wrenches are the model's.
     np.testing.assert_allclose(rest[:, GRF], 0.0, atol=1e-6)
-    np.testing.assert_allclose(rest[:, COP], 0.0, atol=2e-6)
+    np.testing.assert_allclose(rest[:, COP], 0.0, atol=2e-5)
     np.testing.assert_allclose(rest[:, AIR], 0.0, atol=1e-6)
     np.testing.assert_allclose(rest[:, TILT], 0.0, atol=1e-4)
     # Cells lie on the plane on which they were seen to lie.
