@@ -101,7 +101,8 @@ def refined(
     findings = tuple(
         Finding(
             "WARN",
-            f"{one.label} was found, and is not fitted here (fitted are: {known}): it goes on to err",
+            f"{one.label} was found, and is not among what is fitted here ({known}): it goes on to "
+            "err",
         )
         for one in effects.effects
         if one not in fitting

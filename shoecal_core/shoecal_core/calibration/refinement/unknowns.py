@@ -82,12 +82,14 @@ def tolerated(
 def with_found(unknowns: Sequence[Unknown], found: Sequence[FoundEffect]) -> list[Unknown]:
     """The same; what a diagnosis found of their sizes is believed instead, and added.
 
-    A size is believed no better than the tolerance that there is for it anyway.
+    A diagnosis fitted few effects where here many are: each size is believed no better than by
+    itself, nor than the tolerance that there is for it anyway.
     """
     believed = {one.name: one for one in unknowns}
     for effect in found:
         for component, (mean, std) in effect.size.items():
-            told = Unknown(effect.effect, effect.location, component, mean, max(std, 1e-12))
+            std = max(std, abs(mean), 1e-12)
+            told = Unknown(effect.effect, effect.location, component, mean, std)
             before = believed.get(told.name)
             if before is not None:
                 told = replace(told, std=max(std, before.std))

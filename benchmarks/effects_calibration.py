@@ -1,0 +1,214 @@
+"""Calibrating with effects, over robots of the demo's reality: into docs/diagnosis.md.
+
+    .venv/bin/python benchmarks/effects_calibration.py [--seeds 10] [--out out/effects]
+
+Each seed draws another robot, other cells and other double supports and records the standard set of
+motions. It is diagnosed, and calibrated without effects, with what was found and the tolerances,
+and with the tolerances alone; each with and without the runs that lift a foot. Seeds are 101 and
+on: those that thresholds and priors were looked at with are below.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import statistics
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import bench_json
+import pages
+from shoecal_core.calibration.comparison import compare, read_truths, stage_errors
+from shoecal_core.calibration.pipeline import calibrate_session
+from shoecal_core.calibration.refinement.found_effects import (
+    FoundEffects,
+    load_found_effects,
+)
+from shoecal_core.calibration.unloading import UNLOADING
+from shoecal_core.commands.many_jobs import over_cores
+from shoecal_core.errors import ShoecalError
+from shoecal_core.recording.session import Session
+from shoecal_core.sensing.shoe import FEET
+from shoecal_core.workspace import config_dir
+
+ROOT = Path(__file__).resolve().parents[1]
+FIRST_SEED = 101
+TARGET_MM = 1.2
+WAYS = {
+    "no effects": "without",
+    "tolerances": "tolerances alone",
+    "effects": "found effects and tolerances",
+}
+LIFTS = {"lifting": "with", "standing": "without"}
+ALL = ("cop", *FEET)
+
+
+@dataclass(frozen=True)
+class Job:
+    """One seed, and the folder of its session."""
+
+    seed: int
+    folder: Path
+
+
+def work(job: Job) -> dict[str, object]:
+    """Figures of one seed, taken up again where they stand."""
+    path = job.folder.with_suffix(".json")
+    if path.is_file():
+        found: dict[str, object] = json.loads(path.read_text())
+        return found
+    diagnosis = job.folder.with_name(f"{job.folder.name}_diagnosis.json")
+    config = config_dir()
+    if not job.folder.is_dir():
+        robot, shoe = config / "robots" / "nao.yaml", config / "shoes" / "nao_shoe.yaml"
+        _shoecal(
+            "simulate", robot, shoe, "--motions", "standard", "--supports", 5,
+            "--seed", job.seed, "--out", job.folder,
+        )  # fmt: skip
+    if not diagnosis.is_file():
+        _shoecal("diagnose", job.folder, "--no-simulation", "--json", diagnosis)
+    found = {"seed": job.seed, **_figures(job.folder, load_found_effects(diagnosis))}
+    path.write_text(json.dumps(found, indent=1))
+    return found
+
+
+def _shoecal(*words: object) -> None:
+    program = Path(sys.executable).with_name("shoecal")
+    subprocess.run([program, *map(str, words)], check=True, stderr=subprocess.DEVNULL)
+
+
+def _figures(folder: Path, effects: FoundEffects) -> dict[str, object]:
+    session = Session.open(folder)
+    train = [entry.run for entry in session.runs if entry.hint == "train"]
+    test = [entry.run for entry in session.runs if entry.hint == "test"]
+    lifting = [entry.run for entry in session.runs if entry.info.motion in UNLOADING]
+    nothing = FoundEffects(effects.robot, effects.shoe, "unknown", ())
+    ways = {"no effects": None, "tolerances": nothing, "effects": effects}
+    runs = {"lifting": train, "standing": [run for run in train if run not in lifting]}
+    found: dict[str, object] = {
+        "verdict": effects.verdict,
+        "causes": [effect.label for effect in effects.effects],
+    }
+    for way, fitted in ways.items():
+        for name, chosen in runs.items():
+            try:
+                outcome = calibrate_session(session, chosen, test, effects=fitted)
+            except ShoecalError as error:
+                found[f"{way}, {name}"] = {"error": str(error)}
+                continue
+            stages = stage_errors(compare(outcome, read_truths(session, outcome.data)))
+            errors = stages["self_calibration"]["test"]
+            both, feet = outcome.assessment.expected_cop()
+            found[f"{way}, {name}"] = {
+                "verdict": outcome.calibration.verdict,
+                "cop": 1e3 * errors.cop.mean,
+                "model": 1e3 * stages["modelled"]["test"].cop.mean,
+                **{foot: 1e3 * errors.foot_cop[i].mean for i, foot in enumerate(FEET)},
+                "expected cop": 1e3 * both,
+                **{f"expected {foot}": 1e3 * feet[foot] for foot in FEET},
+            }
+    return found
+
+
+def main() -> int:
+    """Measure, write the page; fails where the target is missed."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=10)
+    parser.add_argument("--out", type=Path, default=ROOT / "out" / "effects")
+    args = parser.parse_args()
+    args.out.mkdir(parents=True, exist_ok=True)
+    jobs = [
+        Job(seed, args.out / f"seed_{seed:03d}")
+        for seed in range(FIRST_SEED, FIRST_SEED + args.seeds)
+    ]
+    results: dict[int, Mapping[str, object]] = {}
+    for number, found in over_cores(work, jobs):
+        results[number] = found
+        print(f"seed {jobs[number].seed}: {len(results)} of {len(jobs)}", flush=True)
+    ordered = [results[number] for number in range(len(jobs))]
+    median = _median(ordered, "effects, lifting", "cop")
+    bench_json.record("effects", {"seeds": ordered, "median_cop_mm": median}, args.out / "all.json")
+    pages.write_section("effects", _section(ordered), ROOT / "docs" / "diagnosis.md", "")
+    return 0 if median <= TARGET_MM else 1
+
+
+def _values(results: Sequence[Mapping[str, object]], column: str, key: str) -> list[float]:
+    found = []
+    for one in results:
+        figures = one[column]
+        assert isinstance(figures, dict)
+        if key in figures:
+            found.append(float(figures[key]))
+    return found
+
+
+def _median(results: Sequence[Mapping[str, object]], column: str, key: str) -> float:
+    values = _values(results, column, key)
+    return statistics.median(values) if values else float("nan")
+
+
+SECTION = """\
+## Calibrating with effects, measured
+
+Made by `make effects-table` (benchmarks/effects_calibration.py): {count} robots of the demo's
+reality, seeds {first} to {last}, the standard set of motions, CoP errors against contact forces
+(MAE) on the two test runs. In it many things are a little wrong at once (masses, encoders, gears
+that give and have play, places of cells, plates that carry load past them), so that a diagnosis,
+which looks for one or two causes, says: {verdicts}. What it found is therefore fitted together with
+the tolerances of the files; `tolerances alone` shows what its part is. Median over robots, and in
+brackets the worst one.
+
+{table}
+
+Forecast: root mean square over the sensing polygons, as the calibration states it.
+In brackets of the target: the combined CoP in the median at most {target} mm with effects and
+unloading runs: {met}.
+
+By robot, with unloading runs, combined CoP [mm]:
+
+{robots}
+"""
+
+
+def _section(results: Sequence[Mapping[str, object]]) -> str:
+    rows = [["fitted beside gains", "unloading runs", "both feet [mm]", "left", "right",
+             "forecast both [mm]", "left", "right"]]  # fmt: skip
+    for way, told in WAYS.items():
+        for runs, lifts in LIFTS.items():
+            column = f"{way}, {runs}"
+            cells = [_cell(results, column, key) for key in ALL]
+            cells += [f"{_median(results, column, f'expected {key}'):.1f}" for key in ALL]
+            rows.append([told, lifts, *cells])
+    robots = [["seed", "model alone", *WAYS.values(), "diagnosis"]]
+    for one in results:
+        figures = [_values([one], f"{way}, lifting", "cop") for way in WAYS]
+        model = _values([one], "no effects, lifting", "model")
+        causes = one["causes"]
+        assert isinstance(causes, list)
+        robots.append(
+            [
+                str(one["seed"]),
+                *(f"{values[0]:.2f}" if values else "-" for values in (model, *figures)),
+                f"{one['verdict']}: {', '.join(causes)}" if causes else str(one["verdict"]),
+            ]
+        )
+    verdicts = [str(one["verdict"]) for one in results]
+    counted = ", ".join(f"{verdicts.count(name)} x {name}" for name in sorted(set(verdicts)))
+    median = _median(results, "effects, lifting", "cop")
+    return SECTION.format(
+        count=len(results), first=results[0]["seed"], last=results[-1]["seed"], verdicts=counted,
+        table=pages.table(rows), target=TARGET_MM, robots=pages.table(robots),
+        met="met" if median <= TARGET_MM else f"missed, {median:.2f} mm",
+    )  # fmt: skip
+
+
+def _cell(results: Sequence[Mapping[str, object]], column: str, key: str) -> str:
+    values = _values(results, column, key)
+    return f"{statistics.median(values):.2f} ({max(values):.2f})" if values else "-"
+
+
+if __name__ == "__main__":
+    sys.exit(main())
