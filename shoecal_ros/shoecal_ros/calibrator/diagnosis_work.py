@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from shoecal_core.diagnosis.candidates import yawed_support
 from shoecal_core.files import atomic_write
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
@@ -20,14 +21,12 @@ from shoecal_core.planning.standard import (
 )
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.planning.supports.feasible import Feasible
-from shoecal_core.planning.supports.named import named_support
 from shoecal_core.recording.session import RunEntry, Session
 from shoecal_ros.calibrator.proposals import planned_as, proposal
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link
 
 JSON, REPORT = "diagnosis.json", "diagnosis.html"
-YAWED = ("toes_in", "toes_out")
 LEAST_TRAIN = 2
 """Runs that must be left to train before one is kept for the test."""
 
@@ -80,12 +79,11 @@ def runs_to_record(
     places = so_far or draw_supports(robot, shoe, settings, count, seed)
     runs = listed_runs(places, [planned_as(name) for name in motions])
     hints = _marks(len(motions)) if session is None else [_mark_beside(entries)] * len(motions)
+    feasible = Feasible(robot, settings)
     # A run bears the name that it was asked for by: the recording tells what was done by hand.
     return [
         PlannedRun(
-            _yawed(Feasible(robot, settings), so_far) if proposal(name).yawed else run.support,
-            name,
-            hint,
+            yawed_support(feasible, so_far) if proposal(name).yawed else run.support, name, hint
         )
         for run, name, hint in zip(runs, motions, hints, strict=True)
     ]
@@ -127,12 +125,3 @@ def _supports(entries: Sequence[RunEntry]) -> list[DoubleSupport]:
     """Double supports of a session's runs, those that train first, each once."""
     runs = sorted(entries, key=lambda entry: entry.hint != TRAIN)
     return list(dict.fromkeys(entry.info.support for entry in runs if entry.info.support))
-
-
-def _yawed(feasible: Feasible, so_far: Sequence[DoubleSupport]) -> DoubleSupport:
-    """The double support with much yaw whose yaw is farthest from those so far."""
-    candidates = [named_support(name, feasible) for name in YAWED]
-    return max(
-        candidates,
-        key=lambda one: min((abs(one.dtheta - other.dtheta) for other in so_far), default=0.0),
-    )

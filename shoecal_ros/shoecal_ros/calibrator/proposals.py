@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from shoecal_core.diagnosis.candidates import BY_HAND, WARM, WEIGHTED, YAWED
+from shoecal_core.diagnosis.effects.contact import TURNED
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.planning.menu import MENU
 
@@ -25,15 +27,20 @@ class Proposal:
     by_hand: str = ""
 
 
+_BY_HAND = {
+    TURNED: "turn the robot by 180 degrees, on the same place of the same floor",
+    WARM: "leave it standing with its motors on for {minutes:g} minutes",
+    WEIGHTED: "fasten {mass:g} kg to the torso, at the origin of its frame",
+}
 BEYOND_MENU: Mapping[str, Proposal] = {
-    "yawed_stance": Proposal("landmarks", yawed=True),
-    "warm_up": Proposal("hold"),
-    "turn_180": Proposal(
-        "landmarks", by_hand="turn the robot by 180 degrees, on the same place of the same floor"
-    ),
-    "known_weight": Proposal(
-        "landmarks", by_hand="fasten a weight that you know to the middle of the torso"
-    ),
+    YAWED: Proposal("landmarks", yawed=True),
+    **{
+        name: Proposal(
+            hand.motion,
+            by_hand=_BY_HAND[name].format(minutes=hand.later / 60.0, mass=hand.mass),
+        )
+        for name, hand in BY_HAND.items()
+    },
 }
 """What a diagnosis may propose beside the motions of the menu."""
 
