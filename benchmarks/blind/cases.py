@@ -10,7 +10,7 @@ from functools import cached_property
 from typing import Any
 
 from blind.answers import Answer, Place, read_answers
-from blind.catalogue import alike, exactly
+from blind.catalogue import alike, exactly, named_once
 from blind.gap import MeasuredGap, floor_of
 from blind.layout import Round
 
@@ -123,7 +123,9 @@ class Case:
         found = []
         for cause in self.causes:
             for truth in self.answer.truths:
-                if place_of(cause) != truth.place:
+                if cause["effect"] != truth.effect or named_once(
+                    tuple(cause["location"])
+                ) != named_once(truth.location):
                     continue
                 for name, told in cause["size"].items():
                     if name in truth.size:

@@ -77,8 +77,8 @@ NEAR_TWINS: tuple[frozenset[str], ...] = (
 )
 """Effects that are hard to tell apart; the confusion matrix names them."""
 
-_ONE_MOTOR = {"RHipYawPitch": "LHipYawPitch"}
-"""Joints of the NAO that one motor drives."""
+_SAME = {"RHipYawPitch": "LHipYawPitch", "base_link": "base"}
+"""Names of the NAO for one thing: joints that one motor drives, the root link."""
 
 
 def exactly(place: Place) -> Place:
@@ -94,7 +94,12 @@ def exactly(place: Place) -> Place:
         return Place("slip", ("left",))
     if effect == "swapped_cells":
         return Place(effect, tuple(sorted(location)))
-    return Place(effect, tuple(_ONE_MOTOR.get(name, name) for name in location))
+    return Place(effect, named_once(location))
+
+
+def named_once(location: tuple[str, ...]) -> tuple[str, ...]:
+    """Every name as the one that stands for the same thing."""
+    return tuple(_SAME.get(name, name) for name in location)
 
 
 def alike(effect: str) -> str:

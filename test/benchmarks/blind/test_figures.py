@@ -122,6 +122,13 @@ def test_exact_twins_count_as_one() -> None:
     assert told["truth_in_set"] == told["exact_place"] == 0.0
 
 
+def test_the_root_link_has_two_names() -> None:
+    found = cause("payload", ["base_link"], {"mass": (0.2, 0.1, 0.3)}, group="body")
+    one = case(answer("single", HEAVY), said("explained", found))
+    assert one.first_placed
+    assert one.held() == [True]
+
+
 def test_feet_do_not_tell_which_of_them_slipped() -> None:
     slipped = Truth("slip", ("right",), {"dx": 0.004, "time": 12.0}, run=2, onset=12.0)
     found = cause(
