@@ -1,4 +1,4 @@
-"""Calibrate a real humanoid's ankle sensors and write docs/real-robots.md.
+"""Calibrate and diagnose a real humanoid's ankle sensors; write docs/real-robots.md.
 
     .venv/bin/python benchmarks/real_robots.py FOLDER
 
@@ -15,6 +15,7 @@ from pathlib import Path
 
 import numpy as np
 
+import real_diagnosis
 from shoecal_core.calibration.evaluate import Errors, errors, measured_series, modelled_series
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
@@ -41,18 +42,20 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as folder:
         session = import_csv(IMPORTS / "reemc.yaml", args.folder, Path(folder) / "session")
         outcomes = [calibrate_session(session, train, (test,), settings) for train, test in SPLITS]
-        args.doc.write_text(_page(outcomes))
+        diagnosis = real_diagnosis.section(args.folder, Path(folder), SPLITS, TRIALS)
+        args.doc.write_text(_page(outcomes, diagnosis))
     print(args.doc)
     return 0
 
 
-def _page(outcomes: list[Outcome]) -> str:
+def _page(outcomes: list[Outcome], diagnosis: str) -> str:
     rows = [_row(outcome) for outcome in outcomes]
     first = outcomes[0]
     parameters, shoe = first.stages.parameters, first.data.shoe
     vertical = [index for index, name in enumerate(shoe.names) if name.endswith("/fz")]
     gain = float(np.mean(parameters.gain[vertical]))
     return PAGE.format(
+        diagnosis=diagnosis,
         rows="\n".join(rows),
         gain=gain,
         mass=first.data.robot.mass,
@@ -148,11 +151,14 @@ Gains and offsets (fitted on {trained}):
 |---|---|---|
 {channels}
 
-What stays open: the CoP of walking stays centimetres off its model, many times a slow NAO's. The
-base pose is an estimate, the angular momentum of the swinging leg is left out, and soles are taken
-as rigid and flat. The trials do not agree among themselves: the published readings' vertical sum
-is off the model by {bias} on average, which no single set of offsets
-can mend, so a held-out trial's GRF need not fall.
+{diagnosis}### What stays open
+
+What the robot weighed; the sensors' axes and places, which a drawing of the ankle would settle;
+how its feet share the load in double support. The base pose is an estimate, and soles are taken as
+rigid and flat. Sample by sample (the first table) the CoP of walking stays centimetres off, since a
+model of accelerations misses much within a step; step by step it does not. The published readings'
+vertical sum is off the model by {bias} on average, which no single set of offsets can mend, so a
+held-out trial's GRF need not fall.
 """
 
 

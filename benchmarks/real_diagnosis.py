@@ -1,0 +1,272 @@
+"""What `diagnose` says of the REEM-C's three trials: a section of docs/real-robots.md.
+
+Each trial is held out once. The sensors' axes are not documented, so they are read in two ways:
+all parallel to the sole's, and with both sideways forces the other way round.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.calibration.aligned import align
+from shoecal_core.calibration.stance import Stance
+from shoecal_core.calibration.walking import in_world, walking_stances
+from shoecal_core.diagnosis.diagnose import diagnose
+from shoecal_core.diagnosis.result import Cause, Diagnosis
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.recording.csv_import import import_csv
+from shoecal_core.recording.session import Session
+from shoecal_core.sensing.shoe import FEET
+
+FloatArray = NDArray[np.float64]
+CONFIG = Path(__file__).resolve().parents[1] / "config"
+SIDEWAYS = ("fx", "fy")
+JUDGED = slice(0, 3)
+"""Signals that errors are told of: GRF and both axes of the CoP."""
+SHOWN = 3
+
+
+@dataclass(frozen=True)
+class Split:
+    """One trial held out, and what was made of it."""
+
+    axes: str
+    diagnosis: Diagnosis
+
+    @property
+    def error_before(self) -> tuple[float, float]:
+        """CoP [mm] and GRF [N] of the held-out trial with nothing added."""
+        return self._errors(explained=False)
+
+    @property
+    def error_after(self) -> tuple[float, float]:
+        """The same with what was found."""
+        return self._errors(explained=True)
+
+    @property
+    def excess(self) -> tuple[float, float]:
+        """Mean square of GRF and CoP errors in noises, less 1, before and after."""
+        first, second = (
+            float(np.nanmean((rest[:, JUDGED] / self._noise[JUDGED]) ** 2)) - 1.0
+            for rest in (self._rest(explained=False), self._rest(explained=True))
+        )
+        return first, second
+
+    @property
+    def _noise(self) -> FloatArray:
+        assert self.diagnosis.evidence is not None
+        return self.diagnosis.evidence.noise
+
+    def _rest(self, *, explained: bool) -> FloatArray:
+        evidence = self.diagnosis.evidence
+        assert evidence is not None
+        fitted = evidence.explained if explained and evidence.explained else evidence.without
+        return fitted.residuals[evidence.test]
+
+    def _errors(self, *, explained: bool) -> tuple[float, float]:
+        rest = self._rest(explained=explained)
+        return (
+            1e3 * float(np.nanmean(np.linalg.norm(rest[:, 1:3], axis=1))),
+            float(np.nanmean(np.abs(rest[:, 0]))),
+        )
+
+
+def sessions(recordings: Path, folder: Path) -> dict[str, Session]:
+    """The recordings with the axes read in both ways, as sessions in a folder."""
+    config = folder / "config"
+    shutil.copytree(CONFIG, config)
+    shoe = config / "shoes" / "reemc.yaml"
+    found = {"parallel": import_csv(config / "imports" / "reemc.yaml", recordings, folder / "a")}
+    text = shoe.read_text()
+    for axis in SIDEWAYS:
+        text = text.replace(f"{{axis: {axis}, polarity: 1", f"{{axis: {axis}, polarity: -1")
+    shoe.write_text(text)
+    found["reversed"] = import_csv(config / "imports" / "reemc.yaml", recordings, folder / "b")
+    return found
+
+
+def section(
+    recordings: Path,
+    folder: Path,
+    splits: Sequence[tuple[tuple[int, ...], int]],
+    trials: dict[int, str],
+) -> str:
+    """The section in Markdown."""
+    read = sessions(recordings, folder)
+    found = [
+        Split(axes, diagnose(session, train, (test,)))
+        for axes, session in read.items()
+        for train, test in splits
+    ]
+    return SECTION.format(
+        zeros="\n".join(_zeros(read["parallel"], trials)),
+        pushes="\n".join(_pushes(read["parallel"], trials)),
+        errors="\n".join(_error_row(split, trials) for split in found),
+        causes="\n".join(_cause_row(split, trials) for split in found),
+        notes="\n".join(f"- {note}" for note in found[0].diagnosis.notes),
+    )
+
+
+def _error_row(split: Split, trials: dict[int, str]) -> str:
+    diagnosis = split.diagnosis
+    (cop, grf), (cop_after, grf_after) = split.error_before, split.error_after
+    over, left = split.excess
+    cells = (
+        split.axes,
+        trials[diagnosis.test[0]],
+        diagnosis.verdict,
+        f"{grf:.1f} → {grf_after:.1f}",
+        f"{cop:.1f} → {cop_after:.1f}",
+        f"{diagnosis.gap.cop_floor_mm:.1f}",
+        f"{over:.1f} → {left:.1f}",
+    )
+    return f"| {' | '.join(cells)} |"
+
+
+def _cause_row(split: Split, trials: dict[int, str]) -> str:
+    diagnosis = split.diagnosis
+    rivals = ", ".join(f"{one.label} {one.probability:.2f}" for one in diagnosis.ambiguity[:SHOWN])
+    cells = (
+        split.axes,
+        trials[diagnosis.test[0]],
+        "; ".join(_cause(cause) for cause in diagnosis.causes) or "none",
+        rivals or "none",
+    )
+    return f"| {' | '.join(cells)} |"
+
+
+def _cause(cause: Cause) -> str:
+    sizes = ", ".join(
+        f"{name} {size.value:.3g} [{size.ci95[0]:.3g}, {size.ci95[1]:.3g}] {size.unit}".strip()
+        for name, size in cause.size.items()
+    )
+    return f"{cause.label}: {sizes}"
+
+
+def _single(session: Session) -> Iterator[tuple[int, int, Stance, FloatArray]]:
+    """Run, standing foot and stance of each single support, with the push (T, 2) that the CoM's
+    acceleration asks of the floor along the sole's x and y [N]."""
+    robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
+    kinematics = Kinematics(robot)
+    for entry in session.runs:
+        run = session.read(entry.run)
+        aligned = align(run, session.shoe, kinematics)
+        assert run.base_pose is not None
+        world = in_world(aligned, run.base_pose)
+        for stance in walking_stances(run.info.run, aligned, world, session.shoe, robot.mass):
+            if not all(stance.loaded):
+                foot = stance.loaded.index(True)
+                here = np.searchsorted(aligned.time, stance.time)
+                c, s = np.cos(world.yaw[here, foot]), np.sin(world.yaw[here, foot])
+                x, y = world.acceleration[here, :2].T
+                push = robot.mass * np.stack((c * x + s * y, -s * x + c * y), axis=1)
+                yield run.info.run, foot, stance, push
+
+
+def _zeros(session: Session, trials: dict[int, str]) -> Iterator[str]:
+    """What the vertical channels show of a foot in the air, and of one that stands alone."""
+    vertical = [session.shoe.names.index(f"{foot}/fz") for foot in FEET]
+    single = list(_single(session))
+    for run, trial in trials.items():
+        here = [(foot, stance) for number, foot, stance, _ in single if number == run]
+        hangs, stands = (
+            [
+                float(np.mean(np.concatenate(
+                    [one.readings[:, vertical[foot]] for at, one in here if (at == foot) == stands]
+                )))
+                for foot in (0, 1)
+            ]
+            for stands in (False, True)
+        )  # fmt: skip
+        cells = [trial, *(f"{value:.0f}" for value in hangs)]
+        cells += [f"{above - zero:.0f}" for above, zero in zip(stands, hangs, strict=True)]
+        yield f"| {' | '.join(cells)} |"
+
+
+def _pushes(session: Session, trials: dict[int, str]) -> Iterator[str]:
+    """Slopes of the sideways channels on mass times acceleration, walking in single support."""
+    single = list(_single(session))
+    for run, trial in trials.items():
+        cells = [trial]
+        for foot in (0, 1):
+            parts = [(one, push) for number, at, one, push in single if (number, at) == (run, foot)]
+            for axis, name in enumerate(SIDEWAYS):
+                channel = session.shoe.names.index(f"{FEET[foot]}/{name}")
+                told = np.concatenate([one.readings[:, channel] for one, _ in parts])
+                push = np.concatenate([push[:, axis] for _, push in parts])
+                slope = float(np.cov(told, push)[0, 1] / np.var(push))
+                cells.append(f"{slope:+.2f} (r {np.corrcoef(told, push)[0, 1]:+.2f})")
+        yield f"| {' | '.join(cells)} |"
+
+
+SECTION = """\
+### Why they differ: the diagnosis
+
+One split by hand: `shoecal diagnose out/reemc --train 1,2 --test 3 --no-simulation`. A step counts
+as one sample; expected are m (g + a_z) and the zero-moment point of a single mass. What the
+diagnosis says of itself:
+
+{notes}
+
+**Zeros and gains, before any model.** A foot in the air shows its own weight below the sensor
+and the sensor's zero; one that stands alone shows, above that, the robot's weight
+(`fz`, means over all single supports, N):
+
+| trial | left hangs | right hangs | left alone, above that | right alone, above that |
+|---|---|---|---|---|
+{zeros}
+
+The zeros moved between the trials by some tens of newtons, so no one set of offsets serves all
+three; and the right sensor shows more for the same robot than the left one. Both need no model of
+the body, nor any force plate.
+
+**Sideways forces.** On one foot the floor's sideways force is the mass times the CoM's
+acceleration. Slope of each sideways channel on it (1 for axes parallel to the sole's; r is the
+correlation):
+
+| trial | left fx | left fy | right fx | right fy |
+|---|---|---|---|---|
+{pushes}
+
+In the walks `fy` runs against the push on both feet; `fx` alone decides nothing. So the axes are
+read in two ways: *parallel* to the sole's, as the shoe file takes them, and *reversed*, with the
+polarity of `fx` and `fy` set to -1.
+
+**Held-out trials.** Mean errors over the steps of a trial that neither fit nor choice has seen,
+with nothing added → with what was found; excess is the mean square of GRF and CoP errors in units
+of the noise, less 1:
+
+| axes | held out | verdict | GRF (N) | CoP (mm) | CoP floor (mm) | excess |
+|---|---|---|---|---|---|---|
+{errors}
+
+| axes | held out | causes chosen (95 % interval) | most probable last causes |
+|---|---|---|---|
+{causes}
+
+How we read this:
+- With the axes as assumed, `inertia` (the angular momentum that a single mass lacks) is wanted at
+  more than its full size, a factor of 1. No physics allows that: it stands in for something else.
+  With the sideways forces reversed it is not needed, and the gap is smaller before anything is
+  added. The forces' own slopes say the same of `fy`. So the sideways axes of these sensors most
+  probably point the other way: `polarity: -1` for `fx` and `fy` in the shoe file.
+- As a picture, what is left of the CoP in the walks is a comb: off to the left in every step on the
+  left foot, to the right in every step on the right foot, alike from the first step to the last.
+  Something fixed to each foot does that, not the dynamics. The diagnosis takes it for sensors that
+  sit further in than the shoe file says, by a centimetre or two; soles that are askew below the
+  ankles, or encoders of the ankles' roll joints, would look nearly the same in walking.
+- With both, the CoP of a walk that was never used comes down to what the noise leaves.
+- GRF gains nothing: its error is the zeros' change from trial to trial, which no cause found in
+  two trials foretells in the third. A moment with each foot in the air at the start of every
+  trial would have measured it.
+- The stepping trial, foretold from the walks alone, stays in the dark: the walks have hardly a
+  double support, in which the two feet share the load and can press against each other.
+
+"""
