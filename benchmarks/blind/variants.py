@@ -7,8 +7,11 @@ from collections.abc import Mapping, Sequence
 from blind.cases import Case
 from blind.layout import Round
 from blind.submit import Submission, submit
+from population import nao
 from shoecal_core.planning.standard import TEST, TRAIN
 from shoecal_core.recording.session import Session
+from shoecal_core.simulation.drawn import link_names
+from shoecal_core.simulation.reality import BASE
 
 TRUE = "true effect"
 LANDMARKS = "paper's motions only"
@@ -55,7 +58,9 @@ def _clean(cases: Sequence[Case]) -> list[Case]:
 def _true(place: Round, case: Case) -> Submission:
     """With the effect that the set has, its size to be found."""
     (truth,) = case.answer.truths
-    told = f"{truth.effect}:{','.join(truth.location)}".removesuffix(":")
+    root = link_names(nao()[0])[0]
+    places = ",".join(root if name == BASE else name for name in truth.location)
+    told = f"{truth.effect}:{places}".removesuffix(":")
     return _variant(place, case, TRUE, ("--only", told))
 
 
