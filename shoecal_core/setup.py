@@ -46,6 +46,8 @@ setup(
         "shapely>=2.0",
         "zstandard>=0.21",
     ],
+    # shoecal diagnose --scheduler
+    extras_require={"dask": ["distributed>=2024.1"]},
     entry_points={"console_scripts": ["shoecal = shoecal_core.cli:main"]},
     zip_safe=True,
 )

@@ -88,11 +88,11 @@ def with_found(unknowns: Sequence[Unknown], found: Sequence[FoundEffect]) -> lis
     believed = {one.name: one for one in unknowns}
     for effect in found:
         for component, (mean, std) in effect.size.items():
-            std = max(std, abs(mean), 1e-12)
-            told = Unknown(effect.effect, effect.location, component, mean, std)
+            open_std = max(std, abs(mean), 1e-12)
+            told = Unknown(effect.effect, effect.location, component, mean, open_std)
             before = believed.get(told.name)
             if before is not None:
-                told = replace(told, std=max(std, before.std))
+                told = replace(told, std=max(open_std, before.std))
             believed[told.name] = told
     return list(believed.values())
 
