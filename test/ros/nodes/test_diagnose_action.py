@@ -112,7 +112,7 @@ def test_one_job_at_a_time_and_cancelling_wins(world: World, robot: StandingRobo
     assert result.error_code == CODES.CANCELED
     assert not result.verdict
     # The next one may begin, and ends where nobody brings the robot into supports.
-    after = diagnose(world, motions=["landmarks"]).result()
+    after = diagnose(world, motions=["landmarks"]).result(200.0)
     assert after.error_code == CODES.SUPPORT_FAILED
     assert "robot/reach_support" in after.message
     assert (Path(after.session) / "session.yaml").is_file()
