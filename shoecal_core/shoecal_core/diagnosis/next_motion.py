@@ -115,7 +115,8 @@ def separations(
     columns, places = _columns(scene, _different(rivals))
     own_precision = workspace.sums.precision[-OWN_ERRORS:]
     fits = [_fit(scored, shared, places, len(columns)) for scored, _ in rivals]
-    noise = max(1.0, min(s.solution.squares / workspace.scorer.rows for s, _ in rivals))
+    # As in scoring, the noise is as large as what the best rival leaves.
+    noise = min(scored.solution.squares for scored, _ in rivals) / workspace.scorer.rows
     whitening = Whitening(scene.samples, scene.mask, workspace.noise)
     weights = np.array([probability for _, probability in rivals])
     pairs = np.outer(weights, weights)

@@ -129,12 +129,19 @@ def _unseen(workspace: Workspace, seen: NDArray[np.bool_]) -> list[str]:
             continue
         if len(group) == 1:
             lines.append(hidden[0].label)
-        elif len(hidden) == len(group):
-            lines.append(f"{effect}{where} ({len(hidden)} of {len(group)} places)")
-        else:
-            named = ", ".join(" and ".join(one.place) for one in hidden)
-            lines.append(f"{effect}{where} ({len(hidden)} of {len(group)} places: {named})")
+            continue
+        count = f"{len(hidden)} of {len(group)} places"
+        shown = [hypothesis for hypothesis, is_seen in group if is_seen]
+        if len(hidden) <= len(shown):
+            count += f": {_places(hidden)}"
+        elif shown:
+            count += f": all but {_places(shown)}"
+        lines.append(f"{effect}{where} ({count})")
     return lines
+
+
+def _places(hypotheses: Sequence[Hypothesis]) -> str:
+    return ", ".join(" and ".join(one.place) for one in hypotheses)
 
 
 def _whereabouts(hypothesis: Hypothesis) -> str:

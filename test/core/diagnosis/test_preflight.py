@@ -91,10 +91,16 @@ def test_lines_name_effect_foot_and_how_many(workspace: Workspace) -> None:
     assert any(line.startswith("drifts with temperature") for line in strict.cannot_detect)
 
 
-def test_places_that_alone_do_not_show_are_named(workspace: Workspace) -> None:
-    (line,) = (one for one in preflight(workspace, SETTINGS).cannot_detect if "link_com" in one)
-    assert "Neck_link" in line
-    assert "base_link" not in line
+def test_the_fewer_places_are_named_of_those_that_show_and_those_that_do_not(
+    workspace: Workspace,
+) -> None:
+    def line(evidence_min: float) -> str:
+        settings = DiagnosisSettings(evidence_min=evidence_min)
+        (one,) = (x for x in preflight(workspace, settings).cannot_detect if "link_com" in x)
+        return one
+
+    assert "places: Neck_link, " in line(2.0)
+    assert "all but base_link" in line(50.0)
 
 
 def test_missing_channels_are_told(workspace: Workspace) -> None:
