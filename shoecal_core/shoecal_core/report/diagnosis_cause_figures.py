@@ -26,6 +26,8 @@ BoolArray = NDArray[np.bool_]
 
 MOST_RIVALS = 4
 MOST_SHARES = 10
+LEAST_PROBABLE = 1e-3
+"""Candidates beyond the best few are shown from here on."""
 MOST_SIGNALS = 3
 
 
@@ -53,7 +55,9 @@ def ranking_picture(diagnosis: Diagnosis) -> Picture | None:
     chosen = {(one.effect, one.location) for one in diagnosis.causes}
     alike = {(one.effect, one.location) for one in diagnosis.ambiguity}
     shares = []
-    for one in diagnosis.ranking[:MOST_SHARES]:
+    for place, one in enumerate(diagnosis.ranking[:MOST_SHARES]):
+        if place >= MOST_RIVALS and one.probability < LEAST_PROBABLE:
+            break
         key = (one.effect, one.location)
         colour, kind = palette.SLATE, "another candidate"
         if key in chosen:
