@@ -396,11 +396,19 @@ class Scene:
         """With the planes of the cells as the outputs now show them."""
         return replace(self, planes=_planes(self.samples, self.parameters, settings))
 
-    def expected(self, channel: int) -> FloatArray:
+    def expected(self, channel: int, right: BoolArray) -> FloatArray:
         """(T,) what one cell should feel by the others [N].
 
-        From the plane of a foot with four cells, else from the weight.
+        From the plane of a foot with four cells, else from the weight. Offsets of a foot's cells
+        that change neither its force nor its CoP no data fix: so it is what the cell shows in
+        the median of the samples (T,) in which it is taken to be right.
         """
+        told = self._told_by_others(channel)
+        found: FloatArray = told + np.median((self.outputs[:, channel] - told)[right])
+        return found
+
+    def _told_by_others(self, channel: int) -> FloatArray:
+        """(T,) but for a constant [N]."""
         own = [
             i
             for i in np.flatnonzero(self.wiring.foot == self.wiring.foot[channel]).tolist()
@@ -410,8 +418,8 @@ class Scene:
             plane = np.linalg.svd(self.wiring.columns[own].T)[2][-1]
             at = own.index(channel)
             if abs(plane[at]) > 0.2:
-                told: FloatArray = self.outputs[:, own] @ plane / plane[at]
-                return self.outputs[:, channel] - told
+                rest: FloatArray = self.outputs[:, own] @ plane / plane[at]
+                return self.outputs[:, channel] - rest
         return np.asarray(self.outputs[:, channel] - self.residuals[:, 0])
 
 

@@ -62,8 +62,10 @@ class Slip:
             if np.count_nonzero(here) < 4 * _EDGE:
                 continue
             for onset in step_times(scene, here):
-                later = here & (samples.time > onset)
-                columns = np.array([scene.settled(one * later[:, None]) for one in whole])
+                later = (here & (samples.time > onset)).astype(np.float64)
+                # The right foot's place is the segment's median: where it mostly stands.
+                course = later - (scene.segment_means(later) > 0.5)
+                columns = np.array([scene.settled(one * course[:, None]) for one in whole])
                 yield Shape(
                     ("dx", "dy", "dtheta"), columns, {"time": float(onset)}, track.run, float(onset)
                 )
@@ -94,7 +96,7 @@ def step_times(scene: Scene, here: NDArray[np.bool_]) -> list[float]:
 def slipped(scene: Scene, foot: int, axis: int) -> FloatArray:
     """(T, s) after a foot moved along one axis of its own frame: what the joints tell of it.
 
-    The right foot's place is the segment's: its own later one is not told. Not yet settled.
+    The place by which the CoP is measured is as before. Not yet settled.
     """
     samples = scene.samples
     yaw = np.array([support.dtheta for support in scene.supports])[samples.segment]
@@ -154,7 +156,7 @@ class FloorTilt:
     """The floor is not level."""
 
     identifier, group = "floor_tilt", "contact"
-    components = (Component("about_x", "rad", 0.01), Component("about_y", "rad", 0.01))
+    components = (Component("about_x", "rad", 0.02), Component("about_y", "rad", 0.02))
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Below both feet."""

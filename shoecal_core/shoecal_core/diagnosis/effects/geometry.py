@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.effects import places
 from shoecal_core.diagnosis.effects.base import Component, Place, Shape
 from shoecal_core.diagnosis.effects.load_cell import shown
-from shoecal_core.diagnosis.signals import Scene, Wiring
+from shoecal_core.diagnosis.signals import AIR, Scene, Wiring
 from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]
@@ -46,7 +46,7 @@ class CellPosition:
             wrench = np.stack((np.zeros_like(force), -dy * force, dx * force), axis=1)
             column = scene.by_wrench(np.where(stands[:, None], wrench, 0.0))
             hanging = np.stack((0.0 * force, -y * force, x * force), axis=1)
-            column[:, 3:6] = np.where(~stands[:, None] & scene.mask[:, 3:6], hanging, 0.0)
+            column[:, AIR] = np.where(~stands[:, None] & scene.mask[:, AIR], hanging, 0.0)
             columns.append(column)
         yield Shape(("x", "y"), np.array(columns))
 
@@ -58,7 +58,7 @@ class Crosstalk:
     """
 
     identifier, group = "crosstalk", "load_cell"
-    components = (Component("fraction", "", 0.05),)
+    components = (Component("fraction", "", 0.08),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Receiver and donor of one foot's cells, which share a board; axes of one sensor."""

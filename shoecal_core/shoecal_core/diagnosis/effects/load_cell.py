@@ -56,15 +56,16 @@ class Saturation:
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
         """Levels near the top of what it showed; what is missing there is what others tell."""
         (channel,) = places.channels_at(scene, place)
-        expected = scene.expected(int(channel))
-        top = scene.outputs[:, channel].max()
-        span = top - np.percentile(scene.outputs[:, channel], 5.0)
+        force = scene.outputs[:, channel]
+        expected = scene.expected(int(channel), force <= np.median(force))
+        top = force.max()
+        span = top - np.percentile(force, 5.0)
         for share in (0.0, 0.04, 0.1, 0.2, 0.35):
             level = float(top - share * span)
             missing = np.maximum(expected - level, 0.0)
             beyond = missing > 0.0
             if np.count_nonzero(beyond) >= 5 and _flat(
-                scene.outputs[beyond, channel], expected[beyond], FLAT_AT_TOP
+                force[beyond], expected[beyond], FLAT_AT_TOP
             ):
                 columns = shown(scene, np.array([channel]), -missing[:, None])[None]
                 yield Shape(("share",), columns, {"level": level})
@@ -160,7 +161,6 @@ class StuckCell:
         """From the beginning of each run on; what is missing is what the others tell."""
         (channel,) = places.channels_at(scene, place)
         samples = scene.samples
-        expected = scene.expected(int(channel))
         # Whatever the gain: a cell beside it, in volts that move as they do under load.
         own = [i for i in places.vertical(samples.shoe) if i != channel]
         others = samples.readings[:, own[int(np.argmax(np.std(samples.readings[:, own], axis=0)))]]
@@ -170,6 +170,8 @@ class StuckCell:
                 scene.samples.readings[late, channel], others[late], FLAT_STUCK
             ):
                 continue
+            before = ~late if not late.all() else late
+            expected = scene.expected(int(channel), before)
             level = float(np.median(scene.outputs[late, channel]))
             missing = np.where(late, level - expected, 0.0)
             columns = shown(scene, np.array([channel]), missing[:, None])[None]
