@@ -1,0 +1,15 @@
+"""The recorded scene that effects are put into."""
+
+from __future__ import annotations
+
+import pytest
+
+from core.diagnosis.altered import calm
+from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.workspace import Workspace
+
+
+@pytest.fixture(scope="session")
+def scene(workspace: Workspace) -> Scene:
+    """Nothing wrong, no noise: six double supports, two runs with a foot in the air."""
+    return calm(workspace.scene)

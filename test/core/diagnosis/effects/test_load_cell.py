@@ -1,0 +1,145 @@
+"""Columns of the cells' effects are what readings show that have the effect by its definition."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from core.diagnosis.altered import Work, with_forces
+from core.diagnosis.shows import assert_shows, shape, told
+from shoecal_core.diagnosis.effects import load_cell
+from shoecal_core.diagnosis.effects.places import channels_at
+from shoecal_core.diagnosis.samples import Track
+from shoecal_core.diagnosis.signals import Scene
+
+FloatArray = NDArray[np.float64]
+CELLS = ("left/front_left", "right/rear_right")
+
+
+def at(scene: Scene, place: str, work: Work) -> Scene:
+    """With what only some channels show changed."""
+    channels = channels_at(scene, (place,))
+
+    def changed(track: Track, force: FloatArray) -> FloatArray:
+        whole = force.copy()
+        whole[:, channels] = work(track, force[:, channels])
+        return whole
+
+    return with_forces(scene, changed)
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_nonlinearity(scene: Scene, cell: str) -> None:
+    quadratic, cubic = 1e-3, 3e-5
+    after = at(scene, cell, lambda _, f: f + quadratic * f**2 + cubic * f**3)
+    found = shape(scene, load_cell.Nonlinearity(), cell)
+    assert_shows(scene, after, told(found, quadratic, cubic))
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_a_saturated_cell_misses_what_the_others_tell(scene: Scene, cell: str) -> None:
+    (channel,) = channels_at(scene, (cell,))
+    force = scene.outputs[:, channel]
+    level = float(force.max() - 0.3 * np.ptp(force))
+    after = at(scene, cell, lambda _, f: np.minimum(f, level))
+    shapes = list(load_cell.Saturation().shapes(after, (cell,)))
+    best = min(shapes, key=lambda one: abs(one.fixed["level"] - level))
+    assert best.fixed["level"] == pytest.approx(level, abs=0.02 * np.ptp(force))
+    assert best.free == ("share",)
+    assert_shows(scene, after, told(best, 1.0), within=0.15)
+
+
+def test_a_cell_that_moves_freely_is_not_saturated(scene: Scene) -> None:
+    for (cell,) in load_cell.Saturation().places(scene):
+        assert not list(load_cell.Saturation().shapes(scene, (cell,)))
+
+
+def play(force: FloatArray, width: FloatArray) -> FloatArray:
+    """A pin in a slot of this width (k,), dragged along by a force (F, k)."""
+    pin, found = force[0], []
+    for one in force:
+        pin = np.clip(pin, one - width / 2.0, one + width / 2.0)
+        found.append(pin)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("place", ["left/front_left", "right"])
+def test_hysteresis(scene: Scene, place: str) -> None:
+    fraction = 0.1
+    span = np.ptp(scene.outputs, axis=0)[channels_at(scene, (place,))]
+    after = at(scene, place, lambda _, f: play(f, fraction * span))
+    found = shape(scene, load_cell.Hysteresis(), place)
+    assert_shows(scene, after, told(found, fraction), within=0.06)
+
+
+def test_the_loop_s_whole_width_is_the_fraction_of_the_range(scene: Scene) -> None:
+    for loop in scene.loops[:2]:
+        height = np.ptp(loop, axis=0) / np.ptp(scene.outputs, axis=0)
+        np.testing.assert_allclose(height, 1.0, atol=0.1)
+    # What lags shows too little where the force has come up, and too much where it went down.
+    highest = scene.outputs.argmax(axis=0), np.arange(len(scene.outputs[0]))
+    lowest = scene.outputs.argmin(axis=0), np.arange(len(scene.outputs[0]))
+    assert (scene.loops[0][highest] < 0.0).all()
+    assert (scene.loops[0][lowest] > 0.0).all()
+
+
+@pytest.mark.parametrize(("place", "form"), [("left/front_left", 1), ("right", 3)])
+def test_creep(scene: Scene, place: str, form: int) -> None:
+    found = shape(scene, load_cell.Creep(), place, form=form)
+    fraction, constant = 0.05, found.fixed["time"]
+
+    def work(track: Track, force: FloatArray) -> FloatArray:
+        crept = [force[0]]
+        for step, one in zip(np.diff(track.time), force[1:], strict=True):
+            crept.append(crept[-1] + (1.0 - np.exp(-step / constant)) * (one - crept[-1]))
+        return force + fraction * np.array(crept)
+
+    assert_shows(scene, at(scene, place, work), told(found, fraction))
+
+
+@pytest.mark.parametrize("place", [*CELLS, "left", "all"])
+def test_drifts_in_time(scene: Scene, place: str) -> None:
+    def age(track: Track) -> FloatArray:
+        return np.asarray(track.start + track.time)[:, None]
+
+    zero = at(scene, place, lambda track, f: f + 3e-4 * age(track))
+    assert_shows(scene, zero, told(shape(scene, load_cell.ZeroDrift(), place), 3e-4))
+    span = at(scene, place, lambda track, f: f * (1.0 + 2e-5 * age(track)))
+    assert_shows(scene, span, told(shape(scene, load_cell.SpanDrift(), place), 2e-5))
+
+
+def test_drifts_with_temperature(scene: Scene) -> None:
+    samples = scene.samples
+    tracks = tuple(
+        replace(track, temperature=25.0 + 4.0 * (1.0 - np.exp(-(track.start + track.time) / 200.0)))
+        for track in samples.tracks
+    )
+    warm = replace(scene, samples=replace(samples, tracks=tracks))
+    first = warm.samples.decimated(lambda track: np.asarray(track.temperature)[:, None])[0, 0]
+
+    def warmer(track: Track) -> FloatArray:
+        return np.asarray(track.temperature)[:, None] - first
+
+    zero, span = load_cell.ZeroDrift(), load_cell.SpanDrift()
+    assert shape(warm, zero, "left", form=1).free == ("per_kelvin",)
+    after = at(warm, "left", lambda track, f: f + 0.1 * warmer(track))
+    assert_shows(warm, after, told(shape(warm, zero, "left", form=1), 0.1))
+    after = at(warm, "left", lambda track, f: f * (1.0 + 0.003 * warmer(track)))
+    assert_shows(warm, after, told(shape(warm, span, "left", form=1), 0.003))
+    assert len(list(zero.shapes(scene, ("left",)))) == 1
+
+
+@pytest.mark.parametrize("cell", CELLS)
+def test_a_stuck_cell(scene: Scene, cell: str) -> None:
+    start = scene.samples.tracks[2].start
+    (channel,) = channels_at(scene, (cell,))
+    late = scene.samples.clock >= start
+    level = float(scene.outputs[np.argmax(late), channel])
+    after = at(scene, cell, lambda track, f: np.full_like(f, level) if track.start >= start else f)
+    found = {one.fixed["time"]: one for one in load_cell.StuckCell().shapes(after, (cell,))}
+    assert min(found) == start
+    assert_shows(scene, after, told(found[start], 1.0), within=0.2)
+    assert not list(load_cell.StuckCell().shapes(scene, (cell,)))

@@ -1,0 +1,60 @@
+"""Columns of old and sluggish readings are what readings show that are."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from core.diagnosis.altered import with_forces
+from core.diagnosis.shows import assert_shows, shape, told
+from shoecal_core.diagnosis.effects.places import all_channels_at
+from shoecal_core.diagnosis.effects.timing import Latency, LowPass
+from shoecal_core.diagnosis.samples import Track
+from shoecal_core.diagnosis.signals import Scene
+
+FloatArray = NDArray[np.float64]
+PLACES = ("left", "right", "all")
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_latency(scene: Scene, place: str) -> None:
+    delay = 0.06
+    channels = all_channels_at(scene, (place,))
+
+    def work(track: Track, force: FloatArray) -> FloatArray:
+        late = force.copy()
+        for channel in channels:
+            late[:, channel] = np.interp(track.time - delay, track.time, force[:, channel])
+        return late
+
+    after = with_forces(scene, work)
+    assert_shows(scene, after, told(shape(scene, Latency(), place), delay), within=0.15)
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_low_pass(scene: Scene, place: str) -> None:
+    constant = 0.08
+    channels = all_channels_at(scene, (place,))
+
+    def work(track: Track, force: FloatArray) -> FloatArray:
+        lagging = force.copy()
+        keep = np.exp(-np.diff(track.time) / constant)
+        for index, share in enumerate(keep, 1):
+            before, now = lagging[index - 1, channels], force[index, channels]
+            lagging[index, channels] = share * before + (1.0 - share) * now
+        return lagging
+
+    after = with_forces(scene, work)
+    assert_shows(scene, after, told(shape(scene, LowPass(), place), constant), within=0.15)
+
+
+def test_a_late_reading_lacks_what_has_come_since(scene: Scene) -> None:
+    """While the load rises, old readings are too small."""
+    track = scene.samples.tracks[0]
+    force = scene.outputs[track.samples]
+    rising = np.gradient(force[:, 0], scene.samples.time[track.samples])
+    parity = shape(scene, Latency(), "left").columns[0][track.samples]
+    per_force = scene.planes[0] @ np.gradient(force, scene.samples.time[track.samples], axis=0).T
+    assert np.abs(rising).max() > 1.0
+    assert parity[:, 12] @ per_force <= 0.0

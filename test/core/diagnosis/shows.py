@@ -1,0 +1,47 @@
+"""What an effect adds to the signals, against how they really change."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.effects.base import Effect, Shape
+from shoecal_core.diagnosis.signals import SIGNALS, Scene
+
+FloatArray = NDArray[np.float64]
+ALIKE = (
+    (0,), (1, 2), (3,), (4, 5), (6, 7, 8), (9, 10, 11), (12,), (13,), (14, 15),
+)  # fmt: skip
+"""Signals that are one vector, of one unit."""
+LEAST = (5e-3, 1e-5, 5e-3, 1e-4, 5e-6, 3e-5, 1e-3, 1e-3, 3e-5)
+"""Changes that are small against what no model tells count as none [N, m, N m, rad, 1]."""
+
+
+def shape(scene: Scene, effect: Effect, *place: str, form: int = 0) -> Shape:
+    """One form of an effect at a place."""
+    assert place in set(effect.places(scene))
+    return list(effect.shapes(scene, place))[form]
+
+
+def told(found: Shape, *sizes: float) -> FloatArray:
+    """(T, s) what sizes of its free components add."""
+    return np.asarray(np.tensordot(np.array(sizes), found.columns, 1))
+
+
+def assert_shows(before: Scene, after: Scene, foretold: FloatArray, within: float = 0.03) -> None:
+    """The signals change as foretold (T, s), each within this share of its own change."""
+    change = after.residuals - before.residuals
+    assert np.abs(change).max() > 0.0
+    for signals, least in zip(ALIKE, LEAST, strict=True):
+        names = [SIGNALS[index] for index in signals]
+        truth, guess = change[:, signals], foretold[:, signals]
+        off, size = (float(np.sqrt(np.mean(one**2))) for one in (guess - truth, truth))
+        assert off <= max(within * size, least), f"{names}: off by {off:.3g} of {size:.3g}"
+
+
+def correlation(one: FloatArray, other: FloatArray, signals: Sequence[int]) -> float:
+    """Cosine between two changes (T, s) in some signals."""
+    a, b = one[:, signals].ravel(), other[:, signals].ravel()
+    return float(a @ b / np.sqrt((a @ a) * (b @ b)))
