@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from shoecal_core.calibration.aligned import Aligned, align
+from shoecal_core.diagnosis.clocks import check_clocks
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.walking_samples import Walk, find_walk, pieces
 from shoecal_core.errors import FileError, ShoecalError
@@ -179,6 +180,7 @@ def load_samples(
             progress(f"reading run {number}", index / len(runs))
         try:
             run = session.read(number)
+            check_clocks(run)
             read.append((run, align(run, shoe, kinematics)))
         except FileError as error:
             notes.append(f"run {number} is left out: {error}")
