@@ -33,6 +33,8 @@ IntArray = NDArray[np.int64]
 TRANSIT_S = 0.8
 """Around lifting and landing, samples are left out for this long."""
 MIN_SEGMENT_S = 0.8
+MOVES_M = 0.003
+"""Way of the CoM below which a robot stands still; encoders' steps make less."""
 UNSURE_MASS = 0.02
 """Standard uncertainty of the robot's mass, over the mass, from which it is told."""
 LEAST_FILLED = 0.5
@@ -465,6 +467,12 @@ def _missing(parts: Sequence[_Part], robot: Robot) -> list[str]:
         notes.append("no joint efforts: loads sideways on cells are not looked for")
     if not any((~part.loaded).any() for part in parts):
         notes.append("no foot is ever in the air: how the feet share the load is weakly fixed")
+    moved = max(float(np.ptp(track.mean(track.com)[..., :2], axis=0).max()) for track in tracks)
+    if moved < MOVES_M:
+        raise ShoecalError(
+            f"the CoM moves by {1e3 * moved:.1f} mm at most, which tells nothing: "
+            "record runs in which the robot moves"
+        )
     if len(parts) < 2:
         raise ShoecalError(
             "one run alone cannot tell a gap from a parameter: record at least two double supports"
