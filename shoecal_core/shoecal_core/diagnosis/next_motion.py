@@ -72,12 +72,17 @@ def propose(
         progress: told what is being done and the share done (0 to 1).
 
     Returns:
-        None where nothing is confused, or no run on the menu would help.
+        None where nothing is confused, no run on the menu would help, or the robot walked.
     """
-    if len(rivals) < 2:
+    if len(rivals) < 2 or not _stands(workspace.scene):
         return None
     runs = possible_runs(workspace.scene, planning or PlannerSettings(), progress)
     return chosen(separations(workspace, rivals, runs, settings), rivals)
+
+
+def _stands(scene: Scene) -> bool:
+    """Whether it is one of slow runs: a walk is fitted with another baseline than they."""
+    return bool(scene.slow_segments) and not scene.fast
 
 
 def chosen(found: Sequence[Separation], rivals: Rivals) -> NextMotion | None:
@@ -107,8 +112,7 @@ def separations(
 ) -> tuple[Separation, ...]:
     """What each possible run would tell of the rivals."""
     recorded = workspace.scene
-    if not runs or recorded.fast or not recorded.slow_segments:
-        # A robot that walks is fitted with another baseline than one that stands.
+    if not runs or not _stands(recorded):
         return ()
     scene = extended(recorded, runs)
     shared = len(recorded.baseline) - OWN_ERRORS * len(recorded.slow_segments)
