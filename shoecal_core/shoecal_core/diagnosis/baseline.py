@@ -37,7 +37,7 @@ def first_parameters(samples: Samples, runs: Sequence[int]) -> ChannelParameters
         part = (samples.segment == segment) & samples.both
         if not part.any() or int(samples.run[part][0]) not in runs:
             continue
-        support = samples.states.support() if part.all() else _support(samples, part)
+        support = samples.supports[int(segment)]
         stances.append(
             Stance(
                 run=int(samples.run[part][0]),
@@ -53,13 +53,6 @@ def first_parameters(samples: Samples, runs: Sequence[int]) -> ChannelParameters
             )
         )
     return initial_guess(shoe, stances, weight_row=True).parameters
-
-
-def _support(samples: Samples, part: NDArray[np.bool_]):  # type: ignore[no-untyped-def]
-    from shoecal_core.model.double_support import DoubleSupport
-
-    dx, dy = np.median(samples.states.translation[part, :2], axis=0)
-    return DoubleSupport(float(dx), float(dy), float(np.median(samples.states.yaw[part])))
 
 
 def precision(

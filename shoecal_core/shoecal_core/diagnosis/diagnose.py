@@ -21,7 +21,7 @@ from shoecal_core.diagnosis.result import Candidate, Cause, Diagnosis, NextMotio
 from shoecal_core.diagnosis.rewiring import Exchange, rewired
 from shoecal_core.diagnosis.samples import load_samples
 from shoecal_core.diagnosis.scoring import Scored
-from shoecal_core.diagnosis.selection import Found, matter, select
+from shoecal_core.diagnosis.selection import Found, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, gap, shrink
 from shoecal_core.diagnosis.signals import make_scene
@@ -44,6 +44,7 @@ class Wanted:
     place: Place | None = None
 
     def __call__(self, effect: str, place: Place) -> bool:
+        """Whether to look at an effect at a place."""
         return effect == self.effect and (self.place is None or place == self.place)
 
 
@@ -148,7 +149,6 @@ def _answer(
         for index in range(0 if found.chosen is None else len(found.chosen.parts))
         if found.chosen is not None
     ]
-    causes.sort(key=lambda cause: -cause.shrink.fraction)
     ranking = rankings[0] if rankings else ()
     ambiguity = _set(ranking, settings) if ranking else ()
     if exchange is not None:
@@ -156,8 +156,6 @@ def _answer(
         causes.insert(0, first)
         ambiguity = (Candidate(first.effect, first.location, first.probability),)
         ranking = (*ambiguity, *ranking)
-    if not there and exchange is None and not _surely_hidden(best, found, settings):
-        return _Answer("no_gap", ranking=ranking)
     if not causes:
         return _Answer("unknown" if there else "no_gap")
     after, _ = best.explained(found.chosen)
@@ -169,16 +167,6 @@ def _answer(
     if there and explained < settings.explained_from:
         verdict = "partly_explained"
     return _Answer(verdict, tuple(causes), ambiguity, ranking)
-
-
-def _surely_hidden(best: Workspace, found: Found, settings: DiagnosisSettings) -> bool:
-    """Whether an effect is there for certain though the test runs show no gap."""
-    chosen = found.chosen
-    return (
-        chosen is not None
-        and chosen.evidence >= settings.hidden_evidence_min
-        and matter(best, chosen, 0) >= settings.hidden_material
-    )
 
 
 def _probabilities(

@@ -121,7 +121,7 @@ def _part(
     sampled = _with_mass(kinematics.states(track.mean(angles)), samples.robot, run.mass)
     standing = loaded[np.searchsorted(time, track.mean(time))]
     rows, frame = np.arange(len(owner)), np.where(standing[:, 0], 0, 1)
-    acceleration = np.gradient(np.gradient(states.com[..., :2], time, axis=0), time, axis=0)
+    acceleration = np.gradient(np.gradient(states.com, time, axis=0), time, axis=0)
     up = np.full((len(owner), 3), np.nan) if track.up is None else track.mean(track.up)
     return _Part(
         track,

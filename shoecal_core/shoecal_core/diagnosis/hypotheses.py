@@ -15,6 +15,10 @@ from shoecal_core.diagnosis.signals import Scene
 FloatArray = NDArray[np.float64]
 
 
+MOST = 6.0
+"""Times its prior that a size may have: what is larger is not this effect."""
+
+
 @dataclass(frozen=True)
 class Form:
     """One shape of a hypothesis, and where its columns stand.
@@ -30,6 +34,11 @@ class Form:
     columns: tuple[int, ...]
     std: FloatArray
     least: FloatArray
+
+    @property
+    def most(self) -> FloatArray:
+        """(k,) largest sizes that make sense."""
+        return MOST * self.std
 
 
 @dataclass(frozen=True)

@@ -30,6 +30,9 @@ MATTERS_M = 0.001
 SEPARATE_FROM = 3.0
 """Expected log evidence of one explanation over another from which they can be told apart."""
 
+LARGE = 3.0
+"""Times its prior: so large another explanation may be without it being held against it."""
+
 
 @dataclass(frozen=True)
 class Preflight:
@@ -161,7 +164,7 @@ def distances(hypotheses: Sequence[Hypothesis], left: FloatArray, sizes: FloatAr
     """(h, h) expected log evidence of each hypothesis, where it is true, over each other one.
 
     Each in its usual form and size, all components together; the other one in the form that
-    comes nearest, of any size that its prior allows.
+    comes nearest, and up to LARGE times as large as usual.
     """
     truth = np.zeros((len(hypotheses), len(left)))
     for row, hypothesis in zip(truth, hypotheses, strict=True):
@@ -174,7 +177,7 @@ def distances(hypotheses: Sequence[Hypothesis], left: FloatArray, sizes: FloatAr
         most = np.zeros(len(hypotheses))
         for form in other.forms:
             own = list(form.columns)
-            normal = left[np.ix_(own, own)] + np.diag(1.0 / form.std**2)
+            normal = left[np.ix_(own, own)] + np.diag(1.0 / (LARGE * form.std) ** 2)
             most = np.maximum(most, (seen[own] * np.linalg.solve(normal, seen[own])).sum(axis=0))
         found[:, index] = 0.5 * (whole - most)
     np.fill_diagonal(found, 0.0)

@@ -19,6 +19,7 @@ from shoecal_core.diagnosis.clocks import check_clocks
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.walking_samples import Walk, find_walk, pieces
 from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
@@ -97,7 +98,7 @@ class Samples:
         cop: (T, 2) modelled CoP in the frame of the stance: the left sole's, or the right
             sole's while the left foot hangs [m].
         walks: (T,) force and CoP are the zero-moment point's, not those of a slow motion.
-        acceleration: (T, 2) of the CoM in that frame; zero where it walks [m/s^2].
+        acceleration: (T, 3) of the CoM in that frame; zero where it walks [m/s^2].
         spin: (T, 2) what the angular momentum adds to the CoP where it walks, else zero [m].
         notes: what is missing or was left out, in words.
     """
@@ -131,6 +132,17 @@ class Samples:
         """(T,) samples in which both feet stand."""
         standing: BoolArray = self.loaded[:, 0] & self.loaded[:, 1]
         return standing
+
+    @cached_property
+    def supports(self) -> tuple[DoubleSupport, ...]:
+        """Where the right foot stands in each segment, from the joints."""
+        found = []
+        for one in range(int(self.segment.max()) + 1):
+            part = self.segment == one
+            dx, dy = np.median(self.states.translation[part, :2], axis=0)
+            yaw = float(np.median(self.states.yaw[part]))
+            found.append(DoubleSupport(float(dx), float(dy), yaw))
+        return tuple(found)
 
     @cached_property
     def standing(self) -> tuple[tuple[bool, bool], ...]:
@@ -314,7 +326,7 @@ def _part(
     kept, owner = np.unique(owner, return_inverse=True)
     loaded, owner = loaded[kept], owner.reshape(-1)
     com = aligned.states.com
-    acceleration = np.gradient(np.gradient(_smooth(com[..., :2], time), time, axis=0), time, axis=0)
+    acceleration = np.gradient(np.gradient(_smooth(com, time), time, axis=0), time, axis=0)
     track = Track(
         run=run.info.run,
         motion=run.info.motion,

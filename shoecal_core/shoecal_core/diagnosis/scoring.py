@@ -101,8 +101,11 @@ class Scored:
     @property
     def sensible(self) -> bool:
         """Whether no component is where it makes no sense: a negative delay, a mass below zero."""
-        least = np.concatenate([np.zeros(0), *(form.least for _, form in self.parts)])
-        return bool(np.all(self.sizes >= least))
+        least, most = (
+            np.concatenate([np.zeros(0), *(getattr(form, end) for _, form in self.parts)])
+            for end in ("least", "most")
+        )
+        return bool(np.all((self.sizes >= least) & (np.abs(self.sizes) <= most)))
 
     @cached_property
     def solution(self) -> Solution:
@@ -134,6 +137,11 @@ class Scorer:
         self._nothing = self._all.fit((), none)
         self._nothing_left = [others.fit((), none) for others in self._others]
         self.nothing = solve(self.products, sums, (), none)
+
+    @property
+    def foretells(self) -> bool:
+        """Whether there are runs enough to leave some out."""
+        return bool(self._others)
 
     def score(self, parts: Sequence[Part], *, foretell: bool = True) -> Scored:
         """Fit some forms together."""

@@ -7,12 +7,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.scoring import Part, Scored
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.signals import COP
 from shoecal_core.diagnosis.workspace import Workspace
+
+FloatArray = NDArray[np.float64]
+LOOKED_AT = 40
+"""Hypotheses that are looked at in full, the most probable ones."""
 
 
 @dataclass(frozen=True)
@@ -34,14 +39,17 @@ class Found:
 def select(workspace: Workspace, settings: DiagnosisSettings) -> Found:
     """Forward, one at a time; then each is tried again beside the others, and pruned."""
     parts: list[Part] = []
-    score = 0.0
+    nothing = workspace.scorer.score(())
+    before = nothing
     singles = ranked(workspace, settings)
     while len(parts) < settings.causes_max:
         candidates = ranked(workspace, settings, parts) if parts else singles
-        if not candidates or candidates[0].evidence - score < settings.evidence_min:
+        if not candidates or not is_needed(candidates[0], before, settings):
             break
-        parts, score = list(candidates[0].parts), candidates[0].evidence
+        before = candidates[0]
+        parts = list(before.parts)
     parts = _revised(workspace, parts, settings)
+    parts = _by_weight(workspace, parts)
     if not parts:
         return Found(None, (), tuple(singles))
     return Found(
@@ -54,17 +62,16 @@ def select(workspace: Workspace, settings: DiagnosisSettings) -> Found:
 def ranked(
     workspace: Workspace, settings: DiagnosisSettings, beside: Sequence[Part] = ()
 ) -> list[Scored]:
-    """Every hypothesis that matters, beside some that stay; the most probable first."""
+    """Hypotheses that make sense and matter, beside some that stay; the most probable first."""
     taken = {id(hypothesis) for hypothesis, _ in beside}
     scored = [
         workspace.scorer.best_form(hypothesis, beside)
         for hypothesis in workspace.library.hypotheses
         if id(hypothesis) not in taken
     ]
-    mattering = [
-        one for one in scored if one.sensible and material(workspace, one, len(beside), settings)
-    ]
-    return sorted(mattering, key=weight, reverse=True)
+    before, _ = workspace.explained(workspace.scorer.score(beside, foretell=False))
+    likely = sorted((one for one in scored if one.sensible), key=weight, reverse=True)[:LOOKED_AT]
+    return [one for one in likely if matter(workspace, before, one) >= settings.material]
 
 
 def weight(scored: Scored) -> float:
@@ -80,45 +87,51 @@ def weight(scored: Scored) -> float:
     return told + math.log(hypothesis.prior)
 
 
-def material(workspace: Workspace, scored: Scored, index: int, settings: DiagnosisSettings) -> bool:
-    """Whether a part changes CoP or GRF by more than a share of their noise.
+def matter(workspace: Workspace, before: FloatArray, scored: Scored) -> float:
+    """How much of CoP or GRF, whichever is more, one more part explains, over their floor.
 
-    What is sure but too small to matter to a controller is no gap.
+    What is sure but too small to matter to a controller is no gap. What gains and offsets would
+    make up for is no gap either: it is told by itself, as hidden.
+
+    Args:
+        before: (T, s) residuals without it.
     """
-    return matter(workspace, scored, index) >= settings.material
-
-
-def matter(workspace: Workspace, scored: Scored, index: int) -> float:
-    """How much a part changes of CoP or GRF, whichever is more, over the floor of their noise."""
-    cop, grf = contribution(workspace, scored, index)
-    floor = workspace.floor
-    return max(cop / float(np.sqrt((floor[COP] ** 2).mean())), grf / float(floor[0]))
-
-
-def contribution(workspace: Workspace, scored: Scored, index: int) -> tuple[float, float]:
-    """Root mean square of what a part changes of one axis of the CoP [m], and of the GRF [N]."""
-    _, form = scored.parts[index]
-    sizes = scored.sizes[scored.own(index)]
-    places = np.array(form.columns)
-    return tuple(  # type: ignore[return-value]
-        float(np.sqrt(max(sizes @ workspace.powers[signal][np.ix_(places, places)] @ sizes, 0.0)))
-        for signal in ("cop", "grf")
-    )
+    after, _ = workspace.explained(scored)
+    mask = workspace.scene.mask[:, 1]
+    change = (before - after)[mask] / workspace.floor
+    cop = float(np.sqrt(np.mean(change[:, COP] ** 2)))
+    return max(cop, float(np.sqrt(np.mean(change[:, 0] ** 2))))
 
 
 def _revised(workspace: Workspace, parts: list[Part], settings: DiagnosisSettings) -> list[Part]:
     """Each part again beside the others: replaced by a better one, or dropped if not needed."""
-    for index in reversed(range(len(parts))):
-        if len(parts) == 1:
-            break
-        others = [part for at, part in enumerate(parts) if at != index]
-        without = workspace.scorer.score(others, foretell=False).evidence
-        candidates = ranked(workspace, settings, others)
-        if not candidates or candidates[0].evidence - without < settings.evidence_min:
-            parts = others
-        else:
+    for _ in range(len(parts)):
+        for index in reversed(range(len(parts))):
+            others = [part for at, part in enumerate(parts) if at != index]
+            without = workspace.scorer.score(others)
+            candidates = ranked(workspace, settings, others)
+            if not candidates or not is_needed(candidates[0], without, settings):
+                return _revised(workspace, others, settings)
             parts = [*others, candidates[0].parts[-1]]
     return parts
+
+
+def is_needed(scored: Scored, without: Scored, settings: DiagnosisSettings) -> bool:
+    """Whether the part added last is, by the evidence and by what runs left out are foretold."""
+    needed = max(settings.evidence_min, settings.later_share * without.evidence)
+    gains = [scored.evidence - without.evidence]
+    if scored.parts[-1][1].shape.run is None and scored.scorer.foretells:
+        gains.append(scored.foretold - without.foretold)
+    return min(gains) >= needed
+
+
+def _by_weight(workspace: Workspace, parts: list[Part]) -> list[Part]:
+    """The parts without which the others explain least come first."""
+    without = [
+        workspace.scorer.score(parts[:at] + parts[at + 1 :], foretell=False).evidence
+        for at in range(len(parts))
+    ]
+    return [parts[at] for at in np.argsort(without, kind="stable")]
 
 
 def _alternatives(

@@ -47,19 +47,19 @@ class DiagnosisSettings(Settings):
     model_error_s: float = setting(2.0, "s", "for how long such errors stay alike", minimum=1e-3)
     causes_max: int = setting(4, "", "effects in one explanation at most", minimum=1, maximum=12)
     evidence_min: float = setting(
-        30.0, "", "an effect is needed when the data are more probable with it by this, as a "
+        25.0, "", "an effect is needed when the data are more probable with it by this, as a "
         "logarithm, beyond what its prior costs", minimum=0.0,
     )  # fmt: skip
     material: float = setting(
-        1.0, "", "it matters when it changes CoP or GRF by this share of their floor", minimum=0.0
-    )
-    hidden_evidence_min: float = setting(
-        100.0, "", "the same where the test runs show no gap: what was found is all hidden",
+        0.4,
+        "",
+        "it matters when it explains errors of CoP or GRF by this share of their floor",
         minimum=0.0,
-    )  # fmt: skip
-    hidden_material: float = setting(
-        3.0, "", "and by this share of the floor it must then change CoP or GRF", minimum=0.0
     )
+    later_share: float = setting(
+        0.04, "", "a further effect must add this share of the evidence found so far: an effect "
+        "whose form the library has only nearly leaves a remainder of its own", minimum=0.0,
+    )  # fmt: skip
     temper: float = setting(
         0.15, "", "logarithms of probabilities count by this share: hypotheses are only models",
         minimum=1e-3, maximum=1.0,
@@ -75,5 +75,5 @@ class DiagnosisSettings(Settings):
         0.2, "", "less than this part explained: the cause is unknown", minimum=0.0
     )
     gap_from: float = setting(
-        1.8, "", "errors of CoP or GRF over their floor from which there is a gap", minimum=1.0
+        1.6, "", "errors of CoP or GRF over their floor from which there is a gap", minimum=1.0
     )

@@ -98,18 +98,10 @@ class Scene:
         """(T, n) [N or N m]."""
         return self.parameters.outputs(self.samples.readings)
 
-    @cached_property
+    @property
     def supports(self) -> tuple[DoubleSupport, ...]:
         """Where the right foot stands in each segment, from the joints."""
-        samples = self.samples
-        found = []
-        for segment in range(int(samples.segment.max()) + 1):
-            part = samples.segment == segment
-            dx, dy = np.median(samples.states.translation[part, :2], axis=0)
-            found.append(
-                DoubleSupport(float(dx), float(dy), float(np.median(samples.states.yaw[part])))
-            )
-        return tuple(found)
+        return self.samples.supports
 
     @cached_property
     def columns(self) -> FloatArray:
@@ -170,8 +162,31 @@ class Scene:
         """
         samples = self.samples
         height = samples.states.com[np.arange(len(samples.run)), samples.frame, 2]
-        away: FloatArray = -(height / GRAVITY)[:, None] * samples.acceleration + samples.spin
+        away: FloatArray = -(height / GRAVITY)[:, None] * samples.acceleration[:, :2] + samples.spin
         return away
+
+    @property
+    def dynamic(self) -> FloatArray:
+        """(T, s) of a mass at the CoM that accelerates: more force, and the zero-moment point."""
+        samples = self.samples
+        mass = samples.force / GRAVITY
+        return self.by_model(mass * samples.acceleration[:, 2], self.zero_moment)
+
+    @cached_property
+    def torque(self) -> FloatArray:
+        """(T, m) that the joints hold with [N m].
+
+        As the robot tells it, where it does; of joints on one motor it tells but the sum, so these
+        and all others are what the vertical forces on the feet ask for.
+        """
+        samples = self.samples
+        torque = self.links.torque.copy()
+        if all(track.efforts is not None for track in samples.tracks):
+            told = samples.decimated(lambda track: np.asarray(track.efforts))
+            shared = {one for pair in samples.robot.shared for one in (pair.joint, pair.leader)}
+            own = [joint for joint in samples.robot.moved.tolist() if joint not in shared]
+            torque[:, own] = told[:, own]
+        return torque
 
     @property
     def fast(self) -> bool:
@@ -212,7 +227,7 @@ class Scene:
         there[:, AIR] = ~both[:, None]
         there[:, CLOSURE] = both[:, None]
         there[:, PARITY] = self.planes.any(axis=1) & samples.loaded
-        there[:, TILT] = np.isfinite(samples.up).all(axis=1)[:, None]
+        there[:, TILT] = np.isfinite(samples.up).all(axis=1, keepdims=True)
         for family in self.without:
             there[:, FAMILIES[family]] = False
         return there
@@ -267,7 +282,7 @@ class Scene:
                     add(PARITY.start + foot, values, FREE)
         # Accelerations move the zero-moment point; how much, a single mass tells roughly.
         if not self.fast:
-            found.append((self.by_model(0.0, self.zero_moment), FREE))
+            found.append((self.dynamic, FREE))
         for axis in range(TILT.start, TILT.stop):
             add(axis, np.ones(count), FREE)
         # Encoders stand on one step or the next for a whole stance: an error of its own.

@@ -110,7 +110,7 @@ class JointCompliance:
         """In proportion to the torque that it holds."""
         change = np.zeros_like(scene.samples.angles)
         joints = places.joints_at(scene, place)
-        change[:, joints] = scene.links.torque[:, joints]
+        change[:, joints] = scene.torque[:, joints]
         yield Shape(("compliance",), scene.by_angles(change)[None])
 
 
@@ -128,5 +128,5 @@ class Backlash:
         """By the sign of the torque."""
         change = np.zeros_like(scene.samples.angles)
         joints = places.joints_at(scene, place)
-        change[:, joints] = 0.5 * np.tanh(scene.links.torque[:, joints] / FRICTION)
+        change[:, joints] = 0.5 * np.tanh(scene.torque[:, joints] / FRICTION)
         yield Shape(("play",), scene.by_angles(change)[None])

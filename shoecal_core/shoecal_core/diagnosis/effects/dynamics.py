@@ -22,4 +22,4 @@ class Inertia:
         """Of a mass at the CoM: -h a / g."""
         # In slow motions it is taken for granted, whatever else is looked for.
         if scene.fast:
-            yield Shape(("factor",), scene.by_model(0.0, scene.zero_moment)[None])
+            yield Shape(("factor",), scene.dynamic[None])

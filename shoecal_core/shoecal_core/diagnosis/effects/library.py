@@ -42,13 +42,15 @@ EFFECTS: tuple[Effect, ...] = (
     dynamics.Inertia(),
 )
 """In the order of the documentation."""
+MEMBERS = ("identifier", "group", "components", "places", "shapes")
+"""What makes an effect."""
 
 
 def effects_from(path: Path) -> tuple[Effect, ...]:
     """Effects of a user's own: `EFFECTS` of a Python file.
 
     Raises:
-        FileError: when the file cannot be run or defines none.
+        FileError: when the file cannot be run, or defines none, or something else.
     """
     spec = importlib.util.spec_from_file_location(path.stem, path)
     if spec is None or spec.loader is None or not path.is_file():
@@ -61,4 +63,11 @@ def effects_from(path: Path) -> tuple[Effect, ...]:
     effects = getattr(module, "EFFECTS", None)
     if not isinstance(effects, (tuple, list)) or not effects:
         raise FileError(path, "defines no EFFECTS = (MyEffect(), ...)")
+    for effect in effects:
+        if lacking := [name for name in MEMBERS if not hasattr(effect, name)]:
+            raise FileError(
+                path,
+                f"{effect!r} in EFFECTS is no effect: it lacks {', '.join(lacking)}; "
+                "see shoecal_core.diagnosis.effects.base.Effect",
+            )
     return tuple(effects)

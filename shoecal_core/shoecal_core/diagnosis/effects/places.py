@@ -104,7 +104,8 @@ def channels_at(scene: Scene, place: Place) -> IntArray:
     if name in shoe.names:
         return np.array([shoe.names.index(name)])
     if name in FEET:
-        return chosen[shoe.foot[chosen] == FEET.index(name)]
+        own: IntArray = chosen[shoe.foot[chosen] == FEET.index(name)]
+        return own
     return chosen
 
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.effects import places
 from shoecal_core.diagnosis.effects.base import Component, Place, Shape
-from shoecal_core.diagnosis.filters import slope
 from shoecal_core.diagnosis.effects.load_cell import shown
+from shoecal_core.diagnosis.filters import slope
 from shoecal_core.diagnosis.samples import Track
 from shoecal_core.diagnosis.signals import Scene
 
