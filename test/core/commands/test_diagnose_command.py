@@ -1,0 +1,128 @@
+"""`shoecal diagnose`: one session, many, and what it refuses."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+from pathlib import Path
+
+import pytest
+
+from core.commands.conftest import Run
+from shoecal_core.commands.diagnose_command import effect_at
+from shoecal_core.diagnosis.result import VERDICTS
+
+KEYS = {
+    "format", "verdict", "gap", "where", "causes", "ambiguity_set", "cannot_detect", "next_motion",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def calibrated(simulated: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    from shoecal_core import cli  # noqa: PLC0415 - only here the command line is run by itself
+
+    path = tmp_path_factory.mktemp("calibrated") / "calibration.yaml"
+    words = ["calibrate", simulated, "--train", "1,2", "--test", "3", "--out", path]
+    assert cli.main([str(word) for word in words]) == 0
+    return path
+
+
+def test_one_session(shoecal: Run, simulated: Path, calibrated: Path, tmp_path: Path) -> None:
+    report, figures = tmp_path / "report.html", tmp_path / "figures.json"
+    code, out, error = shoecal(
+        "diagnose", simulated, "--train", "1,2", "--test", "3", "--calibration", calibrated,
+        "--report", report, "--json", figures, "--only", "cell_position", "payload",
+    )  # fmt: skip
+    assert code == 0, error
+    told = json.loads(figures.read_text())
+    assert told.keys() >= KEYS
+    assert told["verdict"] in VERDICTS
+    assert told["test"] == [3]
+    assert {cause["effect"] for cause in told["causes"]} <= {"cell_position", "payload"}
+    assert told["calibration"]["cop_mae_mm"] > 0.0
+    assert told["verdict"] in out
+    assert "under calibration" in out
+    assert report.read_text().startswith("<!DOCTYPE html>")
+
+
+def test_many_sessions_one_of_which_fails(shoecal: Run, simulated: Path, tmp_path: Path) -> None:
+    figures = tmp_path / "figures.json"
+    missing = tmp_path / "nothing"
+    code, out, error = shoecal(
+        "diagnose", simulated, missing, "--jobs", "2", "--no-simulation", "--json", figures,
+        "--only", "payload", "--train", "1,2", "--test", "3",
+    )  # fmt: skip
+    assert code == 1
+    first, second = json.loads(figures.read_text())["sessions"]
+    assert first["verdict"] in VERDICTS
+    assert "does not exist" in second["error"]
+    assert "1 of 2 sessions failed" in error
+    assert "failed" in out
+
+
+@pytest.mark.parametrize(
+    ("words", "problem"),
+    [
+        (("--effects-from", "none.py"), "none.py"),
+        (("--train", "1,2", "--test", "2"), "run(s) [2] are in both"),
+        (("--calibration", "none.yaml"), "none.yaml"),
+        (("--report", "no/folder/report.html"), "folder does not exist"),
+    ],
+)
+def test_what_it_refuses(
+    shoecal: Run, simulated: Path, words: tuple[str, ...], problem: str
+) -> None:
+    code, _, error = shoecal("diagnose", simulated, *words)
+    assert code == 1
+    assert problem in error
+    assert "Traceback" not in error
+
+
+def test_a_calibration_of_another_robot(
+    shoecal: Run, simulated: Path, calibrated: Path, tmp_path: Path
+) -> None:
+    other = tmp_path / "other.yaml"
+    other.write_text(calibrated.read_text().replace("robot: odd_biped", "robot: somebody"))
+    code, _, error = shoecal("diagnose", simulated, "--calibration", other)
+    assert code == 1
+    assert "is of robot 'somebody'" in error
+
+
+def test_a_session_named_twice(shoecal: Run, simulated: Path) -> None:
+    code, _, error = shoecal("diagnose", simulated, simulated)
+    assert code == 1
+    assert "named twice" in error
+
+
+@pytest.mark.parametrize("text", ["", ":left", "latency:", "latency:,"])
+def test_no_effect(shoecal: Run, simulated: Path, text: str) -> None:
+    with pytest.raises(SystemExit) as ended:
+        shoecal("diagnose", simulated, "--only", text)
+    assert ended.value.code == 2
+
+
+def test_an_effect_and_its_places() -> None:
+    assert effect_at("latency") == ("latency", ())
+    assert effect_at("crosstalk:left/a,left/b") == ("crosstalk", ("left/a", "left/b"))
+
+
+def test_over_a_cluster(shoecal: Run, simulated: Path, tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    figures = tmp_path / "figures.json"
+    with distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, dashboard_address=None
+    ) as cluster:
+        code, _, error = shoecal(
+            "diagnose", simulated, "--scheduler", cluster.scheduler_address, "--no-simulation",
+            "--only", "payload", "--train", "1,2", "--test", "3", "--json", figures,
+        )  # fmt: skip
+    assert code == 0, error
+    (told,) = json.loads(figures.read_text())["sessions"]
+    assert told["verdict"] in VERDICTS
+
+
+@pytest.mark.skipif(importlib.util.find_spec("distributed") is not None, reason="Dask is there")
+def test_without_dask_it_says_how_to_get_it(shoecal: Run, simulated: Path) -> None:
+    code, _, error = shoecal("diagnose", simulated, "--scheduler", "tcp://127.0.0.1:1")
+    assert code == 1
+    assert "shoecal_core[dask]" in error
