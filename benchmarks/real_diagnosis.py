@@ -266,7 +266,11 @@ How we read this:
 - GRF gains nothing: its error is the zeros' change from trial to trial, which no cause found in
   two trials foretells in the third. A moment with each foot in the air at the start of every
   trial would have measured it.
-- The stepping trial, foretold from the walks alone, stays in the dark: the walks have hardly a
-  double support, in which the two feet share the load and can press against each other.
+- The stepping trial, foretold from the walks alone, stays in the dark. The likely reason: the walks
+  have hardly a double support, in which the two feet share the load and press against each other.
+
+What is not blind here: that a step counts as one sample, and that both sideways axes are reversed
+together, was settled while looking at all three trials; there is no fourth to check it on. Within a
+row of the tables, fit and causes have seen the two training trials only.
 
 """
