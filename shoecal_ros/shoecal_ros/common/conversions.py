@@ -18,7 +18,6 @@ from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 from trajectory_msgs.msg import JointTrajectoryPoint
 
-from shoecal_core.calibration.calibration import FORMAT as CALIBRATION_FORMAT
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.errors import NameNotFoundError, ShapeError, ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
@@ -29,6 +28,12 @@ from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 SECOND_NS = 1_000_000_000
+CALIBRATION_FORMAT = 1
+"""Version of the layout of ShoeCalibration."""
+COLUMNS_NOTE = (
+    "places of cells and plates are calibrated, too: they stand in the calibration's file alone"
+)
+"""Told of a calibration of which the message holds a part."""
 
 BASE_LINK = "base_link"
 SOLES = ("l_sole", "r_sole")
@@ -275,7 +280,7 @@ def calibration_to_ros(calibration: Calibration) -> ShoeCalibration:
         time_offset=float(calibration.time_offset),
         temperature=float(calibration.temperature),
         verdict=calibration.verdict,
-        reasons=list(calibration.reasons),
+        reasons=[*calibration.reasons, *([] if calibration.columns is None else [COLUMNS_NOTE])],
         fitted_runs=list(calibration.fitted_runs),
     )
 
