@@ -131,6 +131,8 @@ def replay_job(job: ReplayJob) -> Replayed:
 
 def _shrink(diagnosis: Diagnosis, causes: Sequence[Cause], session: Session) -> SimulatedShrink:
     """Of these causes together."""
+    if not diagnosis.test:
+        raise ShoecalError("there is no test run to compare with; name some with --test")
     settings = CalibrationSettings()
     data = load_data(session, diagnosis.train, settings)
     stances = [one for one in data.of(diagnosis.train) if one.hanging is None]

@@ -72,7 +72,7 @@ def key_figures(diagnosis: Diagnosis) -> tuple[KeyFigure, ...]:
 def run_text(diagnosis: Diagnosis) -> str:
     """The runs that figures are told of."""
     if not diagnosis.test:
-        return "no test run"
+        return "training runs, for want of test runs"
     plural = "s" if len(diagnosis.test) > 1 else ""
     return f"test run{plural} {listed([str(run) for run in diagnosis.test])}"
 
@@ -148,8 +148,13 @@ def _shrinks(diagnosis: Diagnosis) -> str:
         if math.isfinite(shrink.fraction)
         else ": "
     )
+    runs = (
+        f"On runs never used for a fit ({run_text(diagnosis)})"
+        if diagnosis.test
+        else "On the very runs that were fitted, for want of test runs,"
+    )
     return (
-        f"On runs never used for a fit ({run_text(diagnosis)}) the gap shrinks{by}"
+        f"{runs} the gap shrinks{by}"
         f"the CoP's error from {number(cop[0], 2)} to {millimetres(cop[1])}, that of the GRF from "
         f"{force(grf[0])} to {newtons(grf[1])}. "
         f"Noise alone would leave {millimetres(gap.cop_floor_mm)} and {newtons(gap.grf_floor_n)}."

@@ -43,7 +43,7 @@ def share_picture(diagnosis: Diagnosis) -> Picture | None:
     return Picture(
         "Shares of the gap",
         share_bars(shares, "Shares of the gap"),
-        "Of all that is more than noise on the test runs: which signal holds it, and as near as "
+        "Of all that is more than noise on the runs judged: which signal holds it, and as near as "
         "it can be told, at which foot, cell or joint, in which run, from when on.",
     )
 
@@ -139,7 +139,7 @@ def shrink_picture(diagnosis: Diagnosis) -> Picture:
     if volts:
         panels.append(Quantity("readings, mean error (unit of the shoe)", tuple(volts), np.nan))
     caption = (
-        "On test runs. Measured: recording against the model, without and with what was found. "
+        "Measured: recording against the model, without and with what was found. "
         "The nearer to the dashed line, the less is left to explain."
     )
     if volts:

@@ -116,7 +116,7 @@ def _which(diagnosis: Diagnosis) -> Section | None:
                     "What is left against what each candidate would change",
                     "A candidate is put into the model, and gains and offsets are fitted again. "
                     "What it then changes in a signal is drawn to the right, what was left of the "
-                    "signal upwards. Samples of test runs, the best candidates first.",
+                    "signal upwards. Best candidates first; test runs where there are any.",
                     pictures=against,
                 )
             )
@@ -149,6 +149,9 @@ def _shrink(diagnosis: Diagnosis) -> Section | None:
     text = (
         "Test runs took no part in any fit or ranking. The share of the gap that is gone there is "
         "what the explanation is worth."
+        if diagnosis.test
+        else "There is no test run: these are errors on the runs that were fitted, which flatters "
+        "every explanation. Keep runs for a test to know what it is worth."
     )
     if any(cause.simulated is not None for cause in diagnosis.causes):
         text += (
@@ -160,7 +163,8 @@ def _shrink(diagnosis: Diagnosis) -> Section | None:
     if evidence is not None and evidence.explained is not None:
         pictures = (*test_run_pictures(diagnosis, evidence), *pictures)
     group = Group(pictures=pictures, tables=(shrink_table(diagnosis),))
-    return Section("Before and after, on runs not used", (group,), text)
+    title = "Before and after, on runs not used" if diagnosis.test else "Before and after"
+    return Section(title, (group,), text)
 
 
 def _hidden(diagnosis: Diagnosis) -> Section | None:

@@ -118,7 +118,7 @@ def shrink_table(diagnosis: Diagnosis) -> Table:
         "How far the gap shrinks",
         ("with", "share that is gone", "CoP error", "GRF error"),
         tuple(rows),
-        "Share that is gone: of the squared error beyond noise, on test runs."
+        "Share that is gone: of the squared error beyond noise, on the runs judged."
         + (" Beside the others: from all but this one to all." if several else ""),
     )
 

@@ -86,3 +86,10 @@ def test_what_cannot_be_simulated_is_a_note(simulated: Path) -> None:
     found = with_simulated_shrink(diagnosis(heavy), Session.open(simulated))
     assert found.causes[0].simulated is None
     assert any(note.startswith("nothing was simulated") for note in found.notes)
+
+
+def test_without_a_test_run_there_is_nothing_to_compare_with(simulated: Path) -> None:
+    found = replace(diagnosis(cause("latency", ("left",), delay=(0.02, "s"))), test=())
+    found = with_simulated_shrink(found, Session.open(simulated))
+    assert found.causes[0].simulated is None
+    assert any("no test run" in note for note in found.notes)

@@ -178,7 +178,9 @@ def test_runs_with_gaps_and_signals_that_are_missing(evidence: Evidence) -> None
         rivals=evidence.rivals[:1],
     )
     text = text_of(diagnoses.diagnosis(partly, test=(), train=(1,)))
-    assert "no test run" in text
+    assert "On the very runs that were fitted, for want of test runs," in text
+    assert "There is no test run: these are errors on the runs that were fitted" in text
+    assert "runs not used" not in text
     assert "CoP forward, test runs" not in text
 
 
