@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from core.model import robots
 from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.walking import in_world
-from shoecal_core.diagnosis.walking_samples import angular_momentum, spin
+from shoecal_core.diagnosis.walking_samples import angular_momentum, pieces, spin
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.recording.run import PoseSamples
 
@@ -76,3 +76,15 @@ def test_a_body_at_rest_does_not_spin() -> None:
     rest = PoseSamples(TIME, base.position, np.tile(base.quaternion[:1], (len(TIME), 1)))
     robot = robots.kinematics("nao").robot
     np.testing.assert_allclose(angular_momentum(still, rest, robot), 0.0, atol=1e-9)
+
+
+def test_stances_are_cut_into_pieces_alike() -> None:
+    time = np.arange(0.0, 10.0, 0.01)
+    stance = np.full(len(time), -1)
+    for number, (begin, end) in enumerate(((0.0, 3.05), (4.0, 4.3), (5.0, 10.0))):
+        stance[(time >= begin) & (time < end)] = number
+    found = pieces(time, stance, rate=1.0)
+    for number, count in enumerate((3, 1, 5)):
+        sizes = np.bincount(found[stance == number].astype(int))
+        assert len(sizes) == count
+        assert np.ptp(sizes) <= 2
