@@ -102,6 +102,7 @@ def diagnose(
         verdict=answer.verdict,
         gap=gap(best, without_any),
         where=where(best, without_any, chosen),
+        shrink=None if chosen is None else shrink(best, without_any, best.explained(chosen)[0]),
         causes=answer.causes,
         ambiguity=answer.ambiguity,
         ranking=answer.ranking[:SHOWN],
@@ -156,15 +157,19 @@ def _answer(
         causes.insert(0, first)
         ambiguity = (Candidate(first.effect, first.location, first.probability),)
         ranking = (*ambiguity, *ranking)
+    happened = any(cause.run is not None for cause in causes)
+    if not there and exchange is None and not happened:
+        return _Answer("no_gap", ranking=ranking)
     if not causes:
-        return _Answer("unknown" if there else "no_gap")
+        return _Answer("unknown")
     after, _ = best.explained(found.chosen)
     over, left = excess(best, before), excess(best, after)
-    explained = 1.0 - max(left, 0.0) / over if over > 0.0 else 1.0
-    if there and explained < settings.unknown_below:
+    # What happened once, in a run that was fitted, is no gap of the others.
+    explained = 1.0 - max(left, 0.0) / over if there and over > 0.0 else 1.0
+    if explained < settings.unknown_below:
         return _Answer("unknown", ranking=ranking)
     verdict: Verdict = "ambiguous" if len(ambiguity) > 1 else "explained"
-    if there and explained < settings.explained_from:
+    if explained < settings.explained_from:
         verdict = "partly_explained"
     return _Answer(verdict, tuple(causes), ambiguity, ranking)
 
@@ -173,7 +178,9 @@ def _probabilities(
     alternatives: Sequence[tuple[Hypothesis, float]], settings: DiagnosisSettings
 ) -> tuple[Candidate, ...]:
     """Of everything that could stand in a cause's place, nothing included."""
-    logs = np.array([*(settings.temper * one for _, one in alternatives), 0.0])
+    best = max((one for _, one in alternatives), default=0.0)
+    temper = 1.0 / (1.0 / settings.temper + settings.form_error * max(best, 0.0))
+    logs = np.array([*(temper * one for _, one in alternatives), 0.0])
     shares = np.exp(logs - logs.max())
     shares /= shares.sum()
     return tuple(

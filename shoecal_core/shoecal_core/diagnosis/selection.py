@@ -97,8 +97,13 @@ def matter(workspace: Workspace, before: FloatArray, scored: Scored) -> float:
         before: (T, s) residuals without it.
     """
     after, _ = workspace.explained(scored)
-    mask = workspace.scene.mask[:, 1]
-    change = (before - after)[mask] / workspace.floor
+    rows = workspace.scene.mask[:, 1].copy()
+    run = scored.parts[-1][1].shape.run
+    if run is not None:
+        rows &= workspace.rows_of([run])
+    if not rows.any():
+        return 0.0
+    change = (before - after)[rows] / workspace.floor
     cop = float(np.sqrt(np.mean(change[:, COP] ** 2)))
     return max(cop, float(np.sqrt(np.mean(change[:, 0] ** 2))))
 

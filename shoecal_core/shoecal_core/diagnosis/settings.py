@@ -51,18 +51,22 @@ class DiagnosisSettings(Settings):
         "logarithm, beyond what its prior costs", minimum=0.0,
     )  # fmt: skip
     material: float = setting(
-        0.4,
+        0.8,
         "",
         "it matters when it explains errors of CoP or GRF by this share of their floor",
         minimum=0.0,
     )
     later_share: float = setting(
-        0.04, "", "a further effect must add this share of the evidence found so far: an effect "
+        0.06, "", "a further effect must add this share of the evidence found so far: an effect "
         "whose form the library has only nearly leaves a remainder of its own", minimum=0.0,
     )  # fmt: skip
     temper: float = setting(
         0.15, "", "logarithms of probabilities count by this share: hypotheses are only models",
         minimum=1e-3, maximum=1.0,
+    )  # fmt: skip
+    form_error: float = setting(
+        0.02, "", "and by less where there is much evidence: a cause whose form the library has "
+        "only nearly is this share of the evidence off", minimum=0.0,
     )  # fmt: skip
     set_share: float = setting(
         0.95, "", "probability that a set of explanations which cannot be told apart holds",
@@ -75,5 +79,5 @@ class DiagnosisSettings(Settings):
         0.2, "", "less than this part explained: the cause is unknown", minimum=0.0
     )
     gap_from: float = setting(
-        1.6, "", "errors of CoP or GRF over their floor from which there is a gap", minimum=1.0
+        1.3, "", "errors of CoP or GRF over their floor from which there is a gap", minimum=1.0
     )

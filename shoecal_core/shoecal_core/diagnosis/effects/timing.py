@@ -15,6 +15,8 @@ from shoecal_core.diagnosis.samples import Track
 from shoecal_core.diagnosis.signals import Scene
 
 FloatArray = NDArray[np.float64]
+TYPICAL_LAG = 0.1
+"""s; the second of two lags counts with the square of their time, taken at this one."""
 
 
 class Latency:
@@ -51,10 +53,12 @@ class LowPass:
         return places.feet_and_all(scene)
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
-        """For a lag of first order the force is reading + time x rate of the reading."""
+        """One lag, for which the force is reading + time x rate; or two, of half the time each."""
         channels = places.all_channels_at(scene, place)
+        for second in (0.0, 0.25 * TYPICAL_LAG):
 
-        def work(track: Track) -> FloatArray:
-            return -slope(scene.parameters.outputs(track.readings)[:, channels], track.time)
+            def work(track: Track, second: float = second) -> FloatArray:
+                rate = slope(scene.parameters.outputs(track.readings)[:, channels], track.time)
+                return -rate - second * slope(rate, track.time)
 
-        yield Shape(("time",), shown(scene, channels, scene.samples.decimated(work))[None])
+            yield Shape(("time",), shown(scene, channels, scene.samples.decimated(work))[None])
