@@ -109,6 +109,9 @@ def _figures(folder: Path, effects: FoundEffects | None) -> dict[str, object]:
                 found[f"{way}, {name}"] = {"error": str(error)}
                 continue
             stages = stage_errors(compare(outcome, read_truths(session, outcome.data)))
+            if "test" not in stages["self_calibration"]:
+                found[f"{way}, {name}"] = {"error": "the screening left no test run"}
+                continue
             errors = stages["self_calibration"]["test"]
             both, feet = outcome.assessment.expected_cop()
             found[f"{way}, {name}"] = {
@@ -182,6 +185,8 @@ and in brackets the worst one.
 {table}
 
 Forecast: root mean square over the sensing polygons, as the calibration states it.
+Robots of which the screening left no test run: {left_out}.
+
 Target, the CoP of both feet in the median at most {target} mm with unloading runs: {met}.
 
 By robot, with unloading runs, combined CoP [mm]:
@@ -220,6 +225,7 @@ def _section(results: Sequence[Mapping[str, object]]) -> str:
     return SECTION.format(
         count=len(results), first=results[0]["seed"], last=results[-1]["seed"], verdicts=counted,
         table=pages.table(rows), target=TARGET_MM, robots=pages.table(robots),
+        left_out=sum(not _values([one], _judged(results), "cop") for one in results),
         met="met" if median <= TARGET_MM else f"missed, {median:.2f} mm",
     )  # fmt: skip
 
