@@ -96,8 +96,9 @@ def fit_baseline(
     guess = scene.parameters if guess is None else guess
     scene = scene.with_planes(settings)
     channels = len(guess.gain)
-    prior = precision(scene, guess, settings)
     for _ in range(STEPS):
+        # Planes come and go as gains settle, and with them columns.
+        prior = precision(scene, guess, settings)
         whitening = Whitening(scene.samples, scene.mask, noise)
         empty = np.zeros((0, *scene.residuals.shape))
         sums = make_sums(whitening, runs, scene.baseline, empty, scene.residuals, scene.mask, prior)

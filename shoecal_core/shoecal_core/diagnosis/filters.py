@@ -37,7 +37,7 @@ def slope(values: FloatArray, time: FloatArray, span: float = 0.6) -> FloatArray
     and would pass for a delay.
     """
     step = float(np.median(np.diff(time)))
-    width = max(1, round(span / 3.0 / step))
+    width = 2 * round(span / 6.0 / step) + 1
     calm = uniform_filter1d(values, width, axis=0, mode="nearest")
     reach = max(1, round(span / 3.0 / step))
     index = np.arange(len(time))

@@ -132,7 +132,10 @@ def _noise(
     )
     products, _ = sums.of(train)
     std = np.concatenate(
-        [form.std for hypothesis in library.hypotheses for form in hypothesis.forms]
+        [
+            np.zeros(0),
+            *(form.std for hypothesis in library.hypotheses for form in hypothesis.forms),
+        ]
     )
     vector = solve(products, sums, range(len(std)), RICH * std).vector
     base = len(scene.baseline)
