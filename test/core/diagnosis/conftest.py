@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from core.diagnosis.drawn import Urn
 from shoecal_core import cli
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.candidates import possible_runs
@@ -57,3 +58,9 @@ def workspace(standard_session: Session) -> Workspace:
 def runs(workspace: Workspace) -> tuple[PossibleRun, ...]:
     """Every motion that could be run next."""
     return possible_runs(workspace.scene, PlannerSettings())
+
+
+@pytest.fixture(scope="session")
+def urn(workspace: Workspace) -> Urn:
+    """Draws sessions with that layout."""
+    return Urn.of(workspace)

@@ -100,7 +100,7 @@ def test_joint_compliance(scene: Scene, place: str) -> None:
     robot, compliance = scene.samples.robot, 1e-3
     change = np.zeros_like(scene.samples.angles)
     joints = robot.moved if place == "all" else [robot.joint(place)]
-    change[:, joints] = compliance * scene.links.torque[:, joints]
+    change[:, joints] = compliance * scene.torque[:, joints]
     found = shape(scene, JointCompliance(), place)
     assert_shows(scene, with_angles(scene, change), told(found, compliance), within=0.15)
 
@@ -108,10 +108,10 @@ def test_joint_compliance(scene: Scene, place: str) -> None:
 @pytest.mark.parametrize("place", [*JOINTS[1:], "all"])
 def test_backlash(scene: Scene, place: str) -> None:
     """Pushed by its motor, a link lies behind by half the play."""
-    robot, play = scene.samples.robot, 2e-3
+    robot, play = scene.samples.robot, 1e-3
     change = np.zeros_like(scene.samples.angles)
     joints = robot.moved if place == "all" else [robot.joint(place)]
-    change[:, joints] = 0.5 * play * np.sign(scene.links.torque[:, joints])
+    change[:, joints] = 0.5 * play * np.sign(scene.torque[:, joints])
     found = shape(scene, Backlash(), place)
     assert_shows(scene, with_angles(scene, change), told(found, play), within=0.3)
 
@@ -120,10 +120,12 @@ def test_inertia_is_the_zero_moment_point_s_way_from_the_com(scene: Scene) -> No
     samples = scene.samples
     assert not scene.fast
     assert not list(Inertia().shapes(scene, ()))
-    acceleration = 0.2 * np.sin(3.0 * samples.time)[:, None] * np.array([1.0, -0.5])
+    acceleration = 0.2 * np.sin(3.0 * samples.time)[:, None] * np.array([1.0, -0.5, 0.3])
     height = samples.states.com[np.arange(len(samples.frame)), samples.frame, 2]
     fast = replace(scene, samples=replace(samples, acceleration=acceleration))
     assert fast.fast
-    wanted = -height[:, None] * acceleration / GRAVITY
+    wanted = -height[:, None] * acceleration[:, :2] / GRAVITY
     found = shape(fast, Inertia())
     np.testing.assert_allclose(found.columns[0][:, COP], wanted)
+    force = samples.robot.mass * acceleration[:, 2]
+    np.testing.assert_allclose(found.columns[0][:, 0], force)

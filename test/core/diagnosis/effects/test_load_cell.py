@@ -121,7 +121,7 @@ def test_drifts_with_temperature(scene: Scene) -> None:
     first = warm.samples.decimated(lambda track: np.asarray(track.temperature)[:, None])[0, 0]
 
     def warmer(track: Track) -> FloatArray:
-        return np.asarray(track.temperature)[:, None] - first
+        return np.asarray(np.asarray(track.temperature)[:, None] - first)
 
     zero, span = load_cell.ZeroDrift(), load_cell.SpanDrift()
     assert shape(warm, zero, "left", form=1).free == ("per_kelvin",)

@@ -1,0 +1,38 @@
+"""Lags, plays and slopes against what they are by definition."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import given
+from hypothesis import strategies as st
+
+from shoecal_core.diagnosis.filters import low_passed, play, slope
+
+TIME = np.arange(0.0, 20.0, 0.02)
+
+
+@given(st.floats(0.1, 5.0), st.floats(-50.0, 50.0), st.floats(-50.0, 50.0))
+def test_a_step_is_followed_exponentially(constant: float, before: float, after: float) -> None:
+    step = np.where(TIME < 5.0, before, after)[:, None]
+    found = low_passed(step, TIME, constant)[:, 0]
+    since = np.maximum(TIME - 5.0 + 0.02, 0.0)
+    wanted = after + (before - after) * np.exp(-since / constant)
+    np.testing.assert_allclose(found, wanted, atol=1e-6)
+
+
+@given(st.floats(0.1, 5.0), st.integers(0, 100))
+def test_a_play_stays_within_its_width_and_only_moves_when_pushed(width: float, seed: int) -> None:
+    force = np.cumsum(np.random.default_rng(seed).normal(size=(200, 2)), axis=0)
+    found = play(force, np.full(2, width))
+    assert (np.abs(found - force) <= 0.5 * width + 1e-9).all()
+    moved = np.diff(found, axis=0) != 0.0
+    assert np.allclose(np.abs(found - force)[1:][moved], 0.5 * width)
+
+
+@given(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
+def test_the_slope_of_a_line_and_of_a_parabola(rate: float, bend: float) -> None:
+    values = (rate * TIME + bend * TIME**2)[:, None]
+    inside = slice(50, -50)
+    np.testing.assert_allclose(
+        slope(values, TIME)[inside, 0], (rate + 2.0 * bend * TIME)[inside], atol=1e-6
+    )

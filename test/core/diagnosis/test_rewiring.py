@@ -1,0 +1,53 @@
+"""Cables that were exchanged are found, and none where none are."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from shoecal_core.diagnosis.baseline import first_parameters
+from shoecal_core.diagnosis.effects.geometry import SwappedCells
+from shoecal_core.diagnosis.rewiring import rewired
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.signals import make_scene
+from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+
+SETTINGS, EFFECTS = DiagnosisSettings(), (SwappedCells(),)
+
+
+def swapped(workspace: Workspace, one: int, other: int) -> Workspace:
+    """The session as it would be had two cables been exchanged."""
+    samples = workspace.scene.samples
+    order = np.arange(len(samples.shoe.channels))
+    order[[one, other]] = other, one
+    tracks = tuple(replace(one, readings=one.readings[:, order]) for one in samples.tracks)
+    crossed = replace(samples, tracks=tracks, readings=samples.readings[:, order])
+    first = first_parameters(crossed, workspace.train)
+    scene = make_scene(crossed, first, SETTINGS)
+    return make_workspace(scene, EFFECTS, workspace.train, workspace.test, SETTINGS)
+
+
+@pytest.mark.parametrize(("one", "other"), [(0, 3), (2, 5)])
+def test_exchanged_cables_are_found(workspace: Workspace, one: int, other: int) -> None:
+    names = workspace.scene.samples.shoe.names
+    crossed = swapped(workspace, one, other)
+    found = rewired(crossed, EFFECTS, SETTINGS)
+    assert found is not None
+    assert set(found.hypothesis.place) == {names[one], names[other]}
+    before, after = (
+        float(np.sqrt(np.mean(each.scene.residuals[:, 1:3] ** 2)))
+        for each in (crossed, found.workspace)
+    )
+    assert after < 0.5 * before
+
+
+def test_cables_that_are_right_stay(workspace: Workspace) -> None:
+    usual = make_workspace(workspace.scene, EFFECTS, workspace.train, workspace.test, SETTINGS)
+    assert len(usual.library.rewired) == 28
+    assert rewired(usual, EFFECTS, SETTINGS) is None
+    assert (
+        rewired(replace(usual, library=replace(usual.library, rewired=())), EFFECTS, SETTINGS)
+        is None
+    )
