@@ -70,7 +70,7 @@ def over_cluster(
             f"no Dask scheduler answers at '{scheduler}': start one with `dask scheduler`, and "
             "workers with `dask worker`, or name another address"
         ) from error
-    with client:
+    with client, client.as_current():
         waiting = {client.submit(work, job, pure=False): number for number, job in enumerate(jobs)}
         for future in distributed.as_completed(waiting):
             yield waiting[future], future.result()
