@@ -71,7 +71,7 @@ def test_faster_motion_tells_a_delay_from_a_lag(
     names = ("landmarks", "faster", "unload_left")
     found = told(workspace, runs, names, ("latency (left)", [0.04]), "low_pass (left)")
     for other in ("landmarks", "unload_left"):
-        assert found["faster"][0, 1] > 3.0 * found[other][0, 1]
+        assert found["faster"][0, 1] > 2.0 * found[other][0, 1]
 
 
 def test_turning_the_robot_tells_the_floor_from_the_body(
