@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports demo-table paper trust coverage chosen-supports caught-faults blind effects-table own-steps motion-menu lock clean
+.PHONY: clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports demo-table paper trust coverage chosen-supports caught-faults blind effects-table own-steps motion-menu lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -59,6 +59,10 @@ demo-table: setup  ## the errors of the demo over ten seeds, into docs/demo.md (
 blind: export OPENBLAS_NUM_THREADS := 1
 blind: setup  ## diagnosis of sets whose answers are sealed, into docs/diagnosis.md (ARGS="--seed 2")
 	$(BIN)/python benchmarks/blind_check.py $(ARGS)
+
+clean-sessions: export OPENBLAS_NUM_THREADS := 1
+clean-sessions: setup  ## no false alarm on another robot, into docs/diagnosis.md (ARGS="--seeds 5")
+	$(BIN)/python benchmarks/clean_sessions.py $(ARGS)
 
 effects-table: export OPENBLAS_NUM_THREADS := 1
 effects-table: setup  ## calibrating with effects over ten robots, into docs/diagnosis.md (ARGS="--seeds 3")

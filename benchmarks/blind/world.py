@@ -87,13 +87,24 @@ def write_world(path: Path, answer: Answer, items: Sequence[Mapping[str, Any]]) 
         answer: whose world it is.
         items: the effects it has, as a reality file lists them.
     """
+    return write_reality(path, answer.world, items, imu=answer.imu)
+
+
+def write_reality(
+    path: Path,
+    world: Mapping[str, Mapping[str, Any]],
+    items: Sequence[Mapping[str, Any]] = (),
+    *,
+    imu: bool = True,
+) -> Reality:
+    """The same of any sections that `draw_world` has drawn, with or without inertial sensor."""
     realities = config_dir() / "realities"
     merged = copy.deepcopy(yaml.safe_load((realities / "perfect.yaml").read_text()))
-    for section, values in answer.world.items():
+    for section, values in world.items():
         if section == WHOLE:
             merged |= values
         else:
             merged.setdefault(section, {}).update(values)
-    merged.setdefault("imu", {})["present"] = answer.imu
+    merged.setdefault("imu", {})["present"] = imu
     write_yaml(path, {**merged, "name": path.stem, "effects": [dict(item) for item in items]})
     return load_reality(realities / "default.yaml", path)

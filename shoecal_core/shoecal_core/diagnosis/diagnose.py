@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from shoecal_core.diagnosis.result import Candidate, Cause, Diagnosis, NextMotio
 from shoecal_core.diagnosis.rewiring import Exchange, rewired
 from shoecal_core.diagnosis.samples import load_samples
 from shoecal_core.diagnosis.scoring import Scored
-from shoecal_core.diagnosis.selection import Found, select
+from shoecal_core.diagnosis.selection import Found, asked_for, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, gap, shrink
 from shoecal_core.diagnosis.signals import make_scene
@@ -90,9 +90,12 @@ def diagnose(
     tell("trying every effect", 0.5)
     exchange = rewired(workspace, effects, settings)
     best = workspace if exchange is None else exchange.workspace
-    found = select(best, settings)
+    found = select(best, settings) if only is None else asked_for(best)
     tell("measuring the shrink", 0.8)
     answer = _answer(workspace, best, exchange, found, settings)
+    if only is not None:
+        told = _causes(best, found, workspace.explained(None)[0], settings)
+        answer = replace(answer, causes=tuple(told))
     tell("choosing the next motion", 0.85)
     proposed = _proposed(best, found, answer, settings)
     tell("done", 1.0)
@@ -140,17 +143,11 @@ def _answer(
     """
     before, _ = workspace.explained(None)
     size = gap(best, before)
-    there = (
-        size.cop_mae_mm > settings.gap_from * size.cop_floor_mm
-        or size.grf_mae_n > settings.gap_from * size.grf_floor_n
-    )
-    rankings = [_probabilities(one, settings) for one in found.alternatives]
-    causes = [
-        _cause(best, found.chosen, index, before, rankings[index])
-        for index in range(0 if found.chosen is None else len(found.chosen.parts))
-        if found.chosen is not None
-    ]
-    ranking = rankings[0] if rankings else ()
+    over_floor = max(size.cop_mae_mm / size.cop_floor_mm, size.grf_mae_n / size.grf_floor_n)
+    there = over_floor > settings.gap_from
+    nothing_fits: Verdict = "unknown" if over_floor > settings.unknown_from else "no_gap"
+    causes = _causes(best, found, before, settings)
+    ranking = _probabilities(found.alternatives[0], settings) if found.alternatives else ()
     ambiguity = _set(ranking, settings) if ranking else ()
     if exchange is not None:
         first = _exchanged(exchange, before)
@@ -161,17 +158,29 @@ def _answer(
     if not there and exchange is None and not happened:
         return _Answer("no_gap", ranking=ranking)
     if not causes:
-        return _Answer("unknown")
+        return _Answer(nothing_fits)
     after, _ = best.explained(found.chosen)
     over, left = excess(best, before), excess(best, after)
     # What happened once, in a run that was fitted, is no gap of the others.
     explained = 1.0 - max(left, 0.0) / over if there and over > 0.0 else 1.0
     if explained < settings.unknown_below:
-        return _Answer("unknown", ranking=ranking)
+        return _Answer(nothing_fits, ranking=ranking)
     verdict: Verdict = "ambiguous" if len(ambiguity) > 1 else "explained"
     if explained < settings.explained_from:
         verdict = "partly_explained"
     return _Answer(verdict, tuple(causes), ambiguity, ranking)
+
+
+def _causes(
+    workspace: Workspace, found: Found, before: FloatArray, settings: DiagnosisSettings
+) -> list[Cause]:
+    """All parts of what was chosen, with sizes, shrink and hidden part."""
+    if found.chosen is None:
+        return []
+    return [
+        _cause(workspace, found.chosen, index, before, _probabilities(rivals, settings))
+        for index, rivals in enumerate(found.alternatives)
+    ]
 
 
 def _probabilities(

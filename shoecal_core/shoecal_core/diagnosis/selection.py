@@ -59,6 +59,16 @@ def select(workspace: Workspace, settings: DiagnosisSettings) -> Found:
     )
 
 
+def asked_for(workspace: Workspace) -> Found:
+    """The best of what is looked at, needed or not: for who asks of one effect how it would do."""
+    scored = [workspace.scorer.best_form(one) for one in workspace.library.hypotheses]
+    scored.sort(key=weight, reverse=True)
+    if not scored:
+        return Found(None, (), ())
+    weights = tuple((one.parts[-1][0], weight(one)) for one in scored)
+    return Found(scored[0], (weights,), tuple(scored))
+
+
 def ranked(
     workspace: Workspace, settings: DiagnosisSettings, beside: Sequence[Part] = ()
 ) -> list[Scored]:
