@@ -144,7 +144,8 @@ def _shrink(diagnosis: Diagnosis, causes: Sequence[Cause], session: Session) -> 
         ),
     )
     recorded = {run: session.read(run) for run in diagnosis.test}
-    start = min(session.read(entry.run).start_ns for entry in session.runs)
+    # Time counts from the first run that was diagnosed: others may be damaged.
+    start = min(session.read(number).start_ns for number in (*diagnosis.train, *diagnosis.test))
     jobs = [
         ReplayJob(session.folder, number, 1e-9 * (run.start_ns - start), parameters, items)
         for parameters, items in worlds

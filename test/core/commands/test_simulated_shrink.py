@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -93,3 +94,13 @@ def test_without_a_test_run_there_is_nothing_to_compare_with(simulated: Path) ->
     found = with_simulated_shrink(found, Session.open(simulated))
     assert found.causes[0].simulated is None
     assert any("no test run" in note for note in found.notes)
+
+
+def test_a_damaged_run_that_was_left_out_stops_nothing(simulated: Path, tmp_path: Path) -> None:
+    damaged = tmp_path / "session"
+    shutil.copytree(simulated, damaged)
+    first = damaged / "run_001.mcap"
+    first.write_bytes(first.read_bytes()[:1000])
+    found = replace(diagnosis(cause("latency", ("all",), delay=(0.0, "s"))), train=(2,))
+    found = with_simulated_shrink(found, Session.open(damaged))
+    assert found.causes[0].simulated is not None, found.notes
