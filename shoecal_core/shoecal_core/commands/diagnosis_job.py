@@ -16,7 +16,7 @@ from shoecal_core.diagnosis.diagnose import diagnose
 from shoecal_core.diagnosis.effects.base import Effect
 from shoecal_core.diagnosis.effects.library import EFFECTS, effects_from
 from shoecal_core.diagnosis.result import Diagnosis
-from shoecal_core.errors import ShoecalError
+from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session
 from shoecal_core.report.diagnosis_report import write_diagnosis_report
@@ -105,6 +105,11 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
     """
     tell = progress or (lambda _text, _share: None)
     session = Session.open(job.session)
+    effects = _library(job.effects_from)
+    known = [effect.identifier for effect in effects]
+    for name, _ in job.only:
+        if name not in known:
+            raise NameNotFoundError("effect", name, known)
     calibration = None
     if job.calibration is not None:
         calibration = load_calibration_of(job.calibration, session)
@@ -114,7 +119,7 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
         job.test,
         without=job.without,
         only=job.wanted if job.only else None,
-        effects=_library(job.effects_from),
+        effects=effects,
         progress=lambda text, share: tell(text, SIMULATED_FROM * share),
     )
     if job.simulate and found.causes:

@@ -101,6 +101,12 @@ def test_no_effect(shoecal: Run, simulated: Path, text: str) -> None:
     assert ended.value.code == 2
 
 
+def test_an_effect_that_there_is_not(shoecal: Run, simulated: Path) -> None:
+    code, _, error = shoecal("diagnose", simulated, "--only", "latencies")
+    assert code == 1
+    assert "no effect named 'latencies' (there are: nonlinearity, " in error
+
+
 def test_an_effect_and_its_places() -> None:
     assert effect_at("latency") == ("latency", ())
     assert effect_at("crosstalk:left/a,left/b") == ("crosstalk", ("left/a", "left/b"))
