@@ -19,7 +19,7 @@ SMALL: Mapping[str, tuple[float, str]] = {
     "s": (1e3, "ms"),
     "rad/(N m)": (1e3, "mrad/(N m)"),
     "1/s": (1e6, "1e-6/s"),
-    "1/N": (1e6, "1e-6/N"),
+    "1/N": (1e3, "1e-3/N"),
     "1/N^2": (1e6, "1e-6/N^2"),
 }
 """Units of sizes that are told in smaller ones."""
@@ -116,4 +116,5 @@ def _gap(diagnosis: Diagnosis, calibrated: CalibratedGap | None) -> Iterator[str
             named.append(f"run {place.run}")
         if place.onset_s is not None:
             named.append(f"from {place.onset_s:.1f} s")
-        yield f"{place.share:.0%} in {place.signal}{f' ({chr(44).join(named)})' if named else ''}"
+        where = f" ({', '.join(named)})" if named else ""
+        yield f"{place.share:.0%} in {place.signal}{where}"

@@ -188,7 +188,10 @@ def _hidden(diagnosis: Diagnosis) -> Section | None:
 def _next(diagnosis: Diagnosis) -> Section:
     motion = diagnosis.next_motion
     if motion is None:
-        return Section("What to run next", (), "Nothing is left that another motion would part.")
+        text = "Nothing is left that another motion would part."
+        if len(diagnosis.ambiguity) > 1:
+            text = "No motion was found that would part what is still confused."
+        return Section("What to run next", (), text)
     text = f"{motion_text(motion.motion).capitalize()} (motion “{motion.motion}”)."
     if motion.separates:
         text += f" It would part: {listed([label_text(one) for one in motion.separates])}."

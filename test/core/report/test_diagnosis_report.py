@@ -101,6 +101,12 @@ def test_nothing_found_nothing_missing() -> None:
     assert "Which cause" not in text
 
 
+def test_confused_and_no_motion_that_would_help() -> None:
+    alike = (Candidate("latency", ("left",), 0.6), Candidate("low_pass", ("left",), 0.4))
+    text = text_of(diagnoses.diagnosis(None, "ambiguous", ambiguity=alike, next_motion=None))
+    assert "No motion was found that would part what is still confused" in text
+
+
 def test_what_cannot_be_told_apart_and_why() -> None:
     alike = (Candidate("latency", ("left",), 0.6), Candidate("low_pass", ("left",), 0.3))
     found = diagnoses.diagnosis(
