@@ -176,6 +176,19 @@ def test_what_a_diagnosis_found_is_believed() -> None:
     assert believed[CROSSTALK.name].std == 0.02
 
 
+@pytest.mark.parametrize(
+    ("odd", "told"),
+    [
+        (FoundEffect("joint_offset", (), {"angle": (0.01, 0.001)}), "needs 1 in its location"),
+        (FoundEffect("crosstalk", ("left/a",), {"fraction": (0.1, 0.01)}), "needs 2"),
+        (FoundEffect("payload", ("base",), {"weight": (0.1, 0.01)}), "other components than mass"),
+    ],
+)
+def test_what_no_diagnosis_says(odd: FoundEffect, told: str) -> None:
+    with pytest.raises(ShoecalError, match=told):
+        with_found([], [odd])
+
+
 def test_crosstalk_from_foot_to_foot_is_no_column() -> None:
     cells = ("left/front_left", "right/front_left")
     assert not can_be_fitted(FoundEffect("crosstalk", cells, {}))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.refinement.found_effects import FoundEffect
 from shoecal_core.calibration.tolerances import Tolerances
+from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import Robot
 from shoecal_core.sensing.shoe import FEET, Shoe
 
@@ -29,6 +30,12 @@ GEARS = frozenset({"joint_compliance", "backlash"})
 MEASURING = frozenset({"cell_position", "crosstalk", "plates"})
 """Effects that change columns: they are part of the calibration, and `/shoe/cop` uses them.
 `plates` is the part of a foot's moment that its plates carry past the cells."""
+COMPONENTS = {
+    "joint_offset": {"angle"}, "joint_compliance": {"compliance"}, "backlash": {"play"},
+    "link_com": {"x", "y", "z"}, "payload": {"mass"},
+    "cell_position": {"x", "y"}, "crosstalk": {"fraction"}, "plates": {"share_x", "share_y"},
+}  # fmt: skip
+"""Of each effect's size."""
 
 
 @dataclass(frozen=True)
@@ -84,9 +91,13 @@ def with_found(unknowns: Sequence[Unknown], found: Sequence[FoundEffect]) -> lis
 
     A diagnosis fitted few effects where here many are: each size is believed no better than by
     itself, nor than the tolerance that there is for it anyway.
+
+    Raises:
+        ShoecalError: an effect with another number of places, or with other components.
     """
     believed = {one.name: one for one in unknowns}
     for effect in found:
+        _check(effect)
         for component, (mean, std) in effect.size.items():
             open_std = max(std, abs(mean), 1e-12)
             told = Unknown(effect.effect, effect.location, component, mean, open_std)
@@ -102,6 +113,20 @@ def can_be_fitted(effect: FoundEffect) -> bool:
     return effect.effect in BODY | MEASURING and not (
         effect.effect == "crosstalk" and len({cell.split("/")[0] for cell in effect.location}) > 1
     )
+
+
+def _check(effect: FoundEffect) -> None:
+    places = 2 if effect.effect == "crosstalk" else 1
+    if len(effect.location) != places:
+        raise ShoecalError(
+            f"the diagnosis' {effect.label} needs {places} in its location; diagnose anew"
+        )
+    if not effect.size.keys() <= COMPONENTS[effect.effect]:
+        listed = ", ".join(sorted(COMPONENTS[effect.effect]))
+        raise ShoecalError(
+            f"the diagnosis' {effect.label} has a size of other components than {listed}; "
+            "diagnose anew"
+        )
 
 
 def column_change(unknown: Unknown, shoe: Shoe) -> FloatArray:
