@@ -82,18 +82,17 @@ def diagnose(
     train, test = (tuple(run for run in runs if run in samples.runs) for runs in (train, test))
     tell("fitting with nothing added", 0.2)
     scene = make_scene(samples, first_parameters(samples, train), settings, without)
-    workspace = make_workspace(
-        scene, effects, train, test, settings, only or (lambda _effect, _place: True)
-    )
+    wanted = only or (lambda _effect, _place: True)
+    workspace = make_workspace(scene, effects, train, test, settings, wanted)
     tell("what this session can tell", 0.45)
     before = preflight(workspace, settings)
     tell("trying every effect", 0.5)
-    exchange = rewired(workspace, effects, settings)
+    exchange = rewired(workspace, effects, settings, wanted)
     best = workspace if exchange is None else exchange.workspace
     found = select(best, settings) if only is None else asked_for(best)
     tell("measuring the shrink", 0.8)
     answer = _answer(workspace, best, exchange, found, settings)
-    if only is not None:
+    if only is not None and exchange is None:
         told = _causes(best, found, workspace.explained(None)[0], settings)
         answer = replace(answer, causes=tuple(told))
     tell("choosing the next motion", 0.85)
@@ -105,7 +104,7 @@ def diagnose(
         verdict=answer.verdict,
         gap=gap(best, without_any),
         where=where(best, without_any, chosen),
-        shrink=None if chosen is None else shrink(best, without_any, best.explained(chosen)[0]),
+        shrink=shrink(best, without_any, best.explained(chosen)[0]) if answer.causes else None,
         causes=answer.causes,
         ambiguity=answer.ambiguity,
         ranking=answer.ranking[:SHOWN],

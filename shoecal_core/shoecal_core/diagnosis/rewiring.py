@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.effects.base import Effect
+from shoecal_core.diagnosis.effects.base import Effect, Place
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.signals import Scene, Wiring
@@ -36,9 +36,12 @@ class Exchange:
 
 
 def rewired(
-    workspace: Workspace, effects: Sequence[Effect], settings: DiagnosisSettings
+    workspace: Workspace,
+    effects: Sequence[Effect],
+    settings: DiagnosisSettings,
+    wanted: Callable[[str, Place], bool] = lambda _effect, _place: True,
 ) -> Exchange | None:
-    """The best other wiring, where it is clearly better.
+    """The best other wiring, where it is clearly better; beside it the same is looked for.
 
     Wrenches are linear in gains and offsets whatever the wiring, so a quick look is one linear
     least squares each; the best is then fitted in full.
@@ -56,7 +59,7 @@ def rewired(
         return None
     return Exchange(
         hypothesis,
-        make_workspace(scene, effects, workspace.train, workspace.test, settings),
+        make_workspace(scene, effects, workspace.train, workspace.test, settings, wanted),
     )
 
 

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from core.diagnosis.rewritten import rewritten
 from shoecal_core.diagnosis.baseline import first_parameters
+from shoecal_core.diagnosis.diagnose import Wanted, diagnose
 from shoecal_core.diagnosis.effects.geometry import SwappedCells
 from shoecal_core.diagnosis.rewiring import rewired
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.signals import make_scene
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+from shoecal_core.recording.run import Run
+from shoecal_core.recording.session import Session
 
 SETTINGS, EFFECTS = DiagnosisSettings(), (SwappedCells(),)
 
@@ -51,3 +56,20 @@ def test_cables_that_are_right_stay(workspace: Workspace) -> None:
         rewired(replace(usual, library=replace(usual.library, rewired=())), EFFECTS, SETTINGS)
         is None
     )
+
+
+def test_who_asks_for_them_alone_is_told_of_them_alone(
+    standard_session: Session, tmp_path: Path
+) -> None:
+    def crossed(run: Run) -> Run:
+        value = run.readings.value.copy()
+        value[:, [0, 3]] = value[:, [3, 0]]
+        return replace(run, readings=replace(run.readings, value=value))
+
+    session = rewritten(standard_session, tmp_path / "crossed", (1, 2, 3), crossed)
+    found = diagnose(session, (1, 2), (3,), only=Wanted("swapped_cells"))
+    (cause,) = found.causes
+    names = session.shoe.names
+    assert set(cause.location) == {names[0], names[3]}
+    assert found.shrink is not None
+    assert found.shrink.fraction > 0.9
