@@ -51,7 +51,7 @@ def zero_moment_point(aligned: Aligned, base: PoseSamples, index: int) -> FloatA
     torque = pin.rnea(model, data, middle, 0.5 * (before + after), (after - before) / step)
     placed = pin.SE3(pin.Quaternion(base.quaternion[index]).matrix(), base.position[index])
     wrench = placed.act(pin.Force(torque[:6]))
-    return np.array([-wrench.angular[1], wrench.angular[0]]) / wrench.linear[2]
+    return np.asarray(np.array([-wrench.angular[1], wrench.angular[0]]) / wrench.linear[2])
 
 
 def test_mass_and_spin_together_are_the_whole_body_s_dynamics() -> None:
