@@ -220,7 +220,7 @@ def _cause(
     if len(chosen.parts) > 1:
         others = [part for at, part in enumerate(chosen.parts) if at != index]
         before, _ = workspace.explained(workspace.scorer.score(others, foretell=False))
-    probability = next(
+    probability = sum(
         one.probability
         for one in ranking
         if (one.effect, one.location) == (hypothesis.effect.identifier, hypothesis.place)

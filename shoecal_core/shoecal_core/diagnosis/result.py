@@ -227,12 +227,12 @@ class Diagnosis:
         ranking: all hypotheses that matter, the most probable first.
         cannot_detect: what this session could not show, in words.
         cannot_separate: sets of labels that this session cannot tell apart.
-        next_motion: None where nothing is left to separate.
+        next_motion: None where nothing is confused, or no motion would separate it.
         train, test: numbers of the runs.
         notes: what was missing or left out, in words.
         robot, shoe: names.
         shrink: with all causes together, from nothing added; None where it was not measured.
-        evidence: for pictures; None once read back from JSON.
+        evidence: for pictures; None where it was not kept.
     """
 
     verdict: Verdict
@@ -263,6 +263,7 @@ class Diagnosis:
             "test": list(self.test),
             "gap": vars(self.gap).copy(),
             "where": [vars(place).copy() for place in self.where],
+            "shrink": None if self.shrink is None else _pairs(vars(self.shrink)),
             "causes": [_cause(cause) for cause in self.causes],
             "ambiguity_set": [_candidate(one) for one in self.ambiguity],
             "ranking": [_candidate(one) for one in self.ranking],

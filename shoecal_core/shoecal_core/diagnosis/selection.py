@@ -154,7 +154,10 @@ def _alternatives(
 ) -> tuple[tuple[Hypothesis, float], ...]:
     others = [part for at, part in enumerate(parts) if at != index]
     without = workspace.scorer.score(others, foretell=False).evidence if others else 0.0
-    return tuple(
-        (scored.parts[-1][0], weight(scored) - without)
-        for scored in ranked(workspace, settings, others)
-    )
+    rivals = ranked(workspace, settings, others)
+    if all(scored.parts[-1][0] is not parts[index][0] for scored in rivals):
+        # Beside the others it may fit in another form: what was chosen is always among them.
+        rivals = sorted(
+            [workspace.scorer.score([*others, parts[index]]), *rivals], key=weight, reverse=True
+        )
+    return tuple((scored.parts[-1][0], weight(scored) - without) for scored in rivals)

@@ -56,6 +56,10 @@ class Site(Protocol):
         """Whether the robot may be moved."""
 
     @property
+    def disarmings(self) -> int:
+        """How often that was taken back."""
+
+    @property
     def now_ns(self) -> int:
         """The node's time [ns]."""
 
@@ -76,6 +80,7 @@ class Job:
     def __init__(self, site: Site, canceled: Callable[[], bool]) -> None:
         self.site = site
         self._canceled = canceled
+        self._disarmings = site.disarmings
 
     @property
     def interrupted(self) -> bool:
@@ -83,10 +88,15 @@ class Job:
         site = self.site
         return (
             self._canceled()
-            or not site.armed
+            or not self._armed
             or bool(site.recorder.problem)
             or bool(site.input_problem())
         )
+
+    @property
+    def _armed(self) -> bool:
+        """Armed, and never disarmed since the job began: arming anew is not meant for it."""
+        return self.site.armed and self.site.disarmings == self._disarmings
 
     def check(self) -> None:
         """End the job where nothing may move any more.
@@ -96,9 +106,12 @@ class Job:
         """
         site = self.site
         self.check_canceled()
-        if not site.armed:
+        if not self._armed:
             raise RefusedError(
-                Codes.NOT_ARMED, "not armed: call the service shoe/arm with data true first"
+                Codes.NOT_ARMED,
+                "disarmed since the job began: start it again"
+                if site.armed
+                else "not armed: call the service shoe/arm with data true first",
             )
         if site.recorder.problem:
             raise RefusedError(Codes.RECORDING_FAILED, site.recorder.problem)

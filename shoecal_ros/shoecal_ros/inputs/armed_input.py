@@ -15,6 +15,7 @@ class ArmedInput:
 
     def __init__(self, node: ShoecalNode) -> None:
         self._told = False
+        self._disarmings = 0
         self._subscription = node.subscribe(Bool, "shoe/armed", self._hear, qos.LATCHED)
 
     @property
@@ -22,5 +23,12 @@ class ArmedInput:
         """Whether the robot may be moved at this moment."""
         return self._told and self._subscription.get_publisher_count() > 0
 
+    @property
+    def disarmings(self) -> int:
+        """How often it was taken back: who was allowed to move before is not allowed again."""
+        return self._disarmings
+
     def _hear(self, messages: list[Any]) -> None:
-        self._told = messages[-1].data
+        for message in messages:
+            self._disarmings += self._told and not message.data
+            self._told = message.data

@@ -150,6 +150,11 @@ class Calibrator(ShoecalNode):
         return self._arming.armed
 
     @property
+    def disarmings(self) -> int:
+        """How often that was taken back."""
+        return self._arming.disarmings
+
+    @property
     def calibrating(self) -> bool:
         """Whether a self-calibration is under way."""
         return self._self_calibration.busy
