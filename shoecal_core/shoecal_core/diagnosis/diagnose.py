@@ -177,7 +177,7 @@ def _causes(
     if found.chosen is None:
         return []
     return [
-        _cause(workspace, found.chosen, index, before, _probabilities(rivals, settings))
+        _cause(workspace, found.chosen, index, before, _probabilities(rivals, settings), settings)
         for index, rivals in enumerate(found.alternatives)
     ]
 
@@ -215,6 +215,7 @@ def _cause(
     index: int,
     before: FloatArray,
     ranking: Sequence[Candidate],
+    settings: DiagnosisSettings,
 ) -> Cause:
     hypothesis, form = chosen.parts[index]
     if len(chosen.parts) > 1:
@@ -230,7 +231,7 @@ def _cause(
         group=hypothesis.effect.group,
         location=hypothesis.place,
         probability=probability,
-        size=sizes(workspace, chosen, index),
+        size=sizes(workspace, chosen, index, settings.size_error),
         run=form.shape.run,
         shrink=shrink(workspace, before, workspace.explained(chosen)[0]),
         hidden_cop_mm=1e3 * hidden_cop(workspace, chosen, index),

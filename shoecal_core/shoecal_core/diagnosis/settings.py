@@ -68,6 +68,10 @@ class DiagnosisSettings(Settings):
         0.02, "", "and by less where there is much evidence: a cause whose form the library has "
         "only nearly is this share of the evidence off", minimum=0.0,
     )  # fmt: skip
+    size_error: float = setting(
+        0.1, "", "how far sizes may be off, over themselves, because reality has an effect in "
+        "another form than the library", minimum=0.0,
+    )  # fmt: skip
     set_share: float = setting(
         0.95, "", "probability that a set of explanations which cannot be told apart holds",
         minimum=0.5, maximum=0.999,

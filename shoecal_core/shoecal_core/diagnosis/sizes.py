@@ -16,8 +16,15 @@ BLOCK_S = 6.0
 Z95 = 1.96
 
 
-def sizes(workspace: Workspace, scored: Scored, index: int) -> Mapping[str, Size]:
-    """Of one part, by component."""
+def sizes(
+    workspace: Workspace, scored: Scored, index: int, size_error: float = 0.0
+) -> Mapping[str, Size]:
+    """Of one part, by component.
+
+    Args:
+        size_error: how far a size may be off, over itself, because reality has the effect in
+            another form.
+    """
     hypothesis, form = scored.parts[index]
     known = {component.name: component for component in hypothesis.effect.components}
     covariance = _sandwich(workspace, scored)
@@ -27,13 +34,14 @@ def sizes(workspace: Workspace, scored: Scored, index: int) -> Mapping[str, Size
     found: dict[str, Size] = {}
     for name, value, deviation in zip(form.shape.free, values, deviations, strict=True):
         if name in known:
-            spread = Z95 * float(deviation)
+            spread = Z95 * float(np.hypot(deviation, size_error * value))
             found[name] = Size(
                 float(value), known[name].unit, (float(value) - spread, float(value) + spread)
             )
     for name, value in form.shape.fixed.items():
         if name in known:
-            spread = Z95 * form_spread(workspace, scored, index, name, value)
+            deviation = form_spread(workspace, scored, index, name, value)
+            spread = Z95 * float(np.hypot(deviation, size_error * value))
             found[name] = Size(value, known[name].unit, (value - spread, value + spread))
     return found
 
