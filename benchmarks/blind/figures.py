@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 ONSET_S = 2.0
 BINS = 10
 """Of the probabilities, when their calibration is looked at."""
-_FAR = 1e6
+FAR = 1e6
 """Stands for an infinite error, which JSON cannot hold."""
 
 
@@ -80,7 +80,7 @@ def statistic(
     says: str, values: Sequence[float], figure: Callable[[FloatArray], float], target: Target | None
 ) -> Figure:
     """A figure of values with its interval by drawing them again."""
-    return of_rows(says, [[min(value, _FAR)] for value in values], figure, target)
+    return of_rows(says, [[min(value, FAR)] for value in values], figure, target)
 
 
 def of_rows(

@@ -10,7 +10,7 @@ from pathlib import Path
 from blind.cases import NO_GAP, UNKNOWN, Case
 from blind.catalogue import EFFECTS, NEAR_TWINS, alike
 from blind.draws import STRENGTHS
-from blind.figures import Figure, rate
+from blind.figures import FAR, Figure, rate
 from pages import table, write_section
 from shoecal_core.files import atomic_write
 
@@ -154,6 +154,8 @@ def _table(figures: Mapping[str, Figure]) -> str:
 
 
 def _shown(value: float, *, share: bool) -> str:
+    if value >= FAR:
+        return "never"
     return f"{value:.3f}" if share else f"{value:.3g}"
 
 

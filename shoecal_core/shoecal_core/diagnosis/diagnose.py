@@ -28,6 +28,7 @@ from shoecal_core.diagnosis.signals import make_scene
 from shoecal_core.diagnosis.sizes import sizes
 from shoecal_core.diagnosis.where import where
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+from shoecal_core.errors import FileError
 from shoecal_core.recording.session import Session
 
 FloatArray = NDArray[np.float64]
@@ -84,6 +85,12 @@ def diagnose(
     scene = make_scene(samples, first_parameters(samples, train), settings, without)
     wanted = only or (lambda _effect, _place: True)
     workspace = make_workspace(scene, effects, train, test, settings, wanted)
+    if only is not None and not (workspace.library.hypotheses or workspace.library.rewired):
+        raise FileError(
+            session.folder,
+            "nothing of what was asked for can be looked at: there is no such place in this robot "
+            "and these shoes, or the recording lacks what the effect needs",
+        )
     tell("what this session can tell", 0.45)
     before = preflight(workspace, settings)
     tell("trying every effect", 0.5)
