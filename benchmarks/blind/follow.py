@@ -7,10 +7,9 @@ motion proposed and once with another one of the menu, drawn at random; both are
 from __future__ import annotations
 
 import dataclasses
-import os
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -19,6 +18,7 @@ from blind.figures import Figure, Target, of_rows, rate
 from blind.generate import make_set
 from blind.layout import Round
 from blind.motions import PlannedMotion, extra, standard_set
+from blind.processes import over
 from blind.submit import Submission, submit
 from population import nao
 from shoecal_core.errors import ShoecalError
@@ -48,8 +48,7 @@ def follow(place: Round, cases: Sequence[Case], jobs: int) -> dict[str, Figure]:
     """Make and diagnose what is missing of them, and score."""
     wanted = [_Followed(case, kind, _motion(case, kind)) for case in _open(cases)
               for kind in (PROPOSED, RANDOM)]  # fmt: skip
-    with ProcessPoolExecutor(jobs, initializer=os.nice, initargs=(10,)) as pool:
-        there = list(pool.map(_make, [place] * len(wanted), wanted))
+    there = list(over(partial(_make, place), wanted, jobs))
     made = [one for one, can in zip(wanted, there, strict=True) if can]
     for kind in (PROPOSED, RANDOM):
         own = _folder(place, kind)

@@ -7,9 +7,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import os
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 
 import numpy as np
@@ -20,6 +18,7 @@ from blind.composition import Mix, compose
 from blind.gap import measure_gap
 from blind.layout import Round
 from blind.motions import PlannedMotion, fill, standard_set
+from blind.processes import over
 from blind.recorder import record
 from blind.unknowns import KINDS
 from blind.world import write_world
@@ -43,9 +42,8 @@ def draw_round(place: Round, seed: int, mix: Mix, jobs: int) -> str:
 def make_sets(place: Round, jobs: int) -> None:
     """Make the sets that are missing."""
     missing = [one for one in read_answers(place) if not place.made(one.number).is_file()]
-    with ProcessPoolExecutor(jobs, initializer=os.nice, initargs=(10,)) as pool:
-        for done, told in enumerate(pool.map(partial(_make, place), missing), start=1):
-            print(f"made {done} of {len(missing)}: {told}", flush=True)
+    for done, told in enumerate(over(partial(_make, place), missing, jobs), start=1):
+        print(f"made {done} of {len(missing)}: {told}", flush=True)
 
 
 def _make(place: Round, answer: Answer) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from blind.layout import POOL
+from blind.processes import over
 from population import nao
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
@@ -63,9 +63,8 @@ def extra(seed: int, run: PlannedRun) -> PlannedMotion:
 
 def fill(seeds: Sequence[int], jobs: int) -> list[int]:
     """Plan what is missing of several standard sets; the seeds that have one."""
-    with ProcessPoolExecutor(jobs) as pool:
-        there = pool.map(_there, seeds)
-        return [seed for seed, can in zip(seeds, there, strict=True) if can]
+    there = over(_there, seeds, jobs)
+    return [seed for seed, can in zip(seeds, there, strict=True) if can]
 
 
 def _there(seed: int) -> bool:

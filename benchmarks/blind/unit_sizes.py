@@ -10,10 +10,8 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import os
 import tempfile
 from collections.abc import Iterator, Mapping
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from zlib import crc32
 
@@ -41,6 +39,7 @@ from blind.gap import MeasuredGap, measure_gap
 from blind.generate import make_set
 from blind.layout import UNIT_SIZES, Round
 from blind.motions import standard_set
+from blind.processes import over
 from blind.world import middle_world
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
@@ -108,19 +107,18 @@ def measure_units(jobs: int, file: Path = UNIT_SIZES) -> None:
     missing = [unit for unit in units() if unit.key not in told]
     floor = _gap(_answer())
     print(f"floor: {floor}", flush=True)
-    with ProcessPoolExecutor(jobs, initializer=os.nice, initargs=(10,)) as pool:
-        results = pool.map(_measure, missing, [floor] * len(missing))
-        for unit, result in zip(missing, results, strict=True):
-            print(f"{unit.key}: {result}", flush=True)
-            if result is None:
-                continue
-            told[unit.key] = result
-            content = {
-                "made_by": "benchmarks/blind_check.py unit-sizes",
-                "floor": dataclasses.asdict(floor),
-                "sizes": dict(sorted(told.items())),
-            }
-            atomic_write(file, json.dumps(content, indent=1) + "\n")
+    results = over(partial(_measure, floor=floor), missing, jobs)
+    for unit, result in zip(missing, results, strict=True):
+        print(f"{unit.key}: {result}", flush=True)
+        if result is None:
+            continue
+        told[unit.key] = result
+        content = {
+            "made_by": "benchmarks/blind_check.py unit-sizes",
+            "floor": dataclasses.asdict(floor),
+            "sizes": dict(sorted(told.items())),
+        }
+        atomic_write(file, json.dumps(content, indent=1) + "\n")
 
 
 def _measure(unit: Unit, floor: MeasuredGap) -> dict[str, list[float]] | None:
