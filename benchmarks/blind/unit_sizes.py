@@ -12,6 +12,7 @@ import dataclasses
 import json
 import tempfile
 from collections.abc import Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from zlib import crc32
 
