@@ -47,6 +47,10 @@ def is_moving(goal: Goal) -> bool:
     return any(one.phase == "moving" and one.progress > 0.2 for one in goal.feedback)
 
 
+def has_begun(goal: Goal) -> bool:
+    return bool(goal.feedback) or goal.done
+
+
 def has(heard: Heard, count: int) -> bool:
     return len(heard) == count
 
@@ -143,7 +147,7 @@ def test_one_motion_at_a_time_and_cancelling_while_planning(world: World) -> Non
     world.until_told("planner", "joints", "come")
     for _ in range(2):
         goal = plan(world)
-        world.until(lambda goal=goal: goal.feedback or goal.done)
+        world.until(partial(has_begun, goal))
         assert plan(world).result().error_code == Plan.Result.BUSY
         goal.cancel()
         assert goal.result(120.0).error_code == Plan.Result.CANCELED
