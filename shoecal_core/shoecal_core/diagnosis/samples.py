@@ -33,6 +33,7 @@ IntArray = NDArray[np.int64]
 
 TRANSIT_S = 0.8
 """Around lifting and landing, samples are left out for this long."""
+STRETCH_S = 6.0
 MIN_SEGMENT_S = 0.8
 MOVES_M = 0.003
 """Way of the CoM below which a robot stands still; encoders' steps make less."""
@@ -149,6 +150,12 @@ class Samples:
         """Which feet stand in each segment."""
         first = [int(np.argmax(self.segment == one)) for one in range(int(self.segment.max()) + 1)]
         return tuple((bool(self.loaded[at, 0]), bool(self.loaded[at, 1])) for at in first)
+
+    @cached_property
+    def stretch(self) -> IntArray:
+        """(T,) number of the stretch of time in which errors are alike."""
+        stretch = np.stack((self.run, np.floor(self.time / STRETCH_S).astype(np.int64)), axis=1)
+        return np.asarray(np.unique(stretch, axis=0, return_inverse=True)[1]).reshape(-1)
 
     @property
     def runs(self) -> tuple[int, ...]:

@@ -13,8 +13,6 @@ FloatArray = NDArray[np.float64]
 MEAN_NORM = float(np.sqrt(np.pi / 2.0))
 """Mean length of two normal numbers of unit deviation."""
 MEAN_SIZE = float(np.sqrt(2.0 / np.pi))
-BLOCK_S = 6.0
-"""Stretches that count as one: errors within them are alike."""
 DRAWS = 400
 
 
@@ -49,7 +47,7 @@ def judged(workspace: Workspace) -> NDArray[np.bool_]:
 def shrink(workspace: Workspace, before: FloatArray, after: FloatArray) -> Shrink:
     """From residuals (T, s) without an explanation to those with it."""
     first, second = (_squares(workspace, rest) for rest in (before, after))
-    blocks = _blocks(workspace)
+    blocks = workspace.scene.samples.stretch[judged(workspace) & workspace.scene.mask[:, 1]]
     sums = np.array(
         [
             [one[blocks == block].sum() for block in np.unique(blocks)]
@@ -88,11 +86,3 @@ def _squares(workspace: Workspace, rest: FloatArray) -> FloatArray:
     part = slice(GRF.start, COP.stop)
     squares: FloatArray = ((rest[rows][:, part] / workspace.floor[part]) ** 2).mean(axis=1)
     return squares
-
-
-def _blocks(workspace: Workspace) -> NDArray[np.int64]:
-    samples = workspace.scene.samples
-    rows = judged(workspace) & workspace.scene.mask[:, 1]
-    return np.asarray(
-        1000 * samples.run[rows] + np.floor(samples.time[rows] / BLOCK_S).astype(np.int64)
-    )

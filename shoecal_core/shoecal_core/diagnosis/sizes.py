@@ -12,7 +12,6 @@ from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.workspace import Workspace
 
 FloatArray = NDArray[np.float64]
-BLOCK_S = 6.0
 Z95 = 1.96
 
 
@@ -75,8 +74,7 @@ def _sandwich(workspace: Workspace, scored: Scored) -> FloatArray:
     rest = workspace.whitening(scene.residuals - np.tensordot(scored.solution.vector, columns, 1))
     pulls = np.einsum("ptx,tx->tp", whitened[:, rows], rest[rows])
     samples = scene.samples
-    block = 1000 * samples.run[rows] + np.floor(samples.time[rows] / BLOCK_S).astype(np.int64)
-    _, number = np.unique(block, return_inverse=True)
+    _, number = np.unique(samples.stretch[rows], return_inverse=True)
     sums = np.zeros((int(number.max()) + 1, pulls.shape[1]))
     np.add.at(sums, number, pulls)
     bread = scored.solution.covariance

@@ -96,37 +96,38 @@ class JointOffset:
         yield Shape(("angle",), scene.by_angles(change)[None])
 
 
-class JointCompliance:
+class _Give:
+    """What lies between an encoder and its link, and gives with the torque."""
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every joint of the legs, and all alike."""
+        return places.joints_and_all(scene)
+
+    def _shape(self, scene: Scene, place: Place, name: str, give: FloatArray) -> Shape:
+        """Encoders at a place show `give` (T, m) more than the links' angles, a unit."""
+        change = np.zeros_like(scene.samples.angles)
+        joints = places.joints_at(scene, place)
+        change[:, joints] = give[:, joints]
+        return Shape((name,), scene.by_angles(change)[None])
+
+
+class JointCompliance(_Give):
     """A joint gives under its torque, behind the encoder."""
 
     identifier, group = "joint_compliance", "body"
     components = (Component("compliance", "rad/(N m)", 0.008, 0.0),)
 
-    def places(self, scene: Scene) -> Iterator[Place]:
-        """Every joint of the legs, and all alike."""
-        return places.joints_and_all(scene)
-
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
         """In proportion to the torque that it holds."""
-        change = np.zeros_like(scene.samples.angles)
-        joints = places.joints_at(scene, place)
-        change[:, joints] = scene.torque[:, joints]
-        yield Shape(("compliance",), scene.by_angles(change)[None])
+        yield self._shape(scene, place, "compliance", scene.torque)
 
 
-class Backlash:
+class Backlash(_Give):
     """A joint has play behind the encoder: it lies on the side to which it is pushed."""
 
     identifier, group = "backlash", "body"
     components = (Component("play", "rad", 0.015, 0.0),)
 
-    def places(self, scene: Scene) -> Iterator[Place]:
-        """Every joint of the legs, and all alike."""
-        return places.joints_and_all(scene)
-
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
         """By the sign of the torque."""
-        change = np.zeros_like(scene.samples.angles)
-        joints = places.joints_at(scene, place)
-        change[:, joints] = 0.5 * np.tanh(scene.torque[:, joints] / FRICTION)
-        yield Shape(("play",), scene.by_angles(change)[None])
+        yield self._shape(scene, place, "play", 0.5 * np.tanh(scene.torque / FRICTION))
