@@ -14,7 +14,7 @@ from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.simulated_shrink import with_simulated_shrink
 from shoecal_core.diagnosis.diagnose import diagnose
 from shoecal_core.diagnosis.effects.base import Effect
-from shoecal_core.diagnosis.effects.library import EFFECTS, effects_from
+from shoecal_core.diagnosis.effects.known import EFFECTS, effects_from
 from shoecal_core.diagnosis.result import Diagnosis
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.robot_file import load_robot

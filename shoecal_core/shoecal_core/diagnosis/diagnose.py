@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shoecal_core.calibration.pipeline import split_runs
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.effects.base import Effect, Place
-from shoecal_core.diagnosis.effects.library import EFFECTS
+from shoecal_core.diagnosis.effects.known import EFFECTS
 from shoecal_core.diagnosis.evidence import evidence
 from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.hypotheses import Hypothesis
@@ -85,7 +85,7 @@ def diagnose(
     scene = make_scene(samples, first_parameters(samples, train), settings, without)
     wanted = only or (lambda _effect, _place: True)
     workspace = make_workspace(scene, effects, train, test, settings, wanted)
-    if only is not None and not (workspace.library.hypotheses or workspace.library.rewired):
+    if only is not None and not (workspace.catalogue.hypotheses or workspace.catalogue.rewired):
         raise FileError(
             session.folder,
             "nothing of what was asked for can be looked at: there is no such place in this robot "

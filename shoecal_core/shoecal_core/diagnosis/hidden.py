@@ -15,7 +15,9 @@ def hidden_cop(workspace: Workspace, scored: Scored, index: int) -> float:
     _, form = scored.parts[index]
     scene = workspace.scene
     added = np.tensordot(
-        scored.solution.vector[scored.own(index)], workspace.library.columns[list(form.columns)], 1
+        scored.solution.vector[scored.own(index)],
+        workspace.catalogue.columns[list(form.columns)],
+        1,
     )
     rows = workspace.rows_of(workspace.train)
     whitened = workspace.whitening(np.concatenate((scene.baseline, added[None])))[:, rows]

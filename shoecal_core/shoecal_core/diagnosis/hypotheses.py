@@ -63,7 +63,7 @@ class Hypothesis:
 
 
 @dataclass(frozen=True)
-class Library:
+class Catalogue:
     """All hypotheses of a scene.
 
     Attributes:
@@ -79,11 +79,11 @@ class Library:
     lacking: tuple[str, ...]
 
 
-def make_library(
+def make_catalogue(
     scene: Scene,
     effects: Sequence[Effect],
     wanted: Callable[[str, Place], bool] = lambda _effect, _place: True,
-) -> Library:
+) -> Catalogue:
     """Lay out every form of every effect at every place.
 
     Every class has the same prior, within it every effect, within that every place.
@@ -120,7 +120,7 @@ def make_library(
         hypothesis = Hypothesis(effect, place, tuple(forms), _prior(effect, found, effects, groups))
         (rewired if shapes[0].scene is not None else ordinary).append(hypothesis)
     whole = np.concatenate(columns) if columns else np.zeros((0, *scene.residuals.shape))
-    return Library(tuple(ordinary), tuple(rewired), whole, tuple(lacking))
+    return Catalogue(tuple(ordinary), tuple(rewired), whole, tuple(lacking))
 
 
 def _prior(

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.candidates import BY_HAND, possible_runs
 from shoecal_core.diagnosis.forecast import PossibleRun, extended
-from shoecal_core.diagnosis.hypotheses import Form, Hypothesis, Library, make_library
+from shoecal_core.diagnosis.hypotheses import Catalogue, Form, Hypothesis, make_catalogue
 from shoecal_core.diagnosis.regression import Whitening
 from shoecal_core.diagnosis.result import NextMotion
 from shoecal_core.diagnosis.scoring import Scored
@@ -198,24 +198,24 @@ def _columns(scene: Scene, parts: Sequence[Part]) -> tuple[FloatArray, _Places]:
     """
     effects = {hypothesis.effect.identifier: hypothesis.effect for hypothesis, _ in parts}
     wanted = {(hypothesis.effect.identifier, hypothesis.place) for hypothesis, _ in parts}
-    library = make_library(
+    catalogue = make_catalogue(
         scene, tuple(effects.values()), lambda effect, place: (effect, place) in wanted
     )
     found: list[FloatArray] = []
     places: _Places = {}
     at = 0
     for hypothesis, form in parts:
-        there = _same_form(library, hypothesis, form)
+        there = _same_form(catalogue, hypothesis, form)
         shape = (len(form.columns), *scene.residuals.shape)
-        found.append(np.zeros(shape) if there is None else library.columns[list(there.columns)])
+        found.append(np.zeros(shape) if there is None else catalogue.columns[list(there.columns)])
         places[form.columns] = np.arange(at, at + len(form.columns))
         at += len(form.columns)
     return np.concatenate(found), places
 
 
-def _same_form(library: Library, hypothesis: Hypothesis, form: Form) -> Form | None:
+def _same_form(catalogue: Catalogue, hypothesis: Hypothesis, form: Form) -> Form | None:
     index = next(i for i, one in enumerate(hypothesis.forms) if one is form)
-    for other in library.hypotheses:
+    for other in catalogue.hypotheses:
         if other.label != hypothesis.label:
             continue
         # Where several forms have the same words, they are told by their order.

@@ -52,7 +52,7 @@ class Preflight:
 
 def preflight(workspace: Workspace, settings: DiagnosisSettings) -> Preflight:
     """Say what the training runs of a session could show of each hypothesis."""
-    hypotheses = workspace.library.hypotheses
+    hypotheses = workspace.catalogue.hypotheses
     left = unexplained(workspace)
     sizes = typical_sizes(workspace)
     gains = np.array([_gain(one, left, sizes) for one in hypotheses])
@@ -70,7 +70,7 @@ def unexplained(workspace: Workspace) -> FloatArray:
     """(k, k) products of the hypotheses' columns that the baseline leaves, on training runs."""
     sums = workspace.sums
     products, _ = sums.of(workspace.train)
-    base, count = sums.base, len(workspace.library.columns)
+    base, count = sums.base, len(workspace.catalogue.columns)
     normal = products[:base, :base] + np.diag(sums.precision)
     scale = 1.0 / np.sqrt(np.diag(normal))
     factor = np.linalg.cholesky(normal * np.outer(scale, scale) + 1e-12 * np.eye(base))
@@ -81,11 +81,11 @@ def unexplained(workspace: Workspace) -> FloatArray:
 
 def typical_sizes(workspace: Workspace) -> FloatArray:
     """(k,) of each column: its prior's, or what moves the CoP by MATTERS_M where that is less."""
-    columns = workspace.library.columns
+    columns = workspace.catalogue.columns
     part = workspace.rows_of(workspace.train)
     moved = np.linalg.norm(columns[:, part, COP], axis=2).mean(axis=1)
     sizes = np.zeros(len(columns))
-    for hypothesis in workspace.library.hypotheses:
+    for hypothesis in workspace.catalogue.hypotheses:
         for form in hypothesis.forms:
             own = list(form.columns)
             sizes[own] = np.minimum(form.std, MATTERS_M / np.maximum(moved[own], 1e-12))
@@ -122,7 +122,7 @@ def _missing_channels(workspace: Workspace) -> list[str]:
 def _unseen(workspace: Workspace, seen: NDArray[np.bool_]) -> list[str]:
     """One line an effect and foot, with how many of its places are concerned."""
     places: defaultdict[tuple[str, str], list[tuple[Hypothesis, bool]]] = defaultdict(list)
-    for hypothesis, is_seen in zip(workspace.library.hypotheses, seen, strict=True):
+    for hypothesis, is_seen in zip(workspace.catalogue.hypotheses, seen, strict=True):
         key = hypothesis.effect.identifier, _whereabouts(hypothesis)
         places[key].append((hypothesis, bool(is_seen)))
     lines = []

@@ -46,11 +46,11 @@ def rewired(
     Wrenches are linear in gains and offsets whatever the wiring, so a quick look is one linear
     least squares each; the best is then fitted in full.
     """
-    if not workspace.library.rewired:
+    if not workspace.catalogue.rewired:
         return None
     usual = _misfit(workspace, workspace.scene.wiring)
     found = []
-    for hypothesis in workspace.library.rewired:
+    for hypothesis in workspace.catalogue.rewired:
         scene = hypothesis.forms[0].shape.scene
         assert scene is not None
         found.append((_misfit(workspace, scene.wiring), hypothesis, scene))

@@ -61,7 +61,7 @@ def select(workspace: Workspace, settings: DiagnosisSettings) -> Found:
 
 def asked_for(workspace: Workspace) -> Found:
     """The best of what is looked at, needed or not: for who asks of one effect how it would do."""
-    scored = [workspace.scorer.best_form(one) for one in workspace.library.hypotheses]
+    scored = [workspace.scorer.best_form(one) for one in workspace.catalogue.hypotheses]
     scored.sort(key=weight, reverse=True)
     if not scored:
         return Found(None, (), ())
@@ -76,7 +76,7 @@ def ranked(
     taken = {id(hypothesis) for hypothesis, _ in beside}
     scored = [
         workspace.scorer.best_form(hypothesis, beside)
-        for hypothesis in workspace.library.hypotheses
+        for hypothesis in workspace.catalogue.hypotheses
         if id(hypothesis) not in taken
     ]
     before, _ = workspace.explained(workspace.scorer.score(beside, foretell=False))

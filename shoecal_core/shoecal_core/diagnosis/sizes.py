@@ -69,7 +69,7 @@ def _sandwich(workspace: Workspace, scored: Scored) -> FloatArray:
     """(p + k, p + k): stretches of time are independent, what is within one need not be."""
     scene = workspace.scene
     rows = workspace.rows_of(workspace.train)
-    columns = np.concatenate((scene.baseline, workspace.library.columns[list(scored.columns)]))
+    columns = np.concatenate((scene.baseline, workspace.catalogue.columns[list(scored.columns)]))
     whitened = workspace.whitening(columns)
     rest = workspace.whitening(scene.residuals - np.tensordot(scored.solution.vector, columns, 1))
     pulls = np.einsum("ptx,tx->tp", whitened[:, rows], rest[rows])

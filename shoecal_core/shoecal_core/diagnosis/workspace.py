@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline, precision
 from shoecal_core.diagnosis.effects.base import Effect, Place
-from shoecal_core.diagnosis.hypotheses import Library, make_library
+from shoecal_core.diagnosis.hypotheses import Catalogue, make_catalogue
 from shoecal_core.diagnosis.noise import least_noise, noise_of, with_model_error
 from shoecal_core.diagnosis.regression import FEW_RUNS, Noise, Sums, Whitening, make_sums, solve
 from shoecal_core.diagnosis.scoring import Scored, Scorer
@@ -31,7 +31,7 @@ class Workspace:
     Attributes:
         scene: with gains and offsets fitted to the training runs.
         noise: of the signals.
-        library: of hypotheses.
+        catalogue: of hypotheses.
         whitening: by that noise.
         sums: of all runs.
         scorer: of the training runs.
@@ -40,7 +40,7 @@ class Workspace:
 
     scene: Scene
     noise: Noise
-    library: Library
+    catalogue: Catalogue
     whitening: Whitening
     sums: Sums
     scorer: Scorer
@@ -59,14 +59,14 @@ class Workspace:
         base = len(scene.baseline)
         vector = solution.vector[:base].copy()
         vector[self.own_errors] = 0.0
-        added = np.tensordot(solution.vector[base:], self.library.columns[list(columns)], 1)
+        added = np.tensordot(solution.vector[base:], self.catalogue.columns[list(columns)], 1)
         rest = scene.residuals - np.tensordot(vector, scene.baseline, 1) - added
         return rest, added
 
     @cached_property
     def powers(self) -> Mapping[str, FloatArray]:
         """(k, k) mean products of all hypotheses' columns, in one axis of the CoP and in GRF."""
-        columns, mask = self.library.columns, self.scene.mask[:, 1]
+        columns, mask = self.catalogue.columns, self.scene.mask[:, 1]
         cop = columns[:, mask, COP].reshape(len(columns), -1)
         grf = columns[:, mask, 0]
         return {"cop": cop @ cop.T / cop.shape[1], "grf": grf @ grf.T / grf.shape[1]}
@@ -98,43 +98,47 @@ def make_workspace(
     """Fit, find the noise, lay out, add up."""
     guess, least, noise = scene.parameters, least_noise(scene), coarse_noise(scene.samples)
     scene = fit_baseline(scene, train, noise, settings)
-    library = make_library(scene, effects)
+    catalogue = make_catalogue(scene, effects)
     for _ in range(NOISE_ROUNDS):
-        noise = _noise(scene, library, noise, train, settings)
+        noise = _noise(scene, catalogue, noise, train, settings)
         noise = Noise(np.maximum(noise.std, least), noise.keep)
     noise = with_model_error(scene, noise, settings)
     scene = fit_baseline(scene, train, noise, settings, guess)
-    library = make_library(scene, effects, wanted)
+    catalogue = make_catalogue(scene, effects, wanted)
     whitening = Whitening(scene.samples, scene.mask, noise)
     sums = make_sums(
         whitening,
         [*train, *test],
         scene.baseline,
-        library.columns,
+        catalogue.columns,
         scene.residuals,
         scene.mask,
         precision(scene, scene.parameters, settings),
         cut=len(train) < FEW_RUNS,
     )
     return Workspace(
-        scene, noise, library, whitening, sums, Scorer(sums, train), tuple(train), tuple(test)
+        scene, noise, catalogue, whitening, sums, Scorer(sums, train), tuple(train), tuple(test)
     )
 
 
 def _noise(
-    scene: Scene, library: Library, noise: Noise, train: Sequence[int], settings: DiagnosisSettings
+    scene: Scene,
+    catalogue: Catalogue,
+    noise: Noise,
+    train: Sequence[int],
+    settings: DiagnosisSettings,
 ) -> Noise:
     """What is left when every effect may explain a little."""
     whitening = Whitening(scene.samples, scene.mask, noise)
     prior = precision(scene, scene.parameters, settings)
     sums = make_sums(
-        whitening, train, scene.baseline, library.columns, scene.residuals, scene.mask, prior
+        whitening, train, scene.baseline, catalogue.columns, scene.residuals, scene.mask, prior
     )
     products, _ = sums.of(train)
     std = np.concatenate(
         [
             np.zeros(0),
-            *(form.std for hypothesis in library.hypotheses for form in hypothesis.forms),
+            *(form.std for hypothesis in catalogue.hypotheses for form in hypothesis.forms),
         ]
     )
     vector = solve(products, sums, range(len(std)), RICH * std).vector
@@ -142,6 +146,6 @@ def _noise(
     rest = (
         scene.residuals
         - np.tensordot(vector[:base], scene.baseline, 1)
-        - np.tensordot(vector[base:], library.columns, 1)
+        - np.tensordot(vector[base:], catalogue.columns, 1)
     )
     return noise_of(scene.samples, scene.mask & np.isin(scene.samples.run, train)[:, None], rest)

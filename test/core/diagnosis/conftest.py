@@ -10,7 +10,7 @@ from core.diagnosis.drawn import Urn
 from shoecal_core import cli
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.candidates import possible_runs
-from shoecal_core.diagnosis.effects.library import EFFECTS
+from shoecal_core.diagnosis.effects.known import EFFECTS
 from shoecal_core.diagnosis.forecast import PossibleRun
 from shoecal_core.diagnosis.samples import load_samples
 from shoecal_core.diagnosis.settings import DiagnosisSettings

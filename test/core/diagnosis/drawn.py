@@ -29,7 +29,7 @@ def correlated(noise: Noise, workspace: Workspace, rng: np.random.Generator) -> 
 
 def hypothesis(workspace: Workspace, label: str) -> Hypothesis:
     """By its label."""
-    return {one.label: one for one in workspace.library.hypotheses}[label]
+    return {one.label: one for one in workspace.catalogue.hypotheses}[label]
 
 
 def part(workspace: Workspace, label: str) -> Part:
@@ -53,7 +53,7 @@ class Urn:
     @classmethod
     def of(cls, workspace: Workspace) -> Urn:
         """Whiten all columns once."""
-        whole = np.concatenate((workspace.scene.baseline, workspace.library.columns))
+        whole = np.concatenate((workspace.scene.baseline, workspace.catalogue.columns))
         return cls(workspace, workspace.whitening(whole))
 
     def draw(
@@ -66,7 +66,7 @@ class Urn:
             residuals += column * rng.normal() * (std if std < 1.0 else 0.0)
         for label, size in (truth or {}).items():
             _, form = part(workspace, label)
-            residuals += np.tensordot(size, workspace.library.columns[list(form.columns)], 1)
+            residuals += np.tensordot(size, workspace.catalogue.columns[list(form.columns)], 1)
         return self.showing(residuals)
 
     def showing(self, residuals: FloatArray) -> Workspace:
@@ -95,7 +95,7 @@ def remade(workspace: Workspace) -> FloatArray:
         workspace.whitening,
         [*workspace.train, *workspace.test],
         scene.baseline,
-        workspace.library.columns,
+        workspace.catalogue.columns,
         scene.residuals,
         scene.mask,
         workspace.sums.precision,

@@ -20,7 +20,7 @@ def where(
         true, others: labels; all are equally probable.
         size: of the true one's components, in its middle form.
     """
-    known = {hypothesis.label: hypothesis for hypothesis in workspace.library.hypotheses}
+    known = {hypothesis.label: hypothesis for hypothesis in workspace.catalogue.hypotheses}
     forms = known[true].forms
     sums = workspace.sums
     own = sums.base + np.array(forms[len(forms) // 2].columns)

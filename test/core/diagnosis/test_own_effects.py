@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from core.diagnosis.drawn import Urn, part
-from shoecal_core.diagnosis.effects.library import effects_from
+from shoecal_core.diagnosis.effects.known import effects_from
 from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.selection import select
 from shoecal_core.diagnosis.settings import DiagnosisSettings

@@ -13,7 +13,7 @@ import pytest
 from core.diagnosis.drawn import part
 from shoecal_core import cli
 from shoecal_core.diagnosis.baseline import first_parameters
-from shoecal_core.diagnosis.effects.library import EFFECTS
+from shoecal_core.diagnosis.effects.known import EFFECTS
 from shoecal_core.diagnosis.result import Size
 from shoecal_core.diagnosis.samples import load_samples
 from shoecal_core.diagnosis.settings import DiagnosisSettings

@@ -51,12 +51,12 @@ def test_a_share_of_a_cells_force_looks_like_that_cell_elsewhere(workspace: Work
 
 
 def test_a_delay_looks_more_like_a_lag_in_slow_motion(workspace: Workspace) -> None:
-    labels = [hypothesis.label for hypothesis in workspace.library.hypotheses]
+    labels = [hypothesis.label for hypothesis in workspace.catalogue.hypotheses]
     one, other = labels.index("latency (left)"), labels.index("low_pass (left)")
 
     def apart(*runs: int) -> float:
         part = replace(workspace, train=runs)
-        hypotheses = part.library.hypotheses
+        hypotheses = part.catalogue.hypotheses
         return float(distances(hypotheses, unexplained(part), typical_sizes(part))[one, other])
 
     faster = 3
@@ -72,7 +72,7 @@ def test_different_motions_show_more(workspace: Workspace) -> None:
     ]
     assert shown == sorted(shown)
     assert shown[0] < shown[2]
-    assert shown[-1] > 0.7 * len(workspace.library.hypotheses)
+    assert shown[-1] > 0.7 * len(workspace.catalogue.hypotheses)
 
 
 def test_unloading_tells_apart_what_double_supports_do_not(workspace: Workspace) -> None:
@@ -84,7 +84,7 @@ def test_unloading_tells_apart_what_double_supports_do_not(workspace: Workspace)
 def test_lines_name_effect_foot_and_how_many(workspace: Workspace) -> None:
     strict = preflight(workspace, DiagnosisSettings(evidence_min=1e9))
     assert strict.detectable == 0
-    assert strict.tried == len(workspace.library.hypotheses)
+    assert strict.tried == len(workspace.catalogue.hypotheses)
     assert strict.cannot_separate == ()
     assert "crosstalk between cells of the left foot (12 of 12 places)" in strict.cannot_detect
     assert "floor_tilt" in strict.cannot_detect
@@ -113,7 +113,7 @@ def test_missing_channels_are_told(workspace: Workspace) -> None:
 
 
 def test_a_hypothesis_is_at_no_distance_from_itself(workspace: Workspace) -> None:
-    hypotheses = workspace.library.hypotheses[:20]
+    hypotheses = workspace.catalogue.hypotheses[:20]
     found = distances(hypotheses, unexplained(workspace), typical_sizes(workspace))
     assert (np.diag(found) == 0.0).all()
     assert (found >= 0.0).all()
@@ -121,9 +121,9 @@ def test_a_hypothesis_is_at_no_distance_from_itself(workspace: Workspace) -> Non
 
 def test_an_effect_is_typical_where_it_moves_the_cop_by_a_millimetre(workspace: Workspace) -> None:
     sizes = typical_sizes(workspace)
-    known = {hypothesis.label: hypothesis for hypothesis in workspace.library.hypotheses}
+    known = {hypothesis.label: hypothesis for hypothesis in workspace.catalogue.hypotheses}
     tilt = known["floor_tilt"].forms[0]
-    columns = workspace.library.columns[list(tilt.columns)][:, workspace.rows_of(workspace.train)]
+    columns = workspace.catalogue.columns[list(tilt.columns)][:, workspace.rows_of(workspace.train)]
     moved = np.linalg.norm(columns[:, :, 1:3], axis=2).mean(axis=1) * sizes[list(tilt.columns)]
     np.testing.assert_allclose(moved, 0.001)
     light = known["link_com (Neck_link)"].forms[0]

@@ -50,10 +50,10 @@ def test_exchanged_cables_are_found(workspace: Workspace, one: int, other: int) 
 
 def test_cables_that_are_right_stay(workspace: Workspace) -> None:
     usual = make_workspace(workspace.scene, EFFECTS, workspace.train, workspace.test, SETTINGS)
-    assert len(usual.library.rewired) == 28
+    assert len(usual.catalogue.rewired) == 28
     assert rewired(usual, EFFECTS, SETTINGS) is None
     assert (
-        rewired(replace(usual, library=replace(usual.library, rewired=())), EFFECTS, SETTINGS)
+        rewired(replace(usual, catalogue=replace(usual.catalogue, rewired=())), EFFECTS, SETTINGS)
         is None
     )
 

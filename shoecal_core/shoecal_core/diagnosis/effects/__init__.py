@@ -1,1 +1,1 @@
-"""The library of effects; each is a small plug-in, see `base`, and `library` for all of them."""
+"""The library of effects; each is a small plug-in, see `base`, and `known` for all of them."""
