@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports demo-table paper trust coverage chosen-supports caught-faults blind effects-table own-steps motion-menu lock clean
+.PHONY: clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports demo-table paper trust coverage chosen-supports caught-faults faults blind effects-table own-steps motion-menu lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -91,6 +91,10 @@ chosen-supports: setup  ## double supports chosen against random ones (ARGS="--s
 caught-faults: export OPENBLAS_NUM_THREADS := 1
 caught-faults: setup  ## faults put into recordings, how many are caught (ARGS="--draws 5 --clean 10")
 	$(BIN)/python benchmarks/caught_faults.py $(ARGS)
+
+faults: export OPENBLAS_NUM_THREADS := 1
+faults: setup  ## every fault very often, into docs/reliability.md (ARGS="--share 0.1")
+	$(BIN)/python benchmarks/faults.py $(ARGS)
 
 lock:  ## resolve both lock files anew (needs uv)
 	$(LOCK) --universal --fork-strategy fewest --python-version 3.11 \

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Protocol
 
 Progress = Callable[[int], None]
 """Is told now and then how many tries of this step are done."""
@@ -38,10 +37,9 @@ class Result:
             raise ValueError(f"{self.failed} of {self.tried} tries cannot fail")
 
 
-class Run(Protocol):
-    """Does the tries `first` to `first + count - 1`, each drawn from (seed, index) alone."""
-
-    def __call__(self, first: int, count: int, seed: int, progress: Progress) -> Result: ...
+Run = Callable[[int, int, int, Progress], Result]
+"""Of `first, count, seed, progress`: does the tries `first` to `first + count - 1`, each drawn from
+(seed, index) alone."""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,111 @@
+"""Faults, tried very often: does the suite keep working, or say at once that it does not?
+
+    .venv/bin/python benchmarks/faults.py [--share 0.1] [--only ROW ...] [--fresh]
+
+Every row runs in a process of its own. Finished steps are kept in out/faults/, so a run that was
+stopped or killed is taken up where it was. Writes out/faults.json and docs/reliability.md; ends
+with 0 only if nothing failed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from pages import ROOT
+from reliability.kept import Kept
+from reliability.page import write_json, write_page
+from reliability.row import Row
+from reliability.rows import Found, find_rows
+from shoecal_core.errors import ShoecalError
+
+OUT = ROOT / "out"
+PAGE = ROOT / "docs" / "reliability.md"
+PROGRESS_S = 2.0
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the rows asked for; 0 if nothing failed."""
+    rows = find_rows()
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--share", type=float, default=1.0, help="of every row's full size")
+    parser.add_argument("--only", nargs="+", metavar="ROW", help=f"of {', '.join(rows)}")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--fresh", action="store_true", help="forget what these rows have kept")
+    parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
+    parser.add_argument("--page", type=Path, default=PAGE, help="Markdown page with the table")
+    parser.add_argument("--alone", action="store_true", help=argparse.SUPPRESS)
+    args = parser.parse_args(arguments)
+    wanted = args.only or list(rows)
+    if unknown := set(wanted).difference(rows):
+        parser.error(f"no row {', '.join(sorted(unknown))}; there are {', '.join(rows)}")
+    if not 0.0 < args.share <= 1.0:
+        parser.error("--share is more than 0 and at most 1")
+    try:
+        if args.alone:
+            for key in wanted:
+                run_row(rows[key].row, args.out, args.share, args.seed, fresh=args.fresh)
+            return 0
+        ended = [run_apart(key, args) for key in wanted]
+        failed = write(rows, args.out, args.page, args.seed)
+    except ShoecalError as error:
+        print(error, file=sys.stderr)
+        return 1
+    return 0 if all(ended) and not failed.intersection(wanted) else 1
+
+
+def run_apart(key: str, args: argparse.Namespace) -> bool:
+    """Run a row in a process of its own; whether that came to its end."""
+    command = [sys.executable, __file__, "--alone", "--only", key, "--share", str(args.share)]
+    command += ["--seed", str(args.seed), "--out", str(args.out)]
+    done = subprocess.run([*command, *(["--fresh"] if args.fresh else [])], check=False)
+    if done.returncode:
+        print(f"{key}: its process ended with {done.returncode}", file=sys.stderr)
+    return done.returncode == 0
+
+
+def run_row(row: Row, out: Path, share: float, seed: int, *, fresh: bool) -> None:
+    """Do what is missing of a row, step by step."""
+    kept = Kept(row, out / "faults", seed)
+    if fresh:
+        kept.forget()
+    steps = list(kept.missing(share))
+    tries = sum(count for _, count in steps)
+    done, began = 0, time.monotonic()
+    for first, count in steps:
+        result = kept.run(first, count, Teller(row.key, done, tries))
+        done += count
+        told = f"{result.failed} failed, " if result.failed else ""
+        seconds = time.monotonic() - began
+        print(f"{row.key}: {done:,} of {tries:,} in {seconds:.0f} s; {told}{result.worst}")
+    print(f"{row.key}: {kept.result}", flush=True)
+
+
+class Teller:
+    """Tells on standard error how far a step is, now and then."""
+
+    def __init__(self, key: str, before: int, tries: int) -> None:
+        self._key, self._before, self._tries = key, before, tries
+        self._told = time.monotonic()
+
+    def __call__(self, done: int) -> None:
+        """So many tries of the step are done."""
+        if time.monotonic() - self._told >= PROGRESS_S:
+            self._told = time.monotonic()
+            print(f"{self._key}: {self._before + done:,} of {self._tries:,}", file=sys.stderr)
+
+
+def write(rows: Mapping[str, Found], out: Path, page: Path, seed: int) -> set[str]:
+    """Write table and figures of all that is kept; rows that failed."""
+    results = {key: Kept(found.row, out / "faults", seed).result for key, found in rows.items()}
+    write_json(rows, results, out / "faults.json")
+    write_page(rows, results, page)
+    return {key for key, result in results.items() if result.failed}
+
+
+if __name__ == "__main__":
+    sys.exit(main())
