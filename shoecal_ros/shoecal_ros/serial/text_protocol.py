@@ -21,9 +21,12 @@ from shoecal_ros.serial.frame import (
 MAX_LINE = 1024
 
 _LINE_END = re.compile(rb"[\r\n]")
-_NAMING = re.compile(r"\s*[=:]\s*")
-_SEPARATOR = re.compile(r"\s*[,;]\s*|\s+")
-_COLUMN = re.compile(r"(?:[A-Za-z_][\w./\[\]-]*=)?([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\Z")
+# Possessive quantifiers (`++`): a long line of digits or blanks must not take longer than it needs
+# on the wire.
+_NAMING = re.compile(r"(?<!\s)\s*+[=:]\s*+")
+_SEPARATOR = re.compile(r"\s*+[,;]\s*+|\s++")
+_NUMBER = r"[+-]?(?:\d++\.?\d*+|\.\d++)(?:[eE][+-]?\d++)?"
+_COLUMN = re.compile(rf"(?:[A-Za-z_][\w./\[\]-]*+=)?({_NUMBER})\Z")
 _NO_NUMBER = re.compile(r"(?:[A-Za-z_][\w./\[\]-]*=)?[+-]?(?:nan|inf|ovf)\Z", re.IGNORECASE)
 
 _COUNTER_US = 2**32
