@@ -13,6 +13,7 @@ from functools import partial
 
 import numpy as np
 
+from blind.by_hand import BY_HAND
 from blind.cases import Case, read_diagnosis
 from blind.figures import Figure, Target, of_rows, rate
 from blind.generate import make_set
@@ -21,18 +22,16 @@ from blind.motions import PlannedMotion, extra, standard_set
 from blind.processes import over
 from blind.submit import Submission, submit
 from population import nao
+from shoecal_core.diagnosis.candidates import YAWED, yawed_support
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.menu import MENU
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import TRAIN, PlannedRun
 from shoecal_core.planning.supports.feasible import Feasible
-from shoecal_core.planning.supports.named import named_support
 
 PROPOSED, RANDOM = "proposed", "random"
-YAWED = "yawed_stance"
-"""Proposed under a name that is not on the menu: landmarks, the toes turned in."""
-DRAWN = (*MENU, YAWED)
-"""What a motion at random is drawn from."""
+DRAWN = (*MENU, YAWED, *BY_HAND)
+"""What a motion at random is drawn from: all that can be proposed."""
 
 
 @dataclass(frozen=True)
@@ -113,13 +112,20 @@ def _make(place: Round, one: _Followed) -> bool:
 
 
 def _planned(one: _Followed) -> PlannedMotion:
-    answer = one.case.answer
-    support = standard_set(answer.motions)[0].run.support
-    motion = one.motion
-    if motion == YAWED:
-        robot = nao()[0]
-        support, motion = named_support("toes_in", Feasible(robot, PlannerSettings())), "landmarks"
-    return extra(answer.motions, PlannedRun(support, motion, TRAIN)).paced(answer.pace)
+    """Where and how the nodes run it: in the session's first double support to train in."""
+    answer, name = one.case.answer, one.motion
+    runs = [standard_set(answer.motions)[index].run for index in answer.order]
+    support = next(run.support for run in runs if run.hint == TRAIN)
+    motion = name
+    if name == YAWED:
+        so_far = [run.support for run in runs]
+        support = yawed_support(Feasible(nao()[0], PlannerSettings()), so_far)
+        motion = "landmarks"
+    before = BY_HAND.get(name)
+    if before is not None:
+        motion = before.motion
+    planned = extra(answer.motions, PlannedRun(support, motion, TRAIN)).paced(answer.pace)
+    return PlannedMotion(PlannedRun(support, name, TRAIN), planned.trajectory, before)
 
 
 def _resolved(place: Round, one: _Followed) -> bool:

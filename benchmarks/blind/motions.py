@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from blind.by_hand import ByHand
 from blind.layout import POOL
 from blind.processes import over
 from population import nao
@@ -31,16 +33,18 @@ class PlannedMotion:
     Attributes:
         run: which motion in which double support, what for.
         trajectory: of all joints.
+        before: what a person does first; None: nothing.
     """
 
     run: PlannedRun
     trajectory: JointTrajectory
+    before: ByHand | None = None
 
     def paced(self, factor: float) -> PlannedMotion:
         """The same, so many times as fast."""
         told = self.trajectory
         faster = JointTrajectory(told.names, told.times / factor, told.positions)
-        return PlannedMotion(self.run, faster)
+        return dataclasses.replace(self, trajectory=faster)
 
 
 def standard_set(seed: int) -> tuple[PlannedMotion, ...]:
