@@ -55,6 +55,8 @@ class DeviceClock:
 
     def __init__(self) -> None:
         self.resets = 0
+        self._receipt: int | None = None
+        self._given = 0
         self._begin()
 
     @property
@@ -75,21 +77,35 @@ class DeviceClock:
     def stamps(self, device_us: Iterable[int], receive_ns: int) -> list[int]:
         """Host times [ns] at which the device's clock showed `device_us`.
 
-        They grow strictly until the mapping is begun anew.
+        They grow strictly, unless the host's clock was set back.
 
         Args:
             device_us: device clock at each sampling [us], of frames received together. The
                 last of them was delayed least, and corrects the others.
             receive_ns: host clock when they were received [ns].
         """
+        if receive_ns < self._given - BACKWARD_JUMP_NS:
+            self._given = 0
+        longest = self._longest_gap(receive_ns)
         stamps: list[int] = []
         batch: list[int] = []
         for device in (time * 1000 for time in device_us):
-            if batch and device < batch[-1]:
+            if batch and not 0 <= device - batch[-1] <= longest:
                 stamps += self._batch(batch, receive_ns)
                 batch = []
             batch.append(device)
         return stamps + self._batch(batch, receive_ns)
+
+    def _longest_gap(self, receive_ns: int) -> int:
+        """Device time that may lie between two frames received together [ns].
+
+        Both were sent since the last receipt, but for the delay; a longer gap is a device clock
+        that jumped, and what came before it would be stamped years ago.
+        """
+        since, self._receipt = self._receipt, receive_ns
+        if since is None:
+            return WINDOW_NS
+        return round(max(0, receive_ns - since) * (1 + MAX_DRIFT)) + FORWARD_JUMP_NS
 
     def _begin(self) -> None:
         self._points: list[_Point] = []
@@ -124,7 +140,9 @@ class DeviceClock:
             # A corrected mapping may slow the stamps down, but not turn them back.
             stamp = max(stamp, last_stamp + max(1, (device - last_device) // 2))
         self._last = device, stamp
-        return stamp
+        # A mapping begun anew turns them back no more than that.
+        self._given = max(stamp, self._given + 1)
+        return self._given
 
     def _line(self, device: int) -> float:
         """Lower envelope at a device time, from the origin [ns]."""

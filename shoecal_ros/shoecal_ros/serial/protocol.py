@@ -143,9 +143,7 @@ class BinaryDecoder:
             if not started:
                 return
         elif isinstance(event, Frame):
-            fault = self._continuity.check(event)
-            if fault is not None:
-                events.append(fault)
+            events += self._continuity.check(event)
         events.append(event)
 
 

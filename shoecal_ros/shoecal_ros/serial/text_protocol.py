@@ -101,9 +101,7 @@ class TextDecoder:
             return
         event = self._parse(line) if whole else None
         if isinstance(event, Frame):
-            fault = self._continuity.check(event)
-            if fault is not None:
-                events.append(fault)
+            events += self._continuity.check(event)
         else:
             self._counts.skipped_bytes += len(line)
         if event is not None:

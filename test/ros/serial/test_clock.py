@@ -179,6 +179,19 @@ def test_device_restart_among_frames_received_together() -> None:
     assert clock.resets == 1
 
 
+@pytest.mark.parametrize("first", [True, False])
+@pytest.mark.parametrize("jump_us", [60_000_000, 2**63])
+def test_device_clock_that_jumps_ahead_among_frames_received_together(
+    first: bool, jump_us: int
+) -> None:
+    """Frames before the jump are as old as their receipt tells, not as the jump is long."""
+    clock = DeviceClock()
+    if not first:
+        assert clock.stamps([980_000], EPOCH) == [EPOCH]
+    stamps = clock.stamps([990_000, 1_000_000, 1_000_000 + jump_us], EPOCH + 20 * MS)
+    assert EPOCH < stamps[0] < stamps[1] < stamps[2] <= EPOCH + 20 * MS + 1
+
+
 @pytest.mark.parametrize("seconds", [-3600.0, -0.2, 0.7, 3600.0])
 def test_host_clock_that_is_set(seconds: float) -> None:
     clock = DeviceClock()

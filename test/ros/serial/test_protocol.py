@@ -245,13 +245,20 @@ def test_lost_frames_are_counted_around_the_end_of_the_sequence() -> None:
     assert decoder.counts.faults == {FaultKind.LOST_FRAMES: 3}
 
 
-@pytest.mark.parametrize(("sequence", "time"), [(1000, 5), (3, 2000), (1002, 5), (0, 0)])
-def test_restart_is_seen_in_time_or_sequence(sequence: int, time: int) -> None:
+@pytest.mark.parametrize(
+    ("sequence", "time", "lost"), [(1000, 5, 1000), (3, 2000, 3), (1002, 5, 1), (0, 0, 0)]
+)
+def test_restart_is_seen_in_time_or_sequence(sequence: int, time: int, lost: int) -> None:
+    """And what was lost since: of a sequence that did not go back, the least."""
     decoder = BinaryDecoder()
     decoder.feed(encode_frame(frame(1000, 1000)))
-    assert kinds(decoder.feed(encode_frame(frame(sequence, time)))) == [FaultKind.RESTART]
-    assert kinds(decoder.feed(encode_frame(frame(sequence + 1, time + 1)))) == []
-    assert decoder.counts.faults == {FaultKind.RESTART: 1}
+    events = decoder.feed(encode_frame(frame(sequence, time)))
+    assert kinds(events) == [FaultKind.RESTART, FaultKind.LOST_FRAMES][: 2 if lost else 1]
+    assert decoder.feed(encode_frame(frame(sequence + 1, time + 1))) == [
+        frame(sequence + 1, time + 1)
+    ]
+    assert decoder.counts.faults[FaultKind.RESTART] == 1
+    assert decoder.counts.faults[FaultKind.LOST_FRAMES] == lost
 
 
 def test_sequence_that_stands_still_is_named() -> None:
