@@ -118,7 +118,7 @@ LIMITS: Mapping[str, float] = {
     "span_drift": 1e-3, "stuck_cell": 1.0, "crosstalk": 0.4, "cell_position": 0.02,
     "off_axis_load": 1.0, "latency": 0.6, "low_pass": 0.6, "payload": 0.8, "link_com": 0.05,
     "joint_offset": 0.06, "joint_compliance": 0.03, "backlash": 0.04, "foot_placement": 0.015,
-    "slip": 0.008, "floor_tilt": 0.06, "soft_ground": 0.03, "inertia": 3.0,
+    "slip": 0.006, "floor_tilt": 0.06, "soft_ground": 0.03, "inertia": 3.0,
 }  # fmt: skip
 """Largest magnitudes: beyond them nobody needs a diagnosis, or the robot no longer stands."""
 

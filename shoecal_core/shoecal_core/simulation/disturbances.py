@@ -23,10 +23,10 @@ class Disturbance(Protocol):
     """Something that acts on a robot while it moves."""
 
     def act(self, sim: SimulatedRobot, time: float) -> None:
-        """Add the forces that are due.
+        """Add the forces that are due, or to what strains the servos.
 
         Args:
-            sim: that they act on: `sim.data.xfrc_applied` or `qfrc_applied`.
+            sim: that they act on: `sim.data.xfrc_applied`, `qfrc_applied` or `sim.strain`.
             time: since the run began [s]; minus infinity before it begins.
         """
 

@@ -51,6 +51,7 @@ class SimulatedRobot:
         physics: as MuJoCo runs it.
         data: MuJoCo's state.
         run: number of the session's run that was begun last, from 1; 0 before the first.
+        strain: (a,) how far servos aim beside their commands in this period [rad].
     """
 
     def __init__(
@@ -78,6 +79,7 @@ class SimulatedRobot:
         self.physics = robot_physics.build(robot, shoe, drawn)
         self._model = self.physics.model
         self.data = mujoco.MjData(self._model)
+        self.strain = np.zeros(self._model.nu)
         self._posing = Posing(robot, self.physics)
         self._joints = JointSensors(self.physics, drawn)
         self._outputs = ChannelOutputs(self._model, shoe)
@@ -215,7 +217,7 @@ class SimulatedRobot:
             period, done = divmod(self._steps, length)
             if done == 0:
                 self._disturb()
-                end = self._motor_angles(self._set_points.at_period(period + 1))
+                end = self._motor_angles(self._set_points.at_period(period + 1)) + self.strain
                 self.data.ctrl[:] = (end - self.data.act) / (length * step)
             count = min(last - self._steps, length - done)
             mujoco.mj_step(self._model, self.data, nstep=count)
@@ -304,6 +306,7 @@ class SimulatedRobot:
         """Let whatever acts on the robot do what is due; forces of the moment before are gone."""
         self.data.xfrc_applied[:] = 0.0
         self.data.qfrc_applied[:] = 0.0
+        self.strain[:] = 0.0
         for disturbance in self._acting:
             disturbance.act(self, self.run_time)
 

@@ -211,7 +211,11 @@ class ChannelOutputs:
         self._cells = np.array(cells, dtype=np.int64)
         self._tendons = np.array([model.tendon(shoe.names[i]).id for i in cells], dtype=np.int64)
         self._stiffness = model.tendon_stiffness[self._tendons]
-        self._damping = model.tendon_damping[self._tendons]
+        # An integrator that is implicit in stiffness balances springs as a step ends, with the
+        # contacts of its start: read at the start, cells would be one step late.
+        discrete = model.opt.integrator == mujoco.mjtIntegrator.mjINT_DISCRETE
+        ahead = model.opt.timestep if discrete else 0.0
+        self._damping = model.tendon_damping[self._tendons] + ahead * self._stiffness
         axes = [i for foot in feet if not has_cells(shoe, foot) for i in shoe.of_foot(foot)]
         self._axes = np.array(axes, dtype=np.int64)
         self._sensors = np.array(

@@ -38,7 +38,7 @@ def in_sole(before: FloatArray, after: FloatArray) -> FloatArray:
 @pytest.mark.parametrize(
     "shift", [(0.006, 0.0, 0.0), (-0.003, 0.004, 0.0), (0.002, 0.0, 0.02)], ids=str
 )
-def test_a_foot_that_slipped_stays_where_it_was_drawn_to(
+def test_a_foot_that_slipped_stays_where_its_leg_moved_it(
     world: World, foot: str, shift: tuple[float, float, float]
 ) -> None:
     dx, dy, dtheta = shift
@@ -46,17 +46,16 @@ def test_a_foot_that_slipped_stays_where_it_was_drawn_to(
     sim = world.standing(changed(DEFAULT, slip))
     index = ("left", "right").index(foot)
     before = soles(sim)
-    samples = run(sim, standing_still(sim, 2.0), 50.0)
+    samples = run(sim, standing_still(sim, 2.5), 50.0)
     after = soles(sim)
     way = in_sole(before[index], after[index])
-    assert way[:2] == pytest.approx([dx, dy], abs=0.05 * np.hypot(dx, dy) + 5e-5)
-    assert way[2] == pytest.approx(dtheta, abs=1.5e-3)
+    assert way[:2] == pytest.approx([dx, dy], abs=0.02 * np.hypot(dx, dy) + 4e-4)
+    assert way[2] == pytest.approx(dtheta, abs=3e-3)
     assert np.abs(after[1 - index] - before[1 - index])[:2].max() < 1.5e-3
     time = samples.time - samples.time[0]
     moved = np.linalg.norm(samples.sole_position[:, index, :2] - before[index, :2], axis=1)
     assert moved[time < _START].max() < 2e-4
     assert moved[time > _START + DURATION][0] > 0.8 * np.hypot(dx, dy)
-    assert sim.physics.model.tendon_stiffness[-3:].max() == 0.0, "nothing pulls it any more"
 
 
 def test_it_slips_in_its_run_alone(nao: World) -> None:
