@@ -43,7 +43,8 @@ class StandingRobot:
         modelled: whether the cells feel what the model expects, in place of `forces`.
     """
 
-    def __init__(self, world: World, support: DoubleSupport) -> None:
+    def __init__(self, world: World, support: DoubleSupport, *, period_ns: int = PERIOD_NS) -> None:
+        self._period_ns = period_ns
         self.support = support
         self.angles = nao().from_legs(stance(nao(), support))
         self.forces = (25.0, nao().weight - 25.0)
@@ -61,7 +62,7 @@ class StandingRobot:
         self._count = 0
         self._joints = world.node.create_publisher(JointState, "joint_states", qos.RAW)
         self._voltages = world.node.create_publisher(ShoeVoltages, "shoe/voltages", qos.RAW)
-        world.node.create_timer(PERIOD_NS / 1e9, self._tell)
+        world.node.create_timer(period_ns / 1e9, self._tell)
 
     def stand_as_modelled(self) -> None:
         """Let both feet's forces be what the model expects of these angles."""
@@ -87,8 +88,8 @@ class StandingRobot:
 
     def _tell(self) -> None:
         self._count += 1
-        period_s = self.pace * PERIOD_NS / 1e9
-        self.stamp_ns += self.pace * PERIOD_NS
+        period_s = self.pace * self._period_ns / 1e9
+        self.stamp_ns += self.pace * self._period_ns
         self.angles[nao().joint("LKneePitch")] += self.speed * period_s
         if self.waving:
             for number, joint in enumerate(ARMS):

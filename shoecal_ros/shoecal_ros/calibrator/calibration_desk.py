@@ -41,9 +41,9 @@ class CalibrationDesk:
         self._node = node
         self._mirroring = False
         self._publisher = node.create_publisher(ShoeCalibration, "shoe/calibration", qos.LATCHED)
-        node.create_service(GetCalibration, "shoe/get_calibration", self._get)
-        node.create_service(SetCalibration, "shoe/set_calibration", self._set)
-        node.create_service(Trigger, "shoe/rollback", self._rollback)
+        node.serve(GetCalibration, "shoe/get_calibration", self._get)
+        node.serve(SetCalibration, "shoe/set_calibration", self._set)
+        node.serve(Trigger, "shoe/rollback", self._rollback)
         node.add_on_set_parameters_callback(self._guard)
         if store.current is not None:
             self._put_in_force(store.current)

@@ -28,7 +28,7 @@ class SelfCalibrationDesk:
     def __init__(self, node: Calibrator) -> None:
         self._node = node
         self._job: CalibrationJob | None = None
-        node.create_service(SelfCalibrate, "shoe/self_calibrate", self._self_calibrate)
+        node.serve(SelfCalibrate, "shoe/self_calibrate", self._self_calibrate)
         self._server = ActionServer(
             node, Calibrate, "shoe/calibrate", self._execute,
             cancel_callback=lambda _: CancelResponse.ACCEPT,

@@ -46,6 +46,9 @@ LATCHED = QoSProfile(
 )
 """States: the last one reaches those who come later."""
 
+SERVICE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
+"""Requests: none may be dropped because many come at once."""
+
 DIAGNOSTICS = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)
 
 CLOCK = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)

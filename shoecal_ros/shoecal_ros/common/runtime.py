@@ -19,6 +19,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
+from rclpy.service import Service
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
@@ -36,6 +37,8 @@ REPORT_S = 1.0
 """Period of diagnostics."""
 BATCH = 200
 """Messages that one subscription hands over before others get their turn."""
+ANSWERS = 30
+"""Requests that one service answers likewise."""
 
 
 class ShoecalNode(Node):
@@ -122,6 +125,30 @@ class ShoecalNode(Node):
 
         subscription = self.create_subscription(kind, topic, take, profile, raw=raw)
         return subscription
+
+    # Services
+
+    def serve(self, kind: type[Any], name: str, callback: Callable[[Any, Any], Any]) -> Service:
+        """Offer a service in batches, so that who calls it all the time holds nothing up.
+
+        Args:
+            kind: of service.
+            name: relative name.
+            callback: takes request and empty response, gives the response; answers at once.
+        """
+
+        def answer(first: object, response: object) -> object:
+            answered = callback(first, response)
+            for _ in range(ANSWERS):
+                with service.handle:
+                    request, header = service.handle.service_take_request(kind.Request)
+                if header is None:
+                    break
+                service.send_response(callback(request, kind.Response()), header)
+            return answered
+
+        service = self.create_service(kind, name, answer, qos_profile=qos.SERVICE)
+        return service
 
     # Time
 

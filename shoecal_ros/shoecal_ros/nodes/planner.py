@@ -71,7 +71,7 @@ class Planner(ShoecalNode):
         self._armed.publish(Bool(data=False))
         self.subscribe(JointState, "joint_states", self._hear, qos.NEWEST)
         self.senses = self._listen()
-        self.create_service(SetBool, "shoe/arm", self._arm)
+        self.serve(SetBool, "shoe/arm", self._arm)
         self._servers = [
             ActionServer(self, kind, name, do, cancel_callback=lambda _: CancelResponse.ACCEPT)
             for kind, name, do, offered in (

@@ -1,0 +1,169 @@
+"""A thousand service calls a second while CoP is published.
+
+A real calibrator works on a robot that stands and tells joints and voltages at 100 Hz. Another
+program calls `shoe/self_calibrate` (8 of 10 calls), `shoe/get_calibration` and `shoe/rollback`,
+1,000 times a second. Exactly one self-calibration must begin; it waits for the double support
+that this robot never reaches. Every call must be answered within 50 ms, and `/shoe/cop` keep its
+rate of before within 5 %. A try is a call; where CoP was disturbed, every one has failed. Beside
+it a service that does nothing, of a node that does nothing, is called now and then: what that
+takes is the machine's part. Simulated: the robot, of which only messages exist.
+"""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from geometry_msgs.msg import PointStamped
+from numpy.typing import NDArray
+from rclpy.action import ActionServer, CancelResponse
+from rclpy.action.server import ServerGoalHandle
+from rclpy.task import Future
+from shoecal_msgs.action import ReachSupport
+from shoecal_msgs.srv import SetCalibration
+from std_msgs.msg import Bool
+
+from reliability.live_world import Heard, World, live_world
+from reliability.row import Progress, Result, Row
+from ros.bodies import calibration, nao, nao_shoe
+from ros.standing_robot import StandingRobot
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.workspace import ros_environment
+from shoecal_ros.calibrator.run_series import REACH_ACTION
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import calibration_to_ros
+
+CALLER = Path(__file__).with_name("flood_caller.py")
+RATE_HZ = 1000.0
+ANSWER_S = 0.05
+PERIOD_NS = 10_000_000
+BEFORE_S = 5.0
+COP_SHARE = 0.05
+
+
+class WaitedForRobot(StandingRobot):
+    """Is armed, and never reaches the support that it is told to."""
+
+    def __init__(self, world: World) -> None:
+        super().__init__(world, DoubleSupport(0.0, -0.112, 0.0), period_ns=PERIOD_NS)
+        self.armed = world.node.create_publisher(Bool, "shoe/armed", qos.LATCHED)
+        self.armed.publish(Bool(data=True))
+        self._server = ActionServer(
+            world.node, ReachSupport, REACH_ACTION, self._reach,
+            cancel_callback=lambda _: self._canceled(),
+        )  # fmt: skip
+        self._end = Future()
+
+    def _canceled(self) -> CancelResponse:
+        self._end.set_result(None)
+        return CancelResponse.ACCEPT
+
+    async def _reach(self, goal: ServerGoalHandle) -> ReachSupport.Result:
+        await self._end
+        goal.canceled()
+        return ReachSupport.Result(error_code=ReachSupport.Result.CANCELED)
+
+
+@dataclass(frozen=True)
+class Flood:
+    """What came of a flood of calls.
+
+    Attributes:
+        took: (n,) from each call to its answer [s], negative where none came.
+        jobs: self-calibrations begun.
+        rates: of CoP before and during it [Hz].
+        bare: longest answer of the service that does nothing, meanwhile [s].
+    """
+
+    took: NDArray[np.float64]
+    jobs: int
+    rates: tuple[float, float]
+    bare: float
+
+    @property
+    def unanswered(self) -> int:
+        return int((self.took < 0.0).sum())
+
+    @property
+    def cop_share(self) -> float:
+        """Rate of CoP over the one before."""
+        return self.rates[1] / self.rates[0]
+
+    @property
+    def failed(self) -> int:
+        """Calls that were not answered in time; all where one job too many began, or CoP lagged."""
+        if self.jobs != 1 or abs(self.cop_share - 1.0) > COP_SHARE:
+            return len(self.took)
+        return self.unanswered + int((self.took > ANSWER_S).sum())
+
+    @property
+    def told(self) -> str:
+        """The worst, in words."""
+        median, most, worst = 1e3 * np.quantile(self.took, [0.5, 0.99, 1.0])
+        return (
+            f"{worst:.0f} ms to the answer (median {median:.1f}, 99 % {most:.1f}; a service that "
+            f"does nothing: {1e3 * self.bare:.0f}), {self.unanswered} unanswered, {self.jobs} job, "
+            f"CoP at {100.0 * self.cop_share:.1f} % of its rate"
+        )
+
+
+def flood(count: int) -> Flood:
+    """Call `count` times."""
+    with live_world() as world:
+        robot = WaitedForRobot(world)
+        folders = {name: world.folder / name for name in ("state_dir", "sessions_dir")}
+        world.start("calibrator", folders)
+        made = calibration_to_ros(calibration(nao(), nao_shoe()))
+        request = SetCalibration.Request(calibration=made)
+        assert world.call(SetCalibration, "shoe/set_calibration", request).success
+        cop = world.hear(PointStamped, "shoe/cop", qos.LIVE)
+        world.until(lambda: len(cop) > 10)
+        begin = time.monotonic()
+        before = _rate(world, cop, lambda: time.monotonic() - begin >= BEFORE_S)
+        out = world.folder / "flood.json"
+        with _caller("--serve") as bare, out.open("wb") as file:
+            with _caller(str(count), str(RATE_HZ), stdout=file) as caller:
+                during = _rate(world, cop, lambda: caller.poll() is not None)
+            bare.kill()
+        robot.armed.publish(Bool(data=False))
+        world.until_told("calibrator", "calibration", "not armed")
+        told = json.loads(out.read_text())
+    return Flood(np.array(told["took"]), told["accepted"], (before, during), told["bare"])
+
+
+def _rate(world: World, heard: Heard, over: Callable[[], bool]) -> float:
+    """Of messages until something is over [Hz]."""
+    seen, begin = len(heard), time.monotonic()
+    world.until(over, timeout_s=600.0)
+    return (len(heard) - seen) / (time.monotonic() - begin)
+
+
+def _caller(*arguments: str, stdout: IO[bytes] | None = None) -> subprocess.Popen[bytes]:
+    return subprocess.Popen(
+        [sys.executable, str(CALLER), *arguments], env=ros_environment(), stdout=stdout
+    )
+
+
+def run(first: int, count: int, seed: int, progress: Progress) -> Result:
+    """The calls of one flood; none of them is drawn."""
+    del first, seed
+    found = flood(count)
+    progress(count)
+    return Result(count, found.failed, found.told, float(found.took.max()))
+
+
+ROW = Row(
+    key="service-flood",
+    fault="1,000 service calls a second for 60 s while CoP is published",
+    holds="one job, the others answered within 50 ms, CoP rate within 5 %",
+    tries=60_000,
+    step=60_000,
+    run=run,
+)
