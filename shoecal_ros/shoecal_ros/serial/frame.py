@@ -139,6 +139,10 @@ class Decoder(Protocol):
     def counts(self) -> LinkCounts:
         """Totals so far."""
 
+    @property
+    def pending(self) -> int:
+        """Bytes that wait for the rest of their frame; bounded whatever comes."""
+
     def feed(self, data: bytes) -> list[Event]:
         """Events that these bytes complete."""
 

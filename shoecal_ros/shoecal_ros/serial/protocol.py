@@ -99,6 +99,11 @@ class BinaryDecoder:
         """Totals so far."""
         return self._counts
 
+    @property
+    def pending(self) -> int:
+        """Bytes that wait for the rest of their frame."""
+        return len(self._partial)
+
     def resume(self) -> None:
         """Forget a half-read frame: the next bytes start anywhere in the stream."""
         self._counts.skipped_bytes += len(self._partial)

@@ -66,6 +66,11 @@ class TextDecoder:
         """Totals so far."""
         return self._counts
 
+    @property
+    def pending(self) -> int:
+        """Bytes that wait for the rest of their frame."""
+        return len(self._partial)
+
     def resume(self) -> None:
         """Forget a half-read line: the next bytes start anywhere in the stream."""
         self._counts.skipped_bytes += len(self._partial)
