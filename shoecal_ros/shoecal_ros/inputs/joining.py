@@ -108,6 +108,9 @@ class FrameJoiner:
             TwoSourcesError: when a cell comes from two places; the frame is left out.
             UnknownCellError: for a cell the shoe does not have; likewise.
         """
+        if not frame.cells:
+            # A device whose channels nobody named: its driver says so.
+            return None
         stream = self._stream(frame)
         if stream.doubled(frame.sequence):
             raise TwoSourcesError(

@@ -140,6 +140,13 @@ def test_stamps_that_go_back_a_little_are_left_out() -> None:
     assert join.add(frame(6, sequence=7)) is not None
 
 
+def test_a_frame_of_channels_that_nobody_named_gives_nothing() -> None:
+    join = joiner()
+    join.add(frame(5))
+    assert join.add(frame(6, ())) is None
+    assert join.add(frame(7)) is not None
+
+
 def test_time_may_begin_anew() -> None:
     join = joiner()
     join.add(frame(500))
