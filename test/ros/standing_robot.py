@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,7 @@ class StandingRobot:
         waving: whether it moves its arms.
         pace: its own seconds in one of the wall clock's.
         modelled: whether the cells feel what the model expects, in place of `forces`.
+        told_at: when it last told joints and voltages, by the monotonic wall clock [s].
     """
 
     def __init__(self, world: World, support: DoubleSupport, *, period_ns: int = PERIOD_NS) -> None:
@@ -62,7 +64,12 @@ class StandingRobot:
         self._count = 0
         self._joints = world.node.create_publisher(JointState, "joint_states", qos.RAW)
         self._voltages = world.node.create_publisher(ShoeVoltages, "shoe/voltages", qos.RAW)
-        world.node.create_timer(period_ns / 1e9, self._tell)
+        self.told_at = {"joints": 0.0, "voltages": 0.0}
+        self._timer = world.node.create_timer(period_ns / 1e9, self._tell)
+
+    def tell_every(self, period_ns: int) -> None:
+        """Tell everything with this period from now on [ns]."""
+        self._period_ns = self._timer.timer_period_ns = period_ns
 
     def stand_as_modelled(self) -> None:
         """Let both feet's forces be what the model expects of these angles."""
@@ -99,8 +106,10 @@ class StandingRobot:
         if self.tells_joints:
             sample = JointSample(self.stamp_ns, nao().joint_names, self.angles)
             self._joints.publish(joints_to_ros(sample))
+            self.told_at["joints"] = time.monotonic()
         if self.tells_voltages:
             self._voltages.publish(voltages_to_ros(self._frame()))
+            self.told_at["voltages"] = time.monotonic()
 
     def _frame(self) -> VoltageFrame:
         shoe = nao_shoe()

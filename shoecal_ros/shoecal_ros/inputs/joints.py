@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import Robot
 from shoecal_ros.common.conversions import time_from_ros
-from shoecal_ros.inputs.last_heard import LastHeard
+from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard
 
 FloatArray = NDArray[np.float64]
 
@@ -41,32 +41,39 @@ class JointInput:
     Attributes:
         problem: what is wrong and its cure, empty while usable angles come often enough.
         latest: the last usable angles, None before there were any.
+        heard: since when there were none.
     """
 
     def __init__(
-        self, robot: Robot, stale_s: float, clock: Callable[[], float] = time.monotonic
+        self,
+        robot: Robot,
+        stale_s: float,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        silent_s: float = SILENT_S,
     ) -> None:
         """Nothing heard.
 
         Args:
             robot: whose joints.
-            stale_s: without usable angles for that long they are stale, by the wall clock [s].
+            stale_s: without usable angles for that long there is a problem, by the wall clock [s].
             clock: monotonic [s].
+            silent_s: for that long at least, they are silent [s].
         """
         self.robot = robot
         self.latest: JointBatch | None = None
         self._stale_s = stale_s
-        self._heard = LastHeard(clock)
+        self.heard = LastHeard(clock, silent_s)
         self._mismatch = ""
 
     @property
     def age_s(self) -> float:
         """Wall-clock time since usable angles have come; infinite before [s]."""
-        return self._heard.age_s
+        return self.heard.age_s
 
     @property
     def fresh(self) -> bool:
-        """Whether usable angles have come lately."""
+        """Whether usable angles have come lately enough to go on."""
         return self.age_s <= self._stale_s
 
     @property
@@ -100,7 +107,7 @@ class JointInput:
         if batch is None:
             return None
         self.latest = JointBatch(batch.stamp_ns[-1:], batch.angles[-1:])
-        self._heard.note()
+        self.heard.note()
         return batch
 
     def _later(self, stamps: NDArray[np.int64], angles: FloatArray) -> JointBatch | None:

@@ -11,7 +11,7 @@ import numpy as np
 from shoecal_core.errors import ShoecalError
 from shoecal_ros.common.conversions import VoltageFrame
 from shoecal_ros.inputs.joining import FrameJoiner, Joined
-from shoecal_ros.inputs.last_heard import LastHeard
+from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard
 
 REMEMBER_S = 3.0
 """How long a frame that could not be used is told after it came, by the wall clock."""
@@ -22,24 +22,31 @@ class VoltageInput:
 
     Attributes:
         latest: the last instant of all channels, None before there was one.
+        heard: since when there was none.
         temperature: that a device told last [degC], NaN where none does.
     """
 
     def __init__(
-        self, joiner: FrameJoiner, stale_s: float, clock: Callable[[], float] = time.monotonic
+        self,
+        joiner: FrameJoiner,
+        stale_s: float,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        silent_s: float = SILENT_S,
     ) -> None:
         """Nothing heard.
 
         Args:
             joiner: of the frames.
-            stale_s: without frames for that long they are stale, by the wall clock [s].
+            stale_s: without frames for that long there is a problem, by the wall clock [s].
             clock: monotonic [s].
+            silent_s: for that long at least, they are silent [s].
         """
         self._joiner = joiner
         self._stale_s = stale_s
         self._clock = clock
         self._began = clock()
-        self._heard = LastHeard(clock)
+        self.heard = LastHeard(clock, silent_s)
         self._trouble = ""
         self._troubled = -np.inf
         self.latest: Joined | None = None
@@ -53,11 +60,11 @@ class VoltageInput:
     @property
     def age_s(self) -> float:
         """Wall-clock time since readings have come; infinite before [s]."""
-        return self._heard.age_s
+        return self.heard.age_s
 
     @property
     def fresh(self) -> bool:
-        """Whether all channels have come lately, in whatever state."""
+        """Whether all channels have come lately enough to go on, in whatever state."""
         return self.age_s <= self._stale_s
 
     @property
@@ -92,6 +99,6 @@ class VoltageInput:
             if not math.isnan(frame.temperature):
                 self.temperature = frame.temperature
         if instants:
-            self._heard.note()
+            self.heard.note()
             self.latest = instants[-1]
         return instants

@@ -49,6 +49,8 @@ from shoecal_ros.common.runtime import ShoecalNode, run
 from shoecal_ros.inputs.armed_input import ArmedInput
 from shoecal_ros.inputs.joining import FrameJoiner, Joined
 from shoecal_ros.inputs.joints import JointInput
+from shoecal_ros.inputs.last_heard import SILENT_S
+from shoecal_ros.inputs.overdue import Overdue
 from shoecal_ros.inputs.sensor_frames import frame_reader
 from shoecal_ros.inputs.stillness import Stillness
 from shoecal_ros.inputs.voltages import VoltageInput
@@ -65,7 +67,14 @@ class CalibratorSettings(Settings):
         "~/.ros/shoecal", "", "folder that keeps the calibration in force and the one before"
     )
     stale_s: float = setting(
-        0.5, "s", "joint angles or voltages that did not come for so long are stale", minimum=0.01
+        0.5, "s", "joint angles or voltages that did not come for so long end a job", minimum=0.01
+    )
+    live_stale_s: float = setting(
+        SILENT_S,
+        "s",
+        "when they did not come for so long, or for 2.7 of their periods if that is longer, "
+        "they are stale: what depends on them stops, and shoe/state says so",
+        minimum=0.01,
     )
     hold_s: float = setting(
         0.03, "s", "for how long a cell's reading counts beside those of other boards", minimum=1e-3
@@ -120,10 +129,15 @@ class Calibrator(ShoecalNode):
         self.planning = self._load_planning()
         self.robot, self.shoe = self.files.load_robot(), self.files.load_shoe()
         self.kinematics = Kinematics(self.robot)
-        self.joints = JointInput(self.robot, settings.stale_s)
+        silent_s = settings.live_stale_s
+        self.joints = JointInput(self.robot, settings.stale_s, silent_s=silent_s)
         self.voltages = VoltageInput(
-            FrameJoiner(self.shoe.names, settings.hold_s), settings.stale_s
+            FrameJoiner(self.shoe.names, settings.hold_s), settings.stale_s, silent_s=silent_s
         )
+        self._overdue = [
+            Overdue(self, heard, self._publish_state)
+            for heard in (self.joints.heard, self.voltages.heard)
+        ]
         job = self.job_settings
         self.stillness = Stillness(job.still_speed, job.still_time, job.still_resolution)
         self.recorder = Recorder(lambda: self.now_ns, job.lead_s)
@@ -246,6 +260,7 @@ class Calibrator(ShoecalNode):
         batch = self.joints.take([deserialize_message(one, JointState) for one in serialised])
         if batch is None:
             return
+        self._overdue[0].wait()
         for stamp_ns, angles in zip(batch.stamp_ns.tolist(), batch.angles, strict=True):
             self.stillness.add(stamp_ns, angles)
         self.rezeroing.take_joints(batch)
@@ -255,13 +270,15 @@ class Calibrator(ShoecalNode):
     ) -> None:
         self.recorder.take(topic, serialised)
         joined = self.voltages.take([read(deserialize_message(one, kind)) for one in serialised])
+        if joined:
+            self._overdue[1].wait()
         self._out.publish(self.live.take(joined, self._support(joined)))
         self.rezeroing.take_readings(joined)
 
     def _support(self, joined: list[Joined]) -> DoubleSupport | None:
         """Where the right foot stands, None where nobody knows or needs to."""
         latest = self.joints.latest
-        if not joined or latest is None or self.live.sensing is None or not self.joints.fresh:
+        if not joined or latest is None or self.live.sensing is None or self.joints.heard.silent:
             return None
         return self.kinematics.states(latest.angles).support()
 
@@ -274,8 +291,8 @@ class Calibrator(ShoecalNode):
             self.voltages.latest_ns or self.now_ns,
             ShoeState.CALIBRATING if self.calibrating else state,
             "" if current is None else current.id,
-            self.live.flags(stale=not self.voltages.fresh),
-            joints_stale=not self.joints.fresh,
+            self.live.flags(stale=self.voltages.heard.silent),
+            joints_stale=self.joints.heard.silent,
         )
 
     def _tell_calibration(self) -> None:

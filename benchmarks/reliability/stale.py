@@ -1,0 +1,172 @@
+"""Joint angles or voltages stay away.
+
+A real calibrator is in force beside a robot that stands and tells joints and voltages with a
+period that is drawn (5 to 100 ms). At a drawn moment one of the two stays away. From its last
+message `/shoe/state` must say so within 100 ms or three periods, whichever is longer; without joint
+angles `/shoe/cop` must end and everything else go on, without voltages nothing is published; when
+both come again, so must everything. Beside it stands how long a reading takes to
+`/shoe/left/grf`, at the worst of the same try: what the machine needs at any rate. Simulated: the
+robot, of which only messages exist.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PointStamped, WrenchStamped
+from shoecal_msgs.msg import ShoeState
+from shoecal_msgs.srv import SetCalibration
+
+from reliability.live_world import World, live_world
+from reliability.row import Progress, Result, Row
+from ros.bodies import calibration, nao, nao_shoe
+from ros.standing_robot import StandingRobot
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import calibration_to_ros
+
+PERIODS_NS = tuple(round(1e6 * ms) for ms in (5, 10, 20, 33, 50, 100))
+WITHIN_S, WITHIN_PERIODS = 0.1, 3.0
+LEARN = 12
+"""Messages after which the period is known."""
+GOES_ON = 5
+
+
+class Listener:
+    """Messages of one topic with when they came."""
+
+    def __init__(self, world: World, kind: type[Any], topic: str, profile: Any = qos.LIVE) -> None:
+        self.heard: list[tuple[float, Any]] = []
+        world.node.create_subscription(
+            kind, topic, lambda message: self.heard.append((time.monotonic(), message)), profile
+        )
+
+    def after(self, moment: float) -> int:
+        """Messages after a moment."""
+        return sum(at > moment for at, _ in self.heard)
+
+
+@dataclass(frozen=True)
+class Try:
+    """What came of one.
+
+    Attributes:
+        held: what had to stop stopped, and nothing else.
+        what: stayed away.
+        period_s: with which it had come [s].
+        took: until the state said so [s].
+        needed: by a reading until `shoe/left/grf`, at the worst [s].
+    """
+
+    held: bool
+    what: str
+    period_s: float
+    took: float
+    needed: float
+
+    @property
+    def allowed(self) -> float:
+        """Longest time until the state says so [s]."""
+        return max(WITHIN_S, WITHIN_PERIODS * self.period_s)
+
+    @property
+    def told(self) -> str:
+        """In words."""
+        return (
+            f"{1e3 * self.took:.0f} of {1e3 * self.allowed:.0f} ms until {self.what} that came "
+            f"every {1e3 * self.period_s:.0f} ms were told stale (a reading takes "
+            f"{1e3 * self.needed:.0f} ms){'' if self.held else '; others stopped, or it went on'}"
+        )
+
+
+class Scene:
+    """A calibrator in force, and a robot."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.robot = StandingRobot(world, DoubleSupport(0.0, -0.112, 0.0))
+        world.start("calibrator", {"state_dir": world.folder / "state"})
+        made = calibration_to_ros(calibration(nao(), nao_shoe()))
+        request = SetCalibration.Request(calibration=made)
+        assert world.call(SetCalibration, "shoe/set_calibration", request).success
+        self.state = Listener(world, ShoeState, "shoe/state", qos.LATCHED)
+        self.cop = Listener(world, PointStamped, "shoe/cop")
+        self.foot = Listener(world, WrenchStamped, "shoe/left/grf")
+
+    def wait(self, seconds: float) -> None:
+        end = time.monotonic() + seconds
+        self.world.until(lambda: time.monotonic() >= end)
+
+    def told(self, condition: Callable[[Any], bool], since: float) -> float:
+        """When a state that meets a condition came."""
+        self.world.until(lambda: any(at >= since and condition(m) for at, m in self.state.heard))
+        return next(at for at, m in self.state.heard if at >= since and condition(m))
+
+    def try_one(self, rng: np.random.Generator) -> Try:
+        """Let one of the two stay away, and come again."""
+        what = str(rng.choice(["joints", "voltages"]))
+        period_ns = int(rng.choice(PERIODS_NS))
+        robot, period_s = self.robot, period_ns / 1e9
+        robot.tell_every(period_ns)
+        self.wait(LEARN * period_s + float(rng.uniform(0.0, 0.1)))
+        for one in (self.state, self.cop, self.foot):
+            one.heard[:] = one.heard[-1:]
+        needed = self._needed()
+        setattr(robot, f"tells_{what}", False)
+        last = robot.told_at[what]
+        at = self.told(
+            lambda state: state.joints_stale if what == "joints" else state.feet[0].stale, last
+        )
+        self.wait(GOES_ON * period_s + 0.05)
+        after = at + 0.02
+        held = not self.cop.after(after) and (self.foot.after(after) > 0) == (what == "joints")
+        setattr(robot, f"tells_{what}", True)
+        again = time.monotonic()
+        self.world.until(lambda: self.cop.after(again) and self.foot.after(again))
+        self.told(lambda state: not state.joints_stale and state.feet[0].valid, again)
+        return Try(held, what, period_s, at - last, needed)
+
+    def _needed(self) -> float:
+        """From a reading to `shoe/left/grf`, the worst of some [s]."""
+        worst = 0.0
+        for _ in range(GOES_ON):
+            last = self.robot.told_at["voltages"]
+            self.world.until(lambda since=last: self.robot.told_at["voltages"] > since)  # type: ignore[misc]
+            told = self.robot.told_at["voltages"]
+            self.world.until(lambda since=told: self.foot.after(since) > 0)  # type: ignore[misc]
+            worst = max(worst, next(at for at, _ in self.foot.heard if at > told) - told)
+        return worst
+
+
+def tried(first: int, count: int, seed: int, progress: Progress) -> list[Try]:
+    """Tries first to first + count - 1."""
+    found = []
+    with live_world() as world:
+        scene = Scene(world)
+        for index in range(first, first + count):
+            found.append(scene.try_one(np.random.default_rng([seed, index])))
+            progress(len(found))
+    return found
+
+
+def run(first: int, count: int, seed: int, progress: Progress) -> Result:
+    """How many did not hold, or took too long."""
+    found = tried(first, count, seed, progress)
+    worst = max(found, key=lambda one: (not one.held, one.took / one.allowed))
+    failed = sum(not one.held or one.took > one.allowed for one in found)
+    return Result(count, failed, worst.told, worst.took / worst.allowed + (not worst.held))
+
+
+ROW = Row(
+    key="stale-inputs",
+    fault="stale joints or voltages",
+    holds="what depends on them stops (stale joints: the combined CoP only) and the state says "
+    "stale, within 100 ms or three periods, whichever is longer",
+    tries=200,
+    step=50,
+    run=run,
+)
