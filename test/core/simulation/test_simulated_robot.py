@@ -58,6 +58,19 @@ def test_cells_and_the_plate_below_them_make_the_grf(world: World, rules: Realit
     assert found[:, 0] == pytest.approx(sim.truth().foot_grf, abs=2e-3)
 
 
+def test_cells_keep_step_with_the_floor(nao: World) -> None:
+    sim = nao.standing(dataclasses.replace(PERFECT, step_s=0.005))
+    joints = ("LAnkleRoll", "RAnkleRoll", "LHipRoll", "RHipRoll")
+    start = np.array([nao.robot.posture[nao.robot.joint(name)] for name in joints])
+    sway = start + np.array([0.06, 0.06, -0.06, -0.06])
+    samples = run(sim, JointTrajectory(joints, np.array([0.0, 1.5]), np.array([start, sway])), 100)
+    felt = sim.drawn.shoes.parameters.outputs(samples.readings.voltages)
+    ahead = wrench.foot_wrenches(nao.shoe, felt)[:, 0, 0] - samples.truth.foot_grf[:, 0]
+    rate = np.gradient(samples.truth.foot_grf[:, 0], samples.time)
+    assert np.ptp(samples.truth.foot_grf[:, 0]) > 2.0
+    assert ahead @ rate / (rate @ rate) == pytest.approx(0.0, abs=0.4 * 0.005)
+
+
 def test_perfect_cells_find_each_foots_cop(world: World) -> None:
     sim = world.standing(PERFECT)
     found = wrench.foot_wrenches(world.shoe, sim.snapshot().felt)
