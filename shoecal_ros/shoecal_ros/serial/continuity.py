@@ -8,7 +8,9 @@ from shoecal_ros.serial.frame import SEQUENCE_MODULUS, Fault, FaultKind, Frame
 class Continuity:
     """Follows sequence and device time of the frames of one device."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, numbered: bool = True) -> None:
+        """Numbered: whether the device gives the sequence; made up, it tells of no loss."""
+        self._numbered = numbered
         self._last: Frame | None = None
 
     def check(self, frame: Frame) -> list[Fault]:
@@ -16,8 +18,7 @@ class Continuity:
 
         A device time or a sequence that goes back means a restart; the sequence may wrap
         around, so it goes back when it is nearer behind than ahead, modulo 2^32. A device that
-        restarts counts from 0, so a sequence that went back tells how many frames were lost since
-        then. One that is ahead although time went back tells the least there can be.
+        restarts counts from 0, so its sequence tells how many frames were lost since then.
         """
         last, self._last = self._last, frame
         if last is None:
@@ -25,11 +26,9 @@ class Continuity:
         step = (frame.sequence - last.sequence) % SEQUENCE_MODULUS
         now, before = frame.device_time_us, last.device_time_us
         time_back = now is not None and before is not None and now < before
-        if step >= SEQUENCE_MODULUS // 2 or (step == 0 and time_back):
-            lost = frame.sequence if frame.sequence < SEQUENCE_MODULUS // 2 else 0
-            return [_restart(last, frame), *_lost(lost, frame)]
-        if time_back:
-            return [_restart(last, frame), *_lost(step - 1, frame)]
+        if time_back or step >= SEQUENCE_MODULUS // 2:
+            numbered = self._numbered and frame.sequence < SEQUENCE_MODULUS // 2
+            return [_restart(last, frame), *_lost(frame.sequence if numbered else 0, frame)]
         if step == 0:
             return [
                 Fault(

@@ -52,7 +52,7 @@ class TextDecoder:
     def __init__(self, time: TextTime = TextTime.NONE, columns: int | None = None) -> None:
         """Columns: how many values a line must have, the time not counted; None: any number."""
         self._counts = LinkCounts()
-        self._continuity = Continuity()
+        self._continuity = Continuity(numbered=False)
         self._time = time
         self._columns = columns
         self._sequence = 0
