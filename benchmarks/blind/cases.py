@@ -146,11 +146,7 @@ def load_cases(place: Round) -> tuple[list[Case], MeasuredGap, int]:
     """All sets that could be made and were diagnosed; the floor; how many could not be made."""
     answers = read_answers(place)
     made = {one.number: json.loads(place.made(one.number).read_text()) for one in answers}
-    gaps = {
-        number: MeasuredGap(came["cop_mm"], came["grf_n"])
-        for number, came in made.items()
-        if "failed" not in came
-    }
+    gaps = {number: MeasuredGap.told(came) for number, came in made.items() if "failed" not in came}
     clean = [one.number for one in answers if one.category == "clean"]
     floor = floor_of([gaps[number] for number in clean if number in gaps])
     cases = []

@@ -52,7 +52,9 @@ def _make(place: Round, answer: Answer) -> str:
     came: dict[str, object]
     try:
         starts = make_set(place, answer)
-        came = {"starts": starts, **dataclasses.asdict(measure_gap(Session.open(folder)))}
+        once = [truth.run for truth in answer.truths if truth.run is not None]
+        gap = measure_gap(Session.open(folder), once)
+        came = {"starts": starts, **dataclasses.asdict(gap)}
     except ShoecalError as error:
         came = {"failed": str(error)}
     atomic_write(place.made(answer.number), json.dumps(came).encode(), 0o600)

@@ -26,7 +26,8 @@ Made by `{command}`: {sets}. Answers drawn and sealed before anything was
 simulated, SHA-256 `{seal}`; each set was diagnosed once, by processes that
 cannot read them. The floor, the median of clean sets after a plain calibration, is
 {floor}; a set's gap is the larger of CoP and GRF over it, measured by the
-generator's side. {failed}
+generator's side on the test runs and where something happened once, every set's cells taken to be
+as noisy as those of a usual one. {failed}
 
 {table}
 

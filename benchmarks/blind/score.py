@@ -45,8 +45,8 @@ def score(
             "answers_sha256": check_seal(place),
             "sets": len(cases),
             "sets_not_made": failed,
-            "floor_cop_mm": floor.cop_mm,
-            "floor_grf_n": floor.grf_n,
+            "floor_cop_mm": floor.with_noise[0],
+            "floor_grf_n": floor.with_noise[1],
         }
         write_json(found, cases, without, about, project / JSON)
         write_page(
@@ -55,7 +55,7 @@ def score(
             without,
             command=command,
             seal=check_seal(place),
-            floor=f"{floor.cop_mm:.2f} mm and {floor.grf_n:.3f} N",
+            floor="{:.2f} mm and {:.3f} N".format(*floor.with_noise),
             failed=f"{failed} sets could not be simulated (the robot fell)." if failed else "",
             page=project / PAGE,
         )
