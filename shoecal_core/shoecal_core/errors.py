@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+LONGEST = 2000
+"""Letters of a message; what is put into it may be anybody's."""
+
 
 class ShoecalError(Exception):
     """Root of every error this project raises on purpose.
 
-    Its message is one line, whatever was put into it, and it survives the way from one process
-    to another with all of its attributes.
+    Its message is one line of text, whatever was put into it, and it survives the way from one
+    process to another with all of its attributes.
     """
 
     def __init__(self, message: str) -> None:
-        super().__init__(" ".join(message.splitlines()))
+        super().__init__(_one_line(message))
 
     def __reduce__(self) -> tuple[object, ...]:
         return _revive, (type(self), self.args), self.__dict__
@@ -72,6 +75,15 @@ class ShapeError(ShoecalError):
         self.expected = expected
         self.got = got
         super().__init__(f"{name}: expected shape {expected}, got {got}")
+
+
+def _one_line(message: str) -> str:
+    """A message without line breaks and control characters, its middle left out where too long."""
+    if len(message) > LONGEST:
+        half = LONGEST // 2 - 2
+        message = f"{message[:half]} … {message[-half:]}"
+    line = " ".join(message.splitlines())
+    return line if line.isprintable() else "".join(c if c.isprintable() else "\ufffd" for c in line)
 
 
 def _revive(kind: type[ShoecalError], args: tuple[object, ...]) -> ShoecalError:

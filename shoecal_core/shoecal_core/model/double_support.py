@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
 
+FARTHEST_M = 100.0
+"""Beyond that geometry is rounding."""
+
 
 @dataclass(frozen=True)
 class DoubleSupport:
@@ -28,6 +31,8 @@ class DoubleSupport:
     def __post_init__(self) -> None:
         if not all(math.isfinite(value) for value in (self.dx, self.dy, self.dtheta)):
             raise ShoecalError(f"{self}: dx, dy and dtheta must be finite numbers")
+        if max(abs(self.dx), abs(self.dy)) > FARTHEST_M:
+            raise ShoecalError(f"{self}: dx and dy are metres; no foot is {FARTHEST_M:g} m away")
 
     @property
     def rotation(self) -> NDArray[np.float64]:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
+from shoecal_core.calibration.plausible import check_plausible
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.files import read_yaml, sha256, write_yaml
 from shoecal_core.model.robot import Robot
@@ -110,9 +111,10 @@ class CalibrationStore:
             warned: also one whose checks warn.
 
         Raises:
-            NotApplicableError, WrongShoeError: with the cure.
+            NotApplicableError, WrongShoeError, ImplausibleError: with the cure.
         """
         calibration.sensing(self._shoe)
+        check_plausible(calibration, self._shoe, self._robot.weight)
         reasons = "; ".join(calibration.reasons)
         if calibration.verdict == "FAIL":
             raise NotApplicableError(
@@ -155,6 +157,7 @@ class CalibrationStore:
                 self._folder, f"cannot be made ({error.strerror}); correct state_dir"
             ) from error
         save_calibration(calibration, fresh)
+        _require_readable(fresh)
         digest = sha256(fresh)
         if self.current is not None and current.is_file() and sha256(current) == digest:
             fresh.unlink()
@@ -215,6 +218,15 @@ class CalibrationStore:
             fresh.unlink()
         else:
             _rename(fresh, current)
+
+
+def _require_readable(path: Path) -> None:
+    """What could not be read at the next start is not put in force now."""
+    try:
+        load_calibration(path)
+    except FileError as error:
+        path.unlink()
+        raise NotApplicableError(f"no whole calibration: {error.field} {error.problem}") from error
 
 
 def _rename(source: Path, target: Path) -> None:

@@ -15,6 +15,9 @@ from shoecal_ros.common.actions import finish
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.refusal import RefusedError
 
+LONGEST_NAME = 255
+MOST_MOTIONS = 100
+
 if TYPE_CHECKING:
     from shoecal_ros.nodes.calibrator import Calibrator
 
@@ -89,6 +92,11 @@ class DiagnosisDesk:
             _fill(result, job)
 
     def _request(self, goal: Diagnose.Goal) -> Request:
+        if len(goal.motions) > MOST_MOTIONS:
+            raise RefusedError(
+                Diagnose.Result.BAD_GOAL,
+                f"{len(goal.motions)} motions; record at most {MOST_MOTIONS} at a time",
+            )
         return Request(
             run_id=new_run_id(),
             session=self._folder(goal.session) if goal.session else None,
@@ -98,9 +106,20 @@ class DiagnosisDesk:
         )
 
     def _folder(self, session: str) -> Path:
-        """Of an existing session: a path, or a name in `sessions_dir`."""
+        """Of a session in `sessions_dir`, by its name: no request names a file.
+
+        Raises:
+            RefusedError: BAD_GOAL, for anything but a plain name.
+        """
         sessions = Path(self._node.job_settings.sessions_dir).expanduser()
-        return sessions / Path(session).expanduser()
+        plain = session.isprintable() and len(session) <= LONGEST_NAME and "/" not in session
+        if not plain or session in {".", ".."}:
+            raise RefusedError(
+                Diagnose.Result.BAD_GOAL,
+                f"a session is named by its folder's name in {sessions}, without any path; put it "
+                "there (a link does), or diagnose it with 'shoecal diagnose'",
+            )
+        return sessions / session
 
 
 def _fill(result: Diagnose.Result, job: DiagnosisJob) -> None:

@@ -6,12 +6,14 @@ from dataclasses import dataclass
 
 from shoecal_core.settings import Settings, setting
 
+MOST_SUPPORTS = 100
+
 
 @dataclass(frozen=True)
 class JobSettings(Settings):
     """Of self-calibrations and diagnoses; wall-clock times."""
 
-    supports: int = setting(5, "", "double supports to visit", minimum=2, maximum=100)
+    supports: int = setting(5, "", "double supports to visit", minimum=2, maximum=MOST_SUPPORTS)
     train: int = setting(3, "", "of them used for the fit, the others test it", minimum=2)
     seed: int = setting(1, "", "draws the supports, and which of them train", minimum=0)
     motion: str = setting("landmarks", "", "motion in each support, on the planner's menu")

@@ -72,4 +72,4 @@ def how_to_go_on(name: str, session: Path) -> str:
     """The goal of `shoe/diagnose` that runs a proposed motion, and what a person does before."""
     before = by_hand(name)
     first = f"{before}, then " if before else ""
-    return f"next {name}: {first}send the goal {{session: '{session}', motions: [{name}]}}"
+    return f"next {name}: {first}send the goal {{session: '{session.name}', motions: [{name}]}}"

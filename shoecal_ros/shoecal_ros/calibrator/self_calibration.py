@@ -13,6 +13,7 @@ from shoecal_msgs.srv import SelfCalibrate
 
 from shoecal_ros.calibrator.calibration_job import CalibrationJob, Request
 from shoecal_ros.calibrator.job import new_run_id
+from shoecal_ros.calibrator.job_settings import MOST_SUPPORTS
 from shoecal_ros.common.actions import finish
 from shoecal_ros.common.conversions import calibration_to_ros
 from shoecal_ros.common.health import Condition, Level
@@ -63,11 +64,11 @@ class SelfCalibrationDesk:
         node.refuse_second_job()
         defaults = node.job_settings
         supports, train = goal.supports or defaults.supports, goal.train or defaults.train
-        if not 2 <= train <= supports:
+        if not 2 <= train <= supports <= MOST_SUPPORTS:
             raise RefusedError(
                 Calibrate.Result.BAD_GOAL,
-                f"{train} of {supports} double supports to train with; take at least 2, and at "
-                "most all of them",
+                f"{train} of {supports} double supports to train with; take at least 2, at most "
+                f"all of them, and no more than {MOST_SUPPORTS} in all",
             )
         seed = goal.seed if goal.seed >= 0 else defaults.seed
         node.desk.problem = ""
@@ -108,8 +109,10 @@ class SelfCalibrationDesk:
     def _self_calibrate(
         self, request: SelfCalibrate.Request, response: SelfCalibrate.Response
     ) -> SelfCalibrate.Response:
+        begun = self._node.disarmings
         try:
-            job = self._begin(request, lambda _: None, lambda: False)
+            # Nothing but disarming can stop it, also when nothing moves any more.
+            job = self._begin(request, lambda _: None, lambda: self._node.disarmings != begun)
         except RefusedError as refusal:
             response.message = str(refusal)
             return response

@@ -78,13 +78,18 @@ def empty_session(folder: Path, robot: Path, shoe: Path) -> Path:
 
 def test_bad_goals_are_refused_before_anything_is_done(world: World) -> None:
     start(world)
-    odd = empty_session(world.folder / "odd", ODD, ODD_SHOE)
+    odd = empty_session(world.folder / "sessions" / "odd", ODD, ODD_SHOE)
+    (world.folder / "sessions" / "empty").mkdir()
     for goal, told in (
         ({"motions": ["landmarks", "somersault"]}, "somersault"),
         ({"session": "nowhere"}, f"{world.folder}/sessions/nowhere: does not exist"),
-        ({"session": str(world.folder)}, "is no session"),
-        ({"session": str(odd), "motions": ["landmarks"]}, "nothing can be added to the session"),
-        ({"session": str(odd), "run_proposed": True}, "nothing can be added to the session"),
+        ({"session": "empty"}, "is no session"),
+        ({"session": str(odd)}, "named by its folder's name"),
+        ({"session": ".."}, "without any path"),
+        ({"session": "s\n1"}, "without any path"),
+        ({"motions": ["hold"] * 101}, "record at most 100"),
+        ({"session": odd.name, "motions": ["landmarks"]}, "nothing can be added to the session"),
+        ({"session": odd.name, "run_proposed": True}, "nothing can be added to the session"),
     ):
         result = diagnose(world, **goal).result()
         assert result.error_code == CODES.BAD_GOAL, result.message

@@ -126,7 +126,7 @@ def test_a_recorded_session_needs_no_arming_and_the_search_is_cancelled(
 ) -> None:
     arm(world, armed=False)
     folder = Path(whole.result().session)
-    refused = diagnose(world, session=str(folder), run_proposed=True).result()
+    refused = diagnose(world, session=folder.name, run_proposed=True).result()
     assert refused.error_code == CODES.NOT_ARMED
     before = Session.open(folder).runs
     goal = diagnose(world, session=folder.name)

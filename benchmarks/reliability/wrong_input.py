@@ -1,0 +1,278 @@
+"""Requests that make no sense, to every service and action of the suite.
+
+A real calibrator with a calibration in force, a real planner (with its own steps) and a real
+simulator get requests whose fields are drawn: NaN, infinite, huge, empty, of the wrong length,
+cells and motions that there are not, texts of a megabyte, paths where a name belongs. Each must be
+refused within the time-out with a reason of one line, the calibration in force stay as it was to
+the last bit, and no node end or log a traceback. Nothing is simulated but the robot.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from rcl_interfaces.srv import SetParameters
+from rclpy.action import ActionClient
+from rclpy.parameter import Parameter
+from rclpy.serialization import serialize_message
+from shoecal_msgs.action import Calibrate, Diagnose, Plan, ReachSupport
+from shoecal_msgs.msg import CopCorrection, DoubleSupport
+from shoecal_msgs.srv import GetCalibration, SelfCalibrate, SetCalibration
+from std_msgs.msg import Bool
+
+from reliability.live_world import World, live_world
+from reliability.row import Progress, Result, Row
+from ros.bodies import calibration, nao, nao_shoe
+from ros.standing_robot import StandingRobot
+from shoecal_core.model.double_support import DoubleSupport as Support
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import calibration_to_ros
+
+NUMBERS = (math.nan, math.inf, -math.inf, 1.7e308, -1.7e308, 1e300)
+TEXTS = ("", "x" * 1_000_000, "left/no_such_cell", "a\nb", "\x1b[2J", "../../etc/passwd", "/")
+LONGEST_REASON = 3000
+COUNT = 8
+TIMEOUT_S = 60.0
+
+
+@dataclass(frozen=True)
+class Case:
+    """A request that must be refused.
+
+    Attributes:
+        what: in words.
+        kind, name: of service or action.
+        request: to send.
+    """
+
+    what: str
+    kind: Any
+    name: str
+    request: Any
+
+
+Draw = Callable[[np.random.Generator], Case]
+
+
+def _pick(rng: np.random.Generator, choices: Any) -> Any:
+    return choices[int(rng.integers(len(choices)))]
+
+
+def _set_calibration(rng: np.random.Generator) -> Case:
+    """A calibration with one field spoilt."""
+    made = calibration_to_ros(
+        calibration(nao(), nao_shoe(), identity="bad", covariance=np.eye(2 * COUNT))
+    )
+    number, place = _pick(rng, NUMBERS), int(rng.integers(COUNT))
+
+    def one(name: str) -> None:
+        values = getattr(made, name)
+        values[place] = number
+
+    def length(name: str) -> None:
+        wrong = (0, COUNT - 1, COUNT + 1, 100_000)
+        setattr(made, name, np.ones(_pick(rng, wrong)).tolist())
+
+    def correction() -> None:
+        term = CopCorrection(foot="left", active=True, m=[0.0] * 4, n=[0.0] * 4)
+        term.force_min, term.force_max = [0.0] * 4, [1.0] * 4
+        field = _pick(rng, ("a", "b", "m", "n", "cop_min", "cop_max", "force_min", "force_max"))
+        getattr(term, field)[0] = -math.inf if field.endswith("max") else number
+        made.correction = [term]
+
+    def cells() -> None:
+        made.channel = [*made.channel[:place], _pick(rng, TEXTS[:3]), *made.channel[place + 1 :]]
+
+    spoil: dict[str, Callable[[], None]] = {
+        "gain": lambda: one("gain"),
+        "offset": lambda: one("offset"),
+        "covariance": lambda: one("covariance"),
+        "gain's length": lambda: length("gain"),
+        "offset's length": lambda: length("offset"),
+        "covariance's length": lambda: setattr(made, "covariance", [1.0] * (place + 1)),
+        "weight": lambda: setattr(made, "weight", _pick(rng, (*NUMBERS, 0.0, -50.0))),
+        "time_offset": lambda: setattr(made, "time_offset", number),
+        "temperature": lambda: setattr(made, "temperature", _pick(rng, NUMBERS[1:])),
+        "correction": correction,
+        "cell": cells,
+        "no cells": lambda: setattr(made, "channel", []),
+        "id": lambda: setattr(made, "id", _pick(rng, (*TEXTS[:2], *TEXTS[3:5]))),
+        "source": lambda: setattr(made, "source", _pick(rng, (*TEXTS[:2], *TEXTS[3:5]))),
+        "reasons": lambda: setattr(made, "reasons", ["x"] * 100_000),
+        "fitted_runs": lambda: setattr(made, "fitted_runs", [TEXTS[1]]),
+        "verdict": lambda: setattr(made, "verdict", _pick(rng, ("", "FAIL", "pass", TEXTS[1]))),
+        "format": lambda: setattr(made, "format", _pick(rng, (0, 2, 2**32 - 1))),
+        "stamp": lambda: setattr(made.header.stamp, "sec", -(2**31)),
+    }
+    field = _pick(rng, list(spoil))
+    spoil[field]()
+    request = SetCalibration.Request(calibration=made, force=bool(rng.integers(2)))
+    return Case(f"set_calibration: {field}", SetCalibration, "shoe/set_calibration", request)
+
+
+_TOO_MANY = (
+    {"supports": 2**32 - 1},
+    {"supports": 2**32 - 1, "train": 2**32 - 1},
+    {"supports": 3, "train": 4},
+    {"supports": 1, "train": 1},
+    {"train": 1},
+    {"supports": 101, "train": 3},
+)
+
+
+def _self_calibrate(rng: np.random.Generator) -> Case:
+    goal = {**_pick(rng, _TOO_MANY), "seed": int(_pick(rng, (-1, 0, 2**63 - 1, -(2**63))))}
+    if rng.integers(2):
+        request = SelfCalibrate.Request(**goal)
+        return Case(f"self_calibrate: {goal}", SelfCalibrate, "shoe/self_calibrate", request)
+    return Case(f"calibrate: {goal}", Calibrate, "shoe/calibrate", Calibrate.Goal(**goal))
+
+
+def _diagnose(rng: np.random.Generator) -> Case:
+    goal = _pick(
+        rng,
+        (
+            *({"session": text} for text in TEXTS[1:]),
+            {"session": "/"},
+            {"session": ".."},
+            {"session": "nowhere", "run_proposed": True},
+            *({"motions": ["landmarks", text]} for text in TEXTS),
+            {"motions": ["landmarks"] * 100_000},
+        ),
+    )
+    return Case(f"diagnose: {str(goal)[:60]}", Diagnose, "shoe/diagnose", Diagnose.Goal(**goal))
+
+
+def _plan(rng: np.random.Generator) -> Case:
+    goal = _pick(
+        rng,
+        (
+            *({"motion": text, "send": True} for text in TEXTS),
+            {"motion": "landmarks", "stream": True},
+            {"motion": "unload_left", "send": True, "stream": True},
+        ),
+    )
+    return Case(f"plan: {str(goal)[:60]}", Plan, "shoe/plan", Plan.Goal(**goal))
+
+
+def _reach(rng: np.random.Generator) -> Case:
+    place = [0.0, -0.11, 0.0]
+    place[int(rng.integers(3))] = _pick(rng, NUMBERS)
+    goal = ReachSupport.Goal(support=DoubleSupport(dx=place[0], dy=place[1], dtheta=place[2]))
+    name = _pick(rng, ("robot/reach_support", "sim/robot/reach_support"))
+    return Case(f"{name}: {place}", ReachSupport, name, goal)
+
+
+def _parameter(rng: np.random.Generator) -> Case:
+    name, value = _pick(
+        rng,
+        (
+            ("in_force.gains", [math.nan] * COUNT),
+            ("in_force.id", "mine"),
+            ("state_dir", "/"),
+            ("sessions_dir", "/"),
+            ("stale_s", math.inf),
+            ("robot_file", "/etc/passwd"),
+        ),
+    )
+    request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
+    return Case(f"parameter {name}", SetParameters, "calibrator/set_parameters", request)
+
+
+DRAWS: tuple[Draw, ...] = (
+    *(_set_calibration,) * 4, _self_calibrate, _diagnose, _plan, _reach, _parameter
+)  # fmt: skip
+
+
+class Suite:
+    """The nodes, and clients of all they offer."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.robot = StandingRobot(world, Support(0.0, -0.112, 0.0))
+        folders = {name: world.folder / name for name in ("state_dir", "sessions_dir")}
+        world.start("calibrator", folders)
+        world.start("planner", {"steps": True, "stale_s": 5.0})
+        port = world.folder / "port"
+        world.start("simulator", {"port": port, "needs_arming": False}, "-r", "__ns:=/sim")
+        world.node.create_publisher(Bool, "shoe/armed", qos.LATCHED).publish(Bool(data=True))
+        made = calibration_to_ros(calibration(nao(), nao_shoe()))
+        request = SetCalibration.Request(calibration=made)
+        assert world.call(SetCalibration, "shoe/set_calibration", request).success
+        self.before = self._in_force()
+        world.until_told("planner", "planning", "ready")
+        world.until_told("calibrator", "voltages", "come")
+        self._clients: dict[str, Any] = {}
+
+    def try_one(self, case: Case) -> str:
+        """What is wrong with how a case was answered; empty where nothing is."""
+        is_action = hasattr(case.kind, "Goal")
+        ok, told = (self._goal if is_action else self._call)(case)
+        if ok:
+            return f"accepted: {told[:100]}"
+        if not told or "\n" in told or len(told) > LONGEST_REASON:
+            return f"a reason of {len(told)} letters"
+        if self._in_force() != self.before:
+            return "the calibration in force changed"
+        return ""
+
+    def _call(self, case: Case) -> tuple[bool, str]:
+        response = self.world.call(case.kind, case.name, case.request)
+        if case.kind is SetParameters:
+            return bool(response.results[0].successful), str(response.results[0].reason)
+        ok = response.accepted if case.kind is SelfCalibrate else response.success
+        return bool(ok), str(response.message)
+
+    def _goal(self, case: Case) -> tuple[bool, str]:
+        world = self.world
+        client = self._clients.get(case.name)
+        if client is None:
+            client = self._clients[case.name] = ActionClient(world.node, case.kind, case.name)
+            world.until(client.server_is_ready)
+        sent = client.send_goal_async(case.request)
+        world.until(sent.done)
+        answer = sent.result().get_result_async()
+        world.until(answer.done, TIMEOUT_S)
+        result = answer.result().result
+        return bool(result.success or result.error_code == 0), str(result.message)
+
+    def _in_force(self) -> tuple[bytes, Any]:
+        found = self.world.call(GetCalibration, "shoe/get_calibration", GetCalibration.Request())
+        # Bytes: a temperature that nobody knows differs from itself.
+        return serialize_message(found.calibration), found.since
+
+    def logs(self) -> str:
+        """What was logged that should not be."""
+        outputs = (self.world.output(name) for name in self.world.processes)
+        return "a traceback in the log" if any("Traceback" in one for one in outputs) else ""
+
+
+def run(first: int, count: int, seed: int, progress: Progress) -> Result:
+    """Tries first to first + count - 1."""
+    failures: list[str] = []
+    with live_world() as world:
+        suite = Suite(world)
+        for done, index in enumerate(range(first, first + count), start=1):
+            rng = np.random.default_rng([seed, index])
+            case = DRAWS[index % len(DRAWS)](rng)
+            if wrong := suite.try_one(case):
+                failures.append(f"{case.what}: {wrong}")
+            progress(done)
+        if wrong := suite.logs():
+            failures.append(wrong)
+    worst = "; ".join(failures) if failures else "refused, every one of them"
+    return Result(count, len(failures), worst, float(len(failures)))
+
+
+ROW = Row(
+    key="wrong-input",
+    fault="wrong service input: NaN, infinite, huge, empty, unknown cell",
+    holds="refused with the reason; the calibration in force stays",
+    tries=2000,
+    step=500,
+    run=run,
+)

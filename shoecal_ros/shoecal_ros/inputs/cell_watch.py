@@ -1,0 +1,172 @@
+"""Tells broken cells from their readings alone, while they come.
+
+A cell gives nothing, stands at an end of its converter's range, gives one value all the time
+although converters never do (their noise is more than a count), or leaps all by itself: what
+happens to a foot is felt by more than one of its cells. Readings of such cells are marked as the
+device marks them, so that no force is made of them. What looks like a cell in order cannot be told
+here: two cells that are swapped, one that follows late, or one that is jammed but still noisy. A
+calibration and the watch for drift tell those, by weight and CoM.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from shoecal_msgs.msg import ShoeVoltages
+
+from shoecal_core.sensing.shoe import Shoe
+from shoecal_ros.inputs.joining import Joined
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+FREEZE_S, FREEZE_FRAMES = 0.08, 8.0
+"""Time constant of how often a reading changes: whichever is longer."""
+LIVELY, FROZEN, THAWED = 0.8, 0.1, 0.5
+"""Share of readings that differ from the ones before: of most cells that are well; of one that
+has frozen, which it is until it has thawed."""
+KNOWN_S = 5.0
+"""Time constant of how often a cell's reading changes usually."""
+NOISE_S = 1.0
+"""Time constant of how much it changes."""
+LEAP_NOISE, LEAP_SHARE = 10.0, 0.01
+"""A leap is a change of so many usual ones, and of this share of the converter's range."""
+ALONE = 5.0
+"""The foot's other cells change by less than this part of it."""
+LEAP_FRAMES = 3
+"""Who has not come back from a leap by then has been loaded."""
+LEAP_PERIOD_S = 0.05
+"""Frames further apart tell no leaps."""
+SPIKE_S = 0.3
+"""For so long after a spike its cell counts as broken."""
+RESTART_S = 1.0
+"""After a gap in the stamps all begins anew."""
+
+GOOD, SATURATED = ShoeVoltages.GOOD, ShoeVoltages.SATURATED
+NO_DATA, FAULT = ShoeVoltages.NO_DATA, ShoeVoltages.FAULT
+_TOLD = {
+    SATURATED: "stands at an end of its range",
+    NO_DATA: "gives nothing",
+    FAULT: "is broken, says its device",
+}
+CURE = "check cable, clamp and board"
+
+
+class CellWatch:
+    """Watches joined readings.
+
+    Attributes:
+        spikes: (n,) how many each cell gave.
+    """
+
+    def __init__(self, shoe: Shoe) -> None:
+        """Nothing has come.
+
+        Args:
+            shoe: names, feet and ranges of the channels.
+        """
+        count = len(shoe.names)
+        self._names = shoe.names
+        self._low = np.array([channel.lowest for channel in shoe.channels])
+        self._high = np.array([channel.highest for channel in shoe.channels])
+        self._leap = LEAP_SHARE * (self._high - self._low)
+        near = (shoe.foot[:, None] == shoe.foot) & (shoe.torque[:, None] == shoe.torque)
+        np.fill_diagonal(near, val=False)
+        self._near = near.astype(np.float64)
+        self._accompanied = near.any(axis=1)
+        self.spikes = np.zeros(count, dtype=np.int64)
+        self._status = np.zeros(count, dtype=np.uint8)
+        self._before: Joined | None = None
+        self._restart()
+
+    @property
+    def findings(self) -> Mapping[str, str]:
+        """What is wrong with which cell by now."""
+        found = {}
+        for index in np.flatnonzero(self._status):
+            status = min(int(self._status[index]), FAULT)
+            told = _TOLD[status]
+            if status == FAULT and self._frozen[index]:
+                told = "gives one value all the time"
+            elif status == FAULT and (self._leaps[index] or self._spiky[index]):
+                told = "leaps by itself"
+            found[self._names[index]] = told
+        return found
+
+    @property
+    def problem(self) -> str:
+        """The same in a line, with the cure; empty when all is well."""
+        told = ", ".join(f"{cell} {what}" for cell, what in self.findings.items())
+        return f"{told}: {CURE}" if told else ""
+
+    def take(self, joined: Sequence[Joined]) -> list[Joined]:
+        """Readings in order, those of broken cells marked."""
+        return [self._look(one) for one in joined]
+
+    def _restart(self) -> None:
+        count = len(self._names)
+        self._changing = np.ones(count)
+        self._usual = np.zeros(count)
+        self._usual_weight = 0.0
+        self._noise = np.zeros(count)
+        self._frozen = np.zeros(count, dtype=bool)
+        self._leaps = np.zeros(count, dtype=np.int64)
+        self._level = np.zeros(count)
+        self._spiky_until_ns = np.zeros(count, dtype=np.int64)
+        self._spiky = np.zeros(count, dtype=bool)
+
+    def _look(self, one: Joined) -> Joined:
+        known = np.isfinite(one.readings)
+        readings, before = np.where(known, one.readings, np.nan), self._before
+        status = one.status.copy()
+        well = status == GOOD
+        status[well & ~known] = NO_DATA
+        status[well & ((readings <= self._low) | (readings >= self._high))] = SATURATED
+        elapsed_s = math.inf if before is None else (one.stamp_ns - before.stamp_ns) / 1e9
+        self._before = replace(one, readings=readings)
+        if before is None or not 0.0 < elapsed_s <= RESTART_S:
+            self._restart()
+            self._level = readings
+        else:
+            change = np.abs(readings - before.readings)
+            self._look_for_frozen(change != 0.0, elapsed_s)
+            self._look_for_leaps(one.stamp_ns, readings, elapsed_s)
+            usual = np.minimum(np.nan_to_num(change), 3.0 * self._noise + self._leap)
+            self._noise += (1.0 - math.exp(-elapsed_s / NOISE_S)) * (usual - self._noise)
+        broken = self._frozen | (self._leaps > 0) | self._spiky
+        status[(status == GOOD) & broken] = FAULT
+        self._status = status
+        return replace(one, status=status)
+
+    def _look_for_frozen(self, changed: BoolArray, elapsed_s: float) -> None:
+        """Against what the cell itself and the others usually do; `changed` is (n,)."""
+        constant_s = max(FREEZE_S, FREEZE_FRAMES * elapsed_s)
+        self._changing += (1.0 - math.exp(-elapsed_s / constant_s)) * (changed - self._changing)
+        # A converter with few bits repeats itself: that is how it is, unless it never does else.
+        share = 1.0 - math.exp(-elapsed_s / KNOWN_S)
+        self._usual_weight += share * (1.0 - self._usual_weight)
+        self._usual += np.where(self._frozen, 0.0, share * (changed - self._usual))
+        strange = (self._usual > THAWED * self._usual_weight) | (self._usual == 0.0)
+        bound = np.where(self._frozen, THAWED, FROZEN)
+        others_change = float(np.median(self._changing)) > LIVELY
+        self._frozen = strange & (self._changing < bound) & others_change
+
+    def _look_for_leaps(self, stamp_ns: int, readings: FloatArray, elapsed_s: float) -> None:
+        """From the last level that was believed; `readings` are (n,)."""
+        leaving = np.nan_to_num(np.abs(readings - self._level))
+        bound = np.maximum(self._leap, LEAP_NOISE * self._noise)
+        far = leaving > bound
+        back = (self._leaps > 0) & ~far
+        self.spikes += back
+        self._spiky_until_ns[back] = stamp_ns + round(1e9 * SPIKE_S)
+        self._spiky = stamp_ns < self._spiky_until_ns
+        alone = (self._near * leaving).max(axis=1) * ALONE < leaving
+        begun = far & alone & self._accompanied & (elapsed_s <= LEAP_PERIOD_S)
+        away = far & ((self._leaps > 0) | begun)
+        self._leaps = np.where(away, self._leaps + 1, 0)
+        self._leaps[self._leaps > LEAP_FRAMES] = 0
+        self._level = np.where(self._leaps > 0, self._level, readings)

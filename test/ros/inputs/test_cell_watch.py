@@ -1,0 +1,134 @@
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from shoecal_msgs.msg import ShoeVoltages
+
+from ros.bodies import nao_shoe
+from shoecal_ros.inputs.cell_watch import CellWatch
+from shoecal_ros.inputs.joining import Joined
+
+FloatArray = NDArray[np.float64]
+COUNT, CELL = 8, 2
+NAME = nao_shoe().names[CELL]
+
+
+def stream(rate: float = 100.0, seconds: float = 2.0, noise: float = 1e-3) -> list[Joined]:
+    """A robot that sways over its feet, as good converters see it."""
+    rng = np.random.default_rng(1)
+    times = np.arange(round(rate * seconds)) / rate
+    sway = np.sin(2.0 * np.pi * times)[:, None] * np.linspace(-0.5, 0.5, COUNT)
+    values = 1.0 + sway + noise * rng.standard_normal((len(times), COUNT))
+    return [
+        Joined(round(1e9 * (1.0 + time)), row, np.zeros(COUNT, dtype=np.uint8))
+        for time, row in zip(times.tolist(), values, strict=True)
+    ]
+
+
+def spoilt(readings: list[Joined], change: Callable[[int, float], float]) -> list[Joined]:
+    """One cell's readings changed from the middle on."""
+    half = len(readings) // 2
+    for number, one in enumerate(readings[half:]):
+        one.readings[CELL] = change(number, float(one.readings[CELL]))
+    return readings
+
+
+def first_told(readings: list[Joined]) -> tuple[float, str]:
+    """How long after the middle the cell was told, and as what; no other cell ever is."""
+    watch = CellWatch(nao_shoe())
+    begin = readings[len(readings) // 2].stamp_ns
+    for one in readings:
+        (marked,) = watch.take([one])
+        found = watch.findings
+        assert set(found) <= {NAME}
+        assert (marked.status != 0).sum() == len(found)
+        if found:
+            return (one.stamp_ns - begin) / 1e9, found[NAME]
+    return np.inf, ""
+
+
+@pytest.mark.parametrize(
+    ("change", "told", "within"),
+    [
+        (lambda _, __: np.nan, "gives nothing", 0.0),
+        (lambda _, __: np.inf, "gives nothing", 0.0),
+        (lambda _, __: 5.0, "stands at an end of its range", 0.0),
+        (lambda _, __: -5.0, "stands at an end of its range", 0.0),
+        (lambda _, __: 1.0, "gives one value all the time", 0.3),
+        (lambda number, value: value + 2.0 * (number == 7), "leaps by itself", 0.1),
+        (lambda number, value: value - 0.5 * (number in {7, 8, 9}), "leaps by itself", 0.1),
+    ],
+)
+@pytest.mark.parametrize("rate", [80.0, 100.0, 1000.0])
+def test_a_broken_cell_is_told(
+    rate: float, change: Callable[[int, float], float], told: str, within: float
+) -> None:
+    took, found = first_told(spoilt(stream(rate), change))
+    assert found == told
+    assert took <= within
+
+
+def test_a_cell_that_becomes_slow_is_told() -> None:
+    readings = stream()
+    held = [one.readings[CELL] for one in readings]
+    took, found = first_told(
+        spoilt(readings, lambda number, _: float(held[100 + number // 15 * 15]))
+    )
+    assert found
+    assert took <= 0.4
+
+
+@pytest.mark.parametrize("bits", [8, 10, 12, 14, 24])
+@pytest.mark.parametrize("noise", [0.0, 1e-3, 1e-2])
+def test_cells_in_order_are_left_alone_whatever_their_converter(bits: int, noise: float) -> None:
+    step = 10.0 / 2**bits
+    readings = stream(seconds=20.0, noise=noise)
+    for one in readings:
+        one.readings[:] = np.rint(one.readings / step) * step
+    assert first_told(readings) == (np.inf, "")
+
+
+def test_one_coarse_converter_among_good_ones_is_how_it_is() -> None:
+    readings = stream(seconds=20.0)
+    for one in readings:
+        one.readings[CELL] = np.rint(one.readings[CELL] / 0.04) * 0.04
+    watch = CellWatch(nao_shoe())
+    later = [one for one in watch.take(readings)[100:] if one.status.any()]
+    assert not later
+
+
+def test_a_foot_that_lands_is_no_leap() -> None:
+    readings = stream()
+    for one in readings[100:]:
+        one.readings[:4] += (0.8, 0.4, 0.3, 0.2)
+    assert first_told(readings) == (np.inf, "")
+
+
+def test_a_load_that_stays_is_believed_and_a_spike_forgotten() -> None:
+    watch = CellWatch(nao_shoe())
+    readings = stream()
+    for one in readings[100:]:
+        one.readings[CELL] += 1.0
+    marked = [bool(one.status[CELL]) for one in watch.take(readings)]
+    assert marked[100:103] == [True] * 3
+    assert not any(marked[103:])
+    assert watch.spikes.sum() == 0
+    spiky = spoilt(stream(), lambda number, value: value + 2.0 * (number == 5))
+    watch = CellWatch(nao_shoe())
+    marked = [bool(one.status[CELL]) for one in watch.take(spiky)]
+    assert marked[105], "the spike itself makes no force"
+    assert watch.spikes[CELL] == 1
+    assert not any(marked[140:])
+    assert watch.problem == ""
+
+
+def test_what_the_device_says_stays() -> None:
+    watch = CellWatch(nao_shoe())
+    one = stream(seconds=0.1)[0]
+    one.status[CELL] = ShoeVoltages.FAULT
+    (marked,) = watch.take([one])
+    assert marked.status[CELL] == ShoeVoltages.FAULT
+    assert watch.problem == f"{NAME} is broken, says its device: check cable, clamp and board"
