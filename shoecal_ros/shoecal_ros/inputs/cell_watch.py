@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from shoecal_msgs.msg import ShoeVoltages
 
 from shoecal_core.sensing.shoe import Shoe
+from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.inputs.joining import Joined
 
 FloatArray = NDArray[np.float64]
@@ -98,10 +99,14 @@ class CellWatch:
         return found
 
     @property
-    def problem(self) -> str:
-        """The same in a line, with the cure; empty when all is well."""
+    def condition(self) -> Condition:
+        """For diagnostics, with the cure, and how many spikes each cell gave."""
         told = ", ".join(f"{cell} {what}" for cell, what in self.findings.items())
-        return f"{told}: {CURE}" if told else ""
+        spikes = zip(self._names, self.spikes.tolist(), strict=True)
+        values = {f"spikes_of_{cell}": str(count) for cell, count in spikes if count}
+        if told:
+            return Condition(Level.ERROR, f"{told}: {CURE}", values)
+        return Condition(Level.OK, "no cell is seen to be broken", values)
 
     def take(self, joined: Sequence[Joined]) -> list[Joined]:
         """Readings in order, those of broken cells marked."""

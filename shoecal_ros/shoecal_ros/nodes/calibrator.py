@@ -47,6 +47,7 @@ from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.runtime import ShoecalNode, run
 from shoecal_ros.inputs.armed_input import ArmedInput
+from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import FrameJoiner, Joined
 from shoecal_ros.inputs.joints import JointInput
 from shoecal_ros.inputs.last_heard import SILENT_S
@@ -134,6 +135,7 @@ class Calibrator(ShoecalNode):
         self.voltages = VoltageInput(
             FrameJoiner(self.shoe.names, settings.hold_s), settings.stale_s, silent_s=silent_s
         )
+        self.cells = CellWatch(self.shoe)
         self._overdue = [
             Overdue(self, heard, self._publish_state)
             for heard in (self.joints.heard, self.voltages.heard)
@@ -210,6 +212,7 @@ class Calibrator(ShoecalNode):
             self.health.tell(
                 subject, Level.ERROR if problem else Level.OK, problem or f"{subject} come"
             )
+        self.health.note("cells", self.cells.condition)
         self._tell_calibration()
         self.health.note("diagnosis", self._diagnoses.condition)
         self.drift.watch()
@@ -269,7 +272,8 @@ class Calibrator(ShoecalNode):
         self, topic: str, kind: type[Any], read: Callable[[Any], Any], serialised: list[bytes]
     ) -> None:
         self.recorder.take(topic, serialised)
-        joined = self.voltages.take([read(deserialize_message(one, kind)) for one in serialised])
+        frames = [read(deserialize_message(one, kind)) for one in serialised]
+        joined = self.cells.take(self.voltages.take(frames))
         if joined:
             self._overdue[1].wait()
         self._out.publish(self.live.take(joined, self._support(joined)))

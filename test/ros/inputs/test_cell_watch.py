@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from shoecal_msgs.msg import ShoeVoltages
 
 from ros.bodies import nao_shoe
+from shoecal_ros.common.health import Level
 from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import Joined
 
@@ -122,7 +123,8 @@ def test_a_load_that_stays_is_believed_and_a_spike_forgotten() -> None:
     assert marked[105], "the spike itself makes no force"
     assert watch.spikes[CELL] == 1
     assert not any(marked[140:])
-    assert watch.problem == ""
+    assert watch.condition.level is Level.OK
+    assert watch.condition.values == {f"spikes_of_{NAME}": "1"}
 
 
 def test_what_the_device_says_stays() -> None:
@@ -131,4 +133,6 @@ def test_what_the_device_says_stays() -> None:
     one.status[CELL] = ShoeVoltages.FAULT
     (marked,) = watch.take([one])
     assert marked.status[CELL] == ShoeVoltages.FAULT
-    assert watch.problem == f"{NAME} is broken, says its device: check cable, clamp and board"
+    assert watch.condition.level is Level.ERROR
+    told = f"{NAME} is broken, says its device: check cable, clamp and board"
+    assert watch.condition.message == told
