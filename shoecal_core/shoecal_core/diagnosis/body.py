@@ -8,6 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from shoecal_core.diagnosis.momentum import base_in_stance
 from shoecal_core.diagnosis.samples import Samples
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.model.robot import Robot
@@ -127,7 +128,7 @@ def links(samples: Samples, foot_wrenches: FloatArray) -> Links:
     torque = np.zeros((count, joints))
     side = np.zeros((count, 2, 3, joints))
     still = np.zeros(model.nv)
-    orientation, origin = _base(samples)
+    orientation, origin = base_in_stance(samples.states, samples.frame)
     for index in range(count):
         q = np.concatenate((origin[index], orientation[index], samples.angles[index]))
         pin.computeJointJacobians(model, data, q)
@@ -162,19 +163,6 @@ def _first_link(model: pin.Model, joint: int) -> pin.Frame:
         if frame.type == pin.FrameType.BODY and frame.parentJoint == joint
     ]
     return own[0]
-
-
-def _base(samples: Samples) -> tuple[FloatArray, FloatArray]:
-    """Orientation (T, 4) x, y, z, w and origin (T, 3) of the base in the stance's sole frame."""
-    states, right = samples.states, samples.frame == 1
-    rotation, origin = states.left_rotation.copy(), states.left_translation.copy()
-    rotation[right] = (states.left_rotation @ states.rotation)[right]
-    moved = np.einsum("tij,tj->ti", states.left_rotation, states.translation)
-    origin[right] += moved[right]
-    turned = rotation.transpose(0, 2, 1)
-    place = -np.einsum("tij,tj->ti", turned, origin)
-    quaternion = np.array([pin.Quaternion(one).coeffs() for one in turned])
-    return quaternion, place
 
 
 def driven_together(robot: Robot, joint: int) -> list[tuple[int, float]]:

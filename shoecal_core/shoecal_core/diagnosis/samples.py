@@ -16,6 +16,7 @@ from scipy.sparse import csr_matrix
 
 from shoecal_core.calibration.aligned import Aligned, align
 from shoecal_core.diagnosis.clocks import check_clocks
+from shoecal_core.diagnosis.momentum import standing_spin
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.walking_samples import Walk, find_walk, pieces
 from shoecal_core.errors import FileError, ShoecalError
@@ -100,7 +101,7 @@ class Samples:
             sole's while the left foot hangs [m].
         walks: (T,) force and CoP are the zero-moment point's, not those of a slow motion.
         acceleration: (T, 3) of the CoM in that frame; zero where it walks [m/s^2].
-        spin: (T, 2) what the angular momentum adds to the CoP where it walks, else zero [m].
+        spin: (T, 2) what the angular momentum adds to that of a single mass [m].
         notes: what is missing or was left out, in words.
     """
 
@@ -264,12 +265,12 @@ def _joined(
     )
     acceleration = np.concatenate([part.acceleration for part in parts])
     force, cop = np.full(len(frame), robot.weight), states.com[rows, frame, :2]
-    walking, spin = np.zeros(len(frame), dtype=bool), np.zeros((len(frame), 2))
+    walking = np.zeros(len(frame), dtype=bool)
     for part in parts:
         if part.walk is not None:
             here, mean = part.track.samples, part.track.mean
             force[here], cop[here] = mean(part.walk.force), mean(part.walk.cop)
-            walking[here], spin[here] = True, mean(part.walk.spin)
+            walking[here] = True
     return Samples(
         robot=robot,
         shoe=shoe,
@@ -289,7 +290,7 @@ def _joined(
         cop=cop,
         walks=walking,
         acceleration=np.where(walking[:, None], 0.0, acceleration[rows, frame]),
-        spin=spin,
+        spin=np.concatenate([part.spin for part in parts]),
         notes=tuple(notes),
     )
 
@@ -300,6 +301,7 @@ class _Part:
     segment: IntArray
     loaded: BoolArray
     acceleration: FloatArray
+    spin: FloatArray
     walk: Walk | None
 
 
@@ -331,7 +333,7 @@ def _part(
     weights, owner = chosen
     # Stances too short for one sample are gone: those left are numbered without gaps.
     kept, owner = np.unique(owner, return_inverse=True)
-    loaded, owner = loaded[kept], owner.reshape(-1)
+    carried, loaded, owner = loaded, loaded[kept], owner.reshape(-1)
     com = aligned.states.com
     acceleration = np.gradient(np.gradient(_smooth(com, time), time, axis=0), time, axis=0)
     track = Track(
@@ -349,7 +351,13 @@ def _part(
         samples=slice(at, at + weights.shape[0]),
         weights=weights,
     )
-    return _Part(track, segments + owner, loaded[owner], track.mean(acceleration), walk)
+    if walk is None:
+        frame = np.where((stance >= 0) & ~carried[stance, 0], 1, 0)
+        spin = standing_spin(_smooth(aligned.joint_angles, time), time, frame, robot)
+    else:
+        spin = walk.spin
+    means = track.mean(acceleration), track.mean(spin)
+    return _Part(track, segments + owner, loaded[owner], *means, walk)
 
 
 def _step(values: FloatArray) -> float:
@@ -368,14 +376,23 @@ def _rate(time: FloatArray) -> float:
 
 
 def _smooth(values: FloatArray, time: FloatArray, span: float = 0.1) -> FloatArray:
-    """Averaged over about a span [s], twice: a derivative of steps of an encoder is no motion."""
+    """Averaged over about a span [s]: a derivative of steps of an encoder is no motion.
+
+    What averages take off a curve is put back, else fast motions would seem slower than they are.
+    """
     width = max(1, 2 * round(0.5 * span * _rate(time)) + 1)
     flat = values.reshape(len(values), -1)
+    once = _averaged(flat, width)
+    return (once + _averaged(flat - once, width)).reshape(values.shape)
+
+
+def _averaged(values: FloatArray, width: int) -> FloatArray:
+    """Values (F, k) averaged over some neighbours, twice."""
     for _ in range(2):
-        padded = np.pad(flat, ((width // 2, width // 2), (0, 0)), mode="edge")
-        sums = np.cumsum(np.vstack((np.zeros((1, flat.shape[1])), padded)), axis=0)
-        flat = (sums[width:] - sums[:-width]) / width
-    return flat.reshape(values.shape)
+        padded = np.pad(values, ((width // 2, width // 2), (0, 0)), mode="edge")
+        sums = np.cumsum(np.vstack((np.zeros((1, values.shape[1])), padded)), axis=0)
+        values = (sums[width:] - sums[:-width]) / width
+    return values
 
 
 def _stances(

@@ -157,8 +157,8 @@ class Scene:
     def zero_moment(self) -> FloatArray:
         """(T, 2) zero-moment point less the modelled CoP [m].
 
-        In slow motions that of a single mass at the CoM; where the robot walks the model is that
-        already, and the angular momentum's part is left.
+        By the CoM's acceleration and the whole body's angular momentum; where the robot walks the
+        model has the first already, and the second is left.
         """
         samples = self.samples
         height = samples.states.com[np.arange(len(samples.run)), samples.frame, 2]
@@ -167,7 +167,7 @@ class Scene:
 
     @property
     def dynamic(self) -> FloatArray:
-        """(T, s) of a mass at the CoM that accelerates: more force, and the zero-moment point."""
+        """(T, s) of a body that accelerates: more force, and the zero-moment point."""
         samples = self.samples
         mass = samples.force / GRAVITY
         return self.by_model(mass * samples.acceleration[:, 2], self.zero_moment)
@@ -280,7 +280,7 @@ class Scene:
                 others = np.linalg.svd(self.planes[foot, own][None])[2][1:]
                 for values in (*(self.outputs[:, own] @ others.T).T, np.ones(count)):
                     add(PARITY.start + foot, values, FREE)
-        # Accelerations move the zero-moment point; how much, a single mass tells roughly.
+        # Accelerations move the zero-moment point; how much, a rigid body tells roughly.
         if not self.fast:
             found.append((self.dynamic, FREE))
         for axis in range(TILT.start, TILT.stop):
@@ -349,7 +349,8 @@ class Scene:
         found[:, COP] = -np.einsum("tim,tm->ti", self.answers.cop, change)
         found[:, CLOSURE] = np.einsum("tim,tm->ti", self.answers.closure, change)
         found[:, TILT] = np.einsum("tim,tm->ti", self.answers.tilt, change)
-        support = self.segment_means(found[:, CLOSURE][:, (0, 1, 5)])
+        # As `Samples.supports` takes the right foot's place: the median of a segment.
+        support = self.segment_medians(found[:, CLOSURE][:, (0, 1, 5)])
         found[:, COP] += self.by_support(support)[:, COP]
         return self.settled(found)
 
@@ -390,6 +391,14 @@ class Scene:
         sums = np.stack([np.bincount(segment, weights=column) for column in flat.T], axis=1)
         means: FloatArray = (sums / count[:, None])[segment].reshape(values.shape)
         return means
+
+    def segment_medians(self, values: FloatArray) -> FloatArray:
+        """(T, k) of values (T, k): each sample's segment's median."""
+        segment = self.samples.segment
+        found = np.zeros((int(segment.max()) + 1, values.shape[1]))
+        for one in np.unique(segment):
+            found[one] = np.median(values[segment == one], axis=0)
+        return found[segment]
 
     def settled(self, values: FloatArray) -> FloatArray:
         """Signals as they count: a closure tells changes within a segment only."""

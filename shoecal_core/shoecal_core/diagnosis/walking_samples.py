@@ -13,12 +13,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
 from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.walking import World, derivative, in_world, walking_stances
+from shoecal_core.diagnosis.momentum import angular_momentum
 from shoecal_core.errors import FileError
 from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.recording.run import PoseSamples, Run
@@ -92,23 +92,15 @@ def pieces(time: FloatArray, stance: NDArray[np.int64], rate: float) -> FloatArr
 
 def spin(aligned: Aligned, base: PoseSamples, world: World, robot: Robot) -> FloatArray:
     """(F, 2) how far the angular momentum's rate moves the zero-moment point, in the world [m]."""
-    rate = derivative(angular_momentum(aligned, base, robot), aligned.time, 1)
+    momentum = angular_momentum(_poses(aligned, base), aligned.time, robot)
+    rate = derivative(momentum, aligned.time, 1)
     force = robot.mass * (GRAVITY + world.acceleration[:, 2])
     return np.stack((-rate[:, 1], rate[:, 0]), axis=1) / force[:, None]
 
 
-def angular_momentum(aligned: Aligned, base: PoseSamples, robot: Robot) -> FloatArray:
-    """(F, 3) of the whole body about its CoM, along the world's axes [N m s]."""
+def _poses(aligned: Aligned, base: PoseSamples) -> FloatArray:
+    """(F, 7 + m) of base and joints at the times of the readings."""
     time = np.clip(aligned.time, base.time[0], base.time[-1])
     turns = Slerp(base.time, Rotation.from_quat(base.quaternion))(time).as_quat()
     place = np.stack([np.interp(time, base.time, axis) for axis in base.position.T], axis=1)
-    poses = np.hstack((place, turns, aligned.joint_angles))
-    last = len(poses) - 1
-    data = robot.model.createData()
-    found = np.zeros((len(poses), 3))
-    for index, pose in enumerate(poses):
-        before, after = max(index - 1, 0), min(index + 1, last)
-        moved = pin.difference(robot.model, poses[before], poses[after])
-        velocity = moved / (aligned.time[after] - aligned.time[before])
-        found[index] = pin.computeCentroidalMomentum(robot.model, data, pose, velocity).angular
-    return found
+    return np.hstack((place, turns, aligned.joint_angles))

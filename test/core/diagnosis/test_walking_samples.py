@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from core.model import robots
 from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.walking import in_world
-from shoecal_core.diagnosis.walking_samples import angular_momentum, pieces, spin
+from shoecal_core.diagnosis.walking_samples import pieces, spin
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.recording.run import PoseSamples
 
@@ -66,16 +66,6 @@ def test_mass_and_spin_together_are_the_whole_body_s_dynamics() -> None:
     found = (point + shift)[list(inside)]
     assert np.abs(shift[list(inside)]).max() > 5e-3
     np.testing.assert_allclose(found, wanted, atol=6e-4)
-
-
-def test_a_body_at_rest_does_not_spin() -> None:
-    aligned, base = swinging()
-    still = Aligned(
-        TIME, aligned.readings, np.tile(aligned.joint_angles[:1], (len(TIME), 1)), aligned.states
-    )
-    rest = PoseSamples(TIME, base.position, np.tile(base.quaternion[:1], (len(TIME), 1)))
-    robot = robots.kinematics("nao").robot
-    np.testing.assert_allclose(angular_momentum(still, rest, robot), 0.0, atol=1e-9)
 
 
 def test_stances_are_cut_into_pieces_alike() -> None:

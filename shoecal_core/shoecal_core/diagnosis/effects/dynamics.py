@@ -19,7 +19,7 @@ class Inertia:
         yield ()
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
-        """Of a mass at the CoM: -h a / g."""
+        """Of the whole body: -h a / g of its CoM, and what its angular momentum adds."""
         # In slow motions it is taken for granted, whatever else is looked for.
         if scene.fast:
             yield Shape(("factor",), scene.dynamic[None])

@@ -124,7 +124,7 @@ def test_inertia_is_the_zero_moment_point_s_way_from_the_com(scene: Scene) -> No
     height = samples.states.com[np.arange(len(samples.frame)), samples.frame, 2]
     fast = replace(scene, samples=replace(samples, acceleration=acceleration))
     assert fast.fast
-    wanted = -height[:, None] * acceleration[:, :2] / GRAVITY
+    wanted = samples.spin - height[:, None] * acceleration[:, :2] / GRAVITY
     found = shape(fast, Inertia())
     np.testing.assert_allclose(found.columns[0][:, COP], wanted)
     force = samples.robot.mass * acceleration[:, 2]
