@@ -44,6 +44,8 @@ LEAP_PERIOD_S = 0.05
 """Frames further apart tell no leaps."""
 SPIKE_S = 0.3
 """For so long after a spike its cell counts as broken."""
+LEARN_S = 0.04
+"""Readings of so long a time are learnt from at once."""
 RESTART_S = 1.0
 """After a gap in the stamps all begins anew."""
 
@@ -72,17 +74,19 @@ class CellWatch:
         """
         count = len(shoe.names)
         self._names = shoe.names
-        self._low = np.array([channel.lowest for channel in shoe.channels])
-        self._high = np.array([channel.highest for channel in shoe.channels])
-        self._leap = LEAP_SHARE * (self._high - self._low)
+        ends = np.array([[channel.lowest, channel.highest] for channel in shoe.channels])
+        self._middle = ends.mean(axis=1)
+        self._reach = (ends[:, 1] - ends[:, 0]) / 2.0
+        self._least = LEAP_SHARE * 2.0 * self._reach
         near = (shoe.foot[:, None] == shoe.foot) & (shoe.torque[:, None] == shoe.torque)
         np.fill_diagonal(near, val=False)
         self._near = near.astype(np.float64)
         self._accompanied = near.any(axis=1)
         self.spikes = np.zeros(count, dtype=np.int64)
         self._status = np.zeros(count, dtype=np.uint8)
-        self._before: Joined | None = None
-        self._restart()
+        self._calm = True
+        self._stamp_ns: int | None = None
+        self._restart(np.zeros(count))
 
     @property
     def findings(self) -> Mapping[str, str]:
@@ -109,69 +113,99 @@ class CellWatch:
         return Condition(Level.OK, "no cell is seen to be broken", values)
 
     def take(self, joined: Sequence[Joined]) -> list[Joined]:
-        """Readings in order, those of broken cells marked."""
+        """Readings in order, those of broken cells marked; `learn` is to be called afterwards."""
         return [self._look(one) for one in joined]
 
-    def _restart(self) -> None:
+    def learn(self) -> None:
+        """Learn from what was taken how cells behave: this can wait until forces are published."""
+        if len(self._taken) < 2:
+            return
+        elapsed_s = (self._taken[-1].stamp_ns - self._taken[0].stamp_ns) / 1e9
+        if elapsed_s < LEARN_S:
+            return
+        with np.errstate(invalid="ignore"):
+            change = np.abs(np.diff([one.readings for one in self._taken], axis=0))
+        self._look_for_frozen(np.mean(change != 0.0, axis=0), elapsed_s, len(change))
+        usual = np.minimum(np.nan_to_num(change).mean(axis=0), 3.0 * self._noise + self._least)
+        self._noise += (1.0 - math.exp(-elapsed_s / NOISE_S)) * (usual - self._noise)
+        self._bound = np.maximum(self._least, LEAP_NOISE * self._noise)
+        del self._taken[:-1]
+
+    def _restart(self, readings: FloatArray) -> None:
         count = len(self._names)
+        self._taken: list[Joined] = []
         self._changing = np.ones(count)
         self._usual = np.zeros(count)
         self._usual_weight = 0.0
         self._noise = np.zeros(count)
+        self._bound = self._least
         self._frozen = np.zeros(count, dtype=bool)
         self._leaps = np.zeros(count, dtype=np.int64)
-        self._level = np.zeros(count)
+        self._level = readings
         self._spiky_until_ns = np.zeros(count, dtype=np.int64)
         self._spiky = np.zeros(count, dtype=bool)
 
     def _look(self, one: Joined) -> Joined:
+        readings, stamp_ns = one.readings, one.stamp_ns
+        elapsed_s = math.inf if self._stamp_ns is None else (stamp_ns - self._stamp_ns) / 1e9
+        self._stamp_ns = stamp_ns
+        if not 0.0 < elapsed_s <= RESTART_S:
+            self._restart(readings)
+        self._taken.append(one)
+        # Nearly always all is well, and whoever reads the forces is in a hurry.
+        leaving = np.abs(readings - self._level)
+        inside = np.abs(readings - self._middle) < self._reach
+        if self._calm and (inside & (leaving <= self._bound)).all() and not one.status.any():
+            self._level = readings
+            return one
+        return self._mark(one, inside, leaving, elapsed_s)
+
+    def _mark(
+        self, one: Joined, inside: BoolArray, leaving: FloatArray, elapsed_s: float
+    ) -> Joined:
+        """The readings with the status of each cell as it is seen; `inside`, `leaving` are (n,)."""
         known = np.isfinite(one.readings)
-        readings, before = np.where(known, one.readings, np.nan), self._before
+        self._look_for_leaps(one, np.where(known & np.isfinite(leaving), leaving, 0.0), elapsed_s)
         status = one.status.copy()
         well = status == GOOD
         status[well & ~known] = NO_DATA
-        status[well & ((readings <= self._low) | (readings >= self._high))] = SATURATED
-        elapsed_s = math.inf if before is None else (one.stamp_ns - before.stamp_ns) / 1e9
-        self._before = replace(one, readings=readings)
-        if before is None or not 0.0 < elapsed_s <= RESTART_S:
-            self._restart()
-            self._level = readings
-        else:
-            change = np.abs(readings - before.readings)
-            self._look_for_frozen(change != 0.0, elapsed_s)
-            self._look_for_leaps(one.stamp_ns, readings, elapsed_s)
-            usual = np.minimum(np.nan_to_num(change), 3.0 * self._noise + self._leap)
-            self._noise += (1.0 - math.exp(-elapsed_s / NOISE_S)) * (usual - self._noise)
+        status[well & known & ~inside] = SATURATED
         broken = self._frozen | (self._leaps > 0) | self._spiky
         status[(status == GOOD) & broken] = FAULT
         self._status = status
+        self._calm = not (status.any() or broken.any())
         return replace(one, status=status)
 
-    def _look_for_frozen(self, changed: BoolArray, elapsed_s: float) -> None:
-        """Against what the cell itself and the others usually do; `changed` is (n,)."""
-        constant_s = max(FREEZE_S, FREEZE_FRAMES * elapsed_s)
-        self._changing += (1.0 - math.exp(-elapsed_s / constant_s)) * (changed - self._changing)
+    def _look_for_frozen(self, changing: FloatArray, elapsed_s: float, frames: int) -> None:
+        """Against what the cell itself and the others usually do.
+
+        Args:
+            changing: (n,) share of the last readings that differ from the ones before.
+            elapsed_s: time that they took [s].
+            frames: number of them.
+        """
+        constant_s = max(FREEZE_S, FREEZE_FRAMES * elapsed_s / frames)
+        self._changing += (1.0 - math.exp(-elapsed_s / constant_s)) * (changing - self._changing)
         # A converter with few bits repeats itself: that is how it is, unless it never does else.
         share = 1.0 - math.exp(-elapsed_s / KNOWN_S)
         self._usual_weight += share * (1.0 - self._usual_weight)
-        self._usual += np.where(self._frozen, 0.0, share * (changed - self._usual))
+        self._usual += np.where(self._frozen, 0.0, share * (changing - self._usual))
         strange = (self._usual > THAWED * self._usual_weight) | (self._usual == 0.0)
         bound = np.where(self._frozen, THAWED, FROZEN)
         others_change = float(np.median(self._changing)) > LIVELY
         self._frozen = strange & (self._changing < bound) & others_change
+        self._calm = self._calm and not self._frozen.any()
 
-    def _look_for_leaps(self, stamp_ns: int, readings: FloatArray, elapsed_s: float) -> None:
-        """From the last level that was believed; `readings` are (n,)."""
-        leaving = np.nan_to_num(np.abs(readings - self._level))
-        bound = np.maximum(self._leap, LEAP_NOISE * self._noise)
-        far = leaving > bound
+    def _look_for_leaps(self, one: Joined, leaving: FloatArray, elapsed_s: float) -> None:
+        """From the last level that was believed; `leaving` is (n,)."""
+        far = leaving > self._bound
         back = (self._leaps > 0) & ~far
         self.spikes += back
-        self._spiky_until_ns[back] = stamp_ns + round(1e9 * SPIKE_S)
-        self._spiky = stamp_ns < self._spiky_until_ns
+        self._spiky_until_ns[back] = one.stamp_ns + round(1e9 * SPIKE_S)
+        self._spiky = one.stamp_ns < self._spiky_until_ns
         alone = (self._near * leaving).max(axis=1) * ALONE < leaving
         begun = far & alone & self._accompanied & (elapsed_s <= LEAP_PERIOD_S)
         away = far & ((self._leaps > 0) | begun)
         self._leaps = np.where(away, self._leaps + 1, 0)
         self._leaps[self._leaps > LEAP_FRAMES] = 0
-        self._level = np.where(self._leaps > 0, self._level, readings)
+        self._level = np.where(self._leaps > 0, self._level, one.readings)

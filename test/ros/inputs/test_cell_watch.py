@@ -37,12 +37,20 @@ def spoilt(readings: list[Joined], change: Callable[[int, float], float]) -> lis
     return readings
 
 
+def taken(watch: CellWatch, readings: list[Joined]) -> list[Joined]:
+    marked = []
+    for one in readings:
+        marked += watch.take([one])
+        watch.learn()
+    return marked
+
+
 def first_told(readings: list[Joined]) -> tuple[float, str]:
     """How long after the middle the cell was told, and as what; no other cell ever is."""
     watch = CellWatch(nao_shoe())
     begin = readings[len(readings) // 2].stamp_ns
     for one in readings:
-        (marked,) = watch.take([one])
+        (marked,) = taken(watch, [one])
         found = watch.findings
         assert set(found) <= {NAME}
         assert (marked.status != 0).sum() == len(found)
@@ -97,7 +105,7 @@ def test_one_coarse_converter_among_good_ones_is_how_it_is() -> None:
     for one in readings:
         one.readings[CELL] = np.rint(one.readings[CELL] / 0.04) * 0.04
     watch = CellWatch(nao_shoe())
-    later = [one for one in watch.take(readings)[100:] if one.status.any()]
+    later = [one for one in taken(watch, readings)[100:] if one.status.any()]
     assert not later
 
 
@@ -113,13 +121,13 @@ def test_a_load_that_stays_is_believed_and_a_spike_forgotten() -> None:
     readings = stream()
     for one in readings[100:]:
         one.readings[CELL] += 1.0
-    marked = [bool(one.status[CELL]) for one in watch.take(readings)]
+    marked = [bool(one.status[CELL]) for one in taken(watch, readings)]
     assert marked[100:103] == [True] * 3
     assert not any(marked[103:])
     assert watch.spikes.sum() == 0
     spiky = spoilt(stream(), lambda number, value: value + 2.0 * (number == 5))
     watch = CellWatch(nao_shoe())
-    marked = [bool(one.status[CELL]) for one in watch.take(spiky)]
+    marked = [bool(one.status[CELL]) for one in taken(watch, spiky)]
     assert marked[105], "the spike itself makes no force"
     assert watch.spikes[CELL] == 1
     assert not any(marked[140:])
@@ -131,7 +139,7 @@ def test_what_the_device_says_stays() -> None:
     watch = CellWatch(nao_shoe())
     one = stream(seconds=0.1)[0]
     one.status[CELL] = ShoeVoltages.FAULT
-    (marked,) = watch.take([one])
+    (marked,) = taken(watch, [one])
     assert marked.status[CELL] == ShoeVoltages.FAULT
     assert watch.condition.level is Level.ERROR
     told = f"{NAME} is broken, says its device: check cable, clamp and board"
