@@ -23,52 +23,19 @@ from typing import IO
 import numpy as np
 from geometry_msgs.msg import PointStamped
 from numpy.typing import NDArray
-from rclpy.action import ActionServer, CancelResponse
-from rclpy.action.server import ServerGoalHandle
-from rclpy.task import Future
-from shoecal_msgs.action import ReachSupport
-from shoecal_msgs.srv import SetCalibration
 from std_msgs.msg import Bool
 
+from reliability.live_robots import WaitedForRobot, put_in_force, start_calibrator
 from reliability.live_world import Heard, World, live_world
 from reliability.row import Progress, Result, Row
-from ros.bodies import calibration, nao, nao_shoe
-from ros.standing_robot import StandingRobot
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.workspace import ros_environment
-from shoecal_ros.calibrator.run_series import REACH_ACTION
 from shoecal_ros.common import qos
-from shoecal_ros.common.conversions import calibration_to_ros
 
 CALLER = Path(__file__).with_name("flood_caller.py")
 RATE_HZ = 1000.0
 ANSWER_S = 0.05
-PERIOD_NS = 10_000_000
 BEFORE_S = 5.0
 COP_SHARE = 0.05
-
-
-class WaitedForRobot(StandingRobot):
-    """Is armed, and never reaches the support that it is told to."""
-
-    def __init__(self, world: World) -> None:
-        super().__init__(world, DoubleSupport(0.0, -0.112, 0.0), period_ns=PERIOD_NS)
-        self.armed = world.node.create_publisher(Bool, "shoe/armed", qos.LATCHED)
-        self.armed.publish(Bool(data=True))
-        self._server = ActionServer(
-            world.node, ReachSupport, REACH_ACTION, self._reach,
-            cancel_callback=lambda _: self._canceled(),
-        )  # fmt: skip
-        self._end = Future()
-
-    def _canceled(self) -> CancelResponse:
-        self._end.set_result(None)
-        return CancelResponse.ACCEPT
-
-    async def _reach(self, goal: ServerGoalHandle) -> ReachSupport.Result:
-        await self._end
-        goal.canceled()
-        return ReachSupport.Result(error_code=ReachSupport.Result.CANCELED)
 
 
 @dataclass(frozen=True)
@@ -118,11 +85,8 @@ def flood(count: int) -> Flood:
     """Call `count` times."""
     with live_world() as world:
         robot = WaitedForRobot(world)
-        folders = {name: world.folder / name for name in ("state_dir", "sessions_dir")}
-        world.start("calibrator", folders)
-        made = calibration_to_ros(calibration(nao(), nao_shoe()))
-        request = SetCalibration.Request(calibration=made)
-        assert world.call(SetCalibration, "shoe/set_calibration", request).success
+        start_calibrator(world)
+        put_in_force(world)
         cop = world.hear(PointStamped, "shoe/cop", qos.LIVE)
         world.until(lambda: len(cop) > 10)
         begin = time.monotonic()

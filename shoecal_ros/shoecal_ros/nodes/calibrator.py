@@ -277,6 +277,7 @@ class Calibrator(ShoecalNode):
         if joined:
             self._overdue[1].wait()
         self._out.publish(self.live.take(joined, self._support(joined)))
+        self.cells.learn()
         self.rezeroing.take_readings(joined)
 
     def _support(self, joined: list[Joined]) -> DoubleSupport | None:
