@@ -1,0 +1,26 @@
+from __future__ import annotations
+
+import os
+
+import numpy as np
+import pytest
+
+from reliability.soak import ROW, an_hour, resident_mb
+
+
+@pytest.mark.timeout(600)
+def test_a_share_of_the_row() -> None:
+    result = ROW.run(0, 5, 0, lambda _: None)
+    assert result.failed == 0, result.worst
+    assert "all counted" in result.worst
+
+
+def test_growth_is_told_an_hour() -> None:
+    minutes = np.arange(90)
+    assert an_hour((50.0 + 2.5 * minutes / 60).tolist()) == pytest.approx(2.5)
+
+
+def test_memory_of_a_process_is_told_in_mb() -> None:
+    before = resident_mb(os.getpid())
+    held = np.ones(4_000_000)
+    assert resident_mb(os.getpid()) - before == pytest.approx(held.nbytes / 1e6, abs=4.0)
