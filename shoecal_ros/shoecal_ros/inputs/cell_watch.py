@@ -153,7 +153,8 @@ class CellWatch:
             self._restart(readings)
         self._taken.append(one)
         # Nearly always all is well, and whoever reads the forces is in a hurry.
-        leaving = np.abs(readings - self._level)
+        with np.errstate(invalid="ignore"):
+            leaving = np.abs(readings - self._level)
         inside = np.abs(readings - self._middle) < self._reach
         if self._calm and (inside & (leaving <= self._bound)).all() and not one.status.any():
             self._level = readings
@@ -174,7 +175,7 @@ class CellWatch:
         status[(status == GOOD) & broken] = FAULT
         self._status = status
         self._calm = not (status.any() or broken.any())
-        return replace(one, status=status)
+        return replace(one, readings=np.where(known, one.readings, np.nan), status=status)
 
     def _look_for_frozen(self, changing: FloatArray, elapsed_s: float, frames: int) -> None:
         """Against what the cell itself and the others usually do.
@@ -208,4 +209,6 @@ class CellWatch:
         away = far & ((self._leaps > 0) | begun)
         self._leaps = np.where(away, self._leaps + 1, 0)
         self._leaps[self._leaps > LEAP_FRAMES] = 0
-        self._level = np.where(self._leaps > 0, self._level, one.readings)
+        # What is no number leads from no level.
+        level = np.where(np.isfinite(one.readings), one.readings, np.nan)
+        self._level = np.where(self._leaps > 0, self._level, level)

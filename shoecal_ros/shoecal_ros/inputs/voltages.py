@@ -10,6 +10,7 @@ import numpy as np
 
 from shoecal_core.errors import ShoecalError
 from shoecal_ros.common.conversions import VoltageFrame
+from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import FrameJoiner, Joined
 from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard
 
@@ -33,6 +34,7 @@ class VoltageInput:
         clock: Callable[[], float] = time.monotonic,
         *,
         silent_s: float = SILENT_S,
+        watch: CellWatch | None = None,
     ) -> None:
         """Nothing heard.
 
@@ -41,9 +43,11 @@ class VoltageInput:
             stale_s: without frames for that long there is a problem, by the wall clock [s].
             clock: monotonic [s].
             silent_s: for that long at least, they are silent [s].
+            watch: marks readings of broken cells.
         """
         self._joiner = joiner
         self._stale_s = stale_s
+        self._watch = watch
         self._clock = clock
         self._began = clock()
         self.heard = LastHeard(clock, silent_s)
@@ -99,6 +103,8 @@ class VoltageInput:
             if not math.isnan(frame.temperature):
                 self.temperature = frame.temperature
         if instants:
+            if self._watch is not None:
+                instants = self._watch.take(instants)
             self.heard.note()
             self.latest = instants[-1]
         return instants

@@ -132,10 +132,13 @@ class Calibrator(ShoecalNode):
         self.kinematics = Kinematics(self.robot)
         silent_s = settings.live_stale_s
         self.joints = JointInput(self.robot, settings.stale_s, silent_s=silent_s)
-        self.voltages = VoltageInput(
-            FrameJoiner(self.shoe.names, settings.hold_s), settings.stale_s, silent_s=silent_s
-        )
         self.cells = CellWatch(self.shoe)
+        self.voltages = VoltageInput(
+            FrameJoiner(self.shoe.names, settings.hold_s),
+            settings.stale_s,
+            silent_s=silent_s,
+            watch=self.cells,
+        )
         self._overdue = [
             Overdue(self, heard, self._publish_state)
             for heard in (self.joints.heard, self.voltages.heard)
@@ -273,7 +276,7 @@ class Calibrator(ShoecalNode):
     ) -> None:
         self.recorder.take(topic, serialised)
         frames = [read(deserialize_message(one, kind)) for one in serialised]
-        joined = self.cells.take(self.voltages.take(frames))
+        joined = self.voltages.take(frames)
         if joined:
             self._overdue[1].wait()
         self._out.publish(self.live.take(joined, self._support(joined)))
