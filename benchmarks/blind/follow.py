@@ -1,7 +1,9 @@
 """The one motion that the diagnosis proposes: does it resolve what was ambiguous?
 
-Every set whose diagnosis left several explanations is made again with one run more, once with the
-motion proposed and once with another one of the menu, drawn at random; both are diagnosed once.
+Every set whose diagnosis left several explanations, the true one among them, and proposed a motion
+is made again with one run more: once with that motion, once with one drawn at random from all that
+can be proposed. Both are diagnosed once. A set that lacks the truth counts there ("truth in the
+ambiguity set") and not here: no motion leaves what is not in it.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ from blind.motions import PlannedMotion, extra, standard_set
 from blind.processes import over
 from blind.submit import Submission, submit
 from population import nao
-from shoecal_core.diagnosis.candidates import YAWED, yawed_support
+from shoecal_core.diagnosis.candidates import STANCE_MOTION, STANCES, stance
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.menu import MENU
 from shoecal_core.planning.settings import PlannerSettings
@@ -30,7 +32,7 @@ from shoecal_core.planning.standard import TRAIN, PlannedRun
 from shoecal_core.planning.supports.feasible import Feasible
 
 PROPOSED, RANDOM = "proposed", "random"
-DRAWN = (*MENU, YAWED, *BY_HAND)
+DRAWN = (*MENU, *STANCES, *BY_HAND)
 """What a motion at random is drawn from: all that can be proposed."""
 
 
@@ -45,8 +47,13 @@ class _Followed:
 
 def follow(place: Round, cases: Sequence[Case], jobs: int) -> dict[str, Figure]:
     """Make and diagnose what is missing of them, and score."""
-    wanted = [_Followed(case, kind, _motion(case, kind)) for case in _open(cases)
-              for kind in (PROPOSED, RANDOM)]  # fmt: skip
+    confused = _open(cases)
+    wanted = [
+        _Followed(case, kind, _motion(case, kind))
+        for case in confused
+        if _proposes(case)
+        for kind in (PROPOSED, RANDOM)
+    ]
     there = list(over(partial(_make, place), wanted, jobs))
     made = [one for one, can in zip(wanted, there, strict=True) if can]
     for kind in (PROPOSED, RANDOM):
@@ -70,19 +77,26 @@ def follow(place: Round, cases: Sequence[Case], jobs: int) -> dict[str, Figure]:
         ),
         "resolved_by_random": rate("the same by a random one", resolved[RANDOM]),
         "resolved_above_random": _above(resolved[PROPOSED], resolved[RANDOM]),
+        "motion_proposed": rate(
+            "ambiguous sets for which a motion is proposed", [_proposes(case) for case in confused]
+        ),
     }
 
 
 def _open(cases: Sequence[Case]) -> list[Case]:
-    """Sets with several explanations left, and a motion proposed."""
+    """Sets with several explanations left, one of them the true one."""
     return [
         case
         for case in cases
         if len(case.places) > 1
-        and case.said is not None
-        and case.said["next_motion"] is not None
         and case.answer.category in {"single", "inseparable"}
+        and case.true_places[0] in case.places
     ]
+
+
+def _proposes(case: Case) -> bool:
+    """Whether the diagnosis knows a motion that would help."""
+    return case.said is not None and case.said["next_motion"] is not None
 
 
 def _motion(case: Case, kind: str) -> str:
@@ -117,10 +131,10 @@ def _planned(one: _Followed) -> PlannedMotion:
     runs = [standard_set(answer.motions)[index].run for index in answer.order]
     support = next(run.support for run in runs if run.hint == TRAIN)
     motion = name
-    if name == YAWED:
+    if name in STANCES:
         so_far = [run.support for run in runs]
-        support = yawed_support(Feasible(nao()[0], PlannerSettings()), so_far)
-        motion = "landmarks"
+        support = stance(name, Feasible(nao()[0], PlannerSettings()), so_far)
+        motion = STANCE_MOTION
     before = BY_HAND.get(name)
     if before is not None:
         motion = before.motion

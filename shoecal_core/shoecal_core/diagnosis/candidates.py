@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from shoecal_core.diagnosis.effects.contact import TURNED
@@ -20,6 +20,16 @@ from shoecal_core.planning.supports.named import named_support
 Progress = Callable[[str, float], None]
 
 WARM, WEIGHTED, YAWED = "warm_up", "known_weight", "yawed_stance"
+STANCES: Mapping[str, tuple[str, ...]] = {
+    YAWED: ("toes_in", "toes_out"),
+    "wide_stance": ("wide",),
+    "left_foot_ahead": ("left_ahead",),
+    "right_foot_ahead": ("right_ahead",),
+}
+"""STANCE_MOTION in a double support of such a name (`planning.supports.named`), the one of several
+that is farther in yaw from those so far."""
+STANCE_MOTION = "torso_height"
+"""Landmarks and heights: what tells most where the robot has not stood yet."""
 
 
 @dataclass(frozen=True)
@@ -52,8 +62,7 @@ def possible_runs(
 ) -> tuple[PossibleRun, ...]:
     """Every motion that this robot can do, planned and checked, in the session's first support.
 
-    That is where the nodes run it too; `yawed_stance` is in the one with much yaw that is
-    farthest from those so far. What cannot be planned is left out.
+    That is where the nodes run it too; STANCES are elsewhere. What cannot be planned is left out.
     """
     planner = Planner(scene.samples.robot, settings)
     so_far = [
@@ -64,7 +73,7 @@ def possible_runs(
     neutral = DoubleSupport(*map(float, scene.samples.robot.support_range.neutral))
     usual = so_far[0] if so_far else neutral
     planned: dict[str, Motion] = {}
-    names = (*MENU, YAWED)
+    names = (*MENU, *STANCES)
     for index, name in enumerate(names):
         if progress is not None:
             progress(f"planning {name}", index / len(names))
@@ -82,18 +91,18 @@ def _planned(
 ) -> Iterator[Motion]:
     """The motion, or none where the robot cannot do it."""
     try:
-        if name == YAWED:
-            support = yawed_support(Feasible(planner.legs.robot, planner.settings), so_far)
-            yield planner.plan(support, "landmarks")
+        if name in STANCES:
+            feasible = Feasible(planner.legs.robot, planner.settings)
+            yield planner.plan(stance(name, feasible, so_far), STANCE_MOTION)
         else:
             yield planner.plan(usual, name)
     except ShoecalError:
         return
 
 
-def yawed_support(feasible: Feasible, so_far: list[DoubleSupport]) -> DoubleSupport:
-    """The double support with much yaw whose yaw is farthest from those so far."""
+def stance(name: str, feasible: Feasible, so_far: Sequence[DoubleSupport]) -> DoubleSupport:
+    """The double support of one of STANCES, for a session that has been in some so far."""
     return max(
-        (named_support(name, feasible) for name in ("toes_in", "toes_out")),
+        (named_support(one, feasible) for one in STANCES[name]),
         key=lambda one: min((abs(one.dtheta - other.dtheta) for other in so_far), default=0.0),
     )

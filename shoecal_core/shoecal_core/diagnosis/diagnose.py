@@ -26,6 +26,7 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, gap, shrink
 from shoecal_core.diagnosis.signals import make_scene
 from shoecal_core.diagnosis.sizes import sizes
+from shoecal_core.diagnosis.tempering import shares, temper
 from shoecal_core.diagnosis.where import where
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.errors import FileError
@@ -35,6 +36,8 @@ FloatArray = NDArray[np.float64]
 Progress = Callable[[str, float], None]
 SHOWN = 20
 """Hypotheses that a ranking lists."""
+RIVAL_FROM = 0.01
+"""Probability from which a hypothesis counts where the next motion is chosen."""
 
 
 @dataclass(frozen=True)
@@ -194,13 +197,11 @@ def _probabilities(
 ) -> tuple[Candidate, ...]:
     """Of everything that could stand in a cause's place, nothing included."""
     best = max((one for _, one in alternatives), default=0.0)
-    temper = 1.0 / (1.0 / settings.temper + settings.form_error * max(best, 0.0))
-    logs = np.array([*(temper * one for _, one in alternatives), 0.0])
-    shares = np.exp(logs - logs.max())
-    shares /= shares.sum()
+    counts = temper(best, settings)
+    found = shares([*(counts * one for _, one in alternatives), 0.0])
     return tuple(
         Candidate(hypothesis.effect.identifier, hypothesis.place, float(share))
-        for (hypothesis, _), share in zip(alternatives, shares[:-1], strict=True)
+        for (hypothesis, _), share in zip(alternatives, found[:-1], strict=True)
     )
 
 
@@ -265,10 +266,17 @@ def _proposed(
 ) -> NextMotion | None:
     if len(answer.ambiguity) < 2 or not found.alternatives:
         return None
-    confused = {(one.effect, one.location): one.probability for one in answer.ambiguity}
+    assert found.chosen is not None
+    # What is only just improbable enough comes back once another rival has left.
+    confused = {
+        (one.effect, one.location): one.probability
+        for one in answer.ranking
+        if one in answer.ambiguity or one.probability >= RIVAL_FROM
+    }
+    others = found.chosen.parts[1:]
     rivals = [
-        (scored, confused[key])
-        for scored in found.singles
-        if (key := (scored.parts[0][0].effect.identifier, scored.parts[0][0].place)) in confused
+        (workspace.scorer.best_form(hypothesis, others), confused[key])
+        for hypothesis, _ in found.alternatives[0]
+        if (key := (hypothesis.effect.identifier, hypothesis.place)) in confused
     ]
     return propose(workspace, rivals, settings)

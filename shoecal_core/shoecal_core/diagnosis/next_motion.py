@@ -7,6 +7,9 @@ second order,
     1/2 (a - b)' X' (I + X C_B X')^-1 X (a - b)
 with X the whitened columns in that run and C_B the covariance of B's fit: what remains when B is
 fitted anew to all runs together. Everything follows from the run's Gram matrix X' X.
+
+Such a factor scatters by the root of twice its mean, and counts by a share only (`tempering`): a
+run is worth what the true rival's probability gains in the diagnosis that follows.
 """
 
 from __future__ import annotations
@@ -25,6 +28,7 @@ from shoecal_core.diagnosis.result import NextMotion
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.tempering import shares, temper
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.planning.settings import PlannerSettings
 
@@ -33,11 +37,11 @@ Rivals = Sequence[tuple[Scored, float]]
 Part = tuple[Hypothesis, Form]
 _Places = dict[tuple[int, ...], NDArray[np.int64]]
 
-SEPARATE_FROM = 3.0
-"""Expected log evidence of one explanation over another from which a run tells them apart."""
-BY_HAND_WORTH = 0.7
+LEAST_CHANCE = 0.5
+"""Of taking something out of the set: what has less is not proposed."""
+BY_HAND_WORTH = 0.8
 """What a robot can do by itself is preferred from this share of a person's run's worth."""
-OWN_ERRORS = 5
+STANCE_COLUMNS = 5
 """Columns of the baseline that each stance has for itself."""
 
 
@@ -48,11 +52,13 @@ class Separation:
     Attributes:
         motion: its name.
         gains: (r, r) expected log evidence of each rival, where it is true, over each other one.
-        worth: of all pairs, weighted by their probabilities, 0 to 1.
+        after: (r, r) where each rival is true, the probabilities of all that are foreseen.
+        worth: how much of what the true one's probability lacks now the run adds, 0 to 1.
     """
 
     motion: str
     gains: FloatArray
+    after: FloatArray
     worth: float
 
 
@@ -77,7 +83,7 @@ def propose(
     if len(rivals) < 2 or not _stands(workspace.scene):
         return None
     runs = possible_runs(workspace.scene, planning or PlannerSettings(), progress)
-    return chosen(separations(workspace, rivals, runs, settings), rivals)
+    return chosen(separations(workspace, rivals, runs, settings), rivals, settings)
 
 
 def _stands(scene: Scene) -> bool:
@@ -85,9 +91,11 @@ def _stands(scene: Scene) -> bool:
     return bool(scene.slow_segments) and not scene.fast
 
 
-def chosen(found: Sequence[Separation], rivals: Rivals) -> NextMotion | None:
+def chosen(
+    found: Sequence[Separation], rivals: Rivals, settings: DiagnosisSettings
+) -> NextMotion | None:
     """The best run; one that needs a person only where it is clearly better."""
-    useful = [one for one in found if _apart(one.gains).any()]
+    useful = [one for one in found if _chance(one, rivals, settings) >= LEAST_CHANCE]
     alone = [one for one in useful if one.motion not in BY_HAND]
     if not useful:
         return None
@@ -95,13 +103,24 @@ def chosen(found: Sequence[Separation], rivals: Rivals) -> NextMotion | None:
     if alone:
         own = max(alone, key=lambda one: one.worth)
         best = own if own.worth >= BY_HAND_WORTH * best.worth else best
-    told = np.flatnonzero(_apart(best.gains).any(axis=0)).tolist()
+    gone = _gone(best.after, settings)
+    told = np.flatnonzero((gone | gone.T).any(axis=0)).tolist()
     return NextMotion(best.motion, tuple(rivals[i][0].parts[-1][0].label for i in told))
 
 
-def _apart(gains: FloatArray) -> NDArray[np.bool_]:
-    """(r, r) pairs that a run tells apart whichever is true."""
-    return np.minimum(gains, gains.T) > SEPARATE_FROM
+def _gone(after: FloatArray, settings: DiagnosisSettings) -> NDArray[np.bool_]:
+    """(r, r) where each rival is true, which others are too improbable for the set."""
+    least = (1.0 - settings.set_share) / settings.set_share
+    found: NDArray[np.bool_] = after < least * np.diag(after)[:, None]
+    return found
+
+
+def _chance(one: Separation, rivals: Rivals, settings: DiagnosisSettings) -> float:
+    """Probability that a run takes something out of the set that is in it now."""
+    now = np.array([probability for _, probability in rivals])
+    inside = now >= (1.0 - settings.set_share) * now.max()
+    helps = (_gone(one.after, settings) & inside).any(axis=1)
+    return float(now @ helps) / float(now.sum())
 
 
 def separations(
@@ -115,29 +134,50 @@ def separations(
     if not runs or not _stands(recorded):
         return ()
     scene = extended(recorded, runs)
-    shared = len(recorded.baseline) - OWN_ERRORS * len(recorded.slow_segments)
+    shared = len(recorded.baseline) - STANCE_COLUMNS * len(recorded.slow_segments)
     columns, places = _columns(scene, _different(rivals))
-    own_precision = workspace.sums.precision[-OWN_ERRORS:]
+    own_precision = workspace.sums.precision[-STANCE_COLUMNS:]
     fits = [_fit(scored, shared, places, len(columns)) for scored, _ in rivals]
     # As in scoring, the noise is as large as what the best rival leaves.
     noise = min(scored.solution.squares for scored, _ in rivals) / workspace.scorer.rows
     whitening = Whitening(scene.samples, scene.mask, workspace.noise)
-    weights = np.array([probability for _, probability in rivals])
-    pairs = np.outer(weights, weights)
-    np.fill_diagonal(pairs, 0.0)
-    pairs /= max(float(pairs.sum()), 1e-300)
-    # Evidence counts by a share only (`temper`): so much makes one of two quite clear.
-    clear = SEPARATE_FROM / settings.temper
+    scorer = workspace.scorer
+    others = scorer.score(rivals[0][0].parts[:-1], foretell=False)
+    without = _fit(others, shared, places, len(columns))
+    known = max(scored.evidence for scored, _ in rivals) - others.evidence
+    now = np.array([probability for _, probability in rivals])
+    now /= now.sum()
     found = []
     number = max(workspace.scene.samples.runs)
     for index, run in enumerate(runs, 1):
         gram = _gram(scene, whitening, number + index, shared, columns, own_precision)
-        gains = (
-            np.array([[expected_gain(one, other, gram) for other in fits] for one in fits]) / noise
-        )
-        worth = float((pairs * gains / (gains + clear)).sum())
-        found.append(Separation(run.name, gains, worth))
+        gains = np.array([[expected_gain(one, other, gram) for other in fits] for one in fits])
+        told = np.array([expected_gain(one, without, gram) for one in fits])
+        after = _after(now, known, gains / noise, told / noise, settings)
+        lacks = 1.0 - float(now @ now)
+        worth = (float(now @ np.diag(after)) - float(now @ now)) / max(lacks, 1e-300)
+        found.append(Separation(run.name, gains / noise, after, worth))
     return tuple(found)
+
+
+def _after(
+    now: FloatArray,
+    known: float,
+    gains: FloatArray,
+    told: FloatArray,
+    settings: DiagnosisSettings,
+) -> FloatArray:
+    """(r, r) probabilities of all rivals after a run, where each is the true one.
+
+    Args:
+        now: (r,) before it.
+        known: log evidence that the best one has by now. told: (r,) what the run adds.
+        gains: (r, r) expected of the run, of which its scatter is taken off.
+    """
+    before = np.log(now) / temper(known, settings)
+    sure = np.maximum(gains - np.sqrt(2.0 * gains), 0.0)
+    rows = zip(sure, told, strict=True)
+    return np.array([shares(temper(known + more, settings) * (before - row)) for row, more in rows])
 
 
 @dataclass(frozen=True)
@@ -245,7 +285,7 @@ def _gram(
     here = set(np.unique(scene.samples.segment[part]).tolist())
     stances = [index for index, one in enumerate(scene.slow_segments) if one in here]
     own = np.array(
-        [shared + OWN_ERRORS * stance + i for stance in stances for i in range(OWN_ERRORS)]
+        [shared + STANCE_COLUMNS * stance + i for stance in stances for i in range(STANCE_COLUMNS)]
     )
     whole = np.concatenate((scene.baseline[:shared], columns, scene.baseline[own]))
     flat = whitening(whole)[:, part][:, scene.mask[part]]

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from shoecal_core.diagnosis.candidates import yawed_support
+from shoecal_core.diagnosis.candidates import stance
 from shoecal_core.files import atomic_write
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
@@ -83,7 +83,9 @@ def runs_to_record(
     # A run bears the name that it was asked for by: the recording tells what was done by hand.
     return [
         PlannedRun(
-            yawed_support(feasible, so_far) if proposal(name).yawed else run.support, name, hint
+            stance(where, feasible, so_far) if (where := proposal(name).stance) else run.support,
+            name,
+            hint,
         )
         for run, name, hint in zip(runs, motions, hints, strict=True)
     ]

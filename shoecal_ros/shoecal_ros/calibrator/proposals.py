@@ -6,7 +6,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from shoecal_core.diagnosis.candidates import BY_HAND, WARM, WEIGHTED, YAWED
+from shoecal_core.diagnosis.candidates import (
+    BY_HAND,
+    STANCE_MOTION,
+    STANCES,
+    WARM,
+    WEIGHTED,
+)
 from shoecal_core.diagnosis.effects.contact import TURNED
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.planning.menu import MENU
@@ -18,12 +24,12 @@ class Proposal:
 
     Attributes:
         motion: on the planner's menu.
-        yawed: in a double support with much yaw between the feet, other than those so far.
+        stance: one of STANCES, where it is done; empty: in the session's own double supports.
         by_hand: what a person does before; empty: the robot can do it all.
     """
 
     motion: str
-    yawed: bool = False
+    stance: str = ""
     by_hand: str = ""
 
 
@@ -33,7 +39,7 @@ _BY_HAND = {
     WEIGHTED: "fasten {mass:g} kg to the torso, at the origin of its frame",
 }
 BEYOND_MENU: Mapping[str, Proposal] = {
-    YAWED: Proposal("landmarks", yawed=True),
+    **{name: Proposal(STANCE_MOTION, stance=name) for name in STANCES},
     **{
         name: Proposal(
             hand.motion,

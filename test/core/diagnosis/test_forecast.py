@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.candidates import BY_HAND, WARM, WEIGHTED, YAWED
+from shoecal_core.diagnosis.candidates import BY_HAND, STANCES, WARM, WEIGHTED, YAWED
 from shoecal_core.diagnosis.effects.contact import TURNED, FloorTilt
 from shoecal_core.diagnosis.forecast import PossibleRun, extended
 from shoecal_core.diagnosis.signals import AIR, COP, GRF, PARITY, TILT, Scene
@@ -29,7 +29,7 @@ def of(scene: Scene, name: str) -> NDArray[np.bool_]:
 
 
 def test_the_whole_menu_can_be_run(runs: tuple[PossibleRun, ...]) -> None:
-    assert [run.name for run in runs] == [*MENU, YAWED, *BY_HAND]
+    assert [run.name for run in runs] == [*MENU, *STANCES, *BY_HAND]
 
 
 def test_recorded_runs_stay_as_they_are(workspace: Workspace, scene: Scene) -> None:
@@ -129,3 +129,9 @@ def test_the_floor_leans_the_other_way_once_the_robot_is_turned(scene: Scene) ->
 def test_a_yawed_stance_has_much_yaw(scene: Scene) -> None:
     (segment,) = np.unique(scene.samples.segment[of(scene, YAWED)])
     assert abs(scene.supports[segment].dtheta) > 0.4
+
+
+@pytest.mark.parametrize(("name", "side"), [("left_foot_ahead", -1.0), ("right_foot_ahead", 1.0)])
+def test_a_foot_stands_ahead(scene: Scene, name: str, side: float) -> None:
+    (segment,) = np.unique(scene.samples.segment[of(scene, name)])
+    assert side * scene.supports[segment].dx > 0.03

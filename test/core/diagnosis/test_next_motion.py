@@ -108,7 +108,7 @@ def test_exact_twins_stay_twins_whatever_is_run(
     some = [run for run in runs if run.name in ("unload_left", "yawed_stance", TURNED)]
     found = separations(session, fits, some, SETTINGS)
     assert max(one.gains.max() for one in found) < 3.0
-    assert chosen(found, fits) is None
+    assert chosen(found, fits, SETTINGS) is None
 
 
 def test_a_proposal_names_what_it_tells_apart(workspace: Workspace) -> None:
@@ -135,22 +135,55 @@ def test_a_moments_effect_adds_nothing_to_runs_to_come(
     assert np.isfinite(gains).all()
 
 
-@pytest.mark.parametrize(("own_worth", "expected"), [(0.8, "reversed"), (0.5, TURNED)])
+def test_what_the_next_diagnosis_will_believe_is_foreseen(
+    workspace: Workspace, runs: tuple[PossibleRun, ...]
+) -> None:
+    session, fits = rivals.where(workspace, "floor_tilt", [0.004, 0.002], "link_com (base_link)")
+    some = [run for run in runs if run.name in ("torso_tilt", TURNED)]
+    little, turned = separations(session, fits, some, SETTINGS)
+    np.testing.assert_allclose(turned.after.sum(axis=1), 1.0)
+    # Each is believed where it is true; a run that tells nothing leaves both as they were.
+    assert (np.diag(turned.after) > 0.95).all()
+    assert turned.worth > 0.9 > little.worth
+    assert chosen([little], fits, SETTINGS) is None
+
+
+@pytest.mark.parametrize(("own_worth", "expected"), [(0.9, "reversed"), (0.6, TURNED)])
 def test_a_person_is_asked_only_where_that_is_clearly_better(
     workspace: Workspace, own_worth: float, expected: str
 ) -> None:
     _, fits = rivals.where(workspace, "latency (left)", [0.03], "low_pass (left)")
-    clear = np.array([[0.0, 9.0], [9.0, 0.0]])
-    found = chosen([Separation("reversed", clear, own_worth), Separation(TURNED, clear, 1.0)], fits)
+    gains, clear = np.full((2, 2), 90.0), np.eye(2)
+    some = [Separation(name, gains, clear, worth)
+            for name, worth in (("reversed", own_worth), (TURNED, 1.0))]  # fmt: skip
+    found = chosen(some, fits, SETTINGS)
     assert found is not None
     assert found.motion == expected
 
 
 def test_what_a_run_does_not_separate_is_not_named(workspace: Workspace) -> None:
     _, fits = rivals.where(
-        workspace, "latency (left)", [0.03], "low_pass (left)", "latency (right)"
+        workspace,
+        "latency (left)",
+        [0.03],
+        "low_pass (left)",
+        "latency (right)",
+        "low_pass (right)",
     )
-    gains = np.array([[0.0, 1.0, 9.0], [9.0, 0.0, 9.0], [9.0, 2.0, 0.0]])
-    found = chosen([Separation("faster", gains, 0.4)], fits)
+    after = np.array(
+        [[0.6, 0.2, 0.0, 0.2], [0.4, 0.4, 0.0, 0.2], [0.0, 0.0, 1.0, 0.0], [0.3, 0.3, 0.0, 0.4]]
+    )
+    after[[1, 3], 2] = after[2, [1, 3]] = 0.1
+    found = chosen([Separation("faster", np.zeros((4, 4)), after, 0.4)], fits, SETTINGS)
     assert found is not None
     assert found.separates == ("latency (left)", "latency (right)")
+
+
+def test_a_run_that_would_hardly_help_is_not_proposed(workspace: Workspace) -> None:
+    _, fits = rivals.where(workspace, "latency (left)", [0.03], "low_pass (left)")
+    doubtful = [(fits[0][0], 0.7), (fits[1][0], 0.3)]
+    # Only where the less probable one is true would the other one leave.
+    after = np.array([[0.8, 0.2], [0.0, 1.0]])
+    one = Separation("faster", np.zeros((2, 2)), after, 0.4)
+    assert chosen([one], doubtful, SETTINGS) is None
+    assert chosen([one], doubtful[::-1], SETTINGS) is not None
