@@ -10,36 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.sensing.instant import FootInstant, InstantSensing, Place
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import FEET
-from shoecal_core.sensing.wrench import at_cop, to_left
 from shoecal_ros.calibrator.load import LEFT, RIGHT, LoadSwitch
 from shoecal_ros.inputs.joining import NO_DATA, Joined
 
 FloatArray = NDArray[np.float64]
+Wrench = tuple[float, float, float]
 GOOD = 0
-
-
-@dataclass(frozen=True)
-class Foot:
-    """One foot at one instant.
-
-    Attributes:
-        force: vertical [N], NaN where it is not known.
-        cop: (2,) in its sole's frame [m]; None while it carries no load or is not known.
-        extrapolating: outside what the CoP correction was made from.
-    """
-
-    force: float
-    cop: FloatArray | None
-    extrapolating: bool
-
-    @property
-    def wrench(self) -> FloatArray:
-        """(3,) F [N], Mx, My [N m] about its sole's origin; no moments without a CoP."""
-        if self.cop is None:
-            return np.array([self.force, 0.0, 0.0])
-        return at_cop(np.array(self.force), self.cop)
 
 
 @dataclass(frozen=True)
@@ -48,18 +27,18 @@ class Live:
 
     Attributes:
         stamp_ns: time of sampling [ns].
-        feet: left, right.
+        feet: left, right; without a CoP where a foot carries no load.
         frame: foot in whose sole frame `wrench` and `cop` are.
-        wrench: (3,) of both feet; None where it is not known.
-        cop: (2,) of both feet [m]; None where no foot carries load, or it is not known.
+        wrench: F [N], Mx, My [N m] of both feet; None where it is not known.
+        cop: of both feet [m]; None where no foot carries load, or it is not known.
         loaded: which feet carry load.
     """
 
     stamp_ns: int
-    feet: tuple[Foot, Foot]
+    feet: tuple[FootInstant, FootInstant]
     frame: int
-    wrench: FloatArray | None
-    cop: FloatArray | None
+    wrench: Wrench | None
+    cop: Place | None
     loaded: tuple[bool, bool]
 
 
@@ -99,11 +78,7 @@ class LowPass:
 
 
 class LiveSensing:
-    """Turns joined readings into what is published.
-
-    Attributes:
-        sensing: under the calibration in force; None while uncalibrated.
-    """
+    """Turns joined readings into what is published."""
 
     def __init__(
         self, channel_feet: NDArray[np.int64], switch: LoadSwitch, low_pass: LowPass
@@ -115,12 +90,23 @@ class LiveSensing:
             switch: tells loaded feet.
             low_pass: of the readings.
         """
-        self.sensing: Sensing | None = None
+        self._sensing: Sensing | None = None
+        self._instant: InstantSensing | None = None
         self._of_foot = [np.flatnonzero(channel_feet == foot) for foot in range(len(FEET))]
         self._switch = switch
         self._low_pass = low_pass
         self._status = np.full(len(channel_feet), NO_DATA, dtype=np.uint8)
         self._last: Live | None = None
+
+    @property
+    def sensing(self) -> Sensing | None:
+        """Under the calibration in force; None while uncalibrated."""
+        return self._sensing
+
+    @sensing.setter
+    def sensing(self, sensing: Sensing | None) -> None:
+        self._sensing = sensing
+        self._instant = None if sensing is None else InstantSensing(sensing)
 
     def take(self, joined: Sequence[Joined], support: DoubleSupport | None) -> list[Live]:
         """Take readings in order; nothing comes out while uncalibrated.
@@ -132,23 +118,11 @@ class LiveSensing:
         if not joined:
             return []
         self._status = joined[-1].status
-        if self.sensing is None:
+        if self._instant is None:
             self._last = None
             return []
-        # A reading that is not good is none: a wrong number is worse than no number.
-        readings = np.stack(
-            [
-                self._low_pass(one.stamp_ns, np.where(one.status == GOOD, one.readings, np.nan))
-                for one in joined
-            ]
-        )
-        measured = self.sensing.measure(readings)
-        lives = [
-            self._live(one.stamp_ns, force, cop, outside, support)
-            for one, force, cop, outside in zip(
-                joined, measured.grf, measured.cop, measured.extrapolating, strict=True
-            )
-        ]
+        turn = None if support is None else _Turn(support)
+        lives = [self._live(one, self._instant, turn) for one in joined]
         self._last = lives[-1]
         return lives
 
@@ -172,46 +146,62 @@ class LiveSensing:
             status=tuple(status.tolist()),
         )
 
-    def _live(
-        self,
-        stamp_ns: int,
-        force: FloatArray,
-        cop: FloatArray,
-        outside: NDArray[np.bool_],
-        support: DoubleSupport | None,
-    ) -> Live:
-        loaded = self._switch.update(float(force[LEFT]), float(force[RIGHT]))
+    def _live(self, one: Joined, instant: InstantSensing, turn: _Turn | None) -> Live:
+        readings = one.readings
+        if one.status.any():
+            # A reading that is not good is none: a wrong number is worse than no number.
+            readings = np.where(one.status == GOOD, readings, np.nan)
+        measured = instant.measure(self._low_pass(one.stamp_ns, readings).tolist())
+        loaded = self._switch.update(measured[LEFT].force, measured[RIGHT].force)
         left, right = (
-            Foot(
-                float(force[foot]),
-                cop[foot] if loaded[foot] and np.isfinite(cop[foot]).all() else None,
-                bool(outside[foot]) and loaded[foot],
-            )
-            for foot in (LEFT, RIGHT)
+            foot if load else FootInstant(foot.force, None, extrapolating=False)
+            for foot, load in zip(measured, loaded, strict=True)
         )
-        wrench = _together((left, right), loaded, support)
+        wrench = _together((left, right), loaded, turn)
         both = None
         if wrench is not None and any(loaded):
-            both = np.array([-wrench[2], wrench[1]]) / wrench[0]
-        return Live(stamp_ns, (left, right), self._switch.frame, wrench, both, loaded)
+            both = (-wrench[2] / wrench[0], wrench[1] / wrench[0])
+        return Live(one.stamp_ns, (left, right), self._switch.frame, wrench, both, loaded)
+
+
+class _Turn:
+    """Wrenches in the right sole's frame -> the left one's; see `wrench.to_left`."""
+
+    def __init__(self, support: DoubleSupport) -> None:
+        self._dx, self._dy = support.dx, support.dy
+        self._cosine, self._sine = math.cos(support.dtheta), math.sin(support.dtheta)
+
+    def __call__(self, wrench: Wrench) -> Wrench:
+        force, about_x, about_y = wrench
+        return (
+            force,
+            self._dy * force + self._cosine * about_x - self._sine * about_y,
+            -self._dx * force + self._sine * about_x + self._cosine * about_y,
+        )
+
+
+def wrench_of(foot: FootInstant) -> Wrench:
+    """F [N], Mx, My [N m] about the foot's sole origin; no moments without a CoP."""
+    if foot.cop is None:
+        return foot.force, 0.0, 0.0
+    x, y = foot.cop
+    return foot.force, y * foot.force, -x * foot.force
 
 
 def _together(
-    feet: tuple[Foot, Foot], loaded: tuple[bool, bool], support: DoubleSupport | None
-) -> FloatArray | None:
-    """Wrench (3,) of both feet in the sole frame of the left one while it carries load."""
-    if any(math.isnan(foot.force) for foot in feet):
+    feet: tuple[FootInstant, FootInstant], loaded: tuple[bool, bool], turn: _Turn | None
+) -> Wrench | None:
+    """Wrench of both feet in the sole frame of the left one while it carries load."""
+    left, right = feet
+    if math.isnan(left.force) or math.isnan(right.force):
         return None
     if any(load and foot.cop is None for load, foot in zip(loaded, feet, strict=True)):
         return None
     if all(loaded):
-        if support is None:
+        if turn is None:
             return None
-        wrench: FloatArray = feet[LEFT].wrench + to_left(support) @ feet[RIGHT].wrench
-        return wrench
-    total = np.array(feet[LEFT].force + feet[RIGHT].force)
-    if not any(loaded):
-        return np.array([float(total), 0.0, 0.0])
-    cop = feet[loaded.index(True)].cop
-    assert cop is not None
-    return at_cop(total, cop)
+        ours, theirs = wrench_of(left), turn(wrench_of(right))
+        return ours[0] + theirs[0], ours[1] + theirs[1], ours[2] + theirs[2]
+    total = left.force + right.force
+    cop = feet[loaded.index(True)].cop if any(loaded) else None
+    return wrench_of(FootInstant(total, cop, extrapolating=False))

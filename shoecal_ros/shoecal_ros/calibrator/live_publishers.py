@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 from geometry_msgs.msg import PointStamped, WrenchStamped
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from shoecal_msgs.msg import FootState, ShoeState
 
 from shoecal_core.sensing.shoe import FEET, Shoe
-from shoecal_ros.calibrator.live import FootFlags, Live
+from shoecal_ros.calibrator.live import FootFlags, Live, wrench_of
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import SOLES, header_to_ros, point_to_ros, wrench_to_ros
 
@@ -106,9 +106,9 @@ def _foot_cop(foot: int) -> Any:
 
 def _foot_grf(foot: int) -> Any:
     def message(live: Live) -> Any:
-        wrench = live.feet[foot].wrench
+        wrench = wrench_of(live.feet[foot])
         # A force that is not known is nothing for a controller.
-        if np.isnan(wrench[0]):
+        if math.isnan(wrench[0]):
             return None
         return wrench_to_ros(live.stamp_ns, SOLES[foot], wrench)
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import signal
 import sys
+import threading
 import time
 from collections.abc import Callable, Generator, Sequence
 from pathlib import Path
@@ -28,6 +30,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.settings import Settings, describe, from_values
 from shoecal_ros.common import qos
 from shoecal_ros.common.health import Health, Level
+from shoecal_ros.common.quick_thread import QuickThread
 
 S = TypeVar("S", bound=Settings)
 
@@ -37,6 +40,8 @@ REPORT_S = 1.0
 """Period of diagnostics."""
 BATCH = 200
 """Messages that one subscription hands over before others get their turn."""
+SWITCH_S = 5e-4
+"""For so long one thread may keep Python from another that waits."""
 ANSWERS = 30
 """Requests that one service answers likewise."""
 
@@ -44,16 +49,20 @@ ANSWERS = 30
 class ShoecalNode(Node):
     """Base of all nodes.
 
-    Callbacks, jobs and watches run in one thread, so nothing needs a lock; long work belongs
+    Callbacks, jobs and watches run one at a time, so nothing needs a lock; long work belongs
     into a process of its own (`worker.Worker`).
 
     Attributes:
         health: told once a second and at every change.
+        turn: held by whichever thread runs a callback.
+        quick: subscriptions that do not wait for the rest of the node.
     """
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
         self.health = Health()
+        self.turn = threading.Lock()
+        self.quick = QuickThread(self, self.turn)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", qos.DIAGNOSTICS)
         self.wall_timer(REPORT_S, self._report)
         self.wall_timer(WATCH_S, self.watch)
@@ -171,6 +180,16 @@ class ShoecalNode(Node):
         assert self.executor is not None, "nodes start jobs when they spin"
         self.executor.create_task(job)
 
+    # The process
+
+    def end(self) -> None:
+        """Hear no more, then close and destroy the node."""
+        self.quick.close()
+        with self.turn:
+            self.close()
+        with contextlib.suppress(rclpy_implementation.InvalidHandle):
+            self.destroy_node()
+
     # Inside
 
     def _log_news(self) -> None:
@@ -277,8 +296,18 @@ def run(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None = None)
         node = make_node()
         executor = SingleThreadedExecutor()
         executor.add_node(node)
+        sys.setswitchinterval(SWITCH_S)
+        # What stands by now stays: looking through it again and again would hold messages up.
+        gc.collect()
+        gc.freeze()
+        node.quick.start()
         while rclpy.ok() and not asked.to_end:
-            executor.spin_once()
+            handler, _, _ = executor.wait_for_ready_callbacks()
+            with node.turn:
+                handler()
+            handler.result()  # raises what it ended with
+            if node.quick.error is not None:
+                raise node.quick.error
     except ShoecalError as error:
         print(f"{Path(sys.argv[0]).stem}: {error}", file=sys.stderr, flush=True)
         return 1
@@ -286,8 +315,6 @@ def run(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None = None)
         pass
     finally:
         if node is not None:
-            node.close()
-            with contextlib.suppress(rclpy_implementation.InvalidHandle):
-                node.destroy_node()
+            node.end()
         rclpy.try_shutdown()
     return 0

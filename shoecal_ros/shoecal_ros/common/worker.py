@@ -24,6 +24,8 @@ from shoecal_core.errors import ShoecalError
 P = ParamSpec("P")
 R = TypeVar("R")
 
+NICE = 19
+"""How far a child stands back behind the nodes."""
 END_S = 5.0
 """How long a child may take to end once it is told to."""
 
@@ -225,4 +227,6 @@ def main() -> None:
     """The child process."""
     # An interrupt from the terminal is for the node, which ends this process.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # Live forces come first, on a small computer too; what it starts itself inherits that.
+    os.nice(NICE)
     _serve(Connection(int(sys.argv[1])))

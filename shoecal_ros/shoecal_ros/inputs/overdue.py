@@ -7,9 +7,12 @@ from collections.abc import Callable
 from shoecal_ros.common.runtime import ShoecalNode
 from shoecal_ros.inputs.last_heard import LastHeard
 
+LEAST_S = 1e-3
+"""From one look to the next."""
+
 
 class Overdue:
-    """A timer that is put off whenever news come."""
+    """A timer for the moment at which news would be overdue, by what is known now."""
 
     def __init__(self, node: ShoecalNode, heard: LastHeard, tell: Callable[[], None]) -> None:
         """Wait from now on.
@@ -22,14 +25,12 @@ class Overdue:
         self._node, self._heard, self._tell = node, heard, tell
         self._timer = node.wall_timer(heard.patience_s, lambda: node.start(self._look))
 
-    def wait(self) -> None:
-        """Something may have come: wait anew."""
-        patience_ns = round(1e9 * self._heard.patience_s)
-        if patience_ns != self._timer.timer_period_ns:
-            self._timer.timer_period_ns = patience_ns
-        self._timer.reset()
-
     async def _look(self) -> None:
         """After what has come meanwhile was taken: a node that was held up hears late itself."""
+        patience_s = self._heard.patience_s
         if self._heard.silent:
             self._tell()
+        else:
+            patience_s = max(patience_s - self._heard.age_s, LEAST_S)
+        self._timer.timer_period_ns = round(1e9 * patience_s)
+        self._timer.reset()

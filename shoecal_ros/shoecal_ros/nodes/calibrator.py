@@ -48,7 +48,7 @@ from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.runtime import ShoecalNode, run
 from shoecal_ros.inputs.armed_input import ArmedInput
 from shoecal_ros.inputs.cell_watch import CellWatch
-from shoecal_ros.inputs.joining import FrameJoiner, Joined
+from shoecal_ros.inputs.joining import FrameJoiner
 from shoecal_ros.inputs.joints import JointInput
 from shoecal_ros.inputs.last_heard import SILENT_S
 from shoecal_ros.inputs.overdue import Overdue
@@ -157,6 +157,7 @@ class Calibrator(ShoecalNode):
         self.desk = CalibrationDesk(self, store)
         self.rezeroing = RezeroDesk(self)
         self._recorded: list[Subscription] = []
+        self._support: DoubleSupport | None = None
         self._subscribe()
         self.reach_client = ActionClient(self, ReachSupport, REACH_ACTION)
         self.plan_client = ActionClient(self, Plan, PLAN_ACTION)
@@ -237,13 +238,11 @@ class Calibrator(ShoecalNode):
         """Everything a run may hold comes serialised: it is recorded as it was sent."""
         self._arming = ArmedInput(self)
         for topic, kind in RAW_TOPICS.items():
-            if topic == schemas.JOINT_STATES:
-                callback: Callable[[list[Any]], None] = self._hear_joints
-            elif (read := frame_reader(topic, self.shoe)) is not None:
-                callback = partial(self._hear_readings, topic, kind, read)
-            else:
-                continue
-            self.subscribe(kind, relative(topic), callback, qos.RAW, raw=True)
+            if (read := frame_reader(topic, self.shoe)) is not None:
+                hear = partial(self._hear_readings, topic, kind, read)
+                self.quick.subscribe(kind, relative(topic), hear, qos.RAW, raw=True)
+        joints = relative(schemas.JOINT_STATES)
+        self.quick.subscribe(JointState, joints, self._hear_joints, qos.RAW, raw=True)
 
     def listen_for_recording(self) -> None:
         """Hear also what only a recording needs."""
@@ -266,29 +265,23 @@ class Calibrator(ShoecalNode):
         batch = self.joints.take([deserialize_message(one, JointState) for one in serialised])
         if batch is None:
             return
-        self._overdue[0].wait()
         for stamp_ns, angles in zip(batch.stamp_ns.tolist(), batch.angles, strict=True):
             self.stillness.add(stamp_ns, angles)
         self.rezeroing.take_joints(batch)
+        # Here, so that readings need not wait for it.
+        self._support = self.kinematics.states(batch.angles[-1:]).support()
 
     def _hear_readings(
         self, topic: str, kind: type[Any], read: Callable[[Any], Any], serialised: list[bytes]
     ) -> None:
-        self.recorder.take(topic, serialised)
         frames = [read(deserialize_message(one, kind)) for one in serialised]
         joined = self.voltages.take(frames)
-        if joined:
-            self._overdue[1].wait()
-        self._out.publish(self.live.take(joined, self._support(joined)))
+        # Where the right foot stands is known while angles come.
+        support = None if self.joints.heard.silent else self._support
+        self._out.publish(self.live.take(joined, support))
         self.cells.learn()
+        self.recorder.take(topic, serialised)
         self.rezeroing.take_readings(joined)
-
-    def _support(self, joined: list[Joined]) -> DoubleSupport | None:
-        """Where the right foot stands, None where nobody knows or needs to."""
-        latest = self.joints.latest
-        if not joined or latest is None or self.live.sensing is None or self.joints.heard.silent:
-            return None
-        return self.kinematics.states(latest.angles).support()
 
     # Telling
 

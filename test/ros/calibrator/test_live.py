@@ -11,7 +11,7 @@ from ros.bodies import nao_shoe, parameters, readings
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.wrench import at_cop, weight_below
-from shoecal_ros.calibrator.live import Live, LiveSensing, LowPass
+from shoecal_ros.calibrator.live import Live, LiveSensing, LowPass, wrench_of
 from shoecal_ros.calibrator.load import LoadSwitch
 from shoecal_ros.inputs.joining import NO_DATA, Joined
 
@@ -75,7 +75,7 @@ def test_a_foot_in_the_air_has_no_cop() -> None:
     assert found.loaded == (True, False)
     assert found.feet[1].cop is None
     assert found.feet[1].force == pytest.approx(0.5)
-    assert found.feet[1].wrench.tolist() == pytest.approx([0.5, 0.0, 0.0])
+    assert wrench_of(found.feet[1]) == pytest.approx((0.5, 0.0, 0.0))
     assert found.cop is not None
     np.testing.assert_allclose(found.cop, [0.01, 0.0], atol=1e-9)
 
@@ -91,7 +91,7 @@ def test_a_hanging_robot_has_no_cop_at_all() -> None:
     found = one(sensing(), instant((0.2, 0.0, 0.0), (-0.1, 0.0, 0.0)))
     assert found.cop is None
     assert found.wrench is not None
-    assert found.wrench.tolist() == pytest.approx([0.1, 0.0, 0.0])
+    assert found.wrench == pytest.approx((0.1, 0.0, 0.0))
 
 
 def test_without_joint_angles_feet_go_on_alone() -> None:
