@@ -5,7 +5,7 @@ first from a pseudo-terminal, the second over DDS, with joint angles and a clock
 as they can follow. Four frames in a thousand are lost or damaged on the line. Every whole frame
 must give one right CoP at a subscriber, and the frames that the driver counts as lost must be those
 that were not sent whole. Each robot minute both processes' resident memory is noted; over a stretch
-of four hours, without its first half hour, it must grow by less than 1 MB an hour (a straight line
+of two hours, without its first half hour, it must grow by less than 1 MB an hour (a straight line
 through the notes). Stretches shorter than an hour are not judged by their memory.
 
 Bytes, terminal, processes, DDS and memory are real; robot and time are simulated. What nodes do by

@@ -60,6 +60,7 @@ class ShoeDriver(ShoecalNode):
         self._others: Subscription | None = None
         self._rival = ""
         self._trouble = ""
+        self._error: Exception | None = None
         self._driver = open_driver(config, lambda: self.now_ns)
         self._patient_until = time.monotonic() + START_S
         self._closing = threading.Event()
@@ -68,6 +69,9 @@ class ShoeDriver(ShoecalNode):
 
     def watch(self) -> None:
         """Tell how the device fares, and look for others that send the same cells."""
+        if self._error is not None:
+            # A node without its reader would look alive.
+            raise self._error
         status = self._driver.status()
         problem = self._rival or self._trouble or status.problem
         figures = _figures(status)
@@ -87,14 +91,15 @@ class ShoeDriver(ShoecalNode):
         self._thread.join()
 
     def _read(self) -> None:
-        while not self._closing.is_set():
-            try:
+        try:
+            while not self._closing.is_set():
                 for reading in self._driver.read(READ_S):
                     self._publish(reading)
-            except ShoecalError as error:
-                # For instance a log whose lines carry no time: nothing more will come.
-                self._trouble = str(error)
-                return
+        except ShoecalError as error:
+            # For instance a log whose lines carry no time: nothing more will come.
+            self._trouble = str(error)
+        except Exception as error:  # noqa: BLE001 - `watch` raises it again
+            self._error = error
 
     def _publish(self, reading: Reading) -> None:
         cells = reading.cells
