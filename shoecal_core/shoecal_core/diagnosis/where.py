@@ -9,6 +9,7 @@ from shoecal_core.diagnosis.result import Where
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.shrink import judged
 from shoecal_core.diagnosis.signals import AIR, CLOSURE, PARITY, TILT
+from shoecal_core.diagnosis.steps import closure_steps
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.sensing.shoe import FEET
 
@@ -31,7 +32,8 @@ MOSTLY = 0.6
 def where(workspace: Workspace, rest: FloatArray, chosen: Scored | None) -> tuple[Where, ...]:
     """Shares of the excess over the noise on the test runs, the largest first.
 
-    What happens at one moment of one run is told of that run, in whichever set it is.
+    What happens at one moment of one run is told of that run, in whichever set it is: causes that
+    were found, and steps of the closure, which need no fit.
 
     Args:
         rest: (T, s) residuals with nothing added.
@@ -47,6 +49,11 @@ def where(workspace: Workspace, rest: FloatArray, chosen: Scored | None) -> tupl
     ]
     total = sum(size for _, _, size, _ in sums)
     found = _events(chosen, phases)
+    told = {event.run for event in found}
+    for step in closure_steps(scene):
+        if step.run not in told:
+            phase = phases[step.run]
+            found.append(Where("closure", None, None, None, step.run, phase, step.time, 0.0))
     for signal, foot, size, course in sums:
         if total <= 0.0 or size < LEAST_SHARE * total:
             continue
