@@ -9,15 +9,11 @@ from collections.abc import Callable, Sequence
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.schemas import JOINT_STATES, JOINT_TRAJECTORY
 from shoecal_core.recording.writer import RunWriter
+from shoecal_ros.calibrator.run_thread import RunThread
 
 
 class Recorder:
-    """Keeps the last while of all topics, and writes runs.
-
-    Attributes:
-        problem: why the run at hand cannot be written any more; empty when all is well.
-        counts: messages of the run at hand, by topic.
-    """
+    """Keeps the last while of all topics, and writes runs."""
 
     def __init__(self, now_ns: Callable[[], int], lead_s: float) -> None:
         """Nothing is kept before `stand_by`.
@@ -26,20 +22,34 @@ class Recorder:
             now_ns: the node's time [ns].
             lead_s: what came so long before `start` belongs to the run, too [s].
         """
-        self.problem = ""
-        self.counts: dict[str, int] = {}
+        self._problem = ""
         self._now_ns = now_ns
         self._lead_ns = round(lead_s * 1e9)
         self._kept: deque[tuple[int, str, bytes]] = deque()
         # A motion's command belongs to its run however long ago it came.
         self._commands: list[tuple[int, bytes]] = []
         self._standing_by = False
-        self._writer: RunWriter | None = None
+        self._run: RunThread | None = None
+        self._last: RunThread | None = None
 
     @property
     def recording(self) -> bool:
         """Whether a run is being written."""
-        return self._writer is not None
+        return self._run is not None
+
+    @property
+    def problem(self) -> str:
+        """Why the run at hand cannot be written any more; empty when all is well."""
+        return self._problem or ("" if self._last is None else self._last.problem)
+
+    @problem.setter
+    def problem(self, problem: str) -> None:
+        self._problem, self._last = problem, self._run
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Messages written of the run at hand, or of the last one, by topic."""
+        return {} if self._last is None else self._last.counts
 
     def stand_by(self) -> None:
         """Keep from now on what comes."""
@@ -48,12 +58,12 @@ class Recorder:
 
     def take(self, topic: str, messages: Sequence[bytes]) -> None:
         """Take messages of a topic of the run's kind, in order."""
-        if self._writer is None and not self._standing_by:
+        if self._run is None and not self._standing_by:
             return
         now_ns = self._now_ns()
-        if self._writer is not None:
+        if self._run is not None:
             for message in messages:
-                self._write(topic, message, now_ns)
+                self._run.put(topic, message, now_ns)
             return
         kept = self._kept
         kept.extend((now_ns, topic, message) for message in messages)
@@ -64,12 +74,12 @@ class Recorder:
 
     def start(self, writer: RunWriter) -> None:
         """Write to a new run."""
-        self.problem, self.counts = "", {}
-        self._writer = writer
+        self._run = run = RunThread(writer)
+        self.problem = ""
         for stamp_ns, message in self._commands:
-            self._write(JOINT_TRAJECTORY, message, stamp_ns)
+            run.put(JOINT_TRAJECTORY, message, stamp_ns)
         for stamp_ns, topic, message in self._kept:
-            self._write(topic, message, stamp_ns)
+            run.put(topic, message, stamp_ns)
         self._forget()
 
     def stop(self) -> None:
@@ -78,10 +88,10 @@ class Recorder:
         Raises:
             ShoecalError: when not all of it could be written, or nothing was recorded at all.
         """
-        writer, self._writer = self._writer, None
-        if writer is not None:
-            writer.close()
-        if writer is None or not self.counts.get(JOINT_STATES):
+        run, self._run = self._run, None
+        if run is not None:
+            run.finish().close()
+        if run is None or not run.counts.get(JOINT_STATES):
             raise ShoecalError(
                 "the motion was done but not recorded; see that the planner's feedback and "
                 "joint_states reach the calibrator, and calibrate again"
@@ -90,22 +100,12 @@ class Recorder:
     def abandon(self) -> None:
         """End an interrupted run; what was recorded stays, unfinished."""
         self._forget()
-        writer, self._writer = self._writer, None
-        if writer is not None:
+        run, self._run = self._run, None
+        if run is not None:
             with contextlib.suppress(ShoecalError):  # why it ends is told by who ends it
-                writer.abandon()
+                run.finish().abandon()
 
     def _forget(self) -> None:
         self._kept.clear()
         self._commands.clear()
         self._standing_by = False
-
-    def _write(self, topic: str, message: bytes, stamp_ns: int) -> None:
-        if self._writer is None or self.problem:
-            return
-        try:
-            self._writer.write(topic, message, stamp_ns)
-        except ShoecalError as error:
-            self.problem = str(error)
-            return
-        self.counts[topic] = self.counts.get(topic, 0) + 1

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import pytest
@@ -103,8 +104,12 @@ def test_a_run_that_cannot_be_written_says_so_once(tmp_path: Path) -> None:
     writer = made.new_run("landmarks", SUPPORT)
     recorder.start(writer)
     feed(recorder, clock, 5)
+    while recorder.counts.get(schemas.VOLTAGES) != 5:
+        time.sleep(0.001)
     writer.abandon()
     feed(recorder, clock, 5)
+    while not recorder.problem:
+        time.sleep(0.001)
     assert "closed already" in recorder.problem
     with pytest.raises(RecordingError):
         recorder.stop()
