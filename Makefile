@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports demo-table paper trust coverage chosen-supports caught-faults faults blind effects-table own-steps motion-menu lock clean
+.PHONY: clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust coverage chosen-supports caught-faults faults blind effects-table own-steps motion-menu lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -35,7 +35,7 @@ lint: setup  ## ruff and mypy
 
 # Each measurement has arguments of its own.
 bench: override ARGS :=
-bench: solve-speed kinematics planner-speed planner-supports demo-table paper  ## all measurements
+bench: solve-speed kinematics planner-speed planner-supports live-path demo-table paper  ## all measurements
 
 solve-speed: export OPENBLAS_NUM_THREADS := 1
 solve-speed: setup  ## the least squares beside scipy's, into docs/performance.md
@@ -52,6 +52,10 @@ planner-speed: setup  ## the planner's solvers side by side (ARGS="--supports 1 
 planner-supports: export OPENBLAS_NUM_THREADS := 1
 planner-supports: setup  ## motions in many double supports (ARGS="--nao 20 --wren 5")
 	$(BIN)/python benchmarks/planner_supports.py $(ARGS)
+
+live-path: export OPENBLAS_NUM_THREADS := 1
+live-path: setup  ## from a frame to its CoP beside a bare chain (ARGS="--seconds 5")
+	$(BIN)/python benchmarks/live_path.py $(ARGS)
 
 demo-table: setup  ## the errors of the demo over ten seeds, into docs/demo.md (ARGS="--seeds 3")
 	$(BIN)/python benchmarks/demo_seeds.py $(ARGS)

@@ -1,0 +1,81 @@
+"""The section of docs/performance.md."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Mapping
+from typing import Any
+
+import pages
+
+COMMAND = "make live-path"
+
+BODY = """\
+## The live path: from a frame to its CoP
+
+Made by `{command}`.
+
+From just before a frame of eight cells is written into a pseudo-terminal to when a subscriber's
+callback has `/shoe/cop`: the real driver, the real calibrator under a calibration in force, joint
+angles at {joints:g} Hz, Fast DDS, each node its own process. Beside it a bare chain of two nodes
+that relay messages of the same size over as many hops: the first publishes a ready message for
+every frame that comes on a pseudo-terminal of its own, the second answers each with a point. Both
+get frames in turns of {turn:g} s, {seconds:g} s a chain, rate and row, and end at one subscriber.
+
+{table}
+
+- *solving*: diagnoses of a session one after the other, by the calibrator's worker;
+  *recording*: a self-calibration that records a run; *planning*: plans of the planner one after
+  the other.
+- Ratio: shoecal's over the bare chain's. *With/without*: shoecal's median over its own while
+  nothing goes on.
+- Frames lost of {frames}: shoecal {lost_shoecal:.0f}, bare {lost_bare:.0f}.
+
+Readings and joint angles have a thread of their own in the calibrator, which waits for nothing
+else; one instant is computed in plain numbers; a run is written by another thread; workers have
+the lowest priority (nice {nice}).
+
+Measured on {cores} cores ({machine}) with a load of {load:.1f}, Python {python}.
+"""
+
+
+def write_page(figures: Mapping[str, Any], seconds: float, **values: float) -> None:
+    """Write the section.
+
+    Args:
+        figures: as in out/bench.json.
+        seconds: of each measurement.
+        values: for the text.
+    """
+    rows = [["", "rate [Hz]", "median [ms]", "99 % [ms]", "bare median [ms]", "bare 99 % [ms]",
+             "ratio of medians", "ratio of 99 %", "with/without"]]  # fmt: skip
+    quiet = figures["activities"]["nothing"]
+    for activity, rates in figures["activities"].items():
+        for rate, one in rates.items():
+            rows.append(
+                [
+                    activity,
+                    rate,
+                    *(
+                        f"{one[f'{chain}_{what}_ms']:.2f}"
+                        for chain in ("shoecal", "bare")
+                        for what in ("median", "p99")
+                    ),
+                    f"{one['vs_relay_median']:.2f}",
+                    f"{one['vs_relay_p99']:.2f}",
+                    f"{one['shoecal_median_ms'] / quiet[rate]['shoecal_median_ms']:.2f}",
+                ]
+            )
+    body = BODY.format(
+        command=COMMAND,
+        seconds=seconds,
+        table=pages.table(rows),
+        lost_shoecal=figures["lost"],
+        lost_bare=figures["bare_lost"],
+        cores=os.cpu_count(),
+        machine=platform.machine(),
+        python=platform.python_version(),
+        **values,
+    )
+    pages.write_performance("live", body)

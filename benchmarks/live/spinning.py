@@ -1,0 +1,21 @@
+"""A node's process, until it is told to end."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+
+import rclpy
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor, SingleThreadedExecutor
+from rclpy.node import Node
+
+
+def spin(make: Callable[[], Node], threads: int = 1) -> Node:
+    """Spin a node until an interrupt; the node, to see what it has."""
+    rclpy.init()
+    node = make()
+    executor = SingleThreadedExecutor() if threads == 1 else MultiThreadedExecutor(threads)
+    executor.add_node(node)
+    with suppress(KeyboardInterrupt, ExternalShutdownException):
+        executor.spin()
+    return node
