@@ -3,10 +3,10 @@
 The nodes `shoe_driver` and `calibrator` run as processes and read 100 frames of a robot second, the
 first from a pseudo-terminal, the second over DDS, with joint angles and a clock that goes as fast
 as they can follow. Four frames in a thousand are lost or damaged on the line. Every whole frame
-must give one right CoP at a subscriber, and the frames that the driver counts as lost must be those
-that were not sent whole. Each robot minute both processes' resident memory is noted; over a stretch
-of two hours, without its first half hour, it must grow by less than 1 MB an hour (a straight line
-through the notes). Stretches shorter than an hour are not judged by their memory.
+must give one right CoP at a subscriber, and the frames that driver and calibrator count as lost
+must be those that were not sent whole. Each robot minute both processes' resident memory is noted;
+over a stretch of two hours, without its first half hour, it must grow by less than 1 MB an hour (a
+straight line through the notes). Stretches shorter than an hour are not judged by their memory.
 
 Bytes, terminal, processes, DDS and memory are real; robot and time are simulated. What nodes do by
 the clock on the wall, as telling diagnostics, comes more seldom in a robot hour than it will in a
@@ -68,7 +68,9 @@ def _miscounted(robot: SoakRobot) -> str:
         counted = robot.counted()
     except BrokenError as error:
         return str(error)
-    return "" if counted == robot.lost else f"{robot.lost} frames lost, {counted} counted"
+    if counted == (robot.lost, robot.lost):
+        return ""
+    return f"{robot.lost} frames lost; {counted[0]} counted by the driver, {counted[1]} behind it"
 
 
 def resident_mb(process: int) -> float:

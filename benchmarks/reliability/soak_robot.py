@@ -44,6 +44,9 @@ NEAR = 1e-6
 """Of a CoP [m]."""
 LOST = DAMAGED = 0.002
 """Shares of the frames."""
+FRAMES = "shoe_driver", "device", "frames"
+LOST_FIRST = "shoe_driver", "device", "lost frames"
+LOST_LATER = "calibrator", "voltages", "lost_frames"
 PATIENCE_S = 20.0
 SETTLED_S = 1.0
 BITS, SCALE = 24, 10.0 / 2**24
@@ -83,22 +86,22 @@ class SoakRobot:
         wrong = [told for _ in range(100 // TICK) if (told := self._tick())]
         return wrong[0] if wrong else ""
 
-    def counted(self) -> int:
-        """Frames lost as the driver tells it, once it has told of all that was sent.
+    def counted(self) -> tuple[int, int]:
+        """Frames lost as driver and calibrator tell them, once all that was sent is told.
 
         Raises:
-            BrokenError: when it never does.
+            BrokenError: when the driver never tells of all.
         """
         try:
-            self._world.until(lambda: self._told("frames") == self.whole, PATIENCE_S)
+            self._world.until(lambda: self._told(*FRAMES) == self.whole, PATIENCE_S)
+            self._world.until(lambda: self._told(*LOST_LATER) >= self.lost, PATIENCE_S)
         except AssertionError as error:
-            raise BrokenError(
-                f"the driver tells {self._told('frames')} frames of {self.whole}"
-            ) from error
-        return self._told("lost frames")
+            told = f"{self._told(*FRAMES)} frames, {self._told(*LOST_LATER)} lost"
+            raise BrokenError(f"{self.whole} frames, {self.lost} lost; told: {told}") from error
+        return self._told(*LOST_FIRST), self._told(*LOST_LATER)
 
-    def _told(self, figure: str) -> int:
-        found = self._world.diagnosis("shoe_driver", "device")
+    def _told(self, node: str, subject: str, figure: str) -> int:
+        found = self._world.diagnosis(node, subject)
         values = {} if found is None else {each.key: each.value for each in found.values}
         return int(values.get(figure, 0))
 

@@ -13,6 +13,7 @@ from shoecal_ros.common.conversions import VoltageFrame
 from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import FrameJoiner, Joined
 from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard
+from shoecal_ros.inputs.lost_frames import LostFrames
 
 REMEMBER_S = 3.0
 """How long a frame that could not be used is told after it came, by the wall clock."""
@@ -51,6 +52,7 @@ class VoltageInput:
         self._clock = clock
         self._began = clock()
         self.heard = LastHeard(clock, silent_s)
+        self._lost = LostFrames()
         self._trouble = ""
         self._troubled = -np.inf
         self.latest: Joined | None = None
@@ -60,6 +62,11 @@ class VoltageInput:
     def latest_ns(self) -> int | None:
         """Stamp of the last instant [ns], None before there was one."""
         return None if self.latest is None else self.latest.stamp_ns
+
+    @property
+    def lost(self) -> int:
+        """Frames that never came, by the devices' counters."""
+        return self._lost.count
 
     @property
     def age_s(self) -> float:
@@ -98,6 +105,7 @@ class VoltageInput:
             except ShoecalError as error:
                 self._trouble, self._troubled = str(error), self._clock()
                 continue
+            self._lost.note(frame.source, frame.sequence)
             if joined is not None:
                 instants.append(joined)
             if not math.isnan(frame.temperature):

@@ -30,6 +30,7 @@ from shoecal_ros.calibrator.calibration_desk import CalibrationDesk
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
 from shoecal_ros.calibrator.diagnosis_desk import DiagnosisDesk
 from shoecal_ros.calibrator.drift_desk import DriftDesk
+from shoecal_ros.calibrator.halt import Halt
 from shoecal_ros.calibrator.in_force import UNCALIBRATED
 from shoecal_ros.calibrator.job import Codes
 from shoecal_ros.calibrator.job_settings import JobSettings
@@ -151,6 +152,7 @@ class Calibrator(ShoecalNode):
             self.shoe.foot, LoadSwitch(settings.load_on_n, settings.load_off_n), self._low_pass
         )
         self._out = LivePublishers(self, self.shoe)
+        self.peers.alone.add(self.resolve_topic_name("shoe/state"))
         self.tolerance = ModelTolerance.of(self.robot, self.fit_settings)
         self.drift = DriftDesk(self)
         store = CalibrationStore(Path(settings.state_dir).expanduser(), self.robot, self.shoe)
@@ -163,6 +165,7 @@ class Calibrator(ShoecalNode):
         self.plan_client = ActionClient(self, Plan, PLAN_ACTION)
         self._self_calibration = SelfCalibrationDesk(self)
         self._diagnoses = DiagnosisDesk(self)
+        self._halt = Halt(self)
 
     @property
     def armed(self) -> bool:
@@ -209,18 +212,18 @@ class Calibrator(ShoecalNode):
 
     def watch(self) -> None:
         """Tell how everything fares."""
-        for subject, problem in (
-            ("joints", self.joints.problem),
-            ("voltages", self.voltages.problem),
+        for subject, problem, figures in (
+            ("joints", self.joints.problem, {}),
+            ("voltages", self.voltages.problem, {"lost_frames": self.voltages.lost}),
         ):
-            self.health.tell(
-                subject, Level.ERROR if problem else Level.OK, problem or f"{subject} come"
-            )
+            level = Level.ERROR if problem else Level.OK
+            self.health.tell(subject, level, problem or f"{subject} come", **figures)
         self.health.note("cells", self.cells.condition)
         self._tell_calibration()
         self.health.note("diagnosis", self._diagnoses.condition)
         self.drift.watch()
         self._publish_state()
+        self._halt.watch(lapsed=self._arming.lapsed)
         super().watch()
 
     def close(self) -> None:
@@ -245,7 +248,8 @@ class Calibrator(ShoecalNode):
         self.quick.subscribe(JointState, joints, self._hear_joints, qos.RAW, raw=True)
 
     def listen_for_recording(self) -> None:
-        """Hear also what only a recording needs."""
+        """Hear also what only a recording needs, and be ready to stop the robot."""
+        self._halt.begin()
         self._recorded = [
             self.subscribe(
                 kind, relative(topic), partial(self.recorder.take, topic), qos.RAW, raw=True
@@ -256,6 +260,7 @@ class Calibrator(ShoecalNode):
 
     def listen_live(self) -> None:
         """Hear only what the live side needs: every message that comes wakes the node."""
+        self._halt.end()
         for subscription in self._recorded:
             self.destroy_subscription(subscription)
         self._recorded = []

@@ -1,0 +1,26 @@
+"""Frames that never came here, by the counters of those that did."""
+
+from __future__ import annotations
+
+MODULUS = 2**32
+
+
+class LostFrames:
+    """Counts the gaps in the devices' counters, wherever on the way they came from.
+
+    Attributes:
+        count: frames lost so far.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self._last: dict[str, int] = {}
+
+    def note(self, source: str, sequence: int) -> None:
+        """A source's frame has come; a counter that goes back began anew and tells of no loss."""
+        last = self._last.get(source)
+        self._last[source] = sequence
+        if last is not None:
+            step = (sequence - last) % MODULUS
+            if 1 < step < MODULUS // 2:
+                self.count += step - 1
