@@ -67,11 +67,13 @@ def numbered_counts(volts_per_count: float) -> NDArray[np.int64]:
 
 def cop_of(counts: NDArray[np.int64], volts_per_count: float) -> FloatArray:
     """(NUMBERS,) x of the CoP that such frames give [m]."""
-    measured = calibration().sensing(shoe()).measure(counts * volts_per_count)
+    volts: FloatArray = counts.astype(np.float64) * volts_per_count
+    measured = calibration().sensing(shoe()).measure(volts)
     return measured.combined_cop(SUPPORT)[..., 0]
 
 
 def numbers_of(x: FloatArray, of_numbers: FloatArray) -> NDArray[np.int64]:
     """Numbers, modulo NUMBERS, of CoPs."""
     slope, begin = np.polyfit(np.arange(NUMBERS), of_numbers, 1)
-    return np.rint((x - begin) / slope).astype(np.int64) % NUMBERS
+    found: NDArray[np.int64] = np.rint((x - begin) / slope).astype(np.int64) % NUMBERS
+    return found
