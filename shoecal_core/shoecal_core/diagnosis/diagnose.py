@@ -275,7 +275,7 @@ def _proposed(
     }
     others = found.chosen.parts[1:]
     rivals = [
-        (workspace.scorer.best_form(hypothesis, others), confused[key])
+        (workspace.scorer.best_form(hypothesis, others, foreseen=True), confused[key])
         for hypothesis, _ in found.alternatives[0]
         if (key := (hypothesis.effect.identifier, hypothesis.place)) in confused
     ]

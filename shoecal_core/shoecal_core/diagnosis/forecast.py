@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from shoecal_core.diagnosis import body
+from shoecal_core.diagnosis.known_weight import with_mass
 from shoecal_core.diagnosis.samples import MIN_SEGMENT_S, TRANSIT_S, Track
 from shoecal_core.diagnosis.signals import Scene
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import BodyStates, Kinematics
-from shoecal_core.model.robot import GRAVITY, Robot
+from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.motion import Motion
 from shoecal_core.sensing.wrench import at_cop, combined, to_left, weight_below
 
@@ -86,7 +87,9 @@ def extended(scene: Scene, possible: Sequence[PossibleRun]) -> Scene:
     )
     tracks = (*recorded.tracks, *(part.track for part in parts))
     samples = replace(recorded, tracks=tracks, **joined)
-    return replace(scene, samples=samples, answers=body.answers(samples))
+    outliers = np.zeros((len(samples.run), scene.outliers.shape[1]), dtype=np.bool_)
+    outliers[: len(scene.outliers)] = scene.outliers
+    return replace(scene, samples=samples, answers=body.answers(samples), outliers=outliers)
 
 
 def _part(
@@ -94,7 +97,7 @@ def _part(
 ) -> _Part:
     samples = scene.samples
     time, angles = run.motion.time, run.motion.positions
-    states = _with_mass(kinematics.states(angles), samples.robot, run.mass)
+    states = with_mass(kinematics.states(angles), samples.robot, run.mass)
     weight = samples.robot.weight + run.mass * GRAVITY
     loaded, stance = _stances(run.motion)
     last = max(samples.tracks, key=lambda track: track.start)
@@ -118,7 +121,7 @@ def _part(
         samples=slice(at, at + weights.shape[0]),
         weights=weights,
     )
-    sampled = _with_mass(kinematics.states(track.mean(angles)), samples.robot, run.mass)
+    sampled = with_mass(kinematics.states(track.mean(angles)), samples.robot, run.mass)
     standing = loaded[np.searchsorted(time, track.mean(time))]
     rows, frame = np.arange(len(owner)), np.where(standing[:, 0], 0, 1)
     acceleration = np.gradient(np.gradient(states.com, time, axis=0), time, axis=0)
@@ -173,15 +176,6 @@ def _bins(time: FloatArray, stance: IntArray, rate: float) -> tuple[csr_matrix, 
     inverse = np.asarray(inverse).reshape(-1)
     weights = csr_matrix((1.0 / count[inverse], (inverse, wanted)), shape=(len(names), len(time)))
     return weights, names[:, 0]
-
-
-def _with_mass(states: BodyStates, robot: Robot, mass: float) -> BodyStates:
-    """The body with a known mass on its base, whose origin lies in the middle of the torso."""
-    in_left = -np.einsum("tji,tj->ti", states.left_rotation, states.left_translation)
-    in_right = np.einsum("tji,tj->ti", states.rotation, in_left - states.translation)
-    place = np.stack((in_left, in_right), axis=1)
-    com = (robot.mass * states.com + mass * place) / (robot.mass + mass)
-    return replace(states, com=com)
 
 
 def _readings(scene: Scene, states: BodyStates, loaded: BoolArray, weight: float) -> FloatArray:

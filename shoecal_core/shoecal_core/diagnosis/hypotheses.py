@@ -8,15 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.effects.base import Effect, Place, Shape, leasts, stds
+from shoecal_core.diagnosis.effects.base import Effect, Place, Shape, leasts, mosts, stds
 from shoecal_core.diagnosis.result import Candidate
 from shoecal_core.diagnosis.signals import Scene
 
 FloatArray = NDArray[np.float64]
-
-
-MOST = 6.0
-"""Times its prior that a size may have: what is larger is not this effect."""
 
 
 @dataclass(frozen=True)
@@ -27,18 +23,14 @@ class Form:
         shape: what it is.
         columns: places among all hypotheses' columns.
         std: (k,) priors of its free components.
-        least: (k,) below which they make no sense.
+        least, most: (k,) between which they make sense, `most` either way.
     """
 
     shape: Shape
     columns: tuple[int, ...]
     std: FloatArray
     least: FloatArray
-
-    @property
-    def most(self) -> FloatArray:
-        """(k,) largest sizes that make sense."""
-        return MOST * self.std
+    most: FloatArray
 
 
 @dataclass(frozen=True)
@@ -55,6 +47,11 @@ class Hypothesis:
     place: Place
     forms: tuple[Form, ...]
     prior: float
+
+    @property
+    def foreseen(self) -> tuple[Form, ...]:
+        """Forms that are told without having seen the signals: of any recording, at least one."""
+        return tuple(form for form in self.forms if form.shape.spent == 0.0)
 
     @property
     def label(self) -> str:
@@ -112,7 +109,13 @@ def make_catalogue(
             count = len(shape.columns)
             places = tuple(range(at, at + count)) if shape.scene is None else ()
             forms.append(
-                Form(shape, places, stds(effect, shape.free, weight), leasts(effect, shape.free))
+                Form(
+                    shape,
+                    places,
+                    std=stds(effect, shape.free, weight),
+                    least=leasts(effect, shape.free),
+                    most=mosts(effect, shape.free, weight),
+                )
             )
             if shape.scene is None:
                 columns.append(shape.columns)

@@ -27,7 +27,7 @@ from shoecal_core.diagnosis.regression import Whitening
 from shoecal_core.diagnosis.result import NextMotion
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.signals import OWN_ERRORS, Scene
 from shoecal_core.diagnosis.tempering import shares, temper
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.planning.settings import PlannerSettings
@@ -41,7 +41,7 @@ LEAST_CHANCE = 0.5
 """Of taking something out of the set: what has less is not proposed."""
 BY_HAND_WORTH = 0.8
 """What a robot can do by itself is preferred from this share of a person's run's worth."""
-STANCE_COLUMNS = 5
+STANCE_COLUMNS = len(OWN_ERRORS)
 """Columns of the baseline that each stance has for itself."""
 
 

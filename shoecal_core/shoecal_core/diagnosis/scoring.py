@@ -149,9 +149,10 @@ class Scorer:
         std = np.concatenate([np.zeros(0), *(form.std for _, form in parts)])
         fit = self._all.fit(columns, std)
         gain = 0.5 * self.rows * math.log(self._nothing.squares / max(fit.squares, 1e-12))
-        tried = sum(math.log(len(hypothesis.forms)) for hypothesis, _ in parts)
+        cost = sum(math.log(len(hypothesis.forms)) + form.shape.spent for hypothesis, form in parts)
         foretold = self._foretold(fit, columns, std) if foretell else 0.0
-        return Scored(self, tuple(parts), fit.sizes, gain - fit.log_volume - tried, foretold)
+        foretold -= sum(form.shape.spent for _, form in parts)
+        return Scored(self, tuple(parts), fit.sizes, gain - fit.log_volume - cost, foretold)
 
     def _foretold(self, fit: Small, columns: Sequence[int], std: FloatArray) -> float:
         """Log predictive density of each run under a fit of the others, against nothing added.
@@ -168,12 +169,17 @@ class Scorer:
             total -= usual - others.log_evidence(nothing, noise)
         return total
 
-    def best_form(self, hypothesis: Hypothesis, beside: Sequence[Part] = ()) -> Scored:
-        """The form that explains most, beside others that stay."""
-        scored = [
-            self.score([*beside, (hypothesis, form)], foretell=False) for form in hypothesis.forms
-        ]
+    def best_form(
+        self, hypothesis: Hypothesis, beside: Sequence[Part] = (), *, foreseen: bool = False
+    ) -> Scored:
+        """The form that explains most, beside others that stay.
+
+        Args:
+            foreseen: only of those that are told without having seen the signals.
+        """
+        forms = hypothesis.foreseen if foreseen else hypothesis.forms
+        scored = [self.score([*beside, (hypothesis, form)], foretell=False) for form in forms]
         best = max(
             range(len(scored)), key=lambda index: (scored[index].sensible, scored[index].evidence)
         )
-        return self.score([*beside, (hypothesis, hypothesis.forms[best])])
+        return self.score([*beside, (hypothesis, forms[best])])

@@ -81,7 +81,8 @@ def ranked(
     ]
     before, _ = workspace.explained(workspace.scorer.score(beside, foretell=False))
     likely = sorted((one for one in scored if one.sensible), key=weight, reverse=True)[:LOOKED_AT]
-    return [one for one in likely if matter(workspace, before, one) >= settings.material]
+    least = settings.later_material if beside else settings.material
+    return [one for one in likely if matter(workspace, before, one) >= least]
 
 
 def weight(scored: Scored) -> float:
@@ -127,7 +128,10 @@ def _revised(workspace: Workspace, parts: list[Part], settings: DiagnosisSetting
             candidates = ranked(workspace, settings, others)
             if not candidates or not is_needed(candidates[0], without, settings):
                 return _revised(workspace, others, settings)
-            parts = [*others, candidates[0].parts[-1]]
+            now = workspace.scorer.score([*others, parts[index]])
+            margin = settings.form_error * now.evidence
+            if weight(candidates[0]) > weight(now) + margin:
+                parts = [*others, candidates[0].parts[-1]]
     return parts
 
 

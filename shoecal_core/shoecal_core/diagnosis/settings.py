@@ -45,6 +45,10 @@ class DiagnosisSettings(Settings):
         6e-4, "rad", "errors that any model has, as if soles leant by this", minimum=0.0
     )
     model_error_s: float = setting(2.0, "s", "for how long such errors stay alike", minimum=1e-3)
+    joint_zero_rad: float = setting(
+        2e-3, "rad", "how well joints' zeros are set: so flat do soles stand by the joints",
+        minimum=1e-6,
+    )  # fmt: skip
     causes_max: int = setting(4, "", "effects in one explanation at most", minimum=1, maximum=12)
     evidence_min: float = setting(
         25.0, "", "an effect is needed when the data are more probable with it by this, as a "
@@ -56,8 +60,12 @@ class DiagnosisSettings(Settings):
         "it matters when it explains errors of CoP or GRF by this share of their floor",
         minimum=0.0,
     )
+    later_material: float = setting(
+        1.25, "", "the same of a further effect: remainders of one that the library has in nearly "
+        "its form are smaller", minimum=0.0,
+    )  # fmt: skip
     later_share: float = setting(
-        0.06, "", "a further effect must add this share of the evidence found so far: an effect "
+        0.02, "", "a further effect must add this share of the evidence found so far: an effect "
         "whose form the library has only nearly leaves a remainder of its own", minimum=0.0,
     )  # fmt: skip
     temper: float = setting(

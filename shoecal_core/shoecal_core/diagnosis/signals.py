@@ -5,7 +5,8 @@ of the others needs no force sensor, or no model, and so tells other effects apa
 
 - grf, cop_x, cop_y: of both feet together, in the stance's frame;
 - air_f, air_mx, air_my: the wrench of a foot in the air, which should be zero;
-- closure: pose of the right sole in the left's, by the joints: constant while both stand;
+- closure: pose of the right sole in the left's, by the joints: constant while both stand, and
+  on one floor without height, roll and pitch;
 - parity: of four cells below a stiff plate three tell the fourth;
 - tilt: upwards by the IMU, in the sole frame by the joints: along z on a level floor.
 """
@@ -44,17 +45,24 @@ GRF, COP, AIR, CLOSURE, PARITY, TILT = (
     slice(0, 1), slice(1, 3), slice(3, 6), slice(6, 12), slice(12, 14), slice(14, 16),
 )  # fmt: skip
 ROLL_PITCH = slice(9, 11)
+FLAT = slice(8, 11)
+"""Of the closure what soles on one floor have at zero: height, roll and pitch."""
+FLAT_OF_CLOSURE = slice(FLAT.start - CLOSURE.start, FLAT.stop - CLOSURE.start)
+OWN_ERRORS = (0, 1, 2, 8, 9, 10, 14, 15)
+"""Signals to which a stance may add something by itself."""
 FAMILIES = {"air": AIR, "closure": CLOSURE, "parity": PARITY, "tilt": TILT}
 """Families of signals that can be left out, and where they stand."""
 
 FREE = 1e6
 """Prior of what may have any size."""
-LOOP_WIDTHS = (0.1, 0.3, 0.6)
-"""Widths of plays, over the range of a channel's output."""
+LOOP_WIDTHS = (0.1, 0.2, 0.3)
+"""Widths of plays, over the range of a channel's output in a motion."""
 QUASI_STATIC_M = 6e-4
 """Root mean square of the zero-moment point's way off the CoM in a motion meant to be slow."""
 LEAST_STANDING_M, LEAST_STANDING_RAD, BRACED_SHARE = 1e-4, 4e-4, 5e-4
 """Least scatter from stance to stance of CoP and tilt, and that of the vertical force over it."""
+LEAST_FLAT = (1e-4, 1e-3, 1e-3)
+"""The same of how flat the soles stand: height [m], roll and pitch [rad]."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +90,8 @@ class Scene:
             cells are not known to lie on one plane.
         without: families of signals left out.
         wiring: of the channels.
+        zero_std: how well the joints' zeros are set [rad].
+        outliers: (T, s) values that count for nothing.
     """
 
     samples: Samples
@@ -90,6 +100,8 @@ class Scene:
     planes: FloatArray
     without: frozenset[str]
     wiring: Wiring
+    zero_std: float
+    outliers: BoolArray
 
     # What is measured
 
@@ -197,9 +209,11 @@ class Scene:
     def loops(self) -> list[FloatArray]:
         """(T, n) what plays of several widths make of the outputs, a unit of width; each less them.
 
-        A play of width w, turned round, makes a loop w high.
+        A play of width w, turned round, makes a loop w high. Loops are as high as the ranges are
+        wide that motions go through, so that widths are over these: a foot that was in the air
+        once has seen a far larger range, but only once.
         """
-        span = np.ptp(self.outputs, axis=0)
+        span = self._usual_range
 
         def loop(width: float) -> FloatArray:
             def work(track: Track) -> FloatArray:
@@ -209,6 +223,17 @@ class Scene:
             return self.samples.decimated(work)
 
         return [loop(width) for width in LOOP_WIDTHS]
+
+    @property
+    def _usual_range(self) -> FloatArray:
+        """(n,) of the outputs in the median run, while both feet stand."""
+        samples = self.samples
+        ranges = [
+            np.ptp(self.outputs[here], axis=0)
+            for run in samples.runs
+            if np.any(here := samples.both & (samples.run == run))
+        ]
+        return np.median(ranges or [np.ptp(self.outputs, axis=0)], axis=0)
 
     @cached_property
     def links(self) -> body.Links:
@@ -230,7 +255,7 @@ class Scene:
         there[:, TILT] = np.isfinite(samples.up).all(axis=1, keepdims=True)
         for family in self.without:
             there[:, FAMILIES[family]] = False
-        return there
+        return there & ~self.outliers
 
     @cached_property
     def residuals(self) -> FloatArray:
@@ -285,13 +310,22 @@ class Scene:
             found.append((self.dynamic, FREE))
         for axis in range(TILT.start, TILT.stop):
             add(axis, np.ones(count), FREE)
+        for axis, std in enumerate(self.zero_errors, FLAT.start):
+            add(axis, np.ones(count), std)
         # Encoders stand on one step or the next for a whole stance: an error of its own.
         steps = self.standing_errors
         for segment in self.slow_segments:
             here = (self.samples.segment == segment).astype(np.float64)
-            for signal in (0, 1, 2, TILT.start, TILT.start + 1):
+            for signal in OWN_ERRORS:
                 add(signal, here, steps[signal])
         return found
+
+    @cached_property
+    def zero_errors(self) -> FloatArray:
+        """(3,) of height, roll and pitch between the soles, by what joints' zeros are off."""
+        answer = self.answers.closure[:, FLAT_OF_CLOSURE]
+        spread: FloatArray = np.sqrt(np.mean(np.sum(answer**2, axis=2), axis=0))
+        return self.zero_std * spread
 
     @cached_property
     def slow_segments(self) -> tuple[int, ...]:
@@ -312,6 +346,7 @@ class Scene:
         for part, answer, least in (
             (COP, self.answers.cop, LEAST_STANDING_M),
             (TILT, self.answers.tilt, LEAST_STANDING_RAD),
+            (FLAT, self.answers.closure[:, FLAT_OF_CLOSURE], np.array(LEAST_FLAT)),
         ):
             spread = np.sqrt(np.mean(np.sum((answer * step) ** 2, axis=2), axis=0))
             found[part] = np.maximum(spread, least)
@@ -401,9 +436,14 @@ class Scene:
         return found[segment]
 
     def settled(self, values: FloatArray) -> FloatArray:
-        """Signals as they count: a closure tells changes within a segment only."""
+        """Signals as they count: where a foot stands is only known not to change.
+
+        That soles stand flat is known as well, but for a robot that walks.
+        """
         values = values.copy()
-        values[:, CLOSURE] -= self.segment_means(values[:, CLOSURE])
+        means = self.segment_means(values[:, CLOSURE])
+        means[~self.samples.walks, FLAT_OF_CLOSURE] = 0.0
+        values[:, CLOSURE] -= means
         return np.where(self.mask, values, 0.0)
 
     def _hanging(self, feet: FloatArray) -> FloatArray:
@@ -415,6 +455,10 @@ class Scene:
     def with_parameters(self, parameters: ChannelParameters) -> Scene:
         """Under other gains and offsets."""
         return replace(self, parameters=parameters)
+
+    def leaving_out(self, outliers: BoolArray) -> Scene:
+        """Without values (T, s) that nothing explains, and those left out before."""
+        return replace(self, outliers=self.outliers | outliers)
 
     def with_planes(self, settings: DiagnosisSettings) -> Scene:
         """With the planes of the cells as the outputs now show them."""
@@ -462,6 +506,8 @@ def make_scene(
         planes=_planes(samples, parameters, settings),
         without=without,
         wiring=Wiring(shoe.columns, shoe.foot),
+        zero_std=settings.joint_zero_rad,
+        outliers=np.zeros((len(samples.run), len(SIGNALS)), dtype=np.bool_),
     )
 
 

@@ -16,12 +16,16 @@ from shoecal_core.diagnosis.noise import least_noise, noise_of, with_model_error
 from shoecal_core.diagnosis.regression import FEW_RUNS, Noise, Sums, Whitening, make_sums, solve
 from shoecal_core.diagnosis.scoring import Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import COP, Scene
+from shoecal_core.diagnosis.signals import COP, OWN_ERRORS, Scene
 
 FloatArray = NDArray[np.float64]
 NOISE_ROUNDS = 2
 RICH = 0.3
 """In the rich model that noise is taken from, every effect has this share of its prior's size."""
+
+OUTLYING = 6.0
+"""Noises by which a value must surprise even the rich model to count for nothing: a foot that
+touches down, a jolt. A few such would outweigh all others."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +84,7 @@ class Workspace:
     def own_errors(self) -> NDArray[np.int64]:
         """Places of the stances' own errors among the baseline's columns."""
         count = len(self.scene.baseline)
-        return np.arange(count - 5 * len(self.scene.slow_segments), count)
+        return np.arange(count - len(OWN_ERRORS) * len(self.scene.slow_segments), count)
 
     def rows_of(self, runs: Sequence[int]) -> NDArray[np.bool_]:
         """(T,) samples of some runs."""
@@ -100,8 +104,12 @@ def make_workspace(
     scene = fit_baseline(scene, train, noise, settings)
     catalogue = make_catalogue(scene, effects)
     for _ in range(NOISE_ROUNDS):
-        noise = _noise(scene, catalogue, noise, train, settings)
+        rest = _rest(scene, catalogue, noise, train, settings)
+        fitted = scene.mask & np.isin(scene.samples.run, train)[:, None]
+        noise = noise_of(scene.samples, fitted, rest)
         noise = Noise(np.maximum(noise.std, least), noise.keep)
+        surprise = np.abs(Whitening(scene.samples, scene.mask, noise)(rest))
+        scene = scene.leaving_out(fitted & (surprise > OUTLYING))
     noise = with_model_error(scene, noise, settings)
     scene = fit_baseline(scene, train, noise, settings, guess)
     catalogue = make_catalogue(scene, effects, wanted)
@@ -121,31 +129,29 @@ def make_workspace(
     )
 
 
-def _noise(
+def _rest(
     scene: Scene,
     catalogue: Catalogue,
     noise: Noise,
     train: Sequence[int],
     settings: DiagnosisSettings,
-) -> Noise:
-    """What is left when every effect may explain a little."""
+) -> FloatArray:
+    """(T, s) that is left when every effect may explain a little."""
     whitening = Whitening(scene.samples, scene.mask, noise)
     prior = precision(scene, scene.parameters, settings)
     sums = make_sums(
         whitening, train, scene.baseline, catalogue.columns, scene.residuals, scene.mask, prior
     )
     products, _ = sums.of(train)
-    std = np.concatenate(
-        [
-            np.zeros(0),
-            *(form.std for hypothesis in catalogue.hypotheses for form in hypothesis.forms),
-        ]
-    )
-    vector = solve(products, sums, range(len(std)), RICH * std).vector
+    # What was taken from the signals themselves would explain their noise too.
+    forms = [form for hypothesis in catalogue.hypotheses for form in hypothesis.foreseen]
+    chosen = [column for form in forms for column in form.columns]
+    std = np.concatenate([np.zeros(0), *(form.std for form in forms)])
+    vector = solve(products, sums, chosen, RICH * std).vector
     base = len(scene.baseline)
-    rest = (
+    rest: FloatArray = (
         scene.residuals
         - np.tensordot(vector[:base], scene.baseline, 1)
-        - np.tensordot(vector[base:], catalogue.columns, 1)
+        - np.tensordot(vector[base:], catalogue.columns[chosen], 1)
     )
-    return noise_of(scene.samples, scene.mask & np.isin(scene.samples.run, train)[:, None], rest)
+    return rest

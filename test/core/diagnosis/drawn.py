@@ -35,7 +35,7 @@ def hypothesis(workspace: Workspace, label: str) -> Hypothesis:
 def part(workspace: Workspace, label: str) -> Part:
     """A hypothesis with its middle form."""
     found = hypothesis(workspace, label)
-    return found, found.forms[len(found.forms) // 2]
+    return found, found.foreseen[len(found.foreseen) // 2]
 
 
 @dataclass(frozen=True)

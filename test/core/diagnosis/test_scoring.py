@@ -22,7 +22,7 @@ STD = np.array([0.5, 2.0])
 def possible(columns: tuple[int, ...], std: FloatArray, forms: int = 1) -> Hypothesis:
     """A hypothesis with some of the random columns."""
     shape = Shape(("a", "b")[: len(columns)], np.zeros((len(columns), 1, 1)))
-    form = Form(shape, columns, std, np.full(len(std), -np.inf))
+    form = Form(shape, columns, std, np.full(len(std), -np.inf), np.full(len(std), np.inf))
     return Hypothesis(FloorTilt(), (), (form,) * forms, 1.0)
 
 
@@ -100,5 +100,5 @@ def test_a_size_below_its_least_makes_no_sense() -> None:
     alone = possible((0,), STD[:1])
     size = float(scorer.best_form(alone).sizes[0])
     for least, sensible in ((size - 1.0, True), (size + 1.0, False)):
-        form = Form(alone.forms[0].shape, (0,), STD[:1], np.array([least]))
+        form = Form(alone.forms[0].shape, (0,), STD[:1], np.array([least]), np.array([np.inf]))
         assert scorer.score([(alone, form)]).sensible is sensible

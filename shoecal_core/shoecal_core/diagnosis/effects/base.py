@@ -24,6 +24,8 @@ FORCES = {
     "kg": 1, "N": 1, "N/s": 1, "N/K": 1, "1/N": -1, "1/N^2": -2, "rad/(N m)": -1,
 }  # fmt: skip
 """Powers of a force in the units of components."""
+MOST = 6.0
+"""Times its usual size that a component may have."""
 
 
 @dataclass(frozen=True)
@@ -35,12 +37,19 @@ class Component:
         std: how large it usually is where it is: the prior, in its unit, on a robot of
             `USUAL_WEIGHT`; units with forces in them grow with the robot.
         least: below this it makes no sense.
+        form: how much more than others its value hangs on the form that reality has it in
+            (times the settings' `size_error`).
+        blur: what no session could tell of it, as a standard deviation in its unit.
+        most: what is larger, either way, is not this effect; by default `MOST` times `std`.
     """
 
     name: str
     unit: str
     std: float
     least: float = -np.inf
+    form: float = 1.0
+    blur: float = 0.0
+    most: float | None = None
 
 
 @dataclass(frozen=True)
@@ -56,6 +65,7 @@ class Shape:
         scene: the scene that it belongs to, where it changes what channels mean; None: the
             one that was given.
         scale: a component's value is the fitted number times this (1 where not listed).
+        spent: logarithm of evidence that it costs, where it was itself taken from the signals.
     """
 
     free: tuple[str, ...]
@@ -65,6 +75,7 @@ class Shape:
     onset: float | None = None
     scene: Scene | None = None
     scale: Mapping[str, float] = field(default_factory=dict)
+    spent: float = 0.0
 
 
 class Effect(Protocol):
@@ -110,3 +121,14 @@ def stds(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
         for component in effect.components
     }
     return np.array([known.get(name, 1.0) for name in names])
+
+
+def mosts(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
+    """Largest values of some components on a robot of this weight [N]; as for `stds`."""
+    own = {component.name: component for component in effect.components}
+    shares = [
+        MOST if (one := own.get(name)) is None or one.most is None else one.most / one.std
+        for name in names
+    ]
+    most: FloatArray = stds(effect, names, weight) * np.array(shares)
+    return most

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.diagnosis import give
 from shoecal_core.diagnosis.body import driven_together
 from shoecal_core.diagnosis.effects import places
 from shoecal_core.diagnosis.effects.base import Component, Place, Shape
@@ -96,19 +98,35 @@ class JointOffset:
         yield Shape(("angle",), scene.by_angles(change)[None])
 
 
-class _Give:
+class _Give(ABC):
     """What lies between an encoder and its link, and gives with the torque."""
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every joint of the legs, and all alike."""
         return places.joints_and_all(scene)
 
-    def _shape(self, scene: Scene, place: Place, name: str, give: FloatArray) -> Shape:
-        """Encoders at a place show `give` (T, m) more than the links' angles, a unit."""
+    def _shape(self, scene: Scene, place: Place, name: str, given: FloatArray) -> Shape:
+        """Encoders at a place show `given` (T, m) more than the links' angles, a unit."""
         change = np.zeros_like(scene.samples.angles)
         joints = places.joints_at(scene, place)
-        change[:, joints] = give[:, joints]
+        change[:, joints] = given[:, joints]
         return Shape((name,), scene.by_angles(change)[None])
+
+    def _as_soles_tell(self, scene: Scene, place: Place, name: str) -> Iterator[Shape]:
+        """As the soles tell that a place gives, if that is what this effect would make of it."""
+        joints = places.joints_at(scene, place)
+        given = give.told(scene, joints)
+        size = self._size(scene, joints, given)
+        if size is not None:
+            change = np.zeros_like(scene.samples.angles)
+            change[:, joints] = given / size
+            spent = give.spent(scene, joints)
+            yield Shape((name,), scene.by_angles(change)[None], spent=spent)
+
+    @abstractmethod
+    def _size(self, scene: Scene, joints: Sequence[int], given: FloatArray) -> float | None:
+        """Of the effect that makes joints give (T, joints); None where it would not do so."""
+        raise NotImplementedError
 
 
 class JointCompliance(_Give):
@@ -118,8 +136,12 @@ class JointCompliance(_Give):
     components = (Component("compliance", "rad/(N m)", 0.008, 0.0),)
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
-        """In proportion to the torque that it holds."""
+        """In proportion to the torque that it holds, or as the soles tell if that follows it."""
         yield self._shape(scene, place, "compliance", scene.torque)
+        yield from self._as_soles_tell(scene, place, "compliance")
+
+    def _size(self, scene: Scene, joints: Sequence[int], given: FloatArray) -> float | None:
+        return give.with_torque(scene, joints, given)
 
 
 class Backlash(_Give):
@@ -129,5 +151,10 @@ class Backlash(_Give):
     components = (Component("play", "rad", 0.015, 0.0),)
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
-        """By the sign of the torque."""
+        """By the sign of the torque; or, hardly loaded, anywhere in its play, as the soles tell."""
         yield self._shape(scene, place, "play", 0.5 * np.tanh(scene.torque / FRICTION))
+        yield from self._as_soles_tell(scene, place, "play")
+
+    def _size(self, scene: Scene, joints: Sequence[int], given: FloatArray) -> float | None:
+        play = float(np.ptp(given, axis=0).max())
+        return play if play > 0.0 and give.with_torque(scene, joints, given) is None else None

@@ -22,7 +22,7 @@ class CellPosition:
     """A cell, or a six-axis sensor, acts elsewhere than the shoe file says."""
 
     identifier, group = "cell_position", "load_cell"
-    components = (Component("x", "m", 0.004), Component("y", "m", 0.004))
+    components = (Component("x", "m", 0.004, most=0.025), Component("y", "m", 0.004, most=0.025))
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every cell; of a six-axis sensor the channel of its vertical force."""
@@ -58,7 +58,7 @@ class Crosstalk:
     """
 
     identifier, group = "crosstalk", "load_cell"
-    components = (Component("fraction", "", 0.08),)
+    components = (Component("fraction", "", 0.08, most=0.3),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Receiver and donor of one foot's cells, which share a board; axes of one sensor."""
