@@ -81,7 +81,8 @@ def run_row(row: Row, out: Path, share: float, seed: int, *, fresh: bool) -> Non
         done += count
         told = f"{result.failed} failed, " if result.failed else ""
         seconds = time.monotonic() - began
-        print(f"{row.key}: {done:,} of {tries:,} in {seconds:.0f} s; {told}{result.worst}")
+        line = f"{row.key}: {done:,} of {tries:,} in {seconds:.0f} s; {told}{result.worst}"
+        print(line, flush=True)
     print(f"{row.key}: {kept.result}", flush=True)
 
 

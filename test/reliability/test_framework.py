@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -59,6 +61,18 @@ def test_a_killed_run_is_taken_up_where_it_was(tmp_path: Path) -> None:
     assert begun == [0, 10, 10, 20]
     whole = Kept(row(odd), tmp_path / "faults", 0).result
     assert whole == Result(25, 12, "at 24", 24.0)
+
+
+def test_a_process_that_was_killed_leaves_whole_results(tmp_path: Path) -> None:
+    command = [sys.executable, faults.__file__, "--alone", "--only", "serial-counter"]
+    command += ["--out", str(tmp_path)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as killed:
+        assert killed.stdout is not None
+        assert killed.stdout.readline().startswith(b"serial-counter: 500 of 10,000")
+        killed.kill()
+    kept = Kept(find_rows()["serial-counter"].row, tmp_path / "faults", 0)
+    assert kept.result.tried >= 500
+    assert next(kept.missing(1.0))[0] == kept.result.tried
 
 
 def test_a_share_is_filled_up_to_the_full_size(tmp_path: Path) -> None:
