@@ -20,7 +20,7 @@ from typing import Any
 import bench_json
 from live import session
 from live.activity import UNDER_WAY
-from live.chains import CHAINS, Chains
+from live.chains import CHAINS, SESSIONS, Chains
 from live.latency import Turn, latencies_ms, summary
 from live.page import write_page
 from live.robot import RATE
@@ -52,14 +52,14 @@ def measure(chains: Chains, activity: str, rate: float, seconds: float) -> list[
 
 def run(folder: Path, rates: Sequence[float], seconds: float) -> list[Turn]:
     """All turns, and what was heard of them."""
-    recorded = session.make(folder / "recorded")
+    session.make(folder / SESSIONS / session.NAME)
     turns = []
     with Chains(folder) as chains:
         time.sleep(WARM_UP_S)
         for rate in rates:
             measure(chains, "", rate, WARM_UP_S)
         for activity in ACTIVITIES:
-            _begin(chains, activity, recorded)
+            _begin(chains, activity)
             for rate in rates:
                 print(f"{activity}, {rate:g} Hz", flush=True)
                 turns += measure(chains, activity, rate, seconds)
@@ -70,13 +70,12 @@ def run(folder: Path, rates: Sequence[float], seconds: float) -> list[Turn]:
     return turns
 
 
-def _begin(chains: Chains, activity: str, recorded: Path) -> None:
+def _begin(chains: Chains, activity: str) -> None:
     if activity == "planning":
         chains.start_node("planner", {})
     if activity == "nothing":
         return
-    arguments = [str(recorded)] if activity == "solving" else []
-    chains.start(activity, "-m", "live.activity", activity, *arguments)
+    chains.start(activity, "-m", "live.activity", activity)
     deadline = time.monotonic() + BEGIN_S
     while UNDER_WAY not in chains.log(activity).read_text():
         # The calibrator begins nothing without voltages.

@@ -1,6 +1,6 @@
 """What goes on meanwhile, again and again until it is ended.
 
-    python activity.py solving SESSION | recording | planning
+    python activity.py solving | recording | planning
 
 Prints a line when it is under way.
 """
@@ -21,6 +21,7 @@ from rclpy.task import Future
 from shoecal_msgs.action import Calibrate, Diagnose, Plan, ReachSupport
 from std_msgs.msg import Bool
 
+from live import session
 from live.spinning import spin
 from shoecal_ros.calibrator.run_series import PLAN_ACTION, REACH_ACTION
 from shoecal_ros.common import qos
@@ -96,7 +97,7 @@ class Recorded(Repeated):
 
 def make(activity: str) -> Repeated:
     if activity == "solving":
-        goal = Diagnose.Goal(session=sys.argv[2], seed=-1)
+        goal = Diagnose.Goal(session=session.NAME, seed=-1)
         return Repeated(
             Diagnose, "shoe/diagnose", goal, lambda told: bool(told.phase == "diagnosing")
         )

@@ -8,10 +8,11 @@ from pathlib import Path
 
 from shoecal_core.workspace import config_dir
 
+NAME = "recorded"
 SUPPORTS = 3
 
 
-def make(folder: Path) -> Path:
+def make(folder: Path) -> None:
     """A simulated session in a new folder."""
     config = config_dir()
     command = [
@@ -20,4 +21,3 @@ def make(folder: Path) -> Path:
         "--supports", str(SUPPORTS), "--seed", "1", "--out", str(folder),
     ]  # fmt: skip
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    return folder
