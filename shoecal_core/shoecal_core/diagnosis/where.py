@@ -52,8 +52,8 @@ def where(workspace: Workspace, rest: FloatArray, chosen: Scored | None) -> tupl
     told = {event.run for event in found}
     for step in closure_steps(scene):
         if step.run not in told:
-            phase = phases[step.run]
-            found.append(Where("closure", None, None, None, step.run, phase, step.time, 0.0))
+            during = phases[step.run]
+            found.append(Where("closure", None, None, None, step.run, during, step.time, 0.0))
     for signal, foot, size, course in sums:
         if total <= 0.0 or size < LEAST_SHARE * total:
             continue
