@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from shoecal_core.diagnosis.effects.contact import TURNED
 from shoecal_core.diagnosis.forecast import PossibleRun
+from shoecal_core.diagnosis.known_weight import KNOWN_MASS, WEIGHTED
 from shoecal_core.diagnosis.signals import Scene
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
@@ -19,7 +20,7 @@ from shoecal_core.planning.supports.named import named_support
 
 Progress = Callable[[str, float], None]
 
-WARM, WEIGHTED, YAWED = "warm_up", "known_weight", "yawed_stance"
+WARM, YAWED = "warm_up", "yawed_stance"
 STANCES: Mapping[str, tuple[str, ...]] = {
     YAWED: ("toes_in", "toes_out"),
     "wide_stance": ("wide",),
@@ -28,8 +29,8 @@ STANCES: Mapping[str, tuple[str, ...]] = {
 }
 """STANCE_MOTION in a double support of such a name (`planning.supports.named`), the one of several
 that is farther in yaw from those so far."""
-STANCE_MOTION = "torso_height"
-"""Landmarks and heights: what tells most where the robot has not stood yet."""
+STANCE_MOTION = "landmarks"
+"""What the robot does there."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,7 @@ class ByHand:
 BY_HAND: Mapping[str, ByHand] = {
     TURNED: ByHand("landmarks"),
     WARM: ByHand("hold", later=600.0, warmer=3.0),
-    WEIGHTED: ByHand("landmarks", mass=0.5),
+    WEIGHTED: ByHand("landmarks", mass=KNOWN_MASS),
 }
 """Beside the menu; see docs/nodes.md for what a person does."""
 

@@ -16,13 +16,14 @@ from scipy.sparse import csr_matrix
 
 from shoecal_core.calibration.aligned import Aligned, align
 from shoecal_core.diagnosis.clocks import check_clocks
+from shoecal_core.diagnosis.known_weight import carried, with_mass
 from shoecal_core.diagnosis.momentum import standing_spin
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.walking_samples import Walk, find_walk, pieces
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import BodyStates, Kinematics
-from shoecal_core.model.robot import Robot
+from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
@@ -251,7 +252,10 @@ def _joined(
 ) -> Samples:
     """One after the other."""
     angles = np.concatenate([part.track.mean(part.track.angles) for part in parts])
-    states = kinematics.states(angles)
+    mass = np.concatenate(
+        [np.full(len(part.segment), carried(part.track.motion)) for part in parts]
+    )
+    states = with_mass(kinematics.states(angles), robot, mass)
     loaded = np.concatenate([part.loaded for part in parts])
     frame = np.where(loaded[:, 0], 0, 1)
     rows = np.arange(len(frame))
@@ -264,7 +268,7 @@ def _joined(
         ]
     )
     acceleration = np.concatenate([part.acceleration for part in parts])
-    force, cop = np.full(len(frame), robot.weight), states.com[rows, frame, :2]
+    force, cop = robot.weight + GRAVITY * mass, states.com[rows, frame, :2]
     walking = np.zeros(len(frame), dtype=bool)
     for part in parts:
         if part.walk is not None:

@@ -11,9 +11,9 @@ from shoecal_core.diagnosis.candidates import (
     STANCE_MOTION,
     STANCES,
     WARM,
-    WEIGHTED,
 )
 from shoecal_core.diagnosis.effects.contact import TURNED
+from shoecal_core.diagnosis.known_weight import WEIGHTED
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.planning.menu import MENU
 
