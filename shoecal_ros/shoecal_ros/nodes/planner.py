@@ -93,7 +93,10 @@ class Planner(ShoecalNode):
         self.subscribe(
             DiagnosticArray, "diagnostics", temperatures.take_diagnostics, qos.DIAGNOSTICS
         )
-        self.subscribe(ShoeVoltages, "shoe/voltages", shoes.take_readings, qos.NEWEST, raw=True)
+        # A thousand a second must not keep the rest of the node from its work.
+        self.quick.subscribe(
+            ShoeVoltages, "shoe/voltages", shoes.take_readings, qos.NEWEST, raw=True
+        )
         states = self.subscribe(ShoeState, "shoe/state", shoes.take_states, qos.LATCHED)
         return Senses(imu, shoes, temperatures)
 
