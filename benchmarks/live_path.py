@@ -29,6 +29,11 @@ from shoecal_ros.common.worker import NICE
 
 ALLOWED = 1.5
 """Times the bare chain's."""
+PRIORITY = 5
+REALTIME = (
+    "\nBoth chains had real-time priority (`--realtime`, SCHED_FIFO), so that other programs on "
+    "the\nmachine do not count; workers never have it.\n"
+)
 TURN_S = 0.4
 """So long one chain gets frames, then the other: shorter than what makes voltages stale."""
 REST_S = 0.02
@@ -50,9 +55,12 @@ def measure(chains: Chains, activity: str, rate: float, seconds: float) -> list[
     return turns
 
 
-def run(folder: Path, rates: Sequence[float], seconds: float) -> list[Turn]:
+def run(folder: Path, rates: Sequence[float], seconds: float, *, realtime: bool) -> list[Turn]:
     """All turns, and what was heard of them."""
     session.make(folder / SESSIONS / session.NAME)
+    if realtime:
+        # Every process that is started from now on inherits it; workers give it back.
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(PRIORITY))
     turns = []
     with Chains(folder) as chains:
         time.sleep(WARM_UP_S)
@@ -124,14 +132,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seconds", type=float, default=20.0, help="a chain, rate and activity")
     parser.add_argument("--rates", type=float, nargs="+", default=[100.0, 1000.0])
+    parser.add_argument(
+        "--realtime", action="store_true",
+        help="both chains at real-time priority, where other programs keep the machine busy",
+    )  # fmt: skip
     args = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory(prefix="shoecal-live-") as folder:
-        turns = run(Path(folder), args.rates, args.seconds)
+        turns = run(Path(folder), args.rates, args.seconds, realtime=args.realtime)
     figures = figures_of(turns, args.rates)
     bench_json.record("live", figures)
     write_page(
         figures, args.seconds, joints=RATE, turn=TURN_S, frames=figures["frames"], nice=NICE,
-        load=os.getloadavg()[0],
+        load=os.getloadavg()[0], priority=REALTIME if args.realtime else "",
     )  # fmt: skip
     print(json.dumps(figures, indent=1))
     targets = ["vs_relay_median", "vs_relay_p99", *(f"while_{one}" for one in ACTIVITIES[1:])]

@@ -35,12 +35,12 @@ get frames in turns of {turn:g} s, {seconds:g} s a chain, rate and row, and end 
 Readings and joint angles have a thread of their own in the calibrator, which waits for nothing
 else; one instant is computed in plain numbers; a run is written by another thread; workers have
 the lowest priority (nice {nice}).
-
+{priority}
 Measured on {cores} cores ({machine}) with a load of {load:.1f}, Python {python}.
 """
 
 
-def write_page(figures: Mapping[str, Any], seconds: float, **values: float) -> None:
+def write_page(figures: Mapping[str, Any], seconds: float, **values: object) -> None:
     """Write the section.
 
     Args:

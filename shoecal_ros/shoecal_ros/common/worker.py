@@ -227,6 +227,8 @@ def main() -> None:
     """The child process."""
     # An interrupt from the terminal is for the node, which ends this process.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # Live forces come first, on a small computer too; what it starts itself inherits that.
+    # Live forces come first, on a small computer too; what it starts itself inherits that. Neither
+    # does it share the priority of a node that runs in real time.
+    os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
     os.nice(NICE)
     _serve(Connection(int(sys.argv[1])))
