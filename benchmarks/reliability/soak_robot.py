@@ -47,7 +47,9 @@ LOST = DAMAGED = 0.002
 FRAMES = "shoe_driver", "device", "frames"
 LOST_FIRST = "shoe_driver", "device", "lost frames"
 LOST_LATER = "calibrator", "voltages", "lost_frames"
-PATIENCE_S = 20.0
+PATIENCE_S = 100.0
+START_S = 600.0
+"""A busy machine may take so long for what must come."""
 SETTLED_S = 1.0
 BITS, SCALE = 24, 10.0 / 2**24
 QUIET = {"use_sim_time": True}
@@ -124,10 +126,10 @@ class SoakRobot:
             "calibrator",
             {**QUIET, **NEVER_STALE, "state_dir": state, "sessions_dir": world.folder / "sessions"},
         )
-        world.until(lambda: self._joints_topic.get_subscription_count() > 0)
-        world.until(lambda: world.node.count_publishers("shoe/cop") > 0)
-        world.until(self._begun)
-        world.until(lambda: time.monotonic() - self._heard_at > SETTLED_S)
+        world.until(lambda: self._joints_topic.get_subscription_count() > 0, START_S)
+        world.until(lambda: world.node.count_publishers("shoe/cop") > 0, START_S)
+        world.until(self._begun, START_S)
+        world.until(lambda: time.monotonic() - self._heard_at > SETTLED_S, START_S)
         self._missing.clear()
 
     def _begun(self) -> bool:
