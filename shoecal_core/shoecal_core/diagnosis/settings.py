@@ -77,7 +77,7 @@ class DiagnosisSettings(Settings):
         "only nearly is this share of the evidence off", minimum=0.0,
     )  # fmt: skip
     size_error: float = setting(
-        0.1, "", "how far sizes may be off, over themselves, because reality has an effect in "
+        0.07, "", "how far sizes may be off, over themselves, because reality has an effect in "
         "another form than the library", minimum=0.0,
     )  # fmt: skip
     set_share: float = setting(

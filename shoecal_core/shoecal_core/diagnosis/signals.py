@@ -213,7 +213,7 @@ class Scene:
         wide that motions go through, so that widths are over these: a foot that was in the air
         once has seen a far larger range, but only once.
         """
-        span = self._usual_range
+        span = self.usual_range
 
         def loop(width: float) -> FloatArray:
             def work(track: Track) -> FloatArray:
@@ -225,7 +225,7 @@ class Scene:
         return [loop(width) for width in LOOP_WIDTHS]
 
     @property
-    def _usual_range(self) -> FloatArray:
+    def usual_range(self) -> FloatArray:
         """(n,) of the outputs in the median run, while both feet stand."""
         samples = self.samples
         ranges = [

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.diagnosis.effects.base import Component
 from shoecal_core.diagnosis.result import Size
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.workspace import Workspace
@@ -22,7 +23,7 @@ def sizes(
 
     Args:
         size_error: how far a size may be off, over itself, because reality has the effect in
-            another form.
+            another form; of a size with several components, over all of it.
     """
     hypothesis, form = scored.parts[index]
     known = {component.name: component for component in hypothesis.effect.components}
@@ -30,19 +31,29 @@ def sizes(
     own = scored.own(index)
     values = scored.solution.vector[own]
     deviations = np.sqrt(np.diag(covariance)[own])
+    # Another form of an effect moves its components together, each as far as it usually goes.
+    whole = float(np.linalg.norm(values / form.std))
     found: dict[str, Size] = {}
-    for name, value, deviation in zip(form.shape.free, values, deviations, strict=True):
+    for name, value, deviation, std in zip(
+        form.shape.free, values, deviations, form.std, strict=True
+    ):
         if name in known:
-            spread = Z95 * float(np.hypot(deviation, size_error * value))
-            found[name] = Size(
-                float(value), known[name].unit, (float(value) - spread, float(value) + spread)
-            )
+            found[name] = _size(known[name], float(value), deviation, size_error * std * whole)
     for name, value in form.shape.fixed.items():
         if name in known:
             deviation = form_spread(workspace, scored, index, name, value)
-            spread = Z95 * float(np.hypot(deviation, size_error * value))
-            found[name] = Size(value, known[name].unit, (value - spread, value + spread))
+            found[name] = _size(known[name], value, deviation, size_error * value)
     return found
+
+
+def _size(component: Component, value: float, deviation: float, form_error: float) -> Size:
+    """With its interval.
+
+    Args:
+        deviation: standard one by the data. form_error: the same of an effect's usual form.
+    """
+    spread = Z95 * float(np.linalg.norm((deviation, component.form * form_error, component.blur)))
+    return Size(value, component.unit, (value - spread, value + spread))
 
 
 def form_spread(workspace: Workspace, scored: Scored, index: int, name: str, value: float) -> float:

@@ -12,8 +12,11 @@ from shoecal_core.diagnosis.effects.base import Component, Place, Shape
 from shoecal_core.diagnosis.filters import low_passed
 from shoecal_core.diagnosis.samples import Track
 from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.sensing.wrench import weight_below
 
 FloatArray = NDArray[np.float64]
+LEAST_HANGING = 5
+"""Samples in the air that tell what a cell shows when it feels nothing."""
 FLAT_STUCK, FLAT_AT_TOP = 0.01, 0.5
 """Movement of a channel over what is expected, up to which it may be stuck, or saturated."""
 
@@ -25,11 +28,29 @@ def shown(scene: Scene, channels: NDArray[np.int64], values: FloatArray) -> Floa
     return scene.by_outputs(change)
 
 
+def unloaded(scene: Scene, channel: int) -> float:
+    """What a cell shows when it feels nothing, as its foot tells in the air [N]; else 0.
+
+    Offsets of a foot's cells that change neither its force nor its CoP no other signal fixes.
+    """
+    samples, shoe = scene.samples, scene.samples.shoe
+    foot = int(shoe.foot[channel])
+    hanging = ~samples.loaded[:, foot]
+    if np.count_nonzero(hanging) < LEAST_HANGING:
+        return 0.0
+    # What is below the cells hangs on them all.
+    beside = np.count_nonzero(shoe.foot[places.vertical(shoe)] == foot)
+    below = float(weight_below(shoe)[foot, 0]) / beside
+    return float(np.median(scene.outputs[hanging, channel])) + below
+
+
 class Nonlinearity:
     """A cell's output bends: f + quadratic f^2 + cubic f^3."""
 
     identifier, group = "nonlinearity", "load_cell"
-    components = (Component("quadratic", "1/N", 2e-3), Component("cubic", "1/N^2", 5e-5))
+    components = (
+        Component("quadratic", "1/N", 2e-3, form=2.5), Component("cubic", "1/N^2", 5e-5, form=2.5)
+    )  # fmt: skip
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every cell."""
@@ -38,7 +59,7 @@ class Nonlinearity:
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
         """Both powers together."""
         channels = places.channels_at(scene, place)
-        force = scene.outputs[:, channels]
+        force = scene.outputs[:, channels] - unloaded(scene, int(channels[0]))
         columns = np.array([shown(scene, channels, force**power) for power in (2, 3)])
         yield Shape(("quadratic", "cubic"), columns)
 
@@ -58,7 +79,7 @@ class Saturation:
         (channel,) = places.channels_at(scene, place)
         force = scene.outputs[:, channel]
         expected = scene.expected(int(channel), force <= np.median(force))
-        top = force.max()
+        top, zero = force.max(), unloaded(scene, int(channel))
         span = top - np.percentile(force, 5.0)
         for share in (0.0, 0.04, 0.1, 0.2, 0.35):
             level = float(top - share * span)
@@ -68,21 +89,21 @@ class Saturation:
                 force[beyond], expected[beyond], FLAT_AT_TOP
             ):
                 columns = shown(scene, np.array([channel]), -missing[:, None])[None]
-                yield Shape(("share",), columns, {"level": level})
+                yield Shape(("share",), columns, {"level": level - zero})
 
 
 class Hysteresis:
     """Outputs lag behind the direction in which the load goes."""
 
     identifier, group = "hysteresis", "load_cell"
-    components = (Component("fraction", "", 0.03, 0.0),)
+    components = (Component("fraction", "", 0.03, 0.0, form=3.0),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every cell, and all of a foot alike."""
         return places.cells_and_feet(scene)
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
-        """A play operator; its width as a share of each cell's range."""
+        """A play operator; its width as a share of each cell's usual range."""
         channels = places.channels_at(scene, place)
         for loop in scene.loops:
             yield Shape(("fraction",), shown(scene, channels, loop[:, channels])[None])
@@ -92,7 +113,9 @@ class Creep:
     """After a change of load the output goes on growing for a while."""
 
     identifier, group = "creep", "load_cell"
-    components = (Component("fraction", "", 0.03, 0.0), Component("time", "s", 30.0))
+    components = (
+        Component("fraction", "", 0.03, 0.0, form=4.0), Component("time", "s", 30.0, form=4.0)
+    )  # fmt: skip
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every cell, and all of a foot alike."""

@@ -18,12 +18,15 @@ FloatArray = NDArray[np.float64]
 TYPICAL_LAG = 0.1
 """s; the second of two lags counts with the square of their time, taken at this one."""
 
+STAMPS = 0.003
+"""s; how far apart joints and readings may truly be that bear the same stamp."""
+
 
 class Latency:
     """Readings are older than their stamps say, against the joints."""
 
     identifier, group = "latency", "timing"
-    components = (Component("delay", "s", 0.04, 0.0),)
+    components = (Component("delay", "s", 0.04, 0.0, form=1.5, blur=STAMPS),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Each foot, or both alike."""
@@ -46,7 +49,7 @@ class LowPass:
     """Readings follow the force with a lag of first order."""
 
     identifier, group = "low_pass", "timing"
-    components = (Component("time", "s", 0.08, 0.0),)
+    components = (Component("time", "s", 0.08, 0.0, form=1.5, blur=STAMPS),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Each foot, or both alike."""

@@ -14,6 +14,7 @@ from shoecal_core.diagnosis.effects import load_cell
 from shoecal_core.diagnosis.effects.places import channels_at
 from shoecal_core.diagnosis.samples import Track
 from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 CELLS = ("left/front_left", "right/rear_right")
@@ -34,7 +35,8 @@ def at(scene: Scene, place: str, work: Work) -> Scene:
 @pytest.mark.parametrize("cell", CELLS)
 def test_nonlinearity(scene: Scene, cell: str) -> None:
     quadratic, cubic = 1e-3, 3e-5
-    after = at(scene, cell, lambda _, f: f + quadratic * f**2 + cubic * f**3)
+    zero = load_cell.unloaded(scene, int(channels_at(scene, (cell,))[0]))
+    after = at(scene, cell, lambda _, f: f + quadratic * (f - zero) ** 2 + cubic * (f - zero) ** 3)
     found = shape(scene, load_cell.Nonlinearity(), cell)
     assert_shows(scene, after, told(found, quadratic, cubic))
 
@@ -46,8 +48,9 @@ def test_a_saturated_cell_misses_what_the_others_tell(scene: Scene, cell: str) -
     level = float(force.max() - 0.3 * np.ptp(force))
     after = at(scene, cell, lambda _, f: np.minimum(f, level))
     shapes = list(load_cell.Saturation().shapes(after, (cell,)))
-    best = min(shapes, key=lambda one: abs(one.fixed["level"] - level))
-    assert best.fixed["level"] == pytest.approx(level, abs=0.02 * np.ptp(force))
+    zero = load_cell.unloaded(after, int(channel))
+    best = min(shapes, key=lambda one: abs(one.fixed["level"] + zero - level))
+    assert best.fixed["level"] + zero == pytest.approx(level, abs=0.02 * np.ptp(force))
     assert best.free == ("share",)
     assert_shows(scene, after, told(best, 1.0), within=0.15)
 
@@ -69,15 +72,26 @@ def play(force: FloatArray, width: FloatArray) -> FloatArray:
 @pytest.mark.parametrize("place", ["left/front_left", "right"])
 def test_hysteresis(scene: Scene, place: str) -> None:
     fraction = 0.1
-    span = np.ptp(scene.outputs, axis=0)[channels_at(scene, (place,))]
+    span = scene.usual_range[channels_at(scene, (place,))]
     after = at(scene, place, lambda _, f: play(f, fraction * span))
     found = shape(scene, load_cell.Hysteresis(), place)
     assert_shows(scene, after, told(found, fraction), within=0.06)
 
 
+def test_what_a_cell_shows_in_the_air_is_its_zero(scene: Scene) -> None:
+    """However the offsets of a foot's cells are shifted against each other."""
+    parameters = scene.parameters
+    shift = np.array([1.0, -1.0, 1.0, -1.0, 2.0, -2.0, 2.0, -2.0])
+    other = scene.with_parameters(ChannelParameters(parameters.gain, parameters.offset + shift))
+    for channel in range(8):
+        moved = load_cell.unloaded(other, channel) - load_cell.unloaded(scene, channel)
+        hangs = np.any(~scene.samples.loaded[:, scene.samples.shoe.foot[channel]])
+        assert moved == pytest.approx(shift[channel] if hangs else 0.0)
+
+
 def test_the_loop_s_whole_width_is_the_fraction_of_the_range(scene: Scene) -> None:
     for loop in scene.loops[:2]:
-        height = np.ptp(loop, axis=0) / np.ptp(scene.outputs, axis=0)
+        height = np.ptp(loop, axis=0) / scene.usual_range
         np.testing.assert_allclose(height, 1.0, atol=0.1)
     # What lags shows too little where the force has come up, and too much where it went down.
     highest = scene.outputs.argmax(axis=0), np.arange(len(scene.outputs[0]))
