@@ -29,5 +29,5 @@ def with_mass(states: BodyStates, robot: Robot, mass: FloatArray | float) -> Bod
     in_left = -np.einsum("tji,tj->ti", states.left_rotation, states.left_translation)
     in_right = np.einsum("tji,tj->ti", states.rotation, in_left - states.translation)
     place = np.stack((in_left, in_right), axis=1)
-    com = (robot.mass * states.com + masses * place) / (robot.mass + masses)
-    return replace(states, com=com)
+    share = masses / (robot.mass + masses)
+    return replace(states, com=states.com + share * (place - states.com))
