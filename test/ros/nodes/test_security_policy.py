@@ -1,0 +1,115 @@
+"""The policy's rights are what the real nodes make, and no more."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+
+from ros.policy import Rights, allowed, policy, used
+from ros.world import World
+from shoecal_core.recording import schemas
+
+NODES = ("shoe_driver", "model", "planner", "calibrator", "simulator")
+NOT_ALWAYS = {
+    "shoe_driver": {"/shoe/voltages"},  # heard while somebody else sends them, too
+    "calibrator": set(schemas.RUN_TOPICS),  # heard while it records
+    "model": {"/tf"},  # where tf2_msgs is installed
+}
+ELEMENTS = {
+    "policy": {"enclaves"},
+    "enclaves": {"enclave"},
+    "enclave": {"profiles"},
+    "profiles": {"profile"},
+    "profile": {"topics", "services", "actions"},
+    "topics": {"topic"},
+    "services": {"service"},
+    "actions": {"action"},
+}
+ATTRIBUTES = {
+    "policy": {"version"},
+    "enclave": {"path"},
+    "profile": {"ns", "node"},
+    "topics": {"publish", "subscribe"},
+    "services": {"reply", "request"},
+    "actions": {"call", "execute"},
+}
+
+
+def test_it_has_the_form_of_a_policy() -> None:
+    root = policy()
+    assert (root.tag, root.attrib) == ("policy", {"version": "0.2.0"})
+    for element in root.iter():
+        inside = ELEMENTS.get(element.tag, set())
+        assert {child.tag for child in element} <= inside, element.tag
+        assert bool(len(element)) == bool(inside), f"<{element.tag}> is empty, or holds too much"
+        assert set(element.attrib) <= ATTRIBUTES.get(element.tag, set())
+        if element.tag in ("topics", "services", "actions"):
+            assert set(element.attrib.values()) == {"ALLOW"}
+    for enclave in root.iter("enclave"):
+        (profile,) = enclave.iter("profile")
+        assert enclave.attrib["path"] == f"/shoecal/{profile.attrib['node']}"
+
+
+def test_no_right_is_a_pattern() -> None:
+    for rights in allowed().values():
+        for rule in fields(Rights):
+            for name in rights.allow(rule.name):
+                assert name.replace("/", "").replace("_", "").isalnum(), name
+
+
+def holders(rule: str, name: str) -> set[str]:
+    return {node for node, rights in allowed().items() if name in rights.allow(rule)}
+
+
+def test_who_may_move_the_robot() -> None:
+    assert holders("publish", "/joint_trajectory") == {"planner"}
+    assert holders("publish", "/shoe/armed") == {"planner"}
+    assert holders("request", "/shoe/arm") == {"operator"}
+    assert holders("call", "/shoe/plan") == {"calibrator", "operator"}
+    assert holders("call", "/robot/reach_support") == {"calibrator"}
+
+
+def test_who_may_make_forces() -> None:
+    assert holders("publish", "/shoe/voltages") == {"shoe_driver"}
+    assert holders("publish", "/shoe/cop") == {"calibrator"}
+    assert holders("publish", "/shoe/calibration") == {"calibrator"}
+    assert holders("request", "/shoe/set_calibration") == {"operator"}
+    assert allowed()["controller"].publish == {"/rosout", "/parameter_events"}
+
+
+def test_nobody_may_set_parameters() -> None:
+    for rights in allowed().values():
+        assert not any("set_parameters" in name for name in rights.request)
+
+
+def test_rights_are_what_the_nodes_make(world: World) -> None:
+    port = {"port": world.folder / "port"}
+    folders = {"state_dir": world.folder / "state", "sessions_dir": world.folder / "sessions"}
+    world.start("simulator", port)
+    world.start("shoe_driver", {**port, "use_sim_time": True})
+    world.start("model", {"use_sim_time": True})
+    world.start("planner", {"use_sim_time": True, "steps": True})
+    world.start("calibrator", {"use_sim_time": True, **folders})
+    expected = allowed()
+
+    def missing() -> dict[str, dict[str, set[str]]]:
+        """What is allowed, but not made yet, by node and rule."""
+        found: dict[str, dict[str, set[str]]] = {}
+        for node in NODES:
+            made, sometimes = used(world.node, node), NOT_ALWAYS.get(node, set())
+            for rule in fields(Rights):
+                never = expected[node].allow(rule.name) - made.allow(rule.name) - sometimes
+                if never:
+                    found.setdefault(node, {})[rule.name] = never
+        return found
+
+    names = set(NODES)
+    world.until(lambda: names <= set(world.node.get_node_names()))
+    try:
+        world.until(lambda: not missing())
+    except AssertionError as error:
+        raise AssertionError(f"allowed, but never made: {missing()}") from error
+    for node in NODES:
+        made = used(world.node, node)
+        for rule in fields(Rights):
+            beyond = made.allow(rule.name) - expected[node].allow(rule.name)
+            assert not beyond, f"{node} needs the right to {rule.name} {beyond}"
