@@ -18,9 +18,9 @@ from shoecal_ros.demonstration.domain import reserve_domain
 if str(ROOT / "test") not in sys.path:
     sys.path.append(str(ROOT / "test"))
 
-from ros.world import Heard, World
+from ros.world import Goal, Heard, World
 
-__all__ = ["Heard", "World", "live_world"]
+__all__ = ["Goal", "Heard", "World", "live_world"]
 
 
 @contextmanager

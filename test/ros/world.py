@@ -21,7 +21,7 @@ from rclpy.parameter import Parameter
 from shoecal_core.workspace import ros_environment
 from shoecal_ros.common import qos
 
-TIMEOUT_S = 60.0
+TIMEOUT_S = 120.0
 END_S = 20.0
 
 
@@ -54,6 +54,7 @@ class World:
         )
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
+        self._companions: dict[str, SingleThreadedExecutor] = {}
         self._heard: dict[str, Heard] = {}
 
     # Processes
@@ -91,11 +92,32 @@ class World:
         process.send_signal(signal.SIGINT)
         return process.wait(END_S)
 
+    def kill(self, node: str) -> None:
+        """End a node as kill -9 does."""
+        process = self.processes.pop(node)
+        process.kill()
+        process.wait()
+
     def ended(self, node: str) -> int:
         """Wait until a node ends by itself; its exit code."""
         return self.processes.pop(node).wait(TIMEOUT_S)
 
     # The client
+
+    def companion(self, name: str) -> Node:
+        """Another node, as if it were another process, until it is dismissed."""
+        context = rclpy.Context()
+        rclpy.init(context=context)
+        node = Node(name, context=context)
+        executor = self._companions[name] = SingleThreadedExecutor(context=context)
+        executor.add_node(node)
+        return node
+
+    def dismiss(self, node: Node) -> None:
+        """End a companion."""
+        self._companions.pop(node.get_name()).shutdown()
+        node.destroy_node()
+        rclpy.shutdown(context=node.context)
 
     def hear(self, kind: type[Any], topic: str, profile: Any = qos.RAW) -> Heard:
         heard = self._heard.get(topic)
@@ -114,6 +136,8 @@ class World:
                 f"--- {name}\n{self.output(name)}" for name in self.processes
             )
             self._executor.spin_once(timeout_sec=0.05)
+            for executor in self._companions.values():
+                executor.spin_once(timeout_sec=0.0)
 
     def publisher(self, kind: type[Any], topic: str, profile: Any = qos.RAW) -> Any:
         """A publisher that somebody listens to, and that others know of."""

@@ -60,6 +60,10 @@ class Site(Protocol):
         """How often that was taken back."""
 
     @property
+    def lapsed(self) -> bool:
+        """Whether who armed the robot has fallen silent."""
+
+    @property
     def now_ns(self) -> int:
         """The node's time [ns]."""
 
@@ -106,6 +110,7 @@ class Job:
         """
         site = self.site
         self.check_canceled()
+        self._check_lapsed()
         if not self._armed:
             raise RefusedError(
                 Codes.NOT_ARMED,
@@ -118,6 +123,13 @@ class Job:
         problem = site.input_problem()
         if problem:
             raise RefusedError(Codes.STALE_INPUT, problem)
+
+    def _check_lapsed(self) -> None:
+        if self.site.lapsed:
+            raise RefusedError(
+                Codes.NOT_ARMED,
+                "the planner, which armed the robot, has fallen silent: start it again and arm",
+            )
 
     def check_canceled(self) -> None:
         """End the job where that is asked for; RefusedError then."""
@@ -183,6 +195,7 @@ class Job:
             self.check()
             raise RefusedError(code, str(error)) from error
         except ShoecalError as error:
+            self._check_lapsed()
             raise RefusedError(code, str(error)) from error
         self.check()
         return result

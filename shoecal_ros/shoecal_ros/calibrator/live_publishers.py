@@ -27,7 +27,6 @@ class LivePublishers:
         self._cells = [
             [name for name in shoe.names if name.startswith(f"{foot}/")] for foot in FEET
         ]
-        self._told: object = None
 
     def publish(self, lives: Sequence[Live]) -> None:
         """Publish instants in order."""
@@ -52,11 +51,7 @@ class LivePublishers:
         *,
         joints_stale: bool,
     ) -> None:
-        """Publish the state where it has changed."""
-        news = (state, calibration_id, tuple(flags), joints_stale)
-        if news == self._told:
-            return
-        self._told = news
+        """Publish the state, changed or not: who hears it knows that this node lives."""
         self._state.publish(
             ShoeState(
                 header=header_to_ros(stamp_ns),

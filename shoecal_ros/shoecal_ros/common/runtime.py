@@ -30,7 +30,9 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.settings import Settings, describe, from_values
 from shoecal_ros.common import qos
 from shoecal_ros.common.health import Health, Level
+from shoecal_ros.common.peers import Peers
 from shoecal_ros.common.quick_thread import QuickThread
+from shoecal_ros.common.roll_call import RollCall, farewell
 
 S = TypeVar("S", bound=Settings)
 
@@ -54,6 +56,7 @@ class ShoecalNode(Node):
 
     Attributes:
         health: told once a second and at every change.
+        peers: who else is on the node's topics.
         turn: held by whichever thread runs a callback.
         quick: subscriptions that do not wait for the rest of the node.
     """
@@ -63,7 +66,10 @@ class ShoecalNode(Node):
         self.health = Health()
         self.turn = threading.Lock()
         self.quick = QuickThread(self, self.turn)
+        self.peers = Peers(self)
+        self._roll_call = RollCall(name)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", qos.DIAGNOSTICS)
+        self.subscribe(DiagnosticArray, "diagnostics", self._roll_call.take, qos.DIAGNOSTICS)
         self.wall_timer(REPORT_S, self._report)
         self.wall_timer(WATCH_S, self.watch)
 
@@ -71,6 +77,9 @@ class ShoecalNode(Node):
 
     def watch(self) -> None:
         """Called every WATCH_S of wall-clock time, whatever simulated time does."""
+        self.peers.watch()
+        self.health.note("peers", self.peers.condition)
+        self.health.note("nodes", self._roll_call.condition)
         self._log_news()
 
     def close(self) -> None:
@@ -187,6 +196,8 @@ class ShoecalNode(Node):
         self.quick.close()
         with self.turn:
             self.close()
+            if self.context.ok():
+                self._diagnostics.publish(farewell(self.get_name()))
         with contextlib.suppress(rclpy_implementation.InvalidHandle):
             self.destroy_node()
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Callable
 from typing import Any
 
 from std_msgs.msg import Bool
@@ -9,19 +11,34 @@ from std_msgs.msg import Bool
 from shoecal_ros.common import qos
 from shoecal_ros.common.runtime import ShoecalNode
 
+LEASE_S = 2.0
+"""Who says again and again that the robot is armed has gone when it does not for that long."""
+
 
 class ArmedInput:
-    """The latched `shoe/armed`; it counts only while somebody is there to take it back."""
+    """The latched `shoe/armed`; it counts only while somebody is there to take it back.
 
-    def __init__(self, node: ShoecalNode) -> None:
-        self._told = False
+    The middleware takes long to find out that a process was killed. So the planner repeats what it
+    said while the robot is armed, and that lapses when it falls silent.
+    """
+
+    def __init__(self, node: ShoecalNode, clock: Callable[[], float] = time.monotonic) -> None:
+        self._told = self._repeats = False
         self._disarmings = 0
+        self._clock = clock
+        self._heard_at = 0.0
         self._subscription = node.subscribe(Bool, "shoe/armed", self._hear, qos.LATCHED)
 
     @property
     def armed(self) -> bool:
         """Whether the robot may be moved at this moment."""
-        return self._told and self._subscription.get_publisher_count() > 0
+        there = self._subscription.get_publisher_count() > 0
+        return self._told and there and not self.lapsed
+
+    @property
+    def lapsed(self) -> bool:
+        """Whether who armed the robot, and repeated it, has fallen silent."""
+        return self._told and self._repeats and self._clock() - self._heard_at > LEASE_S
 
     @property
     def disarmings(self) -> int:
@@ -31,4 +48,6 @@ class ArmedInput:
     def _hear(self, messages: list[Any]) -> None:
         for message in messages:
             self._disarmings += self._told and not message.data
+            self._repeats = message.data and (self._told or self._repeats)
             self._told = message.data
+            self._heard_at = self._clock()

@@ -62,10 +62,7 @@ class _Stream:
             step = (sequence - self._sequence) % 2**32
             self._back.append(step == 0 or step >= 2**31)
         self._sequence = sequence
-        if sum(self._back) <= _BACK:
-            return False
-        self._back.clear()
-        return True
+        return sum(self._back) > _BACK
 
 
 class FrameJoiner:

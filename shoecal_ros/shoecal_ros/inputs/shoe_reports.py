@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -11,6 +12,9 @@ from shoecal_msgs.msg import ShoeState
 
 from shoecal_core.sensing.shoe import FEET
 from shoecal_ros.inputs.last_heard import LastHeard
+
+BEATS, BEAT_S = 5, 0.5
+"""So many states, each so soon after the one before, come at a rate."""
 
 
 class ShoeReports:
@@ -30,6 +34,7 @@ class ShoeReports:
         self._reported = reported
         self._clock = clock
         self._heard = LastHeard(clock)
+        self._state_times: deque[float] = deque(maxlen=BEATS)
         self._state: ShoeState | None = None
         self._stale_since: dict[str, float] = {}
 
@@ -42,6 +47,7 @@ class ShoeReports:
         """Take messages of `shoe/state`."""
         for message in messages:
             self._state = message
+            self._state_times.append(self._clock())
             for foot in message.feet:
                 if foot.stale:
                     self._stale_since.setdefault(foot.foot, self._clock())
@@ -54,11 +60,18 @@ class ShoeReports:
         now = self._clock()
         ages = {"shoe/voltages": self._heard.age_s}
         if self._state is not None:
-            ages["shoe/state"] = 0.0 if self._reported() else np.inf
+            ages["shoe/state"] = self._state_age if self._reported() else np.inf
             for foot in self._state.feet:
                 since = self._stale_since.get(foot.foot, now)
                 ages[f"readings of the {foot.foot} foot"] = now - since
         return ages
+
+    @property
+    def _state_age(self) -> float:
+        """Since when no state came; none where they only come at changes [s]."""
+        times = self._state_times
+        beats = len(times) == BEATS and times[-1] - times[0] < BEATS * BEAT_S
+        return self._clock() - times[-1] if beats else 0.0
 
     @property
     def loaded(self) -> tuple[bool | None, bool | None]:

@@ -178,6 +178,11 @@ class Calibrator(ShoecalNode):
         return self._arming.disarmings
 
     @property
+    def lapsed(self) -> bool:
+        """Whether who armed the robot has fallen silent."""
+        return self._arming.lapsed
+
+    @property
     def calibrating(self) -> bool:
         """Whether a self-calibration is under way."""
         return self._self_calibration.busy
@@ -223,7 +228,7 @@ class Calibrator(ShoecalNode):
         self.health.note("diagnosis", self._diagnoses.condition)
         self.drift.watch()
         self._publish_state()
-        self._halt.watch(lapsed=self._arming.lapsed)
+        self._halt.watch(lapsed=self.lapsed)
         super().watch()
 
     def close(self) -> None:

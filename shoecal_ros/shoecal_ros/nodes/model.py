@@ -46,6 +46,7 @@ class Model(ShoecalNode):
         self._joints = JointInput(robot, settings.stale_s)
         self._com = self.create_publisher(PointStamped, "shoe/model/com", qos.LIVE)
         self._cop = self.create_publisher(PointStamped, "shoe/model/cop", qos.LIVE)
+        self.peers.alone.add(self._cop.topic_name)
         self._tf = TFMessage and self.create_publisher(TFMessage, "/tf", qos.TRANSFORMS)
         self.subscribe(JointState, "joint_states", self._hear, qos.RAW)
 

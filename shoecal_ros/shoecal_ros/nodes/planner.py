@@ -68,6 +68,7 @@ class Planner(ShoecalNode):
         self._execution: Execution | None = None
         self._command = self.create_publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
         self._armed = self.create_publisher(Bool, "shoe/armed", qos.LATCHED)
+        self.peers.alone.add(self._armed.topic_name)
         self._armed.publish(Bool(data=False))
         self.subscribe(JointState, "joint_states", self._hear, qos.NEWEST)
         self.senses = self._listen()
@@ -108,8 +109,9 @@ class Planner(ShoecalNode):
         """Disarm what nobody uses, and tell how joints and planning fare."""
         if self._busy:
             self.arming.use()
-        if self.arming.expire():
-            self._armed.publish(Bool(data=False))
+        # Repeated while it holds: so everybody knows soon when this node is gone.
+        if self.arming.expire() or self.arming.armed:
+            self._armed.publish(Bool(data=self.arming.armed))
         problem = self.joints.problem
         self.health.tell(
             "joints", Level.ERROR if problem else Level.OK, problem or "joint angles come"

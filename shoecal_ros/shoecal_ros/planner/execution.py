@@ -20,6 +20,7 @@ from shoecal_core.planning.menu import PUT_DOWN
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.posture import UnreachableError
 from shoecal_core.planning.timing import TimingError
+from shoecal_ros.common.hold import hold
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.runtime import until
 from shoecal_ros.common.worker import Work
@@ -175,11 +176,7 @@ class Execution:
 
     def hold(self, angles: FloatArray) -> None:
         """Come to rest at all joint angles (m,) [rad]."""
-        robot = self._mover.robot
-        # Encoders may show angles a little beyond a limit; no robot takes such a command.
-        held = np.clip(robot.from_legs(angles[robot.legs], angles), robot.lower, robot.upper)
-        stop = np.array([self._mover.moving.stop_time])
-        self._mover.command(JointTrajectory(self.names, stop, held[None, robot.moved]))
+        self._mover.command(hold(self._mover.robot, angles, self._mover.moving.stop_time))
         self.following = False
 
     def halt(self) -> None:

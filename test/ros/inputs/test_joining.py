@@ -112,6 +112,11 @@ def test_two_drivers_of_one_name_are_found_by_their_counters() -> None:
 
     with pytest.raises(TwoSourcesError, match="two drivers named 'one'"):
         listen()
+    # Nothing of either counts as long as both send.
+    for index in range(20, 40):
+        for sequence in (index, 5000 - index):
+            with pytest.raises(TwoSourcesError):
+                join.add(frame(index, sequence=sequence))
 
 
 def test_a_device_that_starts_anew_is_no_second_one() -> None:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 
+import pytest
 from shoecal_msgs.msg import FootState, ShoeState, ShoeVoltages
 
 from ros.clock import Clock
@@ -30,6 +31,19 @@ def test_readings_that_stop() -> None:
     reports.take_readings([ShoeVoltages()])
     clock.now += 2.0
     assert reports.ages == {"shoe/voltages": 2.0}
+
+
+def test_states_that_come_at_a_rate_are_missed_and_others_are_not() -> None:
+    clock = Clock()
+    reports = ShoeReports(clock=clock)
+    reports.take_states([state()])
+    clock.now += 100.0
+    assert reports.ages["shoe/state"] == 0.0, "latched: it tells changes"
+    for _ in range(10):
+        clock.now += 0.1
+        reports.take_states([state()])
+    clock.now += 2.0
+    assert reports.ages["shoe/state"] == pytest.approx(2.0)
 
 
 def test_feet_that_carry() -> None:

@@ -1,0 +1,204 @@
+"""kill -9 of any node at any time of a self-calibration.
+
+All five nodes run as processes of their own, the robot and its serial device simulated. A
+self-calibration is begun and at a drawn moment (drawing supports, reaching one, planning, up to
+6 s into a motion, solving) a drawn node is killed. Then the robot must stand still within 10 s,
+long before the motion that it was sent ends by itself (with the simulator there is no robot left;
+nothing hangs on the model, so the job goes on and is ended by disarming); another node's
+diagnostics must name the one that is gone, and the job end with a reason; and when that node is
+started again, the next self-calibration must come as far as the next try needs it. A try is one
+kill with all of that.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from sensor_msgs.msg import JointState
+from shoecal_msgs.action import Calibrate
+from std_srvs.srv import SetBool
+
+from reliability.live_world import Goal, World, live_world
+from reliability.row import Progress, Result, Row
+from ros.bodies import NAO, NAO_SHOE, nao_shoe
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import time_from_ros
+from shoecal_ros.demo import write_device
+from shoecal_ros.inputs.stillness import Stillness
+
+NODES = ("planner", "calibrator", "shoe_driver", "model", "simulator")
+STAGES = ("drawing", "reaching", "planning", "moving", "moving", "moving")
+SOLVING_EVERY = 12
+"""Of so many tries one waits for the end of the recording."""
+SPEED = 3.0
+INTO_MOTION_S = 6.0
+REST_S = 10.0
+BITS = 24
+LONG_S = 400.0
+
+
+@dataclass(frozen=True)
+class Try:
+    """What came of one kill.
+
+    Attributes:
+        node, stage: what was killed, and when.
+        rest_s: until the robot stood still [s]; 0 where it did, or is gone.
+        told_s: until another node's diagnostics named it [s].
+        reason: with which the job ended.
+    """
+
+    node: str
+    stage: str
+    rest_s: float
+    told_s: float
+    reason: str
+
+    @property
+    def told(self) -> str:
+        """In words."""
+        return (
+            f"{self.rest_s:.1f} s to rest, {self.told_s:.1f} s until told "
+            f"({self.node} killed while {self.stage})"
+        )
+
+
+class Suite:
+    """All nodes, and what the robot does."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self._port, self._device = world.folder / "port", world.folder / "device.yaml"
+        write_device(self._device, nao_shoe(), self._port, BITS)
+        self._still = Stillness(0.01, 0.5, 0.004)
+        world.node.create_subscription(JointState, "joint_states", self._hear, qos.EITHER)
+        for node in ("simulator", "shoe_driver", "model", "planner", "calibrator"):
+            self.start(node)
+
+    def start(self, node: str) -> None:
+        """Start a node with what it needs."""
+        world = self.world
+        files: dict[str, object] = {"robot_file": NAO, "shoe_file": NAO_SHOE}
+        simulated: dict[str, object] = {**files, "use_sim_time": True, "stale_s": 2.0}
+        folders = {name: world.folder / name for name in ("state_dir", "sessions_dir")}
+        parameters: dict[str, dict[str, object]] = {
+            "simulator": {**files, "speed": SPEED, "port": self._port},
+            "shoe_driver": {"use_sim_time": True, "config_file": self._device},
+            "model": simulated,
+            "planner": {**simulated, "follow_late": 4.0},
+            "calibrator": {**simulated, **folders},
+        }
+        world.start(node, parameters[node])
+
+    def calibrate(self, seed: int) -> Goal:
+        """Begin a self-calibration once all is ready."""
+        world = self.world
+        for subject, told in (("joints", "joints come"), ("voltages", "voltages come")):
+            world.until_told("calibrator", subject, told)
+        world.until(lambda: _level(world, "nodes") == 0)
+        world.until_told("planner", "planning", "ready")
+        world.until_told("planner", "joints", "come")
+        self.arm(armed=True)
+        goal = Calibrate.Goal(supports=2, train=2, seed=seed)
+        return world.goal(Calibrate, "shoe/calibrate", goal)
+
+    def arm(self, *, armed: bool) -> None:
+        """Arm or disarm."""
+        self.world.call(SetBool, "shoe/arm", SetBool.Request(data=armed))
+
+    def kill_at(self, node: str, stage: str, after_s: float, seed: int) -> Try:
+        """Calibrate, kill a node at a stage, see that all comes to rest, start it again."""
+        world = self.world
+        goal = self.calibrate(seed)
+        self._until(goal, lambda: goal.feedback and goal.feedback[-1].stage == stage)
+        end = time.monotonic() + after_s
+        self._until(goal, lambda: time.monotonic() > end or goal.feedback[-1].stage != stage)
+        stage = goal.feedback[-1].stage
+        self.world.kill(node)
+        killed = time.monotonic()
+        rest_s = told_s = -1.0
+        others = [name for name in NODES if name != node]
+
+        def over() -> bool:
+            nonlocal rest_s, told_s
+            now = time.monotonic() - killed
+            if rest_s < 0.0 and (self._still.still or node in {"simulator", "model"}):
+                rest_s = now if node not in {"simulator", "model"} else 0.0
+            if told_s < 0.0 and any(_names(world, name, node) for name in others):
+                told_s = now
+            ended = goal.done or node in {"calibrator", "model"}
+            return rest_s >= 0.0 and told_s >= 0.0 and ended
+
+        world.until(over)
+        reason = "killed with it" if node == "calibrator" else "disarmed"
+        if node == "model":
+            self.arm(armed=False)
+        if node != "calibrator":
+            reason = str(goal.result().message)
+        self.start(node)
+        world.until(lambda: not any(_names(world, name, node) for name in others))
+        return Try(node, stage, rest_s, told_s, reason)
+
+    def _until(self, goal: Goal, condition: Callable[[], object]) -> None:
+        """Wait for something in the course of a calibration."""
+        self.world.until(lambda: goal.done or condition(), LONG_S)
+        assert not goal.done, goal.result().message
+
+    def _hear(self, message: JointState) -> None:
+        angles = np.array(message.position)
+        self._still.add(time_from_ros(message.header.stamp), angles)
+
+
+def _names(world: World, listener: str, node: str) -> bool:
+    """Whether a node's diagnostics say that another one has fallen silent."""
+    found = world.diagnosis(listener, "nodes")
+    return found is not None and found.level != b"\x00" and node in found.message
+
+
+def _level(world: World, subject: str) -> int:
+    found = world.diagnosis("calibrator", subject)
+    return 3 if found is None else int.from_bytes(found.level, "little")
+
+
+def draw(index: int, seed: int) -> tuple[str, str, float]:
+    """Node, stage, and time into the stage [s] of a try."""
+    rng = np.random.default_rng([seed, index])
+    stage = STAGES[int(rng.integers(len(STAGES)))]
+    if index % SOLVING_EVERY == SOLVING_EVERY - 1:
+        stage = "solving"
+    after_s = float(rng.uniform(0.0, INTO_MOTION_S)) if stage == "moving" else 0.0
+    return NODES[index % len(NODES)], stage, after_s
+
+
+def run(first: int, count: int, seed: int, progress: Progress) -> Result:
+    """Kills first to first + count - 1; what goes wrong ends the tries."""
+    found: list[Try] = []
+    failed, why = 0, ""
+    try:
+        with live_world() as world:
+            suite = Suite(world)
+            for index in range(first, first + count):
+                node, stage, after_s = draw(index, seed)
+                found.append(suite.kill_at(node, stage, after_s, index))
+                progress(len(found))
+            suite.calibrate(first).cancel()
+    except AssertionError as error:
+        failed = count - len(found)
+        why = f"{node} killed while {stage}: {' '.join(str(error).split())[:150]}"
+    slow = [one for one in found if one.rest_s > REST_S]
+    worst = max(found, key=lambda one: one.rest_s, default=None)
+    told = why or ("" if worst is None else worst.told)
+    return Result(count, failed + len(slow), told, worst.rest_s if worst else 60.0)
+
+
+ROW = Row(
+    key="killed-nodes",
+    fault="any node killed at any time during self-calibration",
+    holds="the robot comes to rest, the rest reports it, a new start works",
+    tries=100,
+    step=5,
+    run=run,
+)

@@ -1,0 +1,173 @@
+"""Others on the same topics who do not fit.
+
+Beside a real calibrator and a real model appears a node of a drawn name: it publishes joint
+angles or voltages best effort or as another type, listens to CoP with a quality of service that is
+not offered, sends a cell that another source sends already, or is a second calibrator, a process
+of its own. The calibrator's diagnostics must name it, by node or by source, and say so no more
+when it is gone. Simulated: the robot, of which only messages exist.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from geometry_msgs.msg import PointStamped
+from rclpy.node import Node
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from sensor_msgs.msg import JointState
+from shoecal_msgs.msg import ShoeVoltages
+from std_msgs.msg import String
+
+from reliability.live_robots import WaitedForRobot, put_in_force, start_calibrator
+from reliability.live_world import World, live_world
+from reliability.row import Progress, Result, Row
+from ros.bodies import nao_shoe
+from shoecal_ros.common import qos
+
+BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
+LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+TELL_S = 0.05
+
+
+def best_effort_joints(node: Node, source: str) -> tuple[str, str]:
+    """Joint angles that a recorder cannot hear."""
+    del source
+    node.create_publisher(JointState, "joint_states", BEST_EFFORT)
+    return "peers", node.get_name()
+
+
+def best_effort_voltages(node: Node, source: str) -> tuple[str, str]:
+    """Voltages likewise."""
+    del source
+    node.create_publisher(ShoeVoltages, "shoe/voltages", BEST_EFFORT)
+    return "peers", node.get_name()
+
+
+def other_type(node: Node, source: str) -> tuple[str, str]:
+    """Text where voltages belong."""
+    del source
+    node.create_publisher(String, "shoe/voltages", 10)
+    return "peers", node.get_name()
+
+
+def latched_listener(node: Node, source: str) -> tuple[str, str]:
+    """A controller that asks for more than is offered."""
+    del source
+    node.create_subscription(PointStamped, "shoe/cop", lambda _: None, LATCHED)
+    return "peers", node.get_name()
+
+
+def second_source(node: Node, source: str) -> tuple[str, str]:
+    """One cell comes from two places."""
+    publisher = node.create_publisher(ShoeVoltages, "shoe/voltages", qos.RAW)
+    message = ShoeVoltages(cell=[nao_shoe().names[3]], voltage=[1.0], status=[0])
+    message.header.frame_id = source
+
+    def tell() -> None:
+        message.header.stamp.sec += 1
+        publisher.publish(message)
+
+    node.create_timer(TELL_S, tell)
+    return "voltages", source
+
+
+RIVALS: tuple[Callable[[Node, str], tuple[str, str]], ...] = (
+    best_effort_joints, best_effort_voltages, other_type, latched_listener, second_source
+)  # fmt: skip
+"""What each does; the diagnostic's subject that must tell it, and the name that it must hold."""
+
+
+@dataclass(frozen=True)
+class Try:
+    """What came of one: in words what was tried, and after what time it was told [s]."""
+
+    what: str
+    took: float
+
+
+class Scene:
+    """A calibrator, and others that come and go."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.robot = WaitedForRobot(world)
+        start_calibrator(world)
+        put_in_force(world)
+        for subject in ("peers", "voltages"):
+            self._well(subject)
+
+    def try_one(self, index: int, rng: np.random.Generator) -> Try:
+        """One that does not fit."""
+        kind = index % (len(RIVALS) + 1)
+        name = f"odd_{int(rng.integers(10**6))}"
+        if kind == len(RIVALS):
+            return self._second_calibrator(name)
+        rival = self.world.companion(name)
+        begin = time.monotonic()
+        subject, wanted = RIVALS[kind](rival, f"{name}_source")
+        self.world.until_told("calibrator", subject, wanted)
+        took = time.monotonic() - begin
+        self.world.dismiss(rival)
+        self._well(subject)
+        return Try(RIVALS[kind].__name__.replace("_", " "), took)
+
+    def _second_calibrator(self, name: str) -> Try:
+        folders = dict.fromkeys(("state_dir", "sessions_dir"), self.world.folder / name)
+        self.world.start("calibrator", folders, "-r", f"__node:={name}", name=name)
+        self.world.until(lambda: self.world.diagnosis(name, "peers"))
+        begin = time.monotonic()
+        self.world.until_told("calibrator", "peers", f"'/{name}' publishes /shoe/state, too")
+        took = time.monotonic() - begin
+        self.world.until_told(name, "peers", "'/calibrator' publishes /shoe/state, too")
+        self.world.stop(name)
+        self._well("peers")
+        return Try("second calibrator", took)
+
+    def _well(self, subject: str) -> None:
+        def well() -> Any:
+            found = self.world.diagnosis("calibrator", subject)
+            return found is not None and found.level == b"\x00"
+
+        self.world.until(well)
+
+
+def tried(first: int, count: int, seed: int, progress: Progress) -> list[Try]:
+    """Tries first to first + count - 1; raises where one is not told, or told for ever."""
+    found = []
+    with live_world() as world:
+        scene = Scene(world)
+        for index in range(first, first + count):
+            found.append(scene.try_one(index, np.random.default_rng([seed, index])))
+            progress(len(found))
+    return found
+
+
+def run(first: int, count: int, seed: int, progress: Progress) -> Result:
+    """Those that were not told by name within a minute ended the tries."""
+    done = 0
+
+    def note(number: int) -> None:
+        nonlocal done
+        done = number
+        progress(number)
+
+    try:
+        found = tried(first, count, seed, note)
+    except AssertionError as error:
+        return Result(count, count - done, f"not told: {' '.join(str(error).split())[:200]}", 60.0)
+    worst = max(found, key=lambda one: one.took)
+    return Result(count, 0, f"{worst.took:.1f} s until told ({worst.what})", worst.took)
+
+
+ROW = Row(
+    key="misfits",
+    fault="QoS that does not match, two sources of one cell, a second calibrator",
+    holds="a diagnostic that names the other side",
+    tries=60,
+    step=12,
+    run=run,
+)

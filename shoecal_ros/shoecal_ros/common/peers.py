@@ -1,0 +1,111 @@
+"""Who else is on a node's topics, and whether that fits: what does not is told by name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSCompatibility, qos_check_compatible
+from rclpy.subscription import Subscription
+from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+from shoecal_ros.common.health import Condition, Level
+
+OTHERS_TOPICS = ("/rosout", "/parameter_events", "/diagnostics")
+"""Of all nodes there are."""
+
+
+class Peers:
+    """Looks at one topic at a time: at a high rate that would hold messages up.
+
+    Attributes:
+        alone: resolved names of topics on which nobody else may publish.
+    """
+
+    def __init__(self, node: Node) -> None:
+        self.alone: set[str] = set()
+        self._node = node
+        self._turn = 0
+        self._found: dict[tuple[str, bool], list[str]] = {}
+
+    @property
+    def condition(self) -> Condition:
+        """For diagnostics: everybody who does not fit, and the cure."""
+        told = "; ".join(line for lines in self._found.values() for line in lines)
+        if told:
+            return Condition(Level.ERROR, told)
+        return Condition(Level.OK, "nobody on this node's topics stands in its way")
+
+    def watch(self) -> None:
+        """Look at the next topic."""
+        ends = self._ends()
+        keys = [(end.topic_name, isinstance(end, Publisher)) for end in ends]
+        for gone in self._found.keys() - set(keys):
+            del self._found[gone]
+        if not ends:
+            return
+        self._turn = (self._turn + 1) % len(ends)
+        found = self._look(ends[self._turn])
+        if found:
+            self._found[keys[self._turn]] = found
+        else:
+            self._found.pop(keys[self._turn], None)
+
+    def _ends(self) -> list[Publisher | Subscription]:
+        ends: Sequence[Any] = (*self._node.publishers, *self._node.subscriptions)
+        return [end for end in ends if end.topic_name not in OTHERS_TOPICS]
+
+    def _look(self, end: Publisher | Subscription) -> list[str]:
+        """What is wrong with the others at one topic."""
+        node, topic = self._node, end.topic_name
+        if isinstance(end, Publisher):
+            found = [
+                line
+                for info in node.get_subscriptions_info_by_topic(topic)
+                if (line := _misfit(end, info, end.qos_profile, info.qos_profile))
+            ]
+            return found + (self._rivals(topic) if topic in self.alone else [])
+        return [
+            line
+            for info in node.get_publishers_info_by_topic(topic)
+            if (line := _misfit(end, info, info.qos_profile, end.qos_profile))
+        ]
+
+    def _rivals(self, topic: str) -> list[str]:
+        """Other publishers of a topic that is this node's alone."""
+        names = [_name(info) for info in self._node.get_publishers_info_by_topic(topic)]
+        own = self._node.get_fully_qualified_name()
+        if own in names:
+            names.remove(own)
+        return [
+            f"'{name}' publishes {topic}, too; stop one of them"
+            if name != own
+            else f"another node named '{name}' publishes {topic}, too; stop one of them, or wait "
+            "if it was killed just now"
+            for name in names
+        ]
+
+
+def _misfit(
+    own: Publisher | Subscription, other: TopicEndpointInfo, offered: Any, requested: Any
+) -> str:
+    """Why an endpoint hears nothing of another one; empty where they fit."""
+    verb = "listens to" if isinstance(own, Publisher) else "publishes"
+    message: Any = own.msg_type
+    kind = "/".join((message.__module__.split(".")[0], "msg", message.__name__))
+    if other.topic_type != kind:
+        return f"'{_name(other)}' {verb} {own.topic_name} as {other.topic_type}; it is {kind}"
+    compatible, reason = qos_check_compatible(offered, requested)
+    if compatible != QoSCompatibility.ERROR:
+        return ""
+    why = reason.strip().rstrip(";").removeprefix("ERROR: ")
+    return (
+        f"'{_name(other)}' {verb} {own.topic_name} with another quality of service ({why}): "
+        "nothing gets through; give it that of docs/nodes.md"
+    )
+
+
+def _name(info: TopicEndpointInfo) -> str:
+    return f"{info.node_namespace.rstrip('/')}/{info.node_name}"

@@ -1,0 +1,62 @@
+"""Which nodes of the suite have fallen silent: a killed one cannot say so itself."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+from shoecal_ros.common.health import Condition, Level
+
+SUITE = frozenset({"shoe_driver", "model", "planner", "calibrator", "simulator"})
+SILENT_S = 3.5
+"""Every node tells once a second how it fares."""
+ENDED = "ended"
+
+
+class RollCall:
+    """Hears diagnostics of the other nodes."""
+
+    def __init__(self, own: str, clock: Callable[[], float] = time.monotonic) -> None:
+        """Nobody has been heard.
+
+        Args:
+            own: name of the node that listens.
+            clock: monotonic [s].
+        """
+        self._own = own
+        self._clock = clock
+        self._heard: dict[str, float] = {}
+
+    def take(self, messages: Sequence[DiagnosticArray]) -> None:
+        """Take diagnostics, whoever sends them."""
+        now = self._clock()
+        for message in messages:
+            for status in message.status:
+                name = status.hardware_id
+                if name in SUITE and name != self._own and status.name.startswith(f"{name}: "):
+                    self._heard[name] = now
+                    if status.name == f"{name}: {ENDED}":
+                        del self._heard[name]
+
+    @property
+    def condition(self) -> Condition:
+        """For diagnostics: who has fallen silent without saying that it ends."""
+        now = self._clock()
+        silent = [name for name, at in self._heard.items() if now - at > SILENT_S]
+        if silent:
+            return Condition(
+                Level.ERROR,
+                f"{', '.join(sorted(silent))} told nothing for {SILENT_S:g} s, killed or hanging: "
+                "start it again",
+            )
+        return Condition(Level.OK, "no node has fallen silent", {"heard": ", ".join(self._heard)})
+
+
+def farewell(name: str) -> DiagnosticArray:
+    """Last words of a node that ends as it should."""
+    status = DiagnosticStatus(
+        level=bytes([Level.STALE]), name=f"{name}: {ENDED}", message=ENDED, hardware_id=name
+    )
+    return DiagnosticArray(status=[status])

@@ -1,0 +1,37 @@
+from __future__ import annotations
+
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+
+from ros.clock import Clock
+from shoecal_ros.common.health import Level
+from shoecal_ros.common.roll_call import RollCall, farewell
+
+
+def told(name: str, subject: str = "joints") -> DiagnosticArray:
+    return DiagnosticArray(status=[DiagnosticStatus(name=f"{name}: {subject}", hardware_id=name)])
+
+
+def level(call: RollCall) -> Level:
+    return call.condition.level
+
+
+def test_who_falls_silent_is_named_until_he_is_back() -> None:
+    clock = Clock()
+    call = RollCall("calibrator", clock)
+    call.take([told("planner"), told("model"), told("calibrator"), told("camera")])
+    assert level(call) is Level.OK
+    clock.now += 3.0
+    call.take([told("model")])
+    clock.now += 1.0
+    assert level(call) is Level.ERROR
+    assert call.condition.message.startswith("planner told nothing for 3.5 s")
+    call.take([told("planner")])
+    assert level(call) is Level.OK
+
+
+def test_who_says_that_he_ends_is_not_missed() -> None:
+    clock = Clock()
+    call = RollCall("calibrator", clock)
+    call.take([told("planner"), farewell("planner")])
+    clock.now += 10.0
+    assert level(call) is Level.OK
