@@ -81,6 +81,7 @@ class SoakRobot:
         self._missing: dict[int, FloatArray] = {}
         self._heard, self._heard_at, self._wrong = 0, 0.0, ""
         world.node.create_subscription(PointStamped, "shoe/cop", self._hear, qos.RAW)
+        self._next_tick = 0.0
         self._start()
 
     def second(self) -> str:
@@ -133,8 +134,10 @@ class SoakRobot:
         self._missing.clear()
 
     def _begun(self) -> bool:
-        """Let time pass until CoPs come."""
-        self._pass_time(hurt=False)
+        """Let time pass, slowly enough for nodes that are just starting, until CoPs come."""
+        if time.monotonic() > self._next_tick:
+            self._next_tick = time.monotonic() + SETTLED_S / 2.0
+            self._pass_time(hurt=False)
         return self._heard > 0
 
     def _tick(self) -> str:
