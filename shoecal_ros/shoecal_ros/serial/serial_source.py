@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import select
 import threading
 import time
@@ -162,11 +163,16 @@ class SerialSource:
         assert self._port is not None
         if not select.select([self._port.fileno()], [], [], timeout_s)[0]:
             return b""
-        data: bytes = self._port.read(READ_BYTES)
-        piece = data
+        # Past pyserial, which would ask once more whether there is anything.
+        try:
+            data = piece = os.read(self._port.fileno(), READ_BYTES)
+        except BlockingIOError:
+            return b""  # somebody else has read it
+        if not data:
+            raise serial.SerialException("it is ready, but gives nothing")
         while piece and len(data) < BACKLOG_BYTES:
             # The kernel hands a backlog out in pieces; read together they are stamped together.
-            piece = self._port.read(READ_BYTES)
+            piece = _more(self._port.fileno())
             data += piece
         return data
 
@@ -195,3 +201,11 @@ class SerialSource:
             self._next_attempt = self._monotonic() + PAUSES_S[0]
         if port is not None:
             port.close()
+
+
+def _more(line: int) -> bytes:
+    """What else there is already; that the line has gone is found at the next reading."""
+    try:
+        return os.read(line, READ_BYTES)
+    except OSError:
+        return b""
