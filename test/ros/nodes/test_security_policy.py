@@ -11,7 +11,7 @@ from shoecal_core.recording import schemas
 NODES = ("shoe_driver", "model", "planner", "calibrator", "simulator")
 NOT_ALWAYS = {
     "shoe_driver": {"/shoe/voltages"},  # heard while somebody else sends them, too
-    "calibrator": set(schemas.RUN_TOPICS),  # heard while it records
+    "calibrator": set(schemas.RUN_TOPICS),  # heard while it records; it stops the robot
     "model": {"/tf"},  # where tf2_msgs is installed
 }
 ELEMENTS = {
@@ -61,7 +61,7 @@ def holders(rule: str, name: str) -> set[str]:
 
 
 def test_who_may_move_the_robot() -> None:
-    assert holders("publish", "/joint_trajectory") == {"planner"}
+    assert holders("publish", "/joint_trajectory") == {"planner", "calibrator"}
     assert holders("publish", "/shoe/armed") == {"planner"}
     assert holders("request", "/shoe/arm") == {"operator"}
     assert holders("call", "/shoe/plan") == {"calibrator", "operator"}
