@@ -128,10 +128,7 @@ def _revised(workspace: Workspace, parts: list[Part], settings: DiagnosisSetting
             candidates = ranked(workspace, settings, others)
             if not candidates or not is_needed(candidates[0], without, settings):
                 return _revised(workspace, others, settings)
-            now = workspace.scorer.score([*others, parts[index]])
-            margin = settings.form_error * now.evidence
-            if weight(candidates[0]) > weight(now) + margin:
-                parts = [*others, candidates[0].parts[-1]]
+            parts = [*others, candidates[0].parts[-1]]
     return parts
 
 
