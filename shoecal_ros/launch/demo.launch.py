@@ -6,14 +6,17 @@
     ros2 action send_goal --feedback /shoe/diagnose shoecal_msgs/action/Diagnose "{seed: -1}"
 
 `ros2 run shoecal_ros demo` does the whole job by itself and compares it with the truth.
+
+Discovery stays on this computer unless ROS_AUTOMATIC_DISCOVERY_RANGE is set before.
 """
 
+import os
 import tempfile
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, SetEnvironmentVariable
 from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
@@ -36,6 +39,10 @@ def generate_launch_description() -> LaunchDescription:
     """Start the simulator, and the nodes on its clock and its port."""
     return LaunchDescription(
         [
+            SetEnvironmentVariable(
+                "ROS_AUTOMATIC_DISCOVERY_RANGE",
+                os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"),
+            ),
             *(
                 DeclareLaunchArgument(name, default_value=default, description=text)
                 for name, (default, text) in ARGUMENTS.items()

@@ -1,0 +1,34 @@
+"""What every launch file does before it starts anything."""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+LAUNCH = Path(__file__).parents[2] / "shoecal_ros/launch"
+FILES = sorted(LAUNCH.glob("*.py"))
+
+
+def called(node: ast.AST, name: str) -> bool:
+    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == name
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.name)
+def test_discovery_stays_on_this_computer(file: Path) -> None:
+    tree = ast.parse(file.read_text())
+    (description,) = (node for node in ast.walk(tree) if called(node, "LaunchDescription"))
+    assert isinstance(description, ast.Call)
+    (actions,) = description.args
+    assert isinstance(actions, ast.List)
+    first = actions.elts[0]
+    assert isinstance(first, ast.Call)
+    assert called(first, "SetEnvironmentVariable")
+    name, value = (ast.unparse(argument) for argument in first.args)
+    assert name == "'ROS_AUTOMATIC_DISCOVERY_RANGE'"
+    assert value == "os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')"
+
+
+def test_there_are_launch_files() -> None:
+    assert [file.name for file in FILES] == ["bringup.launch.py", "demo.launch.py"]
