@@ -20,7 +20,7 @@ from pages import ROOT
 from reliability.kept import Kept
 from reliability.page import write_json, write_page
 from reliability.row import Row
-from reliability.rows import Found, find_rows
+from reliability.rows import Found, find_row, find_rows
 from shoecal_core.errors import ShoecalError
 
 OUT = ROOT / "out"
@@ -30,27 +30,28 @@ PROGRESS_S = 2.0
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the rows asked for; 0 if nothing failed."""
-    rows = find_rows()
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--share", type=float, default=1.0, help="of every row's full size")
-    parser.add_argument("--only", nargs="+", metavar="ROW", help=f"of {', '.join(rows)}")
+    parser.add_argument("--only", nargs="+", metavar="ROW", help="these rows")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--fresh", action="store_true", help="forget what these rows have kept")
     parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
     parser.add_argument("--page", type=Path, default=PAGE, help="Markdown page with the table")
-    parser.add_argument("--alone", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument("--alone", metavar="MODULE", help=argparse.SUPPRESS)
     args = parser.parse_args(arguments)
-    wanted = args.only or list(rows)
-    if unknown := set(wanted).difference(rows):
-        parser.error(f"no row {', '.join(sorted(unknown))}; there are {', '.join(rows)}")
     if not 0.0 < args.share <= 1.0:
         parser.error("--share is more than 0 and at most 1")
     try:
         if args.alone:
-            for key in wanted:
-                run_row(rows[key].row, args.out, args.share, args.seed, fresh=args.fresh)
+            found = find_row(args.alone)
+            assert found is not None
+            run_row(found.row, args.out, args.share, args.seed, fresh=args.fresh)
             return 0
-        ended = [run_apart(key, args) for key in wanted]
+        rows = find_rows()
+        wanted = args.only or list(rows)
+        if unknown := set(wanted).difference(rows):
+            parser.error(f"no row {', '.join(sorted(unknown))}; there are {', '.join(rows)}")
+        ended = [run_apart(rows[key], args) for key in wanted]
         failed = write(rows, args.out, args.page, args.seed)
     except ShoecalError as error:
         print(error, file=sys.stderr)
@@ -58,13 +59,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0 if all(ended) and not failed.intersection(wanted) else 1
 
 
-def run_apart(key: str, args: argparse.Namespace) -> bool:
+def run_apart(found: Found, args: argparse.Namespace) -> bool:
     """Run a row in a process of its own; whether that came to its end."""
-    command = [sys.executable, __file__, "--alone", "--only", key, "--share", str(args.share)]
+    command = [sys.executable, __file__, "--alone", found.module, "--share", str(args.share)]
     command += ["--seed", str(args.seed), "--out", str(args.out)]
     done = subprocess.run([*command, *(["--fresh"] if args.fresh else [])], check=False)
     if done.returncode:
-        print(f"{key}: its process ended with {done.returncode}", file=sys.stderr)
+        print(f"{found.row.key}: its process ended with {done.returncode}", file=sys.stderr)
     return done.returncode == 0
 
 

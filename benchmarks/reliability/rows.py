@@ -13,10 +13,11 @@ from reliability.row import Row
 
 @dataclass(frozen=True)
 class Found:
-    """A row and its module's docstring, which explains it."""
+    """A row, its module's docstring, which explains it, and the module's name."""
 
     row: Row
     about: str
+    module: str
 
 
 def find_rows() -> dict[str, Found]:
@@ -27,10 +28,16 @@ def find_rows() -> dict[str, Found]:
     """
     rows: dict[str, Found] = {}
     for info in pkgutil.iter_modules(reliability.__path__):
-        module = importlib.import_module(f"{reliability.__name__}.{info.name}")
-        row = getattr(module, "ROW", None)
-        if isinstance(row, Row):
-            if row.key in rows:
-                raise ValueError(f"two rows have the key {row.key}; rename one")
-            rows[row.key] = Found(row, inspect.getdoc(module) or "")
+        found = find_row(info.name)
+        if found is not None:
+            if found.row.key in rows:
+                raise ValueError(f"two rows have the key {found.row.key}; rename one")
+            rows[found.row.key] = found
     return rows
+
+
+def find_row(name: str) -> Found | None:
+    """The row of one module, None where it has none."""
+    module = importlib.import_module(f"{reliability.__name__}.{name}")
+    row = getattr(module, "ROW", None)
+    return Found(row, inspect.getdoc(module) or "", name) if isinstance(row, Row) else None

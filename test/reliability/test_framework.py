@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import faults
+from reliability import serial_counter
 from reliability.kept import Kept
 from reliability.page import write_json, write_page
 from reliability.row import Progress, Result, Row, Run, merge
@@ -64,13 +65,13 @@ def test_a_killed_run_is_taken_up_where_it_was(tmp_path: Path) -> None:
 
 
 def test_a_process_that_was_killed_leaves_whole_results(tmp_path: Path) -> None:
-    command = [sys.executable, faults.__file__, "--alone", "--only", "serial-counter"]
+    command = [sys.executable, faults.__file__, "--alone", "serial_counter"]
     command += ["--out", str(tmp_path)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as killed:
         assert killed.stdout is not None
         assert killed.stdout.readline().startswith(b"serial-counter: 500 of 10,000")
         killed.kill()
-    kept = Kept(find_rows()["serial-counter"].row, tmp_path / "faults", 0)
+    kept = Kept(serial_counter.ROW, tmp_path / "faults", 0)
     assert kept.result.tried >= 500
     assert next(kept.missing(1.0))[0] == kept.result.tried
 
@@ -104,7 +105,10 @@ def test_other_steps_begin_anew(tmp_path: Path) -> None:
 
 
 def test_page_and_figures(tmp_path: Path) -> None:
-    rows = {"odd": Found(row(odd), "What it does."), "none": Found(row(odd), "Not run.")}
+    rows = {
+        "odd": Found(row(odd), "What it does.", "odd"),
+        "none": Found(row(odd), "Not run.", "none"),
+    }
     results = {"odd": odd(0, 4, 0, lambda _: None), "none": merge([])}
     page = tmp_path / "page.md"
     write_page(rows, results, page)
