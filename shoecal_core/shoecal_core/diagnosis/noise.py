@@ -22,6 +22,8 @@ from shoecal_core.diagnosis.signals import (
 FloatArray = NDArray[np.float64]
 MOST_KEEP = 0.97
 FEWEST = 10
+MODEL_ERRORS = 1.5
+"""Of a robot without a fault, times the usual error of a model."""
 
 
 def least_noise(scene: Scene) -> FloatArray:
@@ -51,9 +53,18 @@ def with_model_error(scene: Scene, noise: Noise, settings: DiagnosisSettings) ->
     well sensors tell what happens, smaller things than that are not what is looked for.
     """
     samples = scene.samples
+    error = model_error(scene, settings)
+    step = float(np.median(np.diff(samples.time)[np.diff(samples.segment) == 0]))
+    keep = float(np.exp(-step / settings.model_error_s))
+    std = np.hypot(noise.std, error)
+    return Noise(std, (noise.std**2 * noise.keep + error**2 * keep) / std**2)
+
+
+def model_error(scene: Scene, settings: DiagnosisSettings) -> FloatArray:
+    """(s,) what each signal is off when soles lean by `model_error_rad`."""
     lean = settings.model_error_rad
-    height = float(np.median(samples.states.com[:, 0, 2]))
-    weight = float(np.median(samples.force))
+    height = float(np.median(scene.samples.states.com[:, 0, 2]))
+    weight = float(np.median(scene.samples.force))
     error = np.zeros(len(SIGNALS))
     error[GRF] = lean * weight
     error[COP] = lean * height
@@ -61,10 +72,28 @@ def with_model_error(scene: Scene, noise: Noise, settings: DiagnosisSettings) ->
     error[CLOSURE] = lean * np.array([*(3 * (0.5 * height,)), 1.0, 1.0, 1.0])
     error[PARITY] = 0.2 * lean * weight
     error[TILT] = lean
-    step = float(np.median(np.diff(samples.time)[np.diff(samples.segment) == 0]))
-    keep = float(np.exp(-step / settings.model_error_s))
-    std = np.hypot(noise.std, error)
-    return Noise(std, (noise.std**2 * noise.keep + error**2 * keep) / std**2)
+    return error
+
+
+def quiet(scene: Scene, settings: DiagnosisSettings) -> FloatArray:
+    """(s,) noise that a robot without a fault has at most: of sensors, and of any model.
+
+    What is more may be an effect that nothing known explains: it must not raise the floor that
+    it is judged by. Of a robot that walks nothing of the kind can be said.
+    """
+    samples = scene.samples
+    if samples.walks.any():
+        return np.full(len(SIGNALS), np.inf)
+    alike = (np.diff(samples.segment)[1:] == 0) & (np.diff(samples.segment)[:-1] == 0)
+    mask = scene.mask
+    there = mask[2:] & mask[1:-1] & mask[:-2] & alike[:, None]
+    bend = np.diff(scene.residuals, n=2, axis=0)
+    # A median, as a jolt is no noise either; of a normal number's square it is 0.455.
+    white = [
+        np.sqrt(np.median(one[here] ** 2) / 0.455 / 6.0) if here.any() else 0.0
+        for one, here in zip(bend.T, there.T, strict=True)
+    ]
+    return np.hypot(MODEL_ERRORS * model_error(scene, settings), np.array(white))
 
 
 def noise_of(samples: Samples, mask: NDArray[np.bool_], rest: FloatArray) -> Noise:

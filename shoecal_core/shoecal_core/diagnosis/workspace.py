@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline, precision
 from shoecal_core.diagnosis.effects.base import Effect, Place
 from shoecal_core.diagnosis.hypotheses import Catalogue, make_catalogue
-from shoecal_core.diagnosis.noise import least_noise, noise_of, with_model_error
+from shoecal_core.diagnosis.noise import least_noise, noise_of, quiet, with_model_error
 from shoecal_core.diagnosis.regression import FEW_RUNS, Noise, Sums, Whitening, make_sums, solve
 from shoecal_core.diagnosis.scoring import Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
@@ -35,6 +35,7 @@ class Workspace:
     Attributes:
         scene: with gains and offsets fitted to the training runs.
         noise: of the signals.
+        quiet: (s,) noise that a robot without a fault has at most.
         catalogue: of hypotheses.
         whitening: by that noise.
         sums: of all runs.
@@ -44,6 +45,7 @@ class Workspace:
 
     scene: Scene
     noise: Noise
+    quiet: FloatArray
     catalogue: Catalogue
     whitening: Whitening
     sums: Sums
@@ -77,8 +79,8 @@ class Workspace:
 
     @property
     def floor(self) -> FloatArray:
-        """(s,) what noise and the stances' own errors leave of each signal."""
-        return np.hypot(self.noise.std, self.scene.standing_errors)
+        """(s,) what noise and the stances' own errors leave of each signal, without a fault."""
+        return np.hypot(np.minimum(self.noise.std, self.quiet), self.scene.standing_errors)
 
     @property
     def own_errors(self) -> NDArray[np.int64]:
@@ -125,7 +127,15 @@ def make_workspace(
         cut=len(train) < FEW_RUNS,
     )
     return Workspace(
-        scene, noise, catalogue, whitening, sums, Scorer(sums, train), tuple(train), tuple(test)
+        scene,
+        noise,
+        quiet(scene, settings),
+        catalogue,
+        whitening,
+        sums,
+        Scorer(sums, train),
+        tuple(train),
+        tuple(test),
     )
 
 
