@@ -1,10 +1,11 @@
 """Others on the same topics who do not fit.
 
-Beside a real calibrator and a real model appears a node of a drawn name: it publishes joint
-angles or voltages best effort or as another type, listens to CoP with a quality of service that is
-not offered, sends a cell that another source sends already, or is a second calibrator, a process
-of its own. The calibrator's diagnostics must name it, by node or by source, and say so no more
-when it is gone. Simulated: the robot, of which only messages exist.
+Beside a real calibrator and a real planner appears a node of a drawn name: it publishes joint
+angles or voltages best effort or as another type, listens to CoP with a quality of service that
+is not offered, sends a cell that another source sends already, or is a second calibrator, a
+process of its own. The calibrator's diagnostics must name it, by node or by source, and say so no
+more when it is gone; of those who fit (the planner, the robot) they must say nothing. Simulated:
+the robot, of which only messages exist.
 """
 
 from __future__ import annotations
@@ -97,6 +98,8 @@ class Scene:
         self.robot = WaitedForRobot(world)
         start_calibrator(world)
         put_in_force(world)
+        world.start("planner", {"stale_s": 5.0})
+        world.until_told("planner", "planning", "ready")
         for subject in ("peers", "voltages"):
             self._well(subject)
 

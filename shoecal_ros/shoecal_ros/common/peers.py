@@ -60,18 +60,17 @@ class Peers:
     def _look(self, end: Publisher | Subscription) -> list[str]:
         """What is wrong with the others at one topic."""
         node, topic = self._node, end.topic_name
-        if isinstance(end, Publisher):
-            found = [
-                line
-                for info in node.get_subscriptions_info_by_topic(topic)
-                if (line := _misfit(end, info, end.qos_profile, info.qos_profile))
-            ]
-            return found + (self._rivals(topic) if topic in self.alone else [])
-        return [
-            line
-            for info in node.get_publishers_info_by_topic(topic)
-            if (line := _misfit(end, info, info.qos_profile, end.qos_profile))
-        ]
+        senders = node.get_publishers_info_by_topic(topic)
+        hearers = node.get_subscriptions_info_by_topic(topic)
+        sends = isinstance(end, Publisher)
+        ours, theirs = (senders, hearers) if sends else (hearers, senders)
+        own_name = node.get_fully_qualified_name()
+        # As the others see it, too: what a node asks for itself leaves out what is not asked for.
+        own = next((info for info in ours if _name(info) == own_name), None)
+        if own is None:
+            return []
+        found = [line for info in theirs if (line := _misfit(own, info, topic, sends=sends))]
+        return found + (self._rivals(topic) if sends and topic in self.alone else [])
 
     def _rivals(self, topic: str) -> list[str]:
         """Other publishers of a topic that is this node's alone."""
@@ -88,21 +87,18 @@ class Peers:
         ]
 
 
-def _misfit(
-    own: Publisher | Subscription, other: TopicEndpointInfo, offered: Any, requested: Any
-) -> str:
-    """Why an endpoint hears nothing of another one; empty where they fit."""
-    verb = "listens to" if isinstance(own, Publisher) else "publishes"
-    message: Any = own.msg_type
-    kind = "/".join((message.__module__.split(".")[0], "msg", message.__name__))
-    if other.topic_type != kind:
-        return f"'{_name(other)}' {verb} {own.topic_name} as {other.topic_type}; it is {kind}"
-    compatible, reason = qos_check_compatible(offered, requested)
+def _misfit(own: TopicEndpointInfo, other: TopicEndpointInfo, topic: str, *, sends: bool) -> str:
+    """Why two ends of a topic hear nothing of each other; empty where they fit."""
+    verb = "listens to" if sends else "publishes"
+    if other.topic_type != own.topic_type:
+        return f"'{_name(other)}' {verb} {topic} as {other.topic_type}; it is {own.topic_type}"
+    offered, requested = (own, other) if sends else (other, own)
+    compatible, reason = qos_check_compatible(offered.qos_profile, requested.qos_profile)
     if compatible != QoSCompatibility.ERROR:
         return ""
     why = reason.strip().rstrip(";").removeprefix("ERROR: ")
     return (
-        f"'{_name(other)}' {verb} {own.topic_name} with another quality of service ({why}): "
+        f"'{_name(other)}' {verb} {topic} with another quality of service ({why}): "
         "nothing gets through; give it that of docs/nodes.md"
     )
 
