@@ -21,7 +21,7 @@ from shoecal_ros.serial.watch import StreamWatch
 
 READ_BYTES = 4096
 BACKLOG_BYTES = 65536
-PAUSES_S = (0.0, 0.1, 0.2, 0.4, 0.8)
+PAUSES_S = (0.0, 0.1, 0.2, 0.4)
 """Before each attempt to open a port that is gone; the last one repeats."""
 REQUEST_S = 1.0
 REQUESTS = 5
