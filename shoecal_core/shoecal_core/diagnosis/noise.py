@@ -93,7 +93,8 @@ def quiet(scene: Scene, settings: DiagnosisSettings) -> FloatArray:
         np.sqrt(np.median(one[here] ** 2) / 0.455 / 6.0) if here.any() else 0.0
         for one, here in zip(bend.T, there.T, strict=True)
     ]
-    return np.hypot(MODEL_ERRORS * model_error(scene, settings), np.array(white))
+    most: FloatArray = np.hypot(MODEL_ERRORS * model_error(scene, settings), np.array(white))
+    return most
 
 
 def noise_of(samples: Samples, mask: NDArray[np.bool_], rest: FloatArray) -> Noise:

@@ -233,7 +233,8 @@ class Scene:
             for run in samples.runs
             if np.any(here := samples.both & (samples.run == run))
         ]
-        return np.median(ranges or [np.ptp(self.outputs, axis=0)], axis=0)
+        usual: FloatArray = np.median(ranges or [np.ptp(self.outputs, axis=0)], axis=0)
+        return usual
 
     @cached_property
     def links(self) -> body.Links:
