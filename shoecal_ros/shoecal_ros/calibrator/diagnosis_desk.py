@@ -11,7 +11,7 @@ from shoecal_msgs.action import Diagnose
 
 from shoecal_ros.calibrator.diagnosis_job import DiagnosisJob, Request
 from shoecal_ros.calibrator.job import new_run_id
-from shoecal_ros.common.actions import finish
+from shoecal_ros.common.actions import finish, logged
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.refusal import RefusedError
 
@@ -40,6 +40,11 @@ class DiagnosisDesk:
         return self._job is not None
 
     @property
+    def run_id(self) -> str:
+        """Of the one under way; empty while there is none."""
+        return "" if self._job is None else self._job.state.run_id
+
+    @property
     def condition(self) -> Condition:
         """How far it is, or how the last one ended, for diagnostics."""
         if self._job is None:
@@ -64,7 +69,8 @@ class DiagnosisDesk:
             await self._do(goal, result)
         except RefusedError as refusal:
             result.error_code, result.message = refusal.code, str(refusal)
-            self._node.get_logger().warning(f"diagnosis ended: {refusal}")
+            if not result.run_id:
+                self._node.log(Level.WARN, f"diagnosis not begun: {refusal}")
         finish(goal, result, canceled=Diagnose.Result.CANCELED)
         return result
 
@@ -74,7 +80,10 @@ class DiagnosisDesk:
         node.refuse_second_job()
         request = self._request(goal.request)
         job = self._job = DiagnosisJob(
-            node, request, goal.publish_feedback, lambda: bool(goal.is_cancel_requested)
+            node,
+            request,
+            logged(node, goal.publish_feedback, lambda told: (told.phase, told.run)),
+            lambda: bool(goal.is_cancel_requested),
         )
         result.run_id = request.run_id
         if request.moves:
@@ -85,6 +94,7 @@ class DiagnosisDesk:
             self._last = Condition(Level.OK, result.message)
         except RefusedError as refusal:
             self._last = Condition(Level.WARN, f"ended: {refusal}")
+            node.log(Level.WARN, f"diagnosis ended: {refusal}")
             raise
         finally:
             self._job = None

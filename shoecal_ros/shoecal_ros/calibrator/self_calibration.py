@@ -14,7 +14,7 @@ from shoecal_msgs.srv import SelfCalibrate
 from shoecal_ros.calibrator.calibration_job import CalibrationJob, Request
 from shoecal_ros.calibrator.job import new_run_id
 from shoecal_ros.calibrator.job_settings import MOST_SUPPORTS
-from shoecal_ros.common.actions import finish
+from shoecal_ros.common.actions import finish, logged
 from shoecal_ros.common.conversions import calibration_to_ros
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.refusal import RefusedError
@@ -39,6 +39,11 @@ class SelfCalibrationDesk:
     def busy(self) -> bool:
         """Whether a self-calibration is under way."""
         return self._job is not None
+
+    @property
+    def run_id(self) -> str:
+        """Of the one under way; empty while there is none."""
+        return "" if self._job is None else self._job.request.run_id
 
     @property
     def condition(self) -> Condition | None:
@@ -74,7 +79,10 @@ class SelfCalibrationDesk:
         node.desk.problem = ""
         node.listen_for_recording()
         self._job = CalibrationJob(
-            node, Request(new_run_id(), supports, train, seed), feedback, canceled
+            node,
+            Request(new_run_id(), supports, train, seed),
+            logged(node, feedback, lambda told: (told.stage, told.support)),
+            canceled,
         )
         return self._job
 
@@ -89,6 +97,9 @@ class SelfCalibrationDesk:
             node.desk.apply_found(calibration, warned=node.job_settings.apply_warned)
             result.success = True
             result.message = f"'{calibration.id}' in force: {'; '.join(calibration.reasons)}"
+        except RefusedError as refusal:
+            node.log(Level.WARN, f"self-calibration ended: {refusal}")
+            raise
         finally:
             result.session = str(job.session or "")
             self._job = None
@@ -102,7 +113,8 @@ class SelfCalibrationDesk:
             await self._do(job, result)
         except RefusedError as refusal:
             result.error_code, result.message = refusal.code, str(refusal)
-            self._node.get_logger().warning(f"self-calibration ended: {refusal}")
+            if not result.run_id:
+                self._node.log(Level.WARN, f"self-calibration not begun: {refusal}")
         finish(goal, result, canceled=Calibrate.Result.CANCELED)
         return result
 

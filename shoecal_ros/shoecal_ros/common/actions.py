@@ -12,7 +12,8 @@ from rclpy.action.server import ServerGoalHandle
 from rclpy.task import Future
 
 from shoecal_core.errors import ShoecalError
-from shoecal_ros.common.runtime import until
+from shoecal_ros.common.health import Level
+from shoecal_ros.common.runtime import ShoecalNode, until
 
 ANSWER_S = 10.0
 """Wall-clock time in which a server must answer a request, or end what it was told to stop."""
@@ -44,6 +45,28 @@ class Pacing:
             return False
         self._told = (stage, now)
         return True
+
+
+def logged(
+    node: ShoecalNode, feedback: Callable[[Any], None], step: Callable[[Any], tuple[object, ...]]
+) -> Callable[[Any], None]:
+    """Feedback that also goes to the log, a line whenever another step begins.
+
+    Args:
+        node: whose log.
+        feedback: what hears all of it.
+        step: of one feedback.
+    """
+    last: tuple[object, ...] = ()
+
+    def tell(told: Any) -> None:
+        nonlocal last
+        if (now := step(told)) != last:
+            last = now
+            node.log(Level.OK, f"{' '.join(map(str, now))}: {told.message}")
+        feedback(told)
+
+    return tell
 
 
 def finish(goal: ServerGoalHandle, result: Any, *, canceled: int) -> None:

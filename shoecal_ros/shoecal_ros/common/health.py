@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 
@@ -35,7 +36,14 @@ class Condition:
 class Health:
     """The conditions of a node, by subject."""
 
-    def __init__(self) -> None:
+    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
+        """Nothing is known.
+
+        Args:
+            clock: monotonic [s].
+        """
+        self._clock = clock
+        self._errors: dict[str, tuple[float, str]] = {}
         self._conditions: dict[str, Condition] = {}
         self._fresh: dict[str, Condition] = {}
 
@@ -43,6 +51,14 @@ class Health:
     def conditions(self) -> Mapping[str, Condition]:
         """By subject, in the order they were first told."""
         return self._conditions
+
+    def values(self, subject: str) -> dict[str, str]:
+        """Its figures; once there was a warning or an error, also the last one and its age."""
+        values = dict(self._conditions[subject].values)
+        if subject in self._errors:
+            at, message = self._errors[subject]
+            values |= {"last_error": message, "last_error_age_s": f"{self._clock() - at:.0f}"}
+        return values
 
     def tell(self, subject: str, level: Level, message: str, **values: object) -> None:
         """Note how a subject fares."""
@@ -53,6 +69,8 @@ class Health:
         """The same; other figures in the same words are no news."""
         before = self._conditions.get(subject)
         self._conditions[subject] = condition
+        if condition.level is not Level.OK:
+            self._errors[subject] = (self._clock(), condition.message)
         if (
             before is None
             or before.level is not condition.level

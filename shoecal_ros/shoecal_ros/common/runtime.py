@@ -201,18 +201,29 @@ class ShoecalNode(Node):
         with contextlib.suppress(rclpy_implementation.InvalidHandle):
             self.destroy_node()
 
+    # Logs
+
+    @property
+    def run_id(self) -> str:
+        """Of the job under way; it stands in every line of the log. Empty: there is none."""
+        return ""
+
+    def log(self, level: Level, line: str) -> None:
+        """Write a line, with the id of the job under way."""
+        told = f"[{self.run_id}] {line}" if self.run_id else line
+        if level is Level.OK:
+            self.get_logger().info(told)
+        elif level is Level.WARN:
+            self.get_logger().warning(told)
+        else:
+            self.get_logger().error(told)
+
     # Inside
 
     def _log_news(self) -> None:
         news = self.health.news()
         for subject, condition in news.items():
-            line = f"{subject}: {condition.message}"
-            if condition.level is Level.OK:
-                self.get_logger().info(line)
-            elif condition.level is Level.WARN:
-                self.get_logger().warning(line)
-            else:
-                self.get_logger().error(line)
+            self.log(condition.level, f"{subject}: {condition.message}")
         if news:
             self._report()
 
@@ -225,7 +236,10 @@ class ShoecalNode(Node):
                 name=f"{self.get_name()}: {subject}",
                 message=condition.message,
                 hardware_id=self.get_name(),
-                values=[KeyValue(key=key, value=value) for key, value in condition.values.items()],
+                values=[
+                    KeyValue(key=key, value=value)
+                    for key, value in self.health.values(subject).items()
+                ],
             )
             for subject, condition in self.health.conditions.items()
         ]

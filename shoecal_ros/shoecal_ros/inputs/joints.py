@@ -107,7 +107,7 @@ class JointInput:
         if batch is None:
             return None
         self.latest = JointBatch(batch.stamp_ns[-1:], batch.angles[-1:])
-        self.heard.note()
+        self.heard.note(len(batch.stamp_ns))
         return batch
 
     def _later(self, stamps: NDArray[np.int64], angles: FloatArray) -> JointBatch | None:

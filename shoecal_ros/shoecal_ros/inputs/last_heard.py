@@ -12,6 +12,8 @@ SILENT_S = 0.08
 SILENT_PERIODS = 2.7
 """Where it comes more seldom, without news for so many of its periods: told within three."""
 _INTERVALS = 9
+RATE_S = 2.0
+"""Rates are told over so long a time."""
 
 
 class LastHeard:
@@ -28,6 +30,8 @@ class LastHeard:
         self._silent_s = silent_s
         self._at = -math.inf
         self._intervals: deque[float] = deque([0.0], maxlen=_INTERVALS)
+        self._count = 0
+        self._counted: deque[tuple[float, int]] = deque([(clock(), 0)])
 
     @property
     def age_s(self) -> float:
@@ -45,8 +49,20 @@ class LastHeard:
         age_s = self.age_s
         return age_s > self._silent_s and age_s > self.patience_s
 
-    def note(self) -> None:
-        """Something has come."""
+    def figures(self) -> dict[str, str]:
+        """Rate [Hz] and age [s], for diagnostics; to be asked several times in RATE_S."""
+        now, counted = self._clock(), self._counted
+        counted.append((now, self._count))
+        while len(counted) > 2 and counted[1][0] <= now - RATE_S:
+            counted.popleft()
+        begin, before = counted[0]
+        rate = (self._count - before) / (now - begin) if now > begin else 0.0
+        age = "never" if self._at == -math.inf else f"{now - self._at:.3f}"
+        return {"rate_hz": f"{rate:.1f}", "age_s": age}
+
+    def note(self, count: int = 1) -> None:
+        """Something has come, `count` of it at once."""
+        self._count += count
         now = self._clock()
         if self._at > -math.inf:
             self._intervals.append(now - self._at)

@@ -113,6 +113,6 @@ class VoltageInput:
         if instants:
             if self._watch is not None:
                 instants = self._watch.take(instants)
-            self.heard.note()
+            self.heard.note(len(instants))
             self.latest = instants[-1]
         return instants

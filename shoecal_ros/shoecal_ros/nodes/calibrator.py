@@ -194,6 +194,11 @@ class Calibrator(ShoecalNode):
             return "a self-calibration"
         return "a diagnosis" if self._diagnoses.busy else ""
 
+    @property
+    def run_id(self) -> str:
+        """Of the job under way."""
+        return self._self_calibration.run_id or self._diagnoses.run_id
+
     def refuse_second_job(self) -> None:
         """Only one job at a time; RefusedError where there is one."""
         if told := self.job_under_way:
@@ -218,8 +223,12 @@ class Calibrator(ShoecalNode):
     def watch(self) -> None:
         """Tell how everything fares."""
         for subject, problem, figures in (
-            ("joints", self.joints.problem, {}),
-            ("voltages", self.voltages.problem, {"lost_frames": self.voltages.lost}),
+            ("joints", self.joints.problem, self.joints.heard.figures()),
+            (
+                "voltages",
+                self.voltages.problem,
+                {**self.voltages.heard.figures(), "lost_frames": str(self.voltages.lost)},
+            ),
         ):
             level = Level.ERROR if problem else Level.OK
             self.health.tell(subject, level, problem or f"{subject} come", **figures)

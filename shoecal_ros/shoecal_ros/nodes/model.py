@@ -54,7 +54,10 @@ class Model(ShoecalNode):
         """Tell whether joint angles come."""
         problem = self._joints.problem
         self.health.tell(
-            "joints", Level.ERROR if problem else Level.OK, problem or "joint angles come"
+            "joints",
+            Level.ERROR if problem else Level.OK,
+            problem or "joint angles come",
+            **self._joints.heard.figures(),
         )
         super().watch()
 

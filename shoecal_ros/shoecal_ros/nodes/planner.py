@@ -114,7 +114,10 @@ class Planner(ShoecalNode):
             self._armed.publish(Bool(data=self.arming.armed))
         problem = self.joints.problem
         self.health.tell(
-            "joints", Level.ERROR if problem else Level.OK, problem or "joint angles come"
+            "joints",
+            Level.ERROR if problem else Level.OK,
+            problem or "joint angles come",
+            **self.joints.heard.figures(),
         )
         self.health.tell("arming", Level.OK, "armed" if self.arming.armed else "not armed")
         self._tell_planning()

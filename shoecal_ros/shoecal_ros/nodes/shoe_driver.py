@@ -23,6 +23,7 @@ from shoecal_ros.common.health import Level
 from shoecal_ros.common.runtime import ShoecalNode, publish_all, run
 from shoecal_ros.serial.config import load_driver_config
 from shoecal_ros.serial.driver import DriverStatus, Reading, open_driver
+from shoecal_ros.serial.frame import FaultKind
 
 READ_S = 0.1
 """Longest wait for bytes: bounds how long closing takes."""
@@ -144,6 +145,8 @@ def _figures(status: DriverStatus) -> dict[str, object]:
         "port": source.name,
         "connected": source.connected,
         "rate_hz": f"{source.rate:.1f}",
+        "age_s": "never" if source.age is None else f"{source.age:.3f}",
+        "lost_frames": source.counts.faults[FaultKind.LOST_FRAMES],
         "frames": source.counts.frames,
         "bytes": source.counts.bytes,
         "skipped_bytes": source.counts.skipped_bytes,
@@ -153,7 +156,9 @@ def _figures(status: DriverStatus) -> dict[str, object]:
     }
     if source.info is not None:
         figures["firmware"] = source.info.firmware
-    figures |= {fault.value: count for fault, count in source.counts.faults.items()}
+    figures |= {
+        fault.value.replace(" ", "_"): count for fault, count in source.counts.faults.items()
+    }
     return figures
 
 

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from ros.clock import Clock
 from shoecal_ros.common.health import Health, Level
 
 
@@ -29,3 +30,16 @@ def test_a_worse_level_is_news() -> None:
     health.news()
     health.tell("robot", Level.WARN, "stands")
     assert "robot" in health.news()
+
+
+def test_the_last_error_stays_to_be_seen() -> None:
+    clock = Clock()
+    health = Health(clock)
+    health.tell("device", Level.OK, "reading", frames=1)
+    assert health.values("device") == {"frames": "1"}
+    health.tell("device", Level.ERROR, "unplugged")
+    clock.now += 5.0
+    health.tell("device", Level.OK, "reading", frames=2)
+    assert health.values("device") == {
+        "frames": "2", "last_error": "unplugged", "last_error_age_s": "5",
+    }  # fmt: skip

@@ -30,3 +30,17 @@ def test_one_gap_makes_nobody_patient() -> None:
         clock.now += gap
         heard.note()
     assert heard.patience_s == pytest.approx(0.08)
+
+
+def test_rate_and_age_are_told() -> None:
+    clock = Clock()
+    heard = LastHeard(clock)
+    assert heard.figures() == {"rate_hz": "0.0", "age_s": "never"}
+    for _ in range(30):
+        clock.now += 0.1
+        heard.note(10)
+        told = heard.figures()
+    assert told == {"rate_hz": "100.0", "age_s": "0.000"}
+    clock.now += 1.0
+    assert heard.figures()["age_s"] == "1.000"
+    assert float(heard.figures()["rate_hz"]) < 60.0
