@@ -26,7 +26,7 @@ NOISE_V = 1e-3
 NEWTONS_PER_VOLT = 12.0
 RAIL_V = 5.0
 SPIKE_FRAMES, SLOW_FRAMES = 15, 15
-WAIT_S = 10.0
+WAIT_S = 60.0
 
 
 def off(rng: np.random.Generator, cell: int) -> Spoil:

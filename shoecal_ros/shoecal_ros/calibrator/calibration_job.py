@@ -51,7 +51,7 @@ class CalibrationJob:
         site: Site,
         request: Request,
         feedback: Callable[[Calibrate.Feedback], None],
-        canceled: Callable[[], bool],
+        canceled: Callable[[], bool] | None,
     ) -> None:
         self.request = request
         self.session: Path | None = None

@@ -81,9 +81,17 @@ class Job:
         site: its node.
     """
 
-    def __init__(self, site: Site, canceled: Callable[[], bool]) -> None:
+    def __init__(self, site: Site, canceled: Callable[[], bool] | None) -> None:
+        """A job begins.
+
+        Args:
+            site: its node.
+            canceled: whether it is asked to end; None where nobody can ask for that: then
+                disarming ends it also while nothing moves.
+        """
         self.site = site
-        self._canceled = canceled
+        self._alone = canceled is None
+        self._canceled = canceled or (lambda: False)
         self._disarmings = site.disarmings
 
     @property
@@ -100,7 +108,11 @@ class Job:
     @property
     def _armed(self) -> bool:
         """Armed, and never disarmed since the job began: arming anew is not meant for it."""
-        return self.site.armed and self.site.disarmings == self._disarmings
+        return self.site.armed and not self._disarmed
+
+    @property
+    def _disarmed(self) -> bool:
+        return self.site.disarmings != self._disarmings
 
     def check(self) -> None:
         """End the job where nothing may move any more.
@@ -149,18 +161,21 @@ class Job:
         Args:
             work: under way.
             code: of its failure.
-            moving: whether the robot is to move; else only cancelling ends the job.
+            moving: whether the robot is to move; else only who may stop the job ends it.
             progress: takes what the work tells meanwhile.
         """
 
         def over() -> bool:
             if work.progress is not None:
                 progress(work.progress)
-            return work.done or (self.interrupted if moving else self._canceled())
+            return work.done or (self.interrupted if moving else stopped())
+
+        def stopped() -> bool:
+            return self._canceled() or (self._alone and self._disarmed)
 
         await until(over, _FOREVER_S)
         self.check_canceled()
-        if moving:
+        if moving or stopped():
             self.check()
         try:
             return work.result()

@@ -63,7 +63,7 @@ class SelfCalibrationDesk:
         self,
         goal: Any,
         feedback: Callable[[Calibrate.Feedback], None],
-        canceled: Callable[[], bool],
+        canceled: Callable[[], bool] | None,
     ) -> CalibrationJob:
         node = self._node
         node.refuse_second_job()
@@ -121,10 +121,8 @@ class SelfCalibrationDesk:
     def _self_calibrate(
         self, request: SelfCalibrate.Request, response: SelfCalibrate.Response
     ) -> SelfCalibrate.Response:
-        begun = self._node.disarmings
         try:
-            # Nothing but disarming can stop it, also when nothing moves any more.
-            job = self._begin(request, lambda _: None, lambda: self._node.disarmings != begun)
+            job = self._begin(request, lambda _: None, None)
         except RefusedError as refusal:
             response.message = str(refusal)
             return response
