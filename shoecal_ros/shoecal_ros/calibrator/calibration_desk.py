@@ -11,12 +11,13 @@ from shoecal_msgs.msg import ShoeCalibration
 from shoecal_msgs.srv import GetCalibration, SetCalibration
 from std_srvs.srv import Trigger
 
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.errors import ShoecalError
-from shoecal_ros.calibrator.calibration_store import CalibrationStore
+from shoecal_core.calibration.calibration import Calibration, WrongShoeError
+from shoecal_core.errors import FileError, ShoecalError
+from shoecal_ros.calibrator.calibration_store import CalibrationStore, NotApplicableError
 from shoecal_ros.calibrator.in_force import UNCALIBRATED, InForce
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import calibration_from_ros, calibration_to_ros, time_to_ros
+from shoecal_ros.common.health import Level
 from shoecal_ros.common.refusal import RefusedError
 
 if TYPE_CHECKING:
@@ -157,7 +158,7 @@ class CalibrationDesk:
             calibration = calibration_from_ros(request.calibration)
             self._apply(calibration, force=request.force)
         except ShoecalError as error:
-            response.message = self._refused(error)
+            response.error_code, response.message = _code(error), self._refused(error)
         else:
             response.success, response.message = True, self._accepted()
         return response
@@ -183,5 +184,16 @@ class CalibrationDesk:
 
     def _refused(self, error: ShoecalError) -> str:
         """Why not, on screen too."""
-        self._node.get_logger().warning(f"not in force: {error}")
+        self._node.log(Level.WARN, f"not in force: {error}")
         return str(error)
+
+
+def _code(error: ShoecalError) -> int:
+    """Of `SetCalibration.Response`."""
+    codes = SetCalibration.Response
+    found: int = codes.BAD_CALIBRATION
+    if isinstance(error, FileError):
+        found = codes.NOT_SAVED
+    elif isinstance(error, NotApplicableError | WrongShoeError):
+        found = codes.NOT_APPLICABLE
+    return found

@@ -9,10 +9,11 @@ from rclpy.callback_groups import ReentrantCallbackGroup
 from shoecal_msgs.srv import Rezero
 
 from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.rezero import Rezeroed, RezeroError, rezero
-from shoecal_core.errors import ShoecalError
+from shoecal_core.calibration.rezero import Rezeroed, rezero
+from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.planning.supports.polygon_error import polygon_error
-from shoecal_ros.calibrator.calibration_store import NotApplicableError
+from shoecal_ros.common.health import Level
+from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.runtime import until
 from shoecal_ros.inputs.joining import Joined
 from shoecal_ros.inputs.joints import JointBatch
@@ -21,6 +22,7 @@ from shoecal_ros.inputs.standstill import UNREST_N, Standstill
 if TYPE_CHECKING:
     from shoecal_ros.nodes.calibrator import Calibrator
 
+Codes = Rezero.Response
 STILL_PATIENCE = 15.0
 """How many times the time of standing still is waited for it, by the wall clock."""
 CURE = "lift each foot once and call shoe/rezero again, or calibrate anew"
@@ -57,20 +59,25 @@ class RezeroDesk:
         node, current = self._node, self._node.desk.store.current
         try:
             if current is None:
-                raise NotApplicableError("uncalibrated: there are no offsets; calibrate first")
+                raise RefusedError(
+                    Codes.UNCALIBRATED, "uncalibrated: there are no offsets; calibrate first"
+                )
             if node.job_under_way or self.busy:
                 told = node.job_under_way or "a correction"
-                raise NotApplicableError(f"{told} is under way; wait for it")
+                raise RefusedError(Codes.BUSY, f"{told} is under way; wait for it")
             if problem := node.input_problem():
-                raise NotApplicableError(problem)
+                raise RefusedError(Codes.STALE_INPUT, problem)
             found = self._correct(current, await self._observe())
             if node.desk.store.current is not current:
-                raise NotApplicableError("another calibration came in force meanwhile; call again")
+                raise RefusedError(
+                    Codes.SUPERSEDED, "another calibration came in force meanwhile; call again"
+                )
             if found.directions:
                 node.desk.apply_corrected(found.calibration)
             self._answer(found, response)
         except ShoecalError as error:
-            response.message = str(error)
+            response.error_code, response.message = _code(error), str(error)
+            node.log(Level.WARN, f"offsets not corrected: {error}")
         return response
 
     async def _observe(self) -> Standstill:
@@ -89,23 +96,25 @@ class RezeroDesk:
         finally:
             self._standstill = None
         if problem := node.input_problem():
-            raise NotApplicableError(problem)
+            raise RefusedError(Codes.STALE_INPUT, problem)
         if not came:
-            raise RezeroError(
-                f"the robot did not stand still for {duration:g} s; stop what moves it"
+            raise RefusedError(
+                Codes.NOT_STILL,
+                f"the robot did not stand still for {duration:g} s; stop what moves it",
             )
         if standstill.bad:
             bad = ", ".join(node.shoe.names[index] for index in sorted(standstill.bad))
-            raise RezeroError(f"no good readings of {bad}; mend that first")
+            raise RefusedError(Codes.BAD_CELLS, f"no good readings of {bad}; mend that first")
         return standstill
 
     def _correct(self, current: Calibration, standstill: Standstill) -> Rezeroed:
         node = self._node
         unrest = standstill.unrest(current.sensing(node.shoe))
         if unrest > UNREST_N:
-            raise RezeroError(
+            raise RefusedError(
+                Codes.NOT_STILL,
                 f"the force on the floor varies by {unrest:.1f} N though the joints stand still; "
-                "see that nothing touches the robot"
+                "see that nothing touches the robot",
             )
         return rezero(
             current,
@@ -139,3 +148,11 @@ class RezeroDesk:
                 f"{1e3 * expected.worst_foot_cop:.1f} mm on one"
             )
         response.message = f"'{fresh.id}' in force: {found.summary}; {left}: {CURE}"
+
+
+def _code(error: ShoecalError) -> int:
+    """Of `Rezero.Response`."""
+    if isinstance(error, RefusedError):
+        return error.code
+    found: int = Codes.NOT_SAVED if isinstance(error, FileError) else Codes.TOO_FAR
+    return found

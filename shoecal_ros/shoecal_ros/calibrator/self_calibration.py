@@ -124,7 +124,8 @@ class SelfCalibrationDesk:
         try:
             job = self._begin(request, lambda _: None, None)
         except RefusedError as refusal:
-            response.message = str(refusal)
+            response.error_code, response.message = refusal.code, str(refusal)
+            self._node.log(Level.WARN, f"self-calibration not begun: {refusal}")
             return response
         self._node.start(partial(self._do_alone, job))
         response.accepted, response.run_id = True, job.request.run_id

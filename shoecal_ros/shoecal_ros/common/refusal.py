@@ -1,4 +1,4 @@
-"""Why an action was not done, with the code of its result."""
+"""Why an action or a service did not do what it was asked, with the code of its answer."""
 
 from __future__ import annotations
 
@@ -6,10 +6,10 @@ from shoecal_core.errors import ShoecalError
 
 
 class RefusedError(ShoecalError):
-    """Ends an action.
+    """Ends what was asked for.
 
     Attributes:
-        code: constant of the action's result.
+        code: constant of the action's result or the service's response.
     """
 
     def __init__(self, code: int, message: str) -> None:

@@ -40,7 +40,7 @@ from shoecal_ros.planner.execution import Execution
 from shoecal_ros.planner.plan_job import PlanJob
 from shoecal_ros.planner.reach_job import ReachJob
 from shoecal_ros.planner.settings import MovingSettings
-from shoecal_ros.planner.watch import Senses, tilt_now
+from shoecal_ros.planner.watch import Senses, hot, tilt_now
 
 R = TypeVar("R", Plan.Result, ReachSupport.Result)
 
@@ -169,9 +169,12 @@ class Planner(ShoecalNode):
         self.health.tell("shoes", Level.OK, told)
         degc = self.senses.temperatures.degc
         found = heat.hottest(degc)
-        level = Level.WARN if heat.too_hot(degc, self.moving.hot_degc) else Level.OK
         values = {} if found is None else {"joint": found[0], "degc": f"{found[1]:.1f}"}
-        self.health.tell("heat", level, heat.margin(degc, self.moving.hot_degc), **values)
+        concern = hot(self.senses, self.moving.hot_degc)
+        if concern is None:
+            self.health.tell("heat", Level.OK, heat.margin(degc, self.moving.hot_degc), **values)
+        else:
+            self.health.tell("heat", Level.WARN, concern.message, **values)
 
     def _tilt_condition(self) -> Condition:
         latest = self.joints.latest

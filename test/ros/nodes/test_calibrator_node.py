@@ -269,6 +269,7 @@ def test_offsets_are_corrected_at_a_standstill(live: World, robot: StandingRobot
     robot.drift += 20.0
     refused = live.call(Rezero, "shoe/rezero", Rezero.Request())
     assert not refused.success
+    assert refused.error_code == Rezero.Response.TOO_FAR
     assert "calibrate anew" in refused.message
 
 
@@ -279,6 +280,7 @@ def test_offsets_are_not_corrected_while_the_robot_moves(world: World) -> None:
     robot.speed = 0.05
     refused = world.call(Rezero, "shoe/rezero", Rezero.Request())
     assert not refused.success
+    assert refused.error_code == Rezero.Response.NOT_STILL
     assert "stand still" in refused.message
 
 
@@ -318,11 +320,16 @@ def test_one_job_at_a_time_and_an_end_when_nobody_reaches_supports(
     assert goal.feedback[0].stage == "drawing"
     assert calibrate(world).result().error_code == Calibrate.Result.BUSY
     request = SelfCalibrate.Request(seed=-1)
-    assert not world.call(SelfCalibrate, "shoe/self_calibrate", request).accepted
+    busy = world.call(SelfCalibrate, "shoe/self_calibrate", request)
+    assert not busy.accepted
+    assert busy.error_code == Calibrate.Result.BUSY
     assert state(world, lambda one: one.state == ShoeState.CALIBRATING)
     result = goal.result()
     assert result.error_code == Calibrate.Result.SUPPORT_FAILED
     assert "robot/reach_support" in result.message
+    log = world.output("calibrator")
+    assert f"[{result.run_id}] drawing 0: " in log
+    assert f"[{result.run_id}] self-calibration ended: " in log
     assert (Path(result.session) / "session.yaml").is_file()
     assert state(world, lambda one: one.state == ShoeState.UNCALIBRATED)
 
@@ -374,6 +381,7 @@ def test_reasons_of_a_refusal_come_back(live: World) -> None:
     for verdict, told in (("WARN", "with force"), ("FAIL", "calibrate anew")):
         refused = set_calibration(live, identity="made-2", verdict=verdict, reasons=("a", "b"))
         assert not refused.success
+        assert refused.error_code == SetCalibration.Response.NOT_APPLICABLE
         assert "(a; b)" in refused.message
         assert told in refused.message
     warned = set_calibration(live, identity="made-2", verdict="WARN", reasons=("a",), force=True)
