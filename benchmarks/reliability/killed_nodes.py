@@ -21,7 +21,7 @@ from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Calibrate
 from std_srvs.srv import SetBool
 
-from reliability.live_world import Goal, World, live_world
+from reliability.live_world import COMPILE_S, Goal, World, live_world
 from reliability.row import Progress, Result, Row
 from ros.bodies import NAO, NAO_SHOE, nao_shoe
 from shoecal_ros.common import qos
@@ -99,7 +99,7 @@ class Suite:
         for subject, told in (("joints", "joints come"), ("voltages", "voltages come")):
             world.until_told("calibrator", subject, told)
         world.until(lambda: _level(world, "nodes") == 0)
-        world.until_told("planner", "planning", "ready")
+        world.until_told("planner", "planning", "ready", COMPILE_S)
         world.until_told("planner", "joints", "come")
         self.arm(armed=True)
         goal = Calibrate.Goal(supports=2, train=2, seed=seed)

@@ -20,7 +20,10 @@ if str(ROOT / "test") not in sys.path:
 
 from ros.world import Goal, Heard, World
 
-__all__ = ["Goal", "Heard", "World", "live_world"]
+COMPILE_S = 600.0
+"""A planner compiles at its first start, and stands back for everything else."""
+
+__all__ = ["COMPILE_S", "Goal", "Heard", "World", "live_world"]
 
 
 @contextmanager

@@ -24,7 +24,7 @@ from shoecal_msgs.msg import ShoeVoltages
 from std_msgs.msg import String
 
 from reliability.live_robots import WaitedForRobot, put_in_force, start_calibrator
-from reliability.live_world import World, live_world
+from reliability.live_world import COMPILE_S, World, live_world
 from reliability.row import Progress, Result, Row
 from ros.bodies import nao_shoe
 from shoecal_ros.common import qos
@@ -99,7 +99,7 @@ class Scene:
         start_calibrator(world)
         put_in_force(world)
         world.start("planner", {"stale_s": 5.0})
-        world.until_told("planner", "planning", "ready")
+        world.until_told("planner", "planning", "ready", COMPILE_S)
         for subject in ("peers", "voltages"):
             self._well(subject)
 

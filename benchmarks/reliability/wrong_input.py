@@ -24,7 +24,7 @@ from shoecal_msgs.msg import CopCorrection, DoubleSupport
 from shoecal_msgs.srv import GetCalibration, SelfCalibrate, SetCalibration
 from std_msgs.msg import Bool
 
-from reliability.live_world import World, live_world
+from reliability.live_world import COMPILE_S, World, live_world
 from reliability.row import Progress, Result, Row
 from ros.bodies import calibration, nao, nao_shoe
 from ros.standing_robot import StandingRobot
@@ -204,7 +204,7 @@ class Suite:
         request = SetCalibration.Request(calibration=made)
         assert world.call(SetCalibration, "shoe/set_calibration", request).success
         self.before = self._in_force()
-        world.until_told("planner", "planning", "ready")
+        world.until_told("planner", "planning", "ready", COMPILE_S)
         world.until_told("calibrator", "voltages", "come")
         self._clients: dict[str, Any] = {}
 

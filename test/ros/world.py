@@ -169,9 +169,11 @@ class World:
                     return status
         return None
 
-    def until_told(self, node: str, subject: str, text: str) -> Any:
+    def until_told(self, node: str, subject: str, text: str, timeout_s: float = TIMEOUT_S) -> Any:
         """Wait until a node's diagnostic of a subject contains a text."""
-        self.until(lambda: (found := self.diagnosis(node, subject)) and text in found.message)
+        self.until(
+            lambda: (found := self.diagnosis(node, subject)) and text in found.message, timeout_s
+        )
         return self.diagnosis(node, subject)
 
     def __enter__(self) -> Self:
