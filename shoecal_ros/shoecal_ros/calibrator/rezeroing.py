@@ -12,7 +12,6 @@ from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.rezero import Rezeroed, rezero
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.planning.supports.polygon_error import polygon_error
-from shoecal_ros.common.health import Level
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.runtime import until
 from shoecal_ros.inputs.joining import Joined
@@ -77,7 +76,6 @@ class RezeroDesk:
             self._answer(found, response)
         except ShoecalError as error:
             response.error_code, response.message = _code(error), str(error)
-            node.log(Level.WARN, f"offsets not corrected: {error}")
         return response
 
     async def _observe(self) -> Standstill:

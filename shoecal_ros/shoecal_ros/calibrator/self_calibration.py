@@ -125,7 +125,6 @@ class SelfCalibrationDesk:
             job = self._begin(request, lambda _: None, None)
         except RefusedError as refusal:
             response.error_code, response.message = refusal.code, str(refusal)
-            self._node.log(Level.WARN, f"self-calibration not begun: {refusal}")
             return response
         self._node.start(partial(self._do_alone, job))
         response.accepted, response.run_id = True, job.request.run_id
