@@ -45,7 +45,7 @@ NEAR = 1e-6
 LOST = DAMAGED = 0.002
 """Shares of the frames."""
 FRAMES = "shoe_driver", "device", "frames"
-LOST_FIRST = "shoe_driver", "device", "lost frames"
+LOST_FIRST = "shoe_driver", "device", "lost_frames"
 LOST_LATER = "calibrator", "voltages", "lost_frames"
 PATIENCE_S = 100.0
 START_S = 600.0

@@ -65,7 +65,11 @@ class DriverStatus:
         if self.unknown:
             names = ", ".join(map(str, self.unknown))
             return f"{self.source.name}: no cell for channel {names}; add it to 'channels'"
-        if self.unseen and self.source.counts.frames:
+        stamped = self.source.counts.frames - self.before_clock
+        if self.before_clock and not stamped:
+            name = self.source.name
+            return f"{name}: frames come, but the clock shows zero; start what tells /clock"
+        if self.unseen and stamped:
             return (
                 f"{self.source.name}: the device sends nothing for {', '.join(self.unseen)}; "
                 "correct 'channels'"
