@@ -11,9 +11,9 @@ from shoecal_msgs.srv import Rezero
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.rezero import Rezeroed, rezero
 from shoecal_core.errors import FileError, ShoecalError
-from shoecal_core.planning.supports.polygon_error import polygon_error
+from shoecal_core.planning.supports.polygon_error import PolygonError, polygon_error
 from shoecal_ros.common.refusal import RefusedError
-from shoecal_ros.common.runtime import until
+from shoecal_ros.common.runtime import aside, until
 from shoecal_ros.inputs.joining import Joined
 from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.inputs.standstill import UNREST_N, Standstill
@@ -73,7 +73,7 @@ class RezeroDesk:
                 )
             if found.directions:
                 node.desk.apply_corrected(found.calibration)
-            self._answer(found, response)
+            self._answer(found, await self._expected(found.calibration), response)
         except ShoecalError as error:
             response.error_code, response.message = _code(error), str(error)
         return response
@@ -125,7 +125,18 @@ class RezeroDesk:
             temperature=node.voltages.temperature,
         )
 
-    def _answer(self, found: Rezeroed, response: Rezero.Response) -> None:
+    async def _expected(self, calibration: Calibration) -> PolygonError | None:
+        """Error that is left by a calibration's covariance; None where it has none."""
+        covariance, node = calibration.covariance, self._node
+        if covariance is None:
+            return None
+        return await aside(
+            lambda: polygon_error(node.robot, node.shoe, covariance, calibration.parameters)
+        )
+
+    def _answer(
+        self, found: Rezeroed, expected: PolygonError | None, response: Rezero.Response
+    ) -> None:
         fresh, (before, after) = found.calibration, (found.before, found.after)
         response.success = True
         response.channel, response.change = list(fresh.channels), found.change.tolist()
@@ -135,10 +146,7 @@ class RezeroDesk:
             response.cop_before, response.cop_after = before.cop_error, after.cop_error
         response.grf_left = response.cop_left = float("nan")
         left = "how much is left, a calibration without covariance cannot tell"
-        if fresh.covariance is not None:
-            expected = polygon_error(
-                self._node.robot, self._node.shoe, fresh.covariance, fresh.parameters
-            )
+        if expected is not None:
             response.grf_left, response.cop_left = expected.grf.rms, expected.cop.rms
             left = (
                 f"expected error left: GRF {expected.grf.rms:.2f} N, CoP "

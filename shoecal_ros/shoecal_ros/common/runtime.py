@@ -35,6 +35,7 @@ from shoecal_ros.common.quick_thread import QuickThread
 from shoecal_ros.common.roll_call import RollCall, farewell
 
 S = TypeVar("S", bound=Settings)
+T = TypeVar("T")
 
 WATCH_S = 0.1
 """Period of the wall-clock watch: bounds how late a time-out is noticed."""
@@ -268,6 +269,26 @@ async def until(condition: Callable[[], bool], timeout_s: float) -> bool:
             return False
         await _Pause()
     return True
+
+
+async def aside(work: Callable[[], T]) -> T:
+    """What a pure function gives that takes up to a second: everything else goes on meanwhile."""
+    found: list[T] = []
+    errors: list[Exception] = []
+
+    def do() -> None:
+        try:
+            found.append(work())
+        except Exception as error:  # noqa: BLE001 (raised again for who waits)
+            errors.append(error)
+
+    thread = threading.Thread(target=do, daemon=True, name="aside")
+    thread.start()
+    while not await until(lambda: not thread.is_alive(), REPORT_S):
+        pass
+    if errors:
+        raise errors[0]
+    return found[0]
 
 
 def publish_all(publisher: Publisher, message: object, patience_s: float) -> bool:
