@@ -1,6 +1,6 @@
 """From a frame on the serial line to the CoP at a subscriber, beside a bare chain of nodes.
 
-    .venv/bin/python benchmarks/live_path.py [--seconds 30] [--rates 100 1000]
+    .venv/bin/python benchmarks/live_path.py [--seconds 8] [--rates 100 1000]
 
 Writes the key `live` of out/bench.json and a section of docs/performance.md.
 """
@@ -29,6 +29,7 @@ from shoecal_ros.common.worker import NICE
 
 ALLOWED = 1.5
 """Times the bare chain's."""
+COMMAND = "make live-path"
 PRIORITY = 5
 REALTIME = (
     "\nBoth chains had real-time priority (`--realtime`, SCHED_FIFO), so that other programs on "
@@ -130,7 +131,7 @@ def figures_of(turns: Sequence[Turn], rates: Sequence[float]) -> dict[str, Any]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Measure, write, and fail where a target is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=20.0, help="a chain, rate and activity")
+    parser.add_argument("--seconds", type=float, default=8.0, help="a chain, rate and activity")
     parser.add_argument("--rates", type=float, nargs="+", default=[100.0, 1000.0])
     parser.add_argument(
         "--realtime", action="store_true",
@@ -144,6 +145,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     write_page(
         figures, args.seconds, joints=RATE, turn=TURN_S, frames=figures["frames"], nice=NICE,
         load=os.getloadavg()[0], priority=REALTIME if args.realtime else "",
+        command=COMMAND + (' ARGS="--realtime"' if args.realtime else ""),
     )  # fmt: skip
     print(json.dumps(figures, indent=1))
     targets = ["vs_relay_median", "vs_relay_p99", *(f"while_{one}" for one in ACTIVITIES[1:])]

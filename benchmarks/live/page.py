@@ -9,8 +9,6 @@ from typing import Any
 
 import pages
 
-COMMAND = "make live-path"
-
 BODY = """\
 ## The live path: from a frame to its CoP
 
@@ -68,7 +66,6 @@ def write_page(figures: Mapping[str, Any], seconds: float, **values: object) -> 
                 ]
             )
     body = BODY.format(
-        command=COMMAND,
         seconds=seconds,
         table=pages.table(rows),
         lost_shoecal=figures["lost"],
