@@ -20,6 +20,8 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
+from shoecal_ros.common.turn import Turn
+
 WAIT_NS = 100_000_000
 """Longest wait for a message: bounds how long closing takes."""
 BATCH = 200
@@ -61,7 +63,7 @@ class QuickThread:
         error: what a callback has ended with, and the thread with it; None while all is well.
     """
 
-    def __init__(self, node: Node, turn: threading.Lock) -> None:
+    def __init__(self, node: Node, turn: Turn) -> None:
         """Nothing is heard yet.
 
         Args:

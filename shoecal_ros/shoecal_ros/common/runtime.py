@@ -33,6 +33,7 @@ from shoecal_ros.common.health import Health, Level
 from shoecal_ros.common.peers import Peers
 from shoecal_ros.common.quick_thread import QuickThread
 from shoecal_ros.common.roll_call import RollCall, farewell
+from shoecal_ros.common.turn import Turn
 
 S = TypeVar("S", bound=Settings)
 T = TypeVar("T")
@@ -65,7 +66,7 @@ class ShoecalNode(Node):
     def __init__(self, name: str) -> None:
         super().__init__(name)
         self.health = Health()
-        self.turn = threading.Lock()
+        self.turn = Turn()
         self.quick = QuickThread(self, self.turn)
         self.peers = Peers(self)
         self._roll_call = RollCall(name)
