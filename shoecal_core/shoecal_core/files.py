@@ -6,12 +6,16 @@
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import math
 import os
 import re
 import secrets
+import stat
 from collections.abc import Hashable, Iterator, Mapping
+from contextlib import contextmanager
+from io import BufferedReader
 from pathlib import Path
 from typing import Any, cast
 
@@ -21,8 +25,11 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import FileError, VersionError
 
-MAX_YAML_BYTES = 16 * 2**20
-"""Larger configuration files are refused before they are parsed."""
+MAX_BYTES = 512 * 2**20
+"""Larger files are refused before they are read into memory."""
+MAX_YAML_BYTES = 2**20
+MAX_YAML_VALUES = 100_000
+"""Larger configuration files are refused: to parse them would take very long."""
 
 
 def atomic_write(path: Path, content: bytes | str, mode: int = 0o666) -> None:
@@ -62,22 +69,48 @@ def atomic_write(path: Path, content: bytes | str, mode: int = 0o666) -> None:
 
 def sha256(path: Path) -> str:
     """Hexadecimal SHA-256 of a file's content."""
-    return hashlib.sha256(read_bytes(path)).hexdigest()
+    with open_file(path) as file, _told(path):
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def read_bytes(path: Path) -> bytes:
-    """Content of a file; FileError where it cannot be read."""
+def read_bytes(path: Path, largest: int = MAX_BYTES) -> bytes:
+    """Content of a file; FileError where it cannot be read or is larger than `largest` [bytes]."""
+    with open_file(path) as file, _told(path):
+        if os.fstat(file.fileno()).st_size > largest:
+            raise FileError(path, f"larger than {largest >> 20} MiB; not a file of this kind")
+        return file.read()
+
+
+def open_file(path: Path) -> BufferedReader:
+    """A file, opened for reading.
+
+    Raises:
+        FileError: where it cannot be opened, or is a pipe or a device: they may have no end.
+    """
+    with _told(path):
+        # Whoever opens a pipe waits for its writer, unless told not to wait.
+        file = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
+    mode = os.fstat(file).st_mode
+    if stat.S_ISREG(mode):
+        return os.fdopen(file, "rb")
+    os.close(file)
+    problem = os.strerror(errno.EISDIR) if stat.S_ISDIR(mode) else "a pipe or a device"
+    raise FileError(path, f"cannot be read ({problem}); name a plain file")
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """What the system refuses, as a FileError."""
     try:
-        return Path(path).read_bytes()
-    except OSError as error:
-        raise FileError(path, f"cannot be read ({error.strerror})") from error
+        yield
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
+        reason = getattr(error, "strerror", None) or error
+        raise FileError(path, f"cannot be read ({reason})") from error
 
 
 def read_yaml(path: Path) -> Fields:
     """Read a YAML mapping, safely: no code runs, no alias bomb unfolds, no number is guessed."""
-    content = read_bytes(path)
-    if len(content) > MAX_YAML_BYTES:
-        raise FileError(path, f"larger than {MAX_YAML_BYTES >> 20} MiB; not a configuration file")
+    content = read_bytes(path, MAX_YAML_BYTES)
     try:
         value = yaml.load(content, Loader=_Loader)  # noqa: S506 - a child of SafeLoader
     except (yaml.YAMLError, ValueError, RecursionError, OverflowError) as error:
@@ -267,8 +300,15 @@ class _Loader(yaml.SafeLoader):
     number that YAML 1.1 reads otherwise than a person does (010 is 8 there, and 1:30 is 90).
     """
 
+    _values = 0
+
     def compose_node(self, parent: yaml.Node | None, index: int) -> yaml.Node | None:
         event = self.peek_event()  # type: ignore[no-untyped-call]
+        self._values += 1
+        if self._values > MAX_YAML_VALUES:
+            raise yaml.composer.ComposerError(
+                None, None, f"more than {MAX_YAML_VALUES} values", event.start_mark
+            )
         for kind, found in (
             ("aliases", isinstance(event, yaml.AliasEvent)),
             ("tags", getattr(event, "tag", None) is not None),

@@ -29,6 +29,7 @@ from shoecal_core.errors import (
 )
 from shoecal_core.files import (
     MAX_YAML_BYTES,
+    MAX_YAML_VALUES,
     Fields,
     atomic_write,
     read_bytes,
@@ -220,7 +221,8 @@ NOT_YAML: dict[str, tuple[str | bytes, str]] = {
     "other bytes": (b"a: \xff\xfe", "not valid YAML"),
     "a list": ("[1, 2]", "mapping of keys to values at the top level"),
     "nothing": ("", "mapping of keys to values at the top level"),
-    "too much": (b" " * (MAX_YAML_BYTES + 1), "larger than 16 MiB"),
+    "too many values": ("a: [" + "1," * MAX_YAML_VALUES + "]", "more than 100000 values"),
+    "too much": (b" " * (MAX_YAML_BYTES + 1), "larger than 1 MiB"),
 }
 
 
@@ -240,6 +242,18 @@ def test_a_missing_file_and_a_folder_are_named(tmp_path: Path) -> None:
     for path, reason in ((tmp_path / "none", "No such file"), (tmp_path, "directory")):
         for read in (read_bytes, read_yaml, sha256):
             assert reason in refused(path, "", partial(read, path))
+
+
+def test_what_may_have_no_end_is_not_read(tmp_path: Path) -> None:
+    pipe, sparse = tmp_path / "pipe", tmp_path / "sparse"
+    os.mkfifo(pipe)
+    with sparse.open("wb") as file:
+        file.truncate(4 * 2**30)
+    for path in (pipe, Path("/dev/zero")):
+        for read in (read_bytes, read_yaml, sha256):
+            assert "pipe or a device" in refused(path, "", partial(read, path))
+    for read in (read_bytes, read_yaml):
+        assert "larger than" in refused(sparse, "", partial(read, sparse))
 
 
 SCALARS = st.one_of(

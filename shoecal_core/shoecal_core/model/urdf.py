@@ -7,7 +7,7 @@ more than a line on stderr. The CoM would be wrong, so the masses are counted ag
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
@@ -82,6 +82,41 @@ def read_urdf(path: Path) -> Urdf:
     return Urdf(model, reader.mimics)
 
 
+def joint_names(path: Path) -> frozenset[str]:
+    """Names of the joints that move, of a URDF that need not be usable otherwise.
+
+    Raises:
+        FileError: for a file that is no XML, or declares a document type.
+    """
+    names = set()
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        if tag == "joint" and attributes.get("type") != "fixed":
+            names.add(str(attributes.get("name")))
+
+    _parse(path, read_bytes(path).decode("utf-8", errors="replace"), start, lambda _: None)
+    return frozenset(names)
+
+
+def _parse(
+    path: Path, text: str, start: Callable[[str, dict[str, str]], None], end: Callable[[str], None]
+) -> None:
+    """Tell of every element of an XML file."""
+
+    def refuse(*_: object) -> None:
+        raise FileError(path, "declares a document type; leave <!DOCTYPE> out")
+
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    # Entities can unfold a small file into gigabytes, or name another one.
+    parser.StartDoctypeDeclHandler = refuse
+    try:
+        parser.Parse(text, True)
+    except expat.ExpatError as error:
+        raise FileError(path, f"not valid XML: {error}") from error
+
+
 def _check_joints(path: Path, model: pin.Model) -> None:
     lower, upper = model.lowerPositionLimit, model.upperPositionLimit
     for index in range(ROOT_JOINTS, model.njoints):
@@ -117,15 +152,7 @@ class _Reader:
         self._place: list[str] = []
         self._name = ""
         self._limitless = False
-        parser = expat.ParserCreate()
-        parser.StartElementHandler = self._start
-        parser.EndElementHandler = self._end
-        # Entities can unfold a small file into gigabytes.
-        parser.StartDoctypeDeclHandler = self._refuse
-        try:
-            parser.Parse(text, True)
-        except expat.ExpatError as error:
-            raise FileError(path, f"not valid XML: {error}") from error
+        _parse(path, text, self._start, self._end)
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         self._place.append(tag)
@@ -166,9 +193,6 @@ class _Reader:
 
     def _joint_error(self, problem: str) -> FileError:
         return FileError(self._path, problem, field=f"joint {self._name}")
-
-    def _refuse(self, *_: object) -> None:
-        raise FileError(self._path, "declares a document type; leave <!DOCTYPE> out")
 
 
 def _number(text: str) -> float:

@@ -8,12 +8,24 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO, cast
 
 import zstandard
-from mcap.exceptions import McapError
-from mcap.records import Channel, DataEnd, Footer, Header, McapRecord, Message, Metadata, Schema
-from mcap.stream_reader import StreamReader
+from mcap.exceptions import EndOfFile, McapError
+from mcap.records import (
+    Channel,
+    Chunk,
+    DataEnd,
+    Footer,
+    Header,
+    McapRecord,
+    Message,
+    Metadata,
+    Schema,
+)
+from mcap.stream_reader import StreamReader, breakup_chunk
 
+from shoecal_core.files import open_file
 from shoecal_core.recording.errors import DamagedError, RecordingError
 from shoecal_core.recording.info import RECORD, RunInfo
 from shoecal_core.recording.schemas import type_hash
@@ -30,6 +42,13 @@ DAMAGE = (
     RuntimeError,
 )
 """What the container's library raises on cut or altered bytes."""
+
+MAX_CHUNK = 16 * 2**20
+"""Bytes of one chunk when it is unfolded; writers make them of one mebibyte or less."""
+MAX_DATA = 384 * 2**20
+"""Bytes of a run's messages: some minutes at a thousand a second. Reading takes five times that."""
+MAX_RECORDS = 1_500_000
+_ZSTD = "zstd"
 
 
 @dataclass(frozen=True)
@@ -149,19 +168,88 @@ def _foreign(path: Path) -> RecordingError:
     )
 
 
+def unfold(chunk: Chunk) -> list[McapRecord]:
+    """Records of a chunk, its checksum tested.
+
+    Raises:
+        One of DAMAGE: for anything else than a chunk as it was written, before it is unfolded to
+            more than it says of itself, or to more than MAX_CHUNK.
+    """
+    if chunk.compression not in (_ZSTD, ""):
+        raise McapError(f"compression '{chunk.compression[:30]}' is not known here")
+    if chunk.uncompressed_size > MAX_CHUNK:
+        raise McapError(f"a chunk of {chunk.uncompressed_size} bytes")
+    if chunk.compression == _ZSTD and zstandard.frame_content_size(chunk.data) not in (
+        -1,  # not told; the decompressor keeps to the size below
+        chunk.uncompressed_size,
+    ):
+        raise McapError("a chunk that is larger than it says")
+    return breakup_chunk(chunk, validate_crc=True)
+
+
 @contextmanager
 def _records(path: Path) -> Iterator[Iterator[McapRecord]]:
     """Records of a file, its damages and refusals as typed errors."""
     path = Path(path)
     try:
-        with path.open("rb") as file:
-            # No record is larger than its file: a length gone wrong must not fill the memory.
-            reader = StreamReader(file, validate_crcs=True, record_size_limit=path.stat().st_size)
-            yield _checked(path, reader.records)
+        with open_file(path) as file:
+            yield _checked(path, _unfolded(path, _Reader(file, path.stat().st_size).records))
     except DAMAGE as error:
         raise DamagedError(path, str(error) or type(error).__name__) from error
     except OSError as error:
         raise RecordingError(path, f"cannot be read ({error.strerror})") from error
+
+
+class _Reader(StreamReader):
+    """Reads records one after the other, none beyond the file's end and not for ever."""
+
+    def __init__(self, file: BinaryIO, size: int) -> None:
+        super().__init__(
+            cast(BinaryIO, _Within(file, size)),
+            emit_chunks=True,
+            validate_crcs=True,
+            record_size_limit=size,
+        )
+        self._seen = 0
+
+    def _read_record(self, opcode: int, length: int) -> McapRecord | None:
+        self._seen += 1
+        if opcode == 0 or self._seen > MAX_RECORDS:
+            raise McapError("zeros, or pieces without end, where records should be")
+        return super()._read_record(opcode, length)
+
+
+class _Within:
+    """A file that gives nothing where more is asked for than it holds.
+
+    A length gone wrong must not fill the memory.
+    """
+
+    def __init__(self, file: BinaryIO, size: int) -> None:
+        self._file, self._left = file, size
+
+    def read(self, length: int) -> bytes:
+        if length > self._left:
+            raise EndOfFile
+        data = self._file.read(length)
+        self._left -= len(data)
+        return data
+
+
+def _unfolded(path: Path, records: Iterator[McapRecord]) -> Iterator[McapRecord]:
+    """Records with those of chunks in their chunks' place, as many as fit into memory."""
+    size, count = 0, 0
+    for record in records:
+        inner = unfold(record) if isinstance(record, Chunk) else [record]
+        size += record.uncompressed_size if isinstance(record, Chunk) else 0
+        count += len(inner)
+        if size > MAX_DATA or count > MAX_RECORDS:
+            raise RecordingError(
+                path,
+                f"holds more than {MAX_DATA >> 20} MiB or {MAX_RECORDS} messages; record "
+                "shorter runs",
+            )
+        yield from inner
 
 
 def _checked(path: Path, records: Iterator[McapRecord]) -> Iterator[McapRecord]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import xml.etree.ElementTree as ET
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from operator import attrgetter
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from shoecal_core.errors import FileError
-from shoecal_core.files import read_bytes
+from shoecal_core.model.urdf import joint_names
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.csv_mapping import (
     CsvMapping,
@@ -53,7 +52,7 @@ def import_csv(mapping_path: Path, folder: Path, out: Path) -> Session:
     mapping = load_mapping(Path(mapping_path))
     folder = Path(folder)
     robot, urdf, shoe_path = (_find(mapping, key, folder) for key in ("robot", "urdf", "shoe"))
-    importer = _Importer(mapping, folder, _joints_of(urdf), load_shoe(shoe_path))
+    importer = _Importer(mapping, folder, joint_names(urdf), load_shoe(shoe_path))
     recorded = [importer.messages(trial) for trial in mapping.trials]
     session = Session.create(out, robot, urdf, shoe_path)
     for trial, run in zip(mapping.trials, recorded, strict=True):
@@ -194,15 +193,4 @@ def _find(mapping: CsvMapping, key: str, folder: Path) -> Path:
             return place
     raise FileError(
         mapping.path, f"'{name}' is neither beside this file nor in {folder}", field=key
-    )
-
-
-def _joints_of(urdf: Path) -> frozenset[str]:
-    """Names of the joints that move."""
-    try:
-        root = ET.fromstring(read_bytes(urdf))  # noqa: S314 - the robot's owner wrote it
-    except ET.ParseError as error:
-        raise FileError(urdf, f"is no URDF ({error})") from error
-    return frozenset(
-        str(joint.get("name")) for joint in root.iter("joint") if joint.get("type") != "fixed"
     )

@@ -12,7 +12,7 @@ from shoecal_core.recording.writer import PART
 HINTS = ("", "train", "test")
 """What a run may be meant for."""
 
-RUN_FILE = re.compile(rf"run_(\d{{3,}})\.mcap({re.escape(PART)})?")
+RUN_FILE = re.compile(rf"run_([0-9]{{3,9}})\.mcap({re.escape(PART)})?")
 """Names of run files: number, and the suffix of unfinished ones."""
 
 

@@ -9,16 +9,24 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass
 from io import BytesIO
+from itertools import islice
 from pathlib import Path
 
 from mcap.data_stream import ReadDataStream
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Footer, McapRecord, Message, Metadata, Schema
-from mcap.stream_reader import MAGIC_SIZE, StreamReader, breakup_chunk
+from mcap.stream_reader import MAGIC_SIZE, StreamReader
 
 from shoecal_core.files import read_bytes
 from shoecal_core.recording import schemas
-from shoecal_core.recording.container import DAMAGE, check_channel
+from shoecal_core.recording.container import (
+    DAMAGE,
+    MAX_CHUNK,
+    MAX_DATA,
+    MAX_RECORDS,
+    check_channel,
+    unfold,
+)
 from shoecal_core.recording.errors import DamagedError, RecordingError
 from shoecal_core.recording.info import RECORD, RunInfo
 from shoecal_core.recording.writer import PART, RunWriter
@@ -27,8 +35,11 @@ _RECORD_HEADER = struct.Struct("<BQ")  # opcode, length
 _COMPRESSION = struct.pack("<I", 4) + b"zstd"
 _BEFORE_COMPRESSION = _RECORD_HEADER.size + 28  # times, size and checksum stand before it
 _METADATA = struct.pack("<I", len(RECORD)) + RECORD.encode()
+_MAX_METADATA = 2**16
 _FOOTER_SIZE = 20
 _CRC_SIZE = 4
+_MAX_INDEX = 100_000
+"""Records of an index; it has one or two of each chunk."""
 _DATA_END = _RECORD_HEADER.pack(Opcode.DATA_END, _CRC_SIZE)
 _BETWEEN = (Opcode.HEADER, Opcode.METADATA, Opcode.MESSAGE_INDEX)
 """Records that stand between a file's chunks."""
@@ -71,10 +82,11 @@ class RecoveryReport:
 
 @dataclass(frozen=True)
 class _Part:
-    """One whole chunk: its place in the file and its records."""
+    """One whole chunk: its place in the file, its size when unfolded [bytes] and its records."""
 
     start: int
     stop: int
+    size: int
     records: list[McapRecord]
 
 
@@ -129,7 +141,7 @@ def _info(path: Path, data: bytes) -> RunInfo:
     at = data.find(_METADATA)
     while at >= 0:
         with suppress(DamagedError, *DAMAGE):
-            record = Metadata.read(ReadDataStream(BytesIO(data[at:])))
+            record = Metadata.read(ReadDataStream(BytesIO(data[at : at + _MAX_METADATA])))
             return RunInfo.from_metadata(path, record.metadata)
         at = data.find(_METADATA, at + 1)
     raise RecordingError(path, f"its record '{RECORD}' is lost or altered; cannot be rescued")
@@ -137,11 +149,13 @@ def _info(path: Path, data: bytes) -> RunInfo:
 
 def _whole_chunks(data: bytes) -> Iterator[_Part]:
     """Chunks that pass their checksum, wherever they stand: no length on the way is trusted."""
-    at = data.find(_COMPRESSION)
-    while at >= 0:
+    at, size, count = data.find(_COMPRESSION), 0, 0
+    # What cannot be read afterwards need not be rescued either.
+    while at >= 0 and size < MAX_DATA and count < MAX_RECORDS:
         start = at - _BEFORE_COMPRESSION
         part = _chunk(data, start) if start >= 0 else None
         if part is not None:
+            size, count = size + part.size, count + len(part.records)
             yield part
         at = data.find(_COMPRESSION, at + 1 if part is None else part.stop)
 
@@ -149,13 +163,13 @@ def _whole_chunks(data: bytes) -> Iterator[_Part]:
 def _chunk(data: bytes, start: int) -> _Part | None:
     opcode, length = _RECORD_HEADER.unpack_from(data, start)
     begin, stop = start + _RECORD_HEADER.size, start + _RECORD_HEADER.size + length
-    if opcode != Opcode.CHUNK or stop > len(data):
+    if opcode != Opcode.CHUNK or length > MAX_CHUNK or stop > len(data):
         return None
     try:
         chunk = Chunk.read(ReadDataStream(BytesIO(data[begin:stop])))
         if chunk.uncompressed_crc == 0:
             return None
-        return _Part(start, stop, breakup_chunk(chunk, validate_crc=True))
+        return _Part(start, stop, chunk.uncompressed_size, unfold(chunk))
     except DAMAGE:
         return None
 
@@ -186,7 +200,9 @@ def _index(data: bytes) -> list[McapRecord]:
         footer = Footer.read(ReadDataStream(BytesIO(data[footer_at:])))
         if footer.summary_crc != zlib.crc32(data[begin : footer_at + _FOOTER_SIZE - _CRC_SIZE]):
             return []
-        return list(StreamReader(BytesIO(data[begin:]), skip_magic=True).records)
+        # The file's end may be made up, too: of chunks there are none in an index.
+        reader = StreamReader(BytesIO(data[begin:]), skip_magic=True, emit_chunks=True)
+        return list(islice(reader.records, _MAX_INDEX))
     except DAMAGE:
         return []
 

@@ -145,7 +145,7 @@ def test_cells_own_times_named_joints_and_commas(folder: Path) -> None:
         ("b/pos.csv", POS, "", "b/pos.csv: has no rows"),
         ("b/ft.csv", "1;2;-5;4;5;6\n", "", "b/ft.csv: has 2 rows, pos.csv has 3"),
         ("b/ft.csv", "1;2;-5;4;5;6\n", "1;2;é;4;5;6\n", "column 'fz', line 5: 'é' is not"),
-        ("robot.urdf", "</robot>", "", "robot.urdf: is no URDF"),
+        ("robot.urdf", "</robot>", "", "robot.urdf: not valid XML"),
         ("robot.urdf", "revolute", "fixed", "no column bears the name of one of the robot's"),
         ("mapping.yaml", "b/ft.csv", "b/no.csv", "b/no.csv: cannot be read"),
         ("mapping.yaml", "robot.urdf", "no.urdf", "urdf: 'no.urdf' is neither beside"),

@@ -60,7 +60,7 @@ def load_found_effects(path: Path) -> FoundEffects:
     """
     try:
         told = json.loads(read_bytes(path))
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+    except (ValueError, RecursionError) as error:  # of the syntax, the encoding, endless digits
         raise FileError(
             path, "is no JSON file; give what `shoecal diagnose --json` wrote"
         ) from error
