@@ -16,7 +16,7 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.bodies import calibration, nao, nao_shoe
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.double_support import FARTHEST_M, DoubleSupport
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.sensing.correction import CopCorrection
 from shoecal_ros.common import conversions
@@ -25,6 +25,7 @@ from shoecal_ros.common.conversions import JointSample, MessageError, VoltageFra
 FloatArray = NDArray[np.float64]
 STAMPS = st.integers(0, 2**31 * 10**9 - 1)
 NUMBERS = st.floats(-1e6, 1e6)
+PLACES = st.floats(-FARTHEST_M, FARTHEST_M)
 NAMES = st.lists(st.text("abcxyz_/", min_size=1, max_size=12), min_size=1, max_size=8, unique=True)
 
 
@@ -92,7 +93,7 @@ def test_voltages_that_contradict_themselves_are_refused() -> None:
         conversions.voltages_from_ros(ShoeVoltages(cell=["a", "b"], voltage=[0.0], status=[0, 0]))
 
 
-@given(NUMBERS, NUMBERS, NUMBERS)
+@given(PLACES, PLACES, NUMBERS)
 def test_supports_come_back(dx: float, dy: float, dtheta: float) -> None:
     support = DoubleSupport(dx, dy, dtheta)
     assert conversions.support_from_ros(sent(conversions.support_to_ros(support))) == support
