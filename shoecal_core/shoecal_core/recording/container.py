@@ -25,6 +25,7 @@ from mcap.records import (
 )
 from mcap.stream_reader import StreamReader, breakup_chunk
 
+from shoecal_core.errors import FileError
 from shoecal_core.files import open_file
 from shoecal_core.recording.errors import DamagedError, RecordingError
 from shoecal_core.recording.info import RECORD, RunInfo
@@ -192,7 +193,11 @@ def _records(path: Path) -> Iterator[Iterator[McapRecord]]:
     """Records of a file, its damages and refusals as typed errors."""
     path = Path(path)
     try:
-        with open_file(path) as file:
+        opened = open_file(path)
+    except FileError as error:
+        raise RecordingError(path, error.problem) from error
+    try:
+        with opened as file:
             yield _checked(path, _unfolded(path, _Reader(file, path.stat().st_size).records))
     except DAMAGE as error:
         raise DamagedError(path, str(error) or type(error).__name__) from error
