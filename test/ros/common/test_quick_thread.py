@@ -14,6 +14,7 @@ from std_msgs.msg import String
 
 from shoecal_ros.common import qos
 from shoecal_ros.common.quick_thread import QuickThread
+from shoecal_ros.common.turn import Turn
 
 TIMEOUT_S = 30.0
 
@@ -46,7 +47,7 @@ def talk(node: Node, quick: QuickThread, heard: list[Any], count: int) -> None:
 
 
 def test_everything_is_heard_in_order_without_an_executor(node: Node) -> None:
-    quick, heard = QuickThread(node, threading.Lock()), list[Any]()
+    quick, heard = QuickThread(node, Turn()), list[Any]()
     quick.subscribe(String, "words", heard.extend, qos.RAW)
     quick.start()
     talk(node, quick, heard, 500)
@@ -55,10 +56,10 @@ def test_everything_is_heard_in_order_without_an_executor(node: Node) -> None:
 
 
 def test_nothing_is_handed_over_out_of_turn(node: Node) -> None:
-    turn, heard = threading.Lock(), list[bool]()
+    turn, heard = Turn(), list[bool]()
     quick = QuickThread(node, turn)
     quick.subscribe(
-        String, "words", lambda batch: heard.extend(turn.locked() for _ in batch), qos.RAW
+        String, "words", lambda batch: heard.extend(turn._held.locked() for _ in batch), qos.RAW
     )
     quick.start()
     talk(node, quick, heard, 50)
@@ -74,7 +75,7 @@ def test_nothing_is_handed_over_out_of_turn(node: Node) -> None:
 
 
 def test_the_executor_leaves_them_alone(node: Node) -> None:
-    quick, heard = QuickThread(node, threading.Lock()), list[Any]()
+    quick, heard = QuickThread(node, Turn()), list[Any]()
     quick.subscribe(String, "words", heard.extend, qos.RAW)
     executor = SingleThreadedExecutor(context=node.context)
     executor.add_node(node)
@@ -94,7 +95,7 @@ def test_what_a_callback_fails_with_is_kept(node: Node) -> None:
     def fail(batch: list[Any]) -> None:
         raise ValueError(batch[0].data)
 
-    quick = QuickThread(node, threading.Lock())
+    quick = QuickThread(node, Turn())
     quick.subscribe(String, "words", fail, qos.RAW)
     quick.start()
     talk(node, quick, [], 1)
@@ -104,7 +105,7 @@ def test_what_a_callback_fails_with_is_kept(node: Node) -> None:
 
 def test_with_nothing_to_hear_there_is_no_thread(node: Node) -> None:
     before = threading.active_count()
-    quick = QuickThread(node, threading.Lock())
+    quick = QuickThread(node, Turn())
     quick.start()
     assert threading.active_count() == before
     quick.close()
