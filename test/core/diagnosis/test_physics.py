@@ -34,7 +34,7 @@ WORLDS = {
   - {effect: link_com, location: [base], x_m: 0.01, y_m: -0.008, z_m: 0.0}
 """,
     "legs": """
-  - {effect: joint_compliance, location: [all], compliance_rad_per_nm: 0.01}
+  - {effect: joint_compliance, location: [LKneePitch], compliance_rad_per_nm: 0.012}
   - {effect: cell_position, location: [right/front_left], x_m: 0.006, y_m: -0.005}
 """,
 }
@@ -50,7 +50,7 @@ TRUTHS: Mapping[str, Mapping[str, Mapping[str, float]]] = {
         "link_com (base_link)": {"x": 0.01, "y": -0.008, "z": 0.0},
     },
     "legs": {
-        "joint_compliance (all)": {"compliance": 0.01},
+        "joint_compliance (LKneePitch)": {"compliance": 0.012},
         "cell_position (right/front_left)": {"x": 0.006, "y": -0.005},
     },
 }
