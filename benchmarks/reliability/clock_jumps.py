@@ -1,0 +1,185 @@
+"""The host's clock is set while the driver reads, the calibrator joins and a run is recorded.
+
+One hour forward, one hour back, or several jumps of up to an hour one after the other, at random
+moments of fifteen seconds, at 20 to 1000 frames a second that arrive with jitter. Nothing may
+raise; frames keep their order; within a stretch between two jumps the stamps differ as the device's
+counter does, not as the frames arrived; some time after a jump (the worst is told) they are the
+host's again. A run that was recorded meanwhile is read with its times growing, and says what was
+left out.
+"""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from reliability import originals
+from reliability.row import Progress, Result, Row
+from shoecal_core.errors import ShoecalError
+from shoecal_core.recording import messages, schemas
+from shoecal_core.recording.reader import read_run
+from shoecal_core.recording.session import Session
+from shoecal_ros.common.conversions import VoltageFrame
+from shoecal_ros.inputs.joining import FrameJoiner
+from shoecal_ros.serial.clock import DeviceClock
+
+KINDS = ("an hour forward", "an hour back", "jumping")
+SECONDS = 15.0
+HOUR_NS = 3600 * 10**9
+MOST_UNTIL_BACK_S = 2.0
+_JITTER_S = 0.0004
+_SAME_NS = 2_000_000
+"""Two stamps may differ so much from what the device counted between them."""
+_AT_HOST_NS = 20_000_000
+
+Ints = NDArray[np.int64]
+
+
+class WrongTimeError(Exception):
+    """Stamps that are not what they should be."""
+
+
+def run(first: int, count: int, seed: int, progress: Progress) -> Result:
+    failed, worst, longest = 0, "", 0.0
+    with tempfile.TemporaryDirectory(prefix="shoecal-clock-") as name:
+        session = originals.session(Path(name) / "session")
+        for number in range(first, first + count):
+            rng = np.random.default_rng([seed, number])
+            kind = KINDS[number % len(KINDS)]
+            try:
+                until = _try(session, kind, rng)
+                problem = f"{until:.2f} s until stamps are the host's again"
+                bad = until > MOST_UNTIL_BACK_S
+            except (WrongTimeError, ShoecalError, ArithmeticError, ValueError) as error:
+                problem, bad, until = f"try {number}, {kind}: {error}", True, longest
+            if not failed and (bad or until >= longest):
+                worst = problem
+            failed, longest = failed + bad, max(longest, until)
+            progress(number - first + 1)
+    return Result(count, failed, worst, longest)
+
+
+def _try(session: Session, kind: str, rng: np.random.Generator) -> float:
+    """One stream of frames; how long its stamps were not the host's after a jump [s]."""
+    rate = float(rng.choice([20.0, 80.0, 100.0, 1000.0]))
+    device_us = np.round(np.arange(0.0, SECONDS, 1.0 / rate) * 1e6).astype(np.int64)
+    jumps = _jumps(kind, rng)
+    host = originals.START_NS + device_us * 1000 + _set_by(jumps, device_us)
+    received = host + np.round(rng.exponential(_JITTER_S, len(host)) * 1e9).astype(np.int64)
+    clock = DeviceClock()
+    stamps, resets = [], []
+    for device, receipt in zip(device_us.tolist(), received.tolist(), strict=True):
+        stamps += clock.stamps([device], receipt)
+        resets.append(clock.resets)
+    stamped = np.array(stamps, dtype=np.int64)
+    _check_stretches(device_us, stamped, np.array(resets))
+    _check_joined(stamped)
+    if rate <= 100.0:
+        _check_recorded(session, stamped, received)
+    return max(_until_back(at, device_us, stamped - host, jumps) for at, _ in jumps)
+
+
+def _jumps(kind: str, rng: np.random.Generator) -> list[tuple[float, int]]:
+    """When [s], and by how much [ns]; three seconds apart."""
+    if kind != "jumping":
+        sign = 1 if kind.endswith("forward") else -1
+        return [(float(rng.uniform(3.0, SECONDS - 4.0)), sign * HOUR_NS)]
+    times = np.arange(2.5, SECONDS - 3.0, 3.0) + rng.uniform(0.0, 0.4)
+    return [(float(at), round(float(rng.uniform(-1.0, 1.0)) * HOUR_NS)) for at in times]
+
+
+def _set_by(jumps: list[tuple[float, int]], device_us: Ints) -> Ints:
+    total = np.zeros(len(device_us), dtype=np.int64)
+    for at, by in jumps:
+        total[device_us >= at * 1e6] += by
+    return total
+
+
+def _check_stretches(device_us: Ints, stamps: Ints, resets: Ints) -> None:
+    """Between two beginnings of the mapping time is the device's."""
+    for reset in np.unique(resets):
+        part = resets == reset
+        if (np.diff(stamps[part]) <= 0).any():
+            raise WrongTimeError("stamps of one stretch do not grow")
+        # The first half second of a mapping knows few delays.
+        late = device_us[part] > device_us[part][0] + 500_000
+        if late.sum() > 1:
+            off = np.diff(stamps[part][late]) - 1000 * np.diff(device_us[part][late])
+            if np.abs(off).max() > _SAME_NS:
+                raise WrongTimeError(
+                    f"{np.abs(off).max() / 1e6:.1f} ms more or less between two stamps than the "
+                    "device counted"
+                )
+
+
+def _until_back(at: float, device_us: Ints, off_ns: Ints, jumps: list[tuple[float, int]]) -> float:
+    """How long after a jump stamps were off the host's clock [s]."""
+    following = [other for other, _ in jumps if other > at]
+    stop = min([*following, SECONDS])
+    part = (device_us >= at * 1e6) & (device_us < stop * 1e6)
+    wrong = np.flatnonzero(part & (np.abs(off_ns) > _AT_HOST_NS))
+    return 0.0 if not len(wrong) else float(device_us[wrong[-1]] / 1e6 - at)
+
+
+def _check_joined(stamps: Ints) -> None:
+    """What the calibrator makes of the frames keeps their order; little is left out."""
+    names = originals.shoe().names
+    joiner = FrameJoiner(names, 0.03)
+    good = np.zeros(len(names), dtype=np.uint8)
+    seen = []
+    for sequence, stamp in enumerate(stamps.tolist()):
+        volts = np.full(len(names), float(sequence))
+        joined = joiner.add(VoltageFrame(stamp, "driver", sequence, names, volts, good, 25.0))
+        if joined is not None:
+            if joined.stamp_ns != stamp or (joined.readings != sequence).any():
+                raise WrongTimeError("readings of another frame under this stamp")
+            seen.append(sequence)
+    back = sum(0 <= one - two < 10**9 for one, two in pairwise(stamps.tolist()))
+    if back == 0 and len(seen) != len(stamps):
+        raise WrongTimeError(f"{len(stamps) - len(seen)} frames are not joined")
+
+
+def _check_recorded(session: Session, stamps: Ints, received: Ints) -> None:
+    """A run of these frames, joint angles stamped by the host."""
+    names = originals.shoe().names
+    with session.new_run("landmarks", originals.SUPPORT, live=False) as writer:
+        for topic, data, log_ns in _messages(stamps, received):
+            writer.write(topic, data, log_ns)
+    found = read_run(writer.path, originals.shoe())
+    writer.path.unlink()
+    indices = found.readings.value[:, 0].astype(int)
+    if (np.diff(indices) <= 0).any():
+        raise WrongTimeError("readings of a run are not in their order")
+    expected = (stamps[indices] - found.start_ns) / 1e9
+    if not np.allclose(found.readings.time, expected, rtol=0.0, atol=1e-6):
+        raise WrongTimeError(f"readings of {len(names)} cells under other times")
+    if len(indices) < len(stamps) and not any("dropped" in note for note in found.notes):
+        raise WrongTimeError("readings were left out and nothing said so")
+
+
+def _messages(stamps: Ints, received: Ints) -> Iterator[tuple[str, bytes, int]]:
+    names, joints = originals.shoe().names, originals.robot().joint_names
+    good = np.zeros(len(names))
+    for index, (stamp, log_ns) in enumerate(zip(stamps.tolist(), received.tolist(), strict=True)):
+        volts = np.full(len(names), float(index))
+        yield schemas.VOLTAGES, messages.shoe_voltages(stamp, index, names, volts, good), log_ns
+        yield (
+            schemas.JOINT_STATES,
+            messages.joint_state(log_ns, joints, np.zeros(len(joints))),
+            log_ns,
+        )
+
+
+ROW = Row(
+    key="clock-jumps",
+    fault="clock one hour forward, back, jumping",
+    holds="no crash, order kept, time from the device counter",
+    tries=300,
+    step=50,
+    run=run,
+)

@@ -1,0 +1,284 @@
+"""Loading files that were tampered with, in a process of its own whose memory and time are bound.
+
+A module of mutants has a function `target(folder)`. What its mutants come to is judged here: a
+mutant is refused with one line that names its file, or loaded as it stands. Whatever else happens
+is a failure: another exception, too much memory asked for, too much time, code that runs, a file
+outside the folder that is opened, a child or a connection.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import json
+import os
+import resource
+import select
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import warnings
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Protocol, TextIO
+
+import numpy as np
+
+from reliability.row import Progress, Result
+from shoecal_core.errors import ShoecalError
+
+MEMORY = 2 * 2**30
+"""Bytes of address space that a process of mutants may have."""
+SECONDS = 10.0
+"""Of the processor's time for one load."""
+_SILENCE_S = 60.0
+"""Nobody waits longer for a load that waits itself, for a pipe for example."""
+_LONGEST_MESSAGE = 2100
+
+_NEVER = {
+    "ctypes.dlopen", "os.exec", "os.fork", "os.forkpty", "os.posix_spawn", "os.spawn", "os.system",
+    "pickle.find_class", "socket.connect", "socket.getaddrinfo", "subprocess.Popen",
+    "urllib.Request",
+}  # fmt: skip
+"""Events of the interpreter that no file may cause."""
+
+_WORKER = (
+    "import sys; sys.path[:0] = {path!r}; from reliability import loading; loading.work({order!r})"
+)
+
+
+class WrongLoadError(Exception):
+    """A mutant that was loaded, but not as it stands."""
+
+
+class Target(Protocol):
+    """Files of one kind, whole at first."""
+
+    def load(self) -> None:
+        """Load what is there.
+
+        Raises:
+            ShoecalError: it is refused.
+            WrongLoadError: it is loaded wrongly.
+        """
+
+    def mutate(self, rng: np.random.Generator) -> str:
+        """Lay a mutant there instead of what was there before; what was done to it."""
+
+
+@dataclass(frozen=True)
+class Try:
+    """What one mutant came to.
+
+    Attributes:
+        index: its number.
+        what: was done to the file.
+        refused: the message; empty where it was loaded.
+        failed: what must not have happened; empty where all is well.
+        seconds: the load took, of the processor's time.
+        mebibytes: the most that the process has held so far.
+    """
+
+    index: int
+    what: str
+    refused: str = ""
+    failed: str = ""
+    seconds: float = 0.0
+    mebibytes: float = 0.0
+
+
+def try_mutants(module: str, first: int, count: int, seed: int, progress: Progress) -> Result:
+    """What a row of mutants comes to.
+
+    Args:
+        module: of this package; it has a function `target`.
+        first, count: which mutants.
+        seed: they are drawn from it and their number.
+        progress: is told how many are done.
+    """
+    failed, worst, figure, most, refused = 0, "", 0.0, 0.0, 0
+    for done, one in enumerate(tries(module, first, count, seed), start=1):
+        if one.failed and not failed:
+            worst = f"mutant {one.index} ({one.what}): {one.failed}"
+        failed += bool(one.failed)
+        refused += bool(one.refused)
+        figure, most = max(figure, one.seconds), max(most, one.mebibytes)
+        progress(done)
+    if not failed:
+        worst = f"{figure:.2f} s, {most:.0f} MiB ({refused} of {count} refused)"
+    return Result(count, failed, worst, figure)
+
+
+def tries(module: str, first: int, count: int, seed: int) -> Iterator[Try]:
+    """Every mutant, one after the other; a process that dies is followed by another."""
+    with tempfile.TemporaryDirectory(prefix="shoecal-mutants-") as folder:
+        at, last = first, first + count
+        while at < last:
+            order = {"module": module, "first": at, "last": last, "seed": seed, "folder": folder}
+            for one in _watched(order):
+                yield one
+                at = one.index + 1
+
+
+def _watched(order: dict[str, Any]) -> Iterator[Try]:
+    """Mutants of one process, to the one that it dies of."""
+    paths = [str(Path(__file__).parents[1]), *sys.path]
+    process = subprocess.Popen(
+        [sys.executable, "-c", _WORKER.format(path=paths, order=order)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        stdin=subprocess.DEVNULL,
+        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
+    )
+    assert process.stdout is not None
+    begun: Try | None = None
+    with process:
+        try:
+            for line in _lines(process.stdout.fileno()):
+                found = Try(**line["try"])
+                if line["done"]:
+                    begun = None
+                    yield found
+                else:
+                    begun = found
+        finally:
+            process.kill()
+        status = process.wait()
+        told = b"" if process.stderr is None else process.stderr.read()
+    if begun is not None:
+        yield Try(begun.index, begun.what, failed=f"the process died of it: {_death(status)}")
+    elif status not in (0, -signal.SIGKILL):
+        raise RuntimeError(f"mutants cannot be tried: {told.decode(errors='replace')[-2000:]}")
+
+
+def _lines(stream: int) -> Iterator[dict[str, Any]]:
+    """Lines of a process until it ends, or says nothing for too long."""
+    rest = b""
+    while select.select([stream], [], [], _SILENCE_S)[0]:
+        data = os.read(stream, 65536)
+        if not data:
+            return
+        *complete, rest = (rest + data).split(b"\n")
+        yield from map(json.loads, complete)
+
+
+def _death(status: int) -> str:
+    if status == -signal.SIGPROF:
+        return f"more than {SECONDS:g} s"
+    if status == -signal.SIGKILL:
+        return f"it waited for more than {_SILENCE_S:g} s"
+    return signal.Signals(-status).name if status < 0 else f"exit code {status}"
+
+
+# In the process of the mutants
+
+
+def work(order: dict[str, Any]) -> None:
+    """Try the mutants of an order; tell of each before and after."""
+    lines = os.fdopen(os.dup(1), "w")
+    # Parsers tell their trouble on both; nobody reads it.
+    silent = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(silent, 1)
+    folder = Path(order["folder"])
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    target: Target = importlib.import_module(f"reliability.{order['module']}").target(folder)
+    target.load()
+    # What Python says of an exception here is still told; nobody empties the rest.
+    sys.stderr = os.fdopen(os.dup(2), "w")
+    warnings.simplefilter("ignore")
+    os.dup2(silent, 2)
+    watch = _Watch(folder)
+    for index in range(order["first"], order["last"]):
+        what = target.mutate(np.random.default_rng([order["seed"], index]))
+        _tell(lines, Try(index, what), done=False)
+        _tell(lines, _judge(target, watch, index, what), done=True)
+
+
+def _tell(lines: TextIO, one: Try, *, done: bool) -> None:
+    print(json.dumps({"done": done, "try": asdict(one)}), file=lines, flush=True)
+
+
+def _judge(target: Target, watch: _Watch, index: int, what: str) -> Try:
+    refused, failed = "", ""
+    watch.begin()
+    begun = time.process_time()
+    signal.setitimer(signal.ITIMER_PROF, SECONDS)
+    try:
+        target.load()
+    except ShoecalError as error:
+        refused = str(error)
+        failed = _wrong_message(error, watch.folder)
+    except WrongLoadError as error:
+        failed = f"loaded wrongly: {error}"
+    except BaseException as error:  # noqa: BLE001 - whatever comes is what is looked for
+        failed = f"{type(error).__name__}: {error}"[:300]
+    finally:
+        signal.setitimer(signal.ITIMER_PROF, 0.0)
+    seconds = time.process_time() - begun
+    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return Try(index, what, refused, failed or watch.seen(), round(seconds, 4), round(held, 1))
+
+
+def _wrong_message(error: ShoecalError, folder: Path) -> str:
+    """What is wrong with a refusal; empty where nothing is."""
+    cause: BaseException | None = error
+    while cause is not None:
+        if isinstance(cause, MemoryError):
+            return "refused only after more memory was asked for than there is"
+        cause = cause.__cause__ or cause.__context__
+    message = str(error)
+    if "\n" in message or len(message) > _LONGEST_MESSAGE:
+        return f"a message of {len(message)} letters: {message[:100]}"
+    if str(folder) not in message:
+        return f"the message does not name the file: {message[:200]}"
+    return ""
+
+
+class _Watch:
+    """Sees what a load does beside reading its own files.
+
+    Attributes:
+        folder: of the files, and of a file `canary` that must never appear.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self._canary = folder / "canary"
+        self._seen: list[str] = []
+        self._ours = (str(folder), sys.prefix, sys.base_prefix, "/proc/self", str(_root()))
+        sys.addaudithook(self._audit)
+
+    def begin(self) -> None:
+        self._seen.clear()
+
+    def seen(self) -> str:
+        """What must not have been; empty where nothing was."""
+        if self._canary.exists():
+            self._canary.unlink()
+            self._seen.append("code of the file ran")
+        return "; ".join(self._seen)[:300]
+
+    def _audit(self, event: str, arguments: tuple[object, ...]) -> None:
+        if event in _NEVER:
+            self._seen.append(f"{event}{arguments}")
+        elif event == "open" and isinstance(arguments[0], str | bytes):
+            path = os.fsdecode(arguments[0])
+            if Path(path).is_absolute() and not path.startswith(self._ours):
+                self._seen.append(f"opens {path}")
+
+
+def _root() -> Path:
+    """The checkout: modules are loaded from there when first used."""
+    return Path(__file__).parents[2]
+
+
+def make_trap(folder: Path) -> Path:
+    """A pipe that nobody writes to: who opens it for reading waits for ever."""
+    trap = folder / "trap"
+    with contextlib.suppress(FileExistsError):
+        os.mkfifo(trap)
+    return trap

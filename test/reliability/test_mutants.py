@@ -1,0 +1,31 @@
+"""Some mutants of every kind of file; what is refused and what is loaded is judged by the rows."""
+
+from __future__ import annotations
+
+import importlib
+
+import pytest
+
+from reliability.row import Row
+
+SEED = 1
+
+
+@pytest.mark.parametrize(
+    ("module", "count"),
+    [
+        ("mutated_recordings", 60),
+        ("mutated_yaml", 60),
+        ("mutated_urdfs", 60),
+        ("mutated_calibrations", 60),
+        ("mutated_sessions", 60),
+        ("mutated_serial_logs", 300),
+    ],
+)
+def test_a_mutant_is_refused_or_loaded_as_it_stands(module: str, count: int) -> None:
+    row: Row = importlib.import_module(f"reliability.{module}").ROW
+    done: list[int] = []
+    found = row.run(0, count, SEED, done.append)
+    assert (found.tried, found.failed) == (count, 0), found.worst
+    assert done[-1] == count
+    assert "MiB" in found.worst
