@@ -1,6 +1,6 @@
 """Faults, tried very often: does the suite keep working, or say at once that it does not?
 
-    .venv/bin/python benchmarks/faults.py [--share 0.1] [--only ROW ...] [--fresh]
+    .venv/bin/python benchmarks/faults.py [--share 0.1] [--only ROW ...] [--fresh] [--table]
 
 Every row runs in a process of its own. Finished steps are kept in out/faults/, so a run that was
 stopped or killed is taken up where it was. Writes out/faults.json and docs/reliability.md; ends
@@ -37,6 +37,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--fresh", action="store_true", help="forget what these rows have kept")
     parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
     parser.add_argument("--page", type=Path, default=PAGE, help="Markdown page with the table")
+    parser.add_argument(
+        "--table", action="store_true", help="run nothing; write the table of what is kept"
+    )
     parser.add_argument("--alone", metavar="MODULE", help=argparse.SUPPRESS)
     args = parser.parse_args(arguments)
     if not 0.0 < args.share <= 1.0:
@@ -51,7 +54,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         wanted = args.only or list(rows)
         if unknown := set(wanted).difference(rows):
             parser.error(f"no row {', '.join(sorted(unknown))}; there are {', '.join(rows)}")
-        ended = [run_apart(rows[key], args) for key in wanted]
+        ended = [run_apart(rows[key], args) for key in wanted if not args.table]
         failed = write(rows, args.out, args.page, args.seed)
     except ShoecalError as error:
         print(error, file=sys.stderr)

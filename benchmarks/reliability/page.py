@@ -47,9 +47,15 @@ def write_page(rows: Mapping[str, Found], results: Mapping[str, Result], page: P
         lines.append(
             (
                 f"`{key}`", row.fault, row.holds, f"{row.tries:,}", f"{result.tried:,}",
-                f"**{result.failed:,}**" if result.failed else "0", result.worst,
+                _failed(result), result.worst,
             )
         )  # fmt: skip
     cells = [[cell.replace("|", r"\|").replace("\n", " ") for cell in line] for line in lines]
     about = "\n\n".join(f"### `{key}`\n\n{found.about}" for key, found in rows.items())
     write_section(SECTION, BODY.format(table=table(cells), about=about), page, HEAD)
+
+
+def _failed(result: Result) -> str:
+    if not result.tried:
+        return ""
+    return f"**{result.failed:,}**" if result.failed else "0"
