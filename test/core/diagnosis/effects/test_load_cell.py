@@ -85,19 +85,18 @@ def test_what_a_cell_shows_in_the_air_is_its_zero(scene: Scene) -> None:
     other = scene.with_parameters(ChannelParameters(parameters.gain, parameters.offset + shift))
     for channel in range(8):
         moved = load_cell.unloaded(other, channel) - load_cell.unloaded(scene, channel)
-        hangs = np.any(~scene.samples.loaded[:, scene.samples.shoe.foot[channel]])
-        assert moved == pytest.approx(shift[channel] if hangs else 0.0)
+        hanging = ~scene.samples.loaded[:, scene.samples.shoe.foot[channel]]
+        known = np.count_nonzero(hanging) >= load_cell.LEAST_HANGING
+        assert moved == pytest.approx(shift[channel] if known else 0.0)
 
 
 def test_the_loop_s_whole_width_is_the_fraction_of_the_range(scene: Scene) -> None:
     for loop in scene.loops[:2]:
         height = np.ptp(loop, axis=0) / scene.usual_range
         np.testing.assert_allclose(height, 1.0, atol=0.1)
-    # What lags shows too little where the force has come up, and too much where it went down.
-    highest = scene.outputs.argmax(axis=0), np.arange(len(scene.outputs[0]))
-    lowest = scene.outputs.argmin(axis=0), np.arange(len(scene.outputs[0]))
-    assert (scene.loops[0][highest] < 0.0).all()
-    assert (scene.loops[0][lowest] > 0.0).all()
+    # What lags shows too little where the force comes up, and too much where it goes down.
+    rate = np.gradient(scene.outputs, axis=0)
+    assert (np.sum(rate * scene.loops[0], axis=0) < 0.0).all()
 
 
 @pytest.mark.parametrize(("place", "form"), [("left/front_left", 1), ("right", 3)])
