@@ -36,6 +36,8 @@ SECONDS = 10.0
 """Of the processor's time for one load."""
 _SILENCE_S = 60.0
 """Nobody waits longer for a load that waits itself, for a pipe for example."""
+_START_S = 600.0
+"""A busy machine takes its time to start a process."""
 _LONGEST_MESSAGE = 2100
 
 _NEVER = {
@@ -118,9 +120,12 @@ def tries(module: str, first: int, count: int, seed: int) -> Iterator[Try]:
         at, last = first, first + count
         while at < last:
             order = {"module": module, "first": at, "last": last, "seed": seed, "folder": folder}
+            begun = at
             for one in _watched(order):
                 yield one
                 at = one.index + 1
+            if at == begun:
+                raise RuntimeError(f"{module}: the process of the mutants tried none")
 
 
 def _watched(order: dict[str, Any]) -> Iterator[Try]:
@@ -156,8 +161,9 @@ def _watched(order: dict[str, Any]) -> Iterator[Try]:
 
 def _lines(stream: int) -> Iterator[dict[str, Any]]:
     """Lines of a process until it ends, or says nothing for too long."""
-    rest = b""
-    while select.select([stream], [], [], _SILENCE_S)[0]:
+    rest, patience_s = b"", _START_S
+    while select.select([stream], [], [], patience_s)[0]:
+        patience_s = _SILENCE_S
         data = os.read(stream, 65536)
         if not data:
             return
