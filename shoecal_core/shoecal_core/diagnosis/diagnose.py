@@ -14,7 +14,6 @@ from shoecal_core.diagnosis.effects.base import Effect, Place
 from shoecal_core.diagnosis.effects.known import EFFECTS
 from shoecal_core.diagnosis.evidence import evidence
 from shoecal_core.diagnosis.hidden import hidden_cop
-from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
 from shoecal_core.diagnosis.result import Candidate, Cause, Diagnosis, NextMotion, Verdict
@@ -156,7 +155,7 @@ def _answer(
     there = over_floor > settings.gap_from
     nothing_fits: Verdict = "unknown" if over_floor > settings.unknown_from else "no_gap"
     causes = _causes(best, found, before, settings)
-    ranking = _probabilities(found.alternatives[0], settings) if found.alternatives else ()
+    ranking = _probabilities(found, 0, settings) if found.alternatives else ()
     ambiguity = _set(ranking, settings) if ranking else ()
     if exchange is not None:
         first = _exchanged(exchange, before)
@@ -187,21 +186,26 @@ def _causes(
     if found.chosen is None:
         return []
     return [
-        _cause(workspace, found.chosen, index, before, _probabilities(rivals, settings), settings)
-        for index, rivals in enumerate(found.alternatives)
+        _cause(
+            workspace, found.chosen, index, before, _probabilities(found, index, settings), settings
+        )
+        for index in range(len(found.alternatives))
     ]
 
 
-def _probabilities(
-    alternatives: Sequence[tuple[Hypothesis, float]], settings: DiagnosisSettings
-) -> tuple[Candidate, ...]:
-    """Of everything that could stand in a cause's place, nothing included."""
+def _probabilities(found: Found, index: int, settings: DiagnosisSettings) -> tuple[Candidate, ...]:
+    """Of everything that could stand in a cause's place, nothing included.
+
+    What a cause explains beside much stronger ones may be what these have in another form.
+    """
+    alternatives = found.alternatives[index]
+    together = found.chosen.evidence if found.chosen is not None else 0.0
     best = max((one for _, one in alternatives), default=0.0)
-    counts = temper(best, settings)
-    found = shares([*(counts * one for _, one in alternatives), 0.0])
+    counts = temper(max(best, together), settings)
+    each = shares([*(counts * one for _, one in alternatives), 0.0])
     return tuple(
         Candidate(hypothesis.effect.identifier, hypothesis.place, float(share))
-        for (hypothesis, _), share in zip(alternatives, found[:-1], strict=True)
+        for (hypothesis, _), share in zip(alternatives, each[:-1], strict=True)
     )
 
 

@@ -99,7 +99,7 @@ def weight(scored: Scored) -> float:
 
 
 def matter(workspace: Workspace, before: FloatArray, scored: Scored) -> float:
-    """How much of CoP or GRF, whichever is more, one more part explains, over their floor.
+    """How much of CoP or GRF, whichever is more, one more part explains, over what none does.
 
     What is sure but too small to matter to a controller is no gap. What gains and offsets would
     make up for is no gap either: it is told by itself, as hidden.
@@ -114,7 +114,7 @@ def matter(workspace: Workspace, before: FloatArray, scored: Scored) -> float:
         rows &= workspace.rows_of([run])
     if not rows.any():
         return 0.0
-    change = (before - after)[rows] / workspace.floor
+    change = (before - after)[rows] / workspace.beyond_all
     cop = float(np.sqrt(np.mean(change[:, COP] ** 2)))
     return max(cop, float(np.sqrt(np.mean(change[:, 0] ** 2))))
 

@@ -65,7 +65,7 @@ class DiagnosisSettings(Settings):
         "its form are smaller", minimum=0.0,
     )  # fmt: skip
     later_share: float = setting(
-        0.02, "", "a further effect must add this share of the evidence found so far: an effect "
+        0.06, "", "a further effect must add this share of the evidence found so far: an effect "
         "whose form the library has only nearly leaves a remainder of its own", minimum=0.0,
     )  # fmt: skip
     temper: float = setting(
@@ -88,7 +88,7 @@ class DiagnosisSettings(Settings):
         0.6, "", "part of the excess that must go for a gap to count as explained", minimum=0.0
     )
     unknown_below: float = setting(
-        0.2, "", "less than this part explained: the cause is unknown", minimum=0.0
+        0.4, "", "less than this part explained: the cause is unknown", minimum=0.0
     )
     unknown_from: float = setting(
         1.5, "", "the same for a gap of which nothing in the library explains anything", minimum=1.0

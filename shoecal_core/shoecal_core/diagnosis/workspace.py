@@ -83,6 +83,11 @@ class Workspace:
         return np.hypot(np.minimum(self.noise.std, self.quiet), self.scene.standing_errors)
 
     @property
+    def beyond_all(self) -> FloatArray:
+        """(s,) what is left of each signal when every effect may explain a little."""
+        return np.hypot(self.noise.std, self.scene.standing_errors)
+
+    @property
     def own_errors(self) -> NDArray[np.int64]:
         """Places of the stances' own errors among the baseline's columns."""
         count = len(self.scene.baseline)
