@@ -12,8 +12,9 @@ from shoecal_core.calibration.stance import Stance
 from shoecal_core.diagnosis.effects.base import USUAL_WEIGHT
 from shoecal_core.diagnosis.regression import Noise, Whitening, make_sums, solve
 from shoecal_core.diagnosis.samples import Samples
+from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT, Scene
+from shoecal_core.diagnosis.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
 from shoecal_core.sensing.wrench import ChannelParameters, columns_in_left, combined, weight_below
 
 FloatArray = NDArray[np.float64]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from shoecal_core.diagnosis.effects.contact import TURNED
 from shoecal_core.diagnosis.forecast import PossibleRun
 from shoecal_core.diagnosis.known_weight import KNOWN_MASS, WEIGHTED
-from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.menu import MENU

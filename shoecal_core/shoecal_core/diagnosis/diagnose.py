@@ -18,12 +18,12 @@ from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
 from shoecal_core.diagnosis.result import Candidate, Cause, Diagnosis, NextMotion, Verdict
 from shoecal_core.diagnosis.rewiring import Exchange, rewired
-from shoecal_core.diagnosis.samples import load_samples
+from shoecal_core.diagnosis.sampling import load_samples
+from shoecal_core.diagnosis.scene import make_scene
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.selection import Found, asked_for, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, gap, shrink
-from shoecal_core.diagnosis.signals import make_scene
 from shoecal_core.diagnosis.sizes import sizes
 from shoecal_core.diagnosis.tempering import shares, temper
 from shoecal_core.diagnosis.where import where

@@ -17,8 +17,9 @@ from scipy.sparse import csr_matrix
 
 from shoecal_core.diagnosis import body
 from shoecal_core.diagnosis.known_weight import with_mass
-from shoecal_core.diagnosis.samples import MIN_SEGMENT_S, TRANSIT_S, Track
-from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.samples import Track
+from shoecal_core.diagnosis.sampling import MIN_SEGMENT_S, TRANSIT_S
+from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.model.robot import GRAVITY

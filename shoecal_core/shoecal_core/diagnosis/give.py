@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from shoecal_core.diagnosis.signals import CLOSURE, FLAT_OF_CLOSURE, Scene
+from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.diagnosis.signals import CLOSURE, FLAT_OF_CLOSURE
 
 FloatArray = NDArray[np.float64]
 

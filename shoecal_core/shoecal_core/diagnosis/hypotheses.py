@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.effects.base import Effect, Place, Shape, leasts, mosts, stds
 from shoecal_core.diagnosis.result import Candidate
-from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.scene import Scene
 
 FloatArray = NDArray[np.float64]
 

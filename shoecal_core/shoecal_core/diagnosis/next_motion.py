@@ -25,9 +25,10 @@ from shoecal_core.diagnosis.forecast import PossibleRun, extended
 from shoecal_core.diagnosis.hypotheses import Catalogue, Form, Hypothesis, make_catalogue
 from shoecal_core.diagnosis.regression import Whitening
 from shoecal_core.diagnosis.result import NextMotion
+from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import OWN_ERRORS, Scene
+from shoecal_core.diagnosis.signals import OWN_ERRORS
 from shoecal_core.diagnosis.tempering import shares, temper
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.planning.settings import PlannerSettings

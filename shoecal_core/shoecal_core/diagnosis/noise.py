@@ -7,17 +7,9 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.regression import Noise
 from shoecal_core.diagnosis.samples import Samples
+from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import (
-    AIR,
-    CLOSURE,
-    COP,
-    GRF,
-    PARITY,
-    SIGNALS,
-    TILT,
-    Scene,
-)
+from shoecal_core.diagnosis.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
 
 FloatArray = NDArray[np.float64]
 MOST_KEEP = 0.97

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.effects.base import Effect, Place
 from shoecal_core.diagnosis.hypotheses import Hypothesis
+from shoecal_core.diagnosis.scene import Scene, Wiring
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import Scene, Wiring
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.sensing.wrench import at_cop, combined, to_left, weight_below
 

@@ -14,9 +14,10 @@ from shoecal_core.diagnosis.effects.base import Effect, Place
 from shoecal_core.diagnosis.hypotheses import Catalogue, make_catalogue
 from shoecal_core.diagnosis.noise import least_noise, noise_of, quiet, with_model_error
 from shoecal_core.diagnosis.regression import FEW_RUNS, Noise, Sums, Whitening, make_sums, solve
+from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.scoring import Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import COP, OWN_ERRORS, Scene
+from shoecal_core.diagnosis.signals import COP, OWN_ERRORS
 
 FloatArray = NDArray[np.float64]
 NOISE_ROUNDS = 2

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from shoecal_core.diagnosis.samples import Samples, Track
-from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.model.kinematics import BodyStates
 from shoecal_core.model.robot import Robot
 from shoecal_core.sensing.wrench import at_cop

@@ -12,9 +12,9 @@ from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.candidates import possible_runs
 from shoecal_core.diagnosis.effects.known import EFFECTS
 from shoecal_core.diagnosis.forecast import PossibleRun
-from shoecal_core.diagnosis.samples import load_samples
+from shoecal_core.diagnosis.sampling import load_samples
+from shoecal_core.diagnosis.scene import make_scene
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import make_scene
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording.session import Session

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.effects.base import Effect, Shape
-from shoecal_core.diagnosis.signals import SIGNALS, Scene
+from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.diagnosis.signals import SIGNALS
 
 FloatArray = NDArray[np.float64]
 ALIKE = (

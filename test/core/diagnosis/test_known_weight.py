@@ -9,7 +9,7 @@ import numpy as np
 
 from core.diagnosis.rewritten import resampled, rewritten
 from shoecal_core.diagnosis.known_weight import KNOWN_MASS, WEIGHTED
-from shoecal_core.diagnosis.samples import load_samples
+from shoecal_core.diagnosis.sampling import load_samples
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import GRAVITY

@@ -15,9 +15,9 @@ from shoecal_core import cli
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.effects.known import EFFECTS
 from shoecal_core.diagnosis.result import Size
-from shoecal_core.diagnosis.samples import load_samples
+from shoecal_core.diagnosis.sampling import load_samples
+from shoecal_core.diagnosis.scene import make_scene
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import make_scene
 from shoecal_core.diagnosis.sizes import sizes
 from shoecal_core.diagnosis.workspace import make_workspace
 from shoecal_core.recording.session import Session

@@ -12,7 +12,7 @@ from shoecal_core.diagnosis import give
 from shoecal_core.diagnosis.body import driven_together
 from shoecal_core.diagnosis.effects import places
 from shoecal_core.diagnosis.effects.base import Component, Place, Shape
-from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.scene import Scene
 
 FloatArray = NDArray[np.float64]
 LEAST_MASS = 0.01

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.effects import places
 from shoecal_core.diagnosis.effects.base import ALL, Component, Place, Shape
-from shoecal_core.diagnosis.signals import CLOSURE, COP, ROLL_PITCH, Scene
+from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.diagnosis.signals import CLOSURE, COP, ROLL_PITCH
 from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]

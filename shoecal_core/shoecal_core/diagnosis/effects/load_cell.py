@@ -11,10 +11,11 @@ from shoecal_core.diagnosis.effects import places
 from shoecal_core.diagnosis.effects.base import Component, Place, Shape
 from shoecal_core.diagnosis.filters import low_passed
 from shoecal_core.diagnosis.samples import Track
-from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.sensing.wrench import weight_below
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 LEAST_HANGING = 5
 """Samples in the air that tell what a cell shows when it feels nothing."""
 FLAT_STUCK, FLAT_AT_TOP = 0.01, 0.5
@@ -78,16 +79,14 @@ class Saturation:
         """Levels near the top of what it showed; what is missing there is what others tell."""
         (channel,) = places.channels_at(scene, place)
         force = scene.outputs[:, channel]
-        expected = scene.expected(int(channel), force <= np.median(force))
+        told = expected(scene, int(channel), force <= np.median(force))
         top, zero = force.max(), unloaded(scene, int(channel))
         span = top - np.percentile(force, 5.0)
         for share in (0.0, 0.04, 0.1, 0.2, 0.35):
             level = float(top - share * span)
-            missing = np.maximum(expected - level, 0.0)
+            missing = np.maximum(told - level, 0.0)
             beyond = missing > 0.0
-            if np.count_nonzero(beyond) >= 5 and _flat(
-                force[beyond], expected[beyond], FLAT_AT_TOP
-            ):
+            if np.count_nonzero(beyond) >= 5 and _flat(force[beyond], told[beyond], FLAT_AT_TOP):
                 columns = shown(scene, np.array([channel]), -missing[:, None])[None]
                 yield Shape(("share",), columns, {"level": level - zero})
 
@@ -194,9 +193,9 @@ class StuckCell:
             ):
                 continue
             before = ~late if not late.all() else late
-            expected = scene.expected(int(channel), before)
+            told = expected(scene, int(channel), before)
             level = float(np.median(scene.outputs[late, channel]))
-            missing = np.where(late, level - expected, 0.0)
+            missing = np.where(late, level - told, 0.0)
             columns = shown(scene, np.array([channel]), missing[:, None])[None]
             yield Shape(("share",), columns, {"time": start})
 
@@ -214,3 +213,31 @@ def courses(scene: Scene) -> Iterator[tuple[str, FloatArray]]:
         told = samples.decimated(lambda track: np.asarray(track.temperature)[:, None])[:, 0]
         if np.ptp(told) > 0.5:
             yield "per_kelvin", told - told[0]
+
+
+def expected(scene: Scene, channel: int, right: BoolArray) -> FloatArray:
+    """(T,) what one cell should feel by the others [N].
+
+    From the plane of a foot with four cells, else from the weight. Offsets of a foot's cells
+    that change neither its force nor its CoP no data fix: so it is what the cell shows in
+    the median of the samples (T,) in which it is taken to be right.
+    """
+    told = _told_by_others(scene, channel)
+    found: FloatArray = told + np.median((scene.outputs[:, channel] - told)[right])
+    return found
+
+
+def _told_by_others(scene: Scene, channel: int) -> FloatArray:
+    """(T,) but for a constant [N]."""
+    own = [
+        i
+        for i in np.flatnonzero(scene.wiring.foot == scene.wiring.foot[channel]).tolist()
+        if scene.wiring.columns[i, 0] == 1.0
+    ]
+    if len(own) == 4:
+        plane = np.linalg.svd(scene.wiring.columns[own].T)[2][-1]
+        at = own.index(channel)
+        if abs(plane[at]) > 0.2:
+            rest: FloatArray = scene.outputs[:, own] @ plane / plane[at]
+            return scene.outputs[:, channel] - rest
+    return np.asarray(scene.outputs[:, channel] - scene.residuals[:, 0])

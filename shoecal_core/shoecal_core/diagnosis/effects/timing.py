@@ -12,7 +12,7 @@ from shoecal_core.diagnosis.effects.base import Component, Place, Shape
 from shoecal_core.diagnosis.effects.load_cell import shown
 from shoecal_core.diagnosis.filters import slope
 from shoecal_core.diagnosis.samples import Track
-from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.scene import Scene
 
 FloatArray = NDArray[np.float64]
 TYPICAL_LAG = 0.1

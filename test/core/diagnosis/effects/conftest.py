@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from core.diagnosis.altered import calm
-from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.workspace import Workspace
 
 

@@ -19,7 +19,8 @@ from shoecal_core.diagnosis.effects.body import (
     Payload,
 )
 from shoecal_core.diagnosis.effects.dynamics import Inertia
-from shoecal_core.diagnosis.signals import COP, Scene
+from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.diagnosis.signals import COP
 from shoecal_core.model.robot import GRAVITY
 
 FloatArray = NDArray[np.float64]

@@ -27,7 +27,8 @@ from shoecal_core.diagnosis.effects.contact import (
     step_times,
 )
 from shoecal_core.diagnosis.samples import Samples
-from shoecal_core.diagnosis.signals import CLOSURE, COP, Scene
+from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.diagnosis.signals import CLOSURE, COP
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.sensing.shoe import FEET
 from shoecal_core.sensing.wrench import to_left

@@ -18,7 +18,7 @@ from shoecal_core.diagnosis.effects.geometry import (
     SwappedCells,
     sideways,
 )
-from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.scene import Scene
 
 FloatArray = NDArray[np.float64]
 

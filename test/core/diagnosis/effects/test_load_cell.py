@@ -13,7 +13,7 @@ from core.diagnosis.shows import assert_shows, shape, told
 from shoecal_core.diagnosis.effects import load_cell
 from shoecal_core.diagnosis.effects.places import channels_at
 from shoecal_core.diagnosis.samples import Track
-from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]

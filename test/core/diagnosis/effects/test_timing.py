@@ -11,7 +11,7 @@ from core.diagnosis.shows import assert_shows, shape, told
 from shoecal_core.diagnosis.effects.places import all_channels_at
 from shoecal_core.diagnosis.effects.timing import Latency, LowPass
 from shoecal_core.diagnosis.samples import Track
-from shoecal_core.diagnosis.signals import Scene
+from shoecal_core.diagnosis.scene import Scene
 
 FloatArray = NDArray[np.float64]
 PLACES = ("left", "right", "all")

@@ -1,0 +1,368 @@
+"""How recorded runs become samples: aligned, cut into stances, averaged."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+from shoecal_core.calibration.aligned import Aligned, align
+from shoecal_core.diagnosis.clocks import check_clocks
+from shoecal_core.diagnosis.known_weight import carried, with_mass
+from shoecal_core.diagnosis.momentum import standing_spin
+from shoecal_core.diagnosis.samples import Samples, Track
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.walking_samples import Walk, find_walk, pieces
+from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.model.robot import GRAVITY, Robot
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.recording.run import Run
+from shoecal_core.recording.session import Session
+from shoecal_core.sensing.shoe import Shoe
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
+
+TRANSIT_S = 0.8
+"""Around lifting and landing, samples are left out for this long."""
+MIN_SEGMENT_S = 0.8
+MOVES_M = 0.003
+"""Way of the CoM below which a robot stands still; encoders' steps make less."""
+UNSURE_MASS = 0.02
+"""Standard uncertainty of the robot's mass, over the mass, from which it is told."""
+LEAST_FILLED = 0.5
+"""Part of a sample's time in which there must be readings."""
+
+
+def load_samples(
+    session: Session,
+    runs: Sequence[int],
+    settings: DiagnosisSettings,
+    progress: Callable[[str, float], None] | None = None,
+) -> Samples:
+    """Read runs and make samples of them.
+
+    A run of which nothing can be used is left out, with a note.
+
+    Raises:
+        ShoecalError: when no run is left.
+    """
+    shoe = session.shoe
+    robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf)
+    kinematics = Kinematics(robot)
+    notes: list[str] = []
+    read = []
+    for index, number in enumerate(runs):
+        if progress is not None:
+            progress(f"reading run {number}", index / len(runs))
+        try:
+            run = session.read(number)
+            check_clocks(run)
+            read.append((run, align(run, shoe, kinematics)))
+        except FileError as error:
+            notes.append(f"run {number} is left out: {error}")
+    parts = _parts(read, robot, shoe, settings, notes)
+    if not parts:
+        raise FileError(session.folder, "no run can be used: " + "; ".join(notes))
+    notes += _missing(parts, robot)
+    return _joined(parts, robot, shoe, kinematics, notes)
+
+
+def _parts(
+    read: Sequence[tuple[Run, Aligned]],
+    robot: Robot,
+    shoe: Shoe,
+    settings: DiagnosisSettings,
+    notes: list[str],
+) -> list[_Part]:
+    """Samples of each run that has any; of the others it is noted why not."""
+    first_ns = min((run.start_ns for run, _ in read), default=0)
+    duration = sum(float(aligned.time[-1] - aligned.time[0]) for _, aligned in read)
+    walks = any(run.info.support is None for run, _ in read)
+    wanted = settings.walking_rate_hz if walks else settings.rate_hz
+    rate = min(wanted, settings.samples_max / max(duration, 1.0))
+    parts: list[_Part] = []
+    at, segments = 0, 0
+    for run, aligned in read:
+        try:
+            part = _part(run, aligned, robot, shoe, settings, rate, at, segments, first_ns)
+        except ShoecalError as error:
+            notes.append(f"run {run.info.run} is left out: {error}")
+            continue
+        if part is None:
+            notes.append(f"run {run.info.run} is left out: no stance in it is long enough")
+            continue
+        parts.append(part)
+        at, segments = part.track.samples.stop, int(part.segment.max()) + 1
+    return parts
+
+
+def _joined(
+    parts: Sequence[_Part],
+    robot: Robot,
+    shoe: Shoe,
+    kinematics: Kinematics,
+    notes: Sequence[str],
+) -> Samples:
+    """One after the other."""
+    angles = np.concatenate([part.track.mean(part.track.angles) for part in parts])
+    mass = np.concatenate(
+        [np.full(len(part.segment), carried(part.track.motion)) for part in parts]
+    )
+    states = with_mass(kinematics.states(angles), robot, mass)
+    loaded = np.concatenate([part.loaded for part in parts])
+    frame = np.where(loaded[:, 0], 0, 1)
+    rows = np.arange(len(frame))
+    up = np.concatenate(
+        [
+            np.full((len(part.segment), 3), np.nan)
+            if part.track.up is None
+            else part.track.mean(part.track.up)
+            for part in parts
+        ]
+    )
+    acceleration = np.concatenate([part.acceleration for part in parts])
+    force, cop = robot.weight + GRAVITY * mass, states.com[rows, frame, :2]
+    walking = np.zeros(len(frame), dtype=bool)
+    for part in parts:
+        if part.walk is not None:
+            here, mean = part.track.samples, part.track.mean
+            force[here], cop[here] = mean(part.walk.force), mean(part.walk.cop)
+            walking[here] = True
+    return Samples(
+        robot=robot,
+        shoe=shoe,
+        tracks=tuple(part.track for part in parts),
+        run=np.concatenate([np.full(len(part.segment), part.track.run) for part in parts]),
+        time=np.concatenate([part.track.mean(part.track.time) for part in parts]),
+        clock=np.concatenate(
+            [part.track.start + part.track.mean(part.track.time) for part in parts]
+        ),
+        segment=np.concatenate([part.segment for part in parts]),
+        loaded=loaded,
+        readings=np.concatenate([part.track.mean(part.track.readings) for part in parts]),
+        angles=angles,
+        states=states,
+        up=up,
+        force=force,
+        cop=cop,
+        walks=walking,
+        acceleration=np.where(walking[:, None], 0.0, acceleration[rows, frame]),
+        spin=np.concatenate([part.spin for part in parts]),
+        notes=tuple(notes),
+    )
+
+
+@dataclass(frozen=True)
+class _Part:
+    track: Track
+    segment: IntArray
+    loaded: BoolArray
+    acceleration: FloatArray
+    spin: FloatArray
+    walk: Walk | None
+
+
+def _part(
+    run: Run,
+    aligned: Aligned,
+    robot: Robot,
+    shoe: Shoe,
+    settings: DiagnosisSettings,
+    rate: float,
+    at: int,
+    segments: int,
+    first_ns: int,
+) -> _Part | None:
+    step = max(1, round(_rate(aligned.time) / settings.filter_rate_hz))
+    thin = np.zeros(len(aligned.time), dtype=bool)
+    thin[::step] = True
+    aligned = aligned.part(thin)
+    time = aligned.time
+    walk = find_walk(run, aligned, shoe, robot) if run.info.support is None else None
+    if walk is None:
+        stance, loaded = _stances(aligned, robot, settings)
+    else:
+        stance, loaded = walk.stance, walk.loaded
+    key = np.floor(time * rate) if walk is None else pieces(time, stance, rate)
+    chosen = _bins(time, stance, key, rate)
+    if chosen is None:
+        return None
+    weights, owner = chosen
+    # Stances too short for one sample are gone: those left are numbered without gaps.
+    kept, owner = np.unique(owner, return_inverse=True)
+    carried, loaded, owner = loaded, loaded[kept], owner.reshape(-1)
+    com = aligned.states.com
+    acceleration = np.gradient(np.gradient(_smooth(com, time), time, axis=0), time, axis=0)
+    track = Track(
+        run=run.info.run,
+        motion=run.info.motion,
+        walks=walk is not None,
+        start=1e-9 * (run.start_ns - first_ns),
+        time=time,
+        readings=aligned.readings,
+        angles=aligned.joint_angles,
+        efforts=_efforts(run, robot, time),
+        up=_upwards(run, time),
+        temperature=_temperature(run, time),
+        com=com,
+        samples=slice(at, at + weights.shape[0]),
+        weights=weights,
+    )
+    if walk is None:
+        frame = np.where((stance >= 0) & ~carried[stance, 0], 1, 0)
+        spin = standing_spin(_smooth(aligned.joint_angles, time), time, frame, robot)
+    else:
+        spin = walk.spin
+    means = track.mean(acceleration), track.mean(spin)
+    return _Part(track, segments + owner, loaded[owner], *means, walk)
+
+
+def _rate(time: FloatArray) -> float:
+    return 1.0 / float(np.median(np.diff(time)))
+
+
+def _smooth(values: FloatArray, time: FloatArray, span: float = 0.1) -> FloatArray:
+    """Averaged over about a span [s]: a derivative of steps of an encoder is no motion.
+
+    What averages take off a curve is put back, else fast motions would seem slower than they are.
+    """
+    width = max(1, 2 * round(0.5 * span * _rate(time)) + 1)
+    flat = values.reshape(len(values), -1)
+    once = _averaged(flat, width)
+    return (once + _averaged(flat - once, width)).reshape(values.shape)
+
+
+def _averaged(values: FloatArray, width: int) -> FloatArray:
+    """Values (F, k) averaged over some neighbours, twice."""
+    for _ in range(2):
+        padded = np.pad(values, ((width // 2, width // 2), (0, 0)), mode="edge")
+        sums = np.cumsum(np.vstack((np.zeros((1, values.shape[1])), padded)), axis=0)
+        values = (sums[width:] - sums[:-width]) / width
+    return values
+
+
+def _stances(
+    aligned: Aligned, robot: Robot, settings: DiagnosisSettings
+) -> tuple[IntArray, BoolArray]:
+    """Number of the stance of each sample, -1 between two; and which feet carry each stance."""
+    states, time = aligned.states, aligned.time
+    height = states.translation[:, 2]
+    off = np.abs(height - np.median(height))
+    air = off > settings.lifted_m
+    near = np.zeros(len(air), dtype=bool)
+    margin = max(1, round(TRANSIT_S * _rate(time)))
+    edges = np.flatnonzero(np.diff((off > 0.3 * settings.lifted_m).astype(int)) != 0)
+    if air.any():
+        for edge in edges:
+            near[max(0, edge - margin) : edge + margin + 1] = True
+    centres = [foot.outline.mean(axis=0) for foot in robot.feet]
+    away = np.stack(
+        [np.linalg.norm(states.com[:, foot, :2] - centres[foot], axis=1) for foot in (0, 1)]
+    )
+    standing = np.where(air, np.where(away[0] < away[1], 1, 2), 0)
+    standing[near] = -1
+    change = np.flatnonzero((np.diff(standing) != 0) | (np.diff(time) > 1.0)) + 1
+    stance = np.full(len(time), -1)
+    loaded: list[tuple[bool, bool]] = []
+    for part in np.split(np.arange(len(time)), change):
+        kind = int(standing[part[0]])
+        if kind < 0 or time[part[-1]] - time[part[0]] < MIN_SEGMENT_S:
+            continue
+        stance[part] = len(loaded)
+        loaded.append(((True, True), (True, False), (False, True))[kind])
+    return stance, np.array(loaded, dtype=bool).reshape(-1, 2)
+
+
+def _bins(
+    time: FloatArray, stance: IntArray, key: FloatArray, rate: float
+) -> tuple[csr_matrix, IntArray] | None:
+    """Averages over samples of one stance and key (T, F), and the stance that each is of."""
+    pair = np.stack((stance, np.where(stance >= 0, key.astype(np.int64), -1)), axis=1)
+    wanted = np.flatnonzero(stance >= 0)
+    if not len(wanted):
+        return None
+    names, inverse, count = np.unique(pair[wanted], axis=0, return_inverse=True, return_counts=True)
+    inverse = np.asarray(inverse).reshape(-1)
+    full = count >= max(1.0, LEAST_FILLED * min(_rate(time) / rate, float(np.median(count))))
+    order = np.cumsum(full) - 1
+    keep = full[inverse]
+    rows, columns = order[inverse[keep]], wanted[keep]
+    weights = csr_matrix(
+        (1.0 / count[inverse[keep]], (rows, columns)), shape=(int(full.sum()), len(time))
+    )
+    return weights, names[full, 0]
+
+
+def _efforts(run: Run, robot: Robot, time: FloatArray) -> FloatArray | None:
+    if run.joints.effort is None:
+        return None
+    efforts = np.zeros((len(time), len(robot.joint_names)))
+    told = dict(zip(run.joints.names, run.joints.effort.T, strict=True))
+    for index, name in enumerate(robot.joint_names):
+        if name not in told or not np.isfinite(told[name]).all():
+            if index in robot.moved:
+                return None
+            continue
+        efforts[:, index] = np.interp(time, run.joints.time, told[name])
+    return efforts if np.any(efforts) else None
+
+
+def _upwards(run: Run, time: FloatArray) -> FloatArray | None:
+    """The third row of the rotation from the base to the world."""
+    imu = run.imu
+    if imu is None or not np.isfinite(imu.quaternion).all() or len(imu.time) < 2:
+        return None
+    x, y, z, w = imu.quaternion.T
+    up = np.stack((2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)), axis=1)
+    return np.stack([np.interp(time, imu.time, axis) for axis in up.T], axis=1)
+
+
+def _temperature(run: Run, time: FloatArray) -> FloatArray | None:
+    if run.shoe_temperature is not None:
+        return np.interp(time, run.shoe_temperature.time, run.shoe_temperature.value)
+    told = run.readings.temperature
+    if not np.isfinite(told).any(axis=1).any():
+        return None
+    known = np.isfinite(told).any(axis=1)
+    mean = np.nanmean(told[known], axis=1)
+    return np.interp(time, run.readings.time[known], mean)
+
+
+def _missing(parts: Sequence[_Part], robot: Robot) -> list[str]:
+    tracks = [part.track for part in parts]
+    notes = []
+    if walking := [str(track.run) for track in tracks if track.walks]:
+        notes.append(
+            f"runs {', '.join(walking)} walk: CoP and GRF are told against the zero-moment point "
+            "of joints and base pose, in single and double supports of flat, still feet"
+        )
+    if robot.mass_std > UNSURE_MASS * robot.mass:
+        notes.append(
+            f"the robot's weight is known to {robot.mass_std / robot.mass:.0%} only, and a wrong "
+            "one looks exactly like a common error of all gains: put it on a scale"
+        )
+    if any(track.up is None for track in tracks):
+        notes.append("no /imu in every run: a tilt of the floor is only seen by the CoP")
+    if all(track.temperature is None for track in tracks):
+        notes.append("no temperature: drifts are told by time alone")
+    if all(track.efforts is None for track in tracks):
+        notes.append("no joint efforts: loads sideways on cells are not looked for")
+    if not any((~part.loaded).any() for part in parts):
+        notes.append("no foot is ever in the air: how the feet share the load is weakly fixed")
+    moved = max(float(np.ptp(track.mean(track.com)[..., :2], axis=0).max()) for track in tracks)
+    if moved < MOVES_M:
+        raise ShoecalError(
+            f"the CoM moves by {1e3 * moved:.1f} mm at most, which tells nothing: "
+            "record runs in which the robot moves"
+        )
+    if len(parts) < 2:
+        raise ShoecalError(
+            "one run alone cannot tell a gap from a parameter: record at least two double supports"
+        )
+    return notes
