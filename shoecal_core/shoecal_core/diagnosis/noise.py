@@ -14,6 +14,10 @@ from shoecal_core.diagnosis.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNA
 FloatArray = NDArray[np.float64]
 MOST_KEEP = 0.97
 FEWEST = 10
+WHITE = (1.0, -4.0, 6.0, -4.0, 1.0)
+"""Shares of samples in a row of whose sum only noise is left that has no memory."""
+HALF_WITHIN = 0.6745
+"""Standard deviations within which half of all normal numbers lie."""
 MODEL_ERRORS = 1.5
 """Of a robot without a fault, times the usual error of a model."""
 
@@ -76,13 +80,14 @@ def quiet(scene: Scene, settings: DiagnosisSettings) -> FloatArray:
     samples = scene.samples
     if samples.walks.any():
         return np.full(len(SIGNALS), np.inf)
-    alike = (np.diff(samples.segment)[1:] == 0) & (np.diff(samples.segment)[:-1] == 0)
-    mask = scene.mask
-    there = mask[2:] & mask[1:-1] & mask[:-2] & alike[:, None]
-    bend = np.diff(scene.residuals, n=2, axis=0)
-    # A median, as a jolt is no noise either; of a normal number's square it is 0.455.
+    apart = len(WHITE) - 1
+    rows = [slice(at, len(samples.run) - apart + at) for at in range(len(WHITE))]
+    there = np.all([scene.mask[one] for one in rows], axis=0)
+    there &= (samples.segment[rows[0]] == samples.segment[rows[-1]])[:, None]
+    bend = np.sum([share * scene.residuals[one] for share, one in zip(WHITE, rows, strict=True)], 0)
+    # A median, as a jolt is no noise either.
     white = [
-        np.sqrt(np.median(one[here] ** 2) / 0.455 / 6.0) if here.any() else 0.0
+        np.median(np.abs(one[here])) / HALF_WITHIN / np.linalg.norm(WHITE) if here.any() else 0.0
         for one, here in zip(bend.T, there.T, strict=True)
     ]
     most: FloatArray = np.hypot(MODEL_ERRORS * model_error(scene, settings), np.array(white))

@@ -16,6 +16,8 @@ from shoecal_core.diagnosis.signals import COP
 from shoecal_core.diagnosis.workspace import Workspace
 
 FloatArray = NDArray[np.float64]
+FAR_MORE = 1.5
+"""Times the evidence of the best that matters, from which one that does not is taken first."""
 LOOKED_AT = 40
 """Hypotheses that are looked at in full, the most probable ones."""
 
@@ -82,7 +84,11 @@ def ranked(
     before, _ = workspace.explained(workspace.scorer.score(beside, foretell=False))
     likely = sorted((one for one in scored if one.sensible), key=weight, reverse=True)[:LOOKED_AT]
     least = settings.later_material if beside else settings.material
-    return [one for one in likely if matter(workspace, before, one) >= least]
+    found = [one for one in likely if matter(workspace, before, one) >= least]
+    # What is far more probable than all that matters would only be replaced by something wrong.
+    if not beside and found and weight(likely[0]) > FAR_MORE * weight(found[0]):
+        found.insert(0, likely[0])
+    return found
 
 
 def weight(scored: Scored) -> float:
