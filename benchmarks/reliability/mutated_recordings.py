@@ -37,6 +37,8 @@ _SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _INDEX, _DATA_END = 3, 4, 5, 6, 7, 15
 _STAMPS = (0, 1, 2**31 * 10**9 - 1, 10**9, originals.START_NS - 3600 * 10**9,
            originals.START_NS + 3600 * 10**9)  # fmt: skip
 _HUGE = 3 * 2**30
+_CHUNK_HEAD = struct.calcsize("<QQQI") + struct.calcsize("<I4sQ")
+"""Bytes before what a chunk holds: times, size, checksum; name of the compression and its size."""
 
 
 def target(folder: Path) -> RunFile:
@@ -166,7 +168,8 @@ def _of_records(whole: bytes, rng: Rng) -> tuple[str, bytes]:
     if chunks and rng.random() < 0.7:
         at = int(rng.choice(chunks))
         start, end, _, _ = struct.unpack_from("<QQQI", outer[at].body)
-        inner = _records(zstandard.decompress(outer[at].body[40:]))
+        unpacker = zstandard.ZstdDecompressor().decompressobj()
+        inner = _records(unpacker.decompress(outer[at].body[_CHUNK_HEAD:]))
         what, inner = _altered(inner, rng)
         outer[at] = _chunk(start, end, b"".join(record.bytes for record in inner))
     else:

@@ -24,6 +24,8 @@ Value = bool | int | float | str
 T = TypeVar("T", bound=Value)
 S = TypeVar("S", bound="Settings")
 
+LARGEST_INT = 2**63
+"""What ROS parameters can hold; far larger ones are no floats either."""
 _META = "shoecal"
 _KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
 
@@ -71,6 +73,8 @@ class Setting:
         Raises:
             SettingError: for another type, a value out of bounds, or one that is not finite.
         """
+        if isinstance(value, int) and abs(value) > LARGEST_INT:
+            raise SettingError(self.name, "number too large")
         if self.kind is float and isinstance(value, int) and not isinstance(value, bool):
             value = float(value)
         # bool is an int in Python, hence the comparison of exact types.

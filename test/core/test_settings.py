@@ -53,6 +53,7 @@ def test_whole_numbers_serve_as_numbers() -> None:
         ({"length": 3.0}, ["length", "at most 2", " m", "3 m"]),
         ({"length": "long"}, ["length", "a number"]),
         ({"length": float("nan")}, ["length", "finite"]),
+        ({"length": 10**400}, ["length", "too large"]),
         ({"length": True}, ["length", "a number"]),
         ({"count": 0}, ["count", "at least 1"]),
         ({"count": 1.5}, ["count", "whole"]),

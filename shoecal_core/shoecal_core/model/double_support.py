@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
+from shoecal_core.files import Fields
 
 FARTHEST_M = 100.0
 """Beyond that geometry is rounding."""
@@ -52,3 +53,14 @@ class DoubleSupport:
     def left_to_right(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Points (..., 2) of the left sole's frame in the right sole's frame [m]."""
         return (points - self.translation) @ self.rotation
+
+
+def read_support(fields: Fields, key: str = "support") -> DoubleSupport | None:
+    """From three numbers of a file; None where it has none. FileError where they are wrong."""
+    if key not in fields:
+        return None
+    numbers = fields.array(key, (3,))
+    try:
+        return DoubleSupport(*map(float, numbers))
+    except ShoecalError as error:
+        raise fields.error(key, str(error)) from error

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from shoecal_core.files import Fields, read_yaml
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.double_support import DoubleSupport, read_support
 from shoecal_core.recording.csv_table import Column
 from shoecal_core.recording.listing import HINTS
 from shoecal_core.sensing.shoe import FEET
@@ -190,10 +190,9 @@ def _trial(fields: Fields, tables: tuple[str, ...]) -> Trial:
     fields.only("motion", "support", "set", "files")
     files = fields.mapping("files")
     files.only(*tables)
-    support = fields.array("support", (3,)) if "support" in fields else None
     return Trial(
         motion=fields.text("motion"),
-        support=None if support is None else DoubleSupport(*map(float, support)),
+        support=read_support(fields),
         hint=fields.choice("set", dict.fromkeys(HINTS)) if "set" in fields else "",
         files={name: files.text(name) for name in tables},
     )

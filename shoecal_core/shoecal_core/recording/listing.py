@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 
 from shoecal_core.files import Fields
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.double_support import DoubleSupport, read_support
 from shoecal_core.recording.writer import PART
 
 HINTS = ("", "train", "test")
@@ -48,11 +48,10 @@ def read_listed(item: Fields) -> ListedRun:
     match = RUN_FILE.fullmatch(item.text("file"))
     if match is None:
         raise item.error("file", "is no name of a run; expected run_001.mcap or the like")
-    support = item.array("support", (3,)) if "support" in item else None
     return ListedRun(
         run=int(match[1]),
         motion=item.text("motion"),
-        support=None if support is None else DoubleSupport(*map(float, support)),
+        support=read_support(item),
         hint=item.choice("set", dict.fromkeys(HINTS)),
     )
 

@@ -103,8 +103,8 @@ def test_spikes_are_left_out_named_and_counted(
         if one["fault"] == "spike"
     }
     assert lost[2, name] >= len(at) - 2
-    # What hits a foot of three cells may leap in one alone.
-    assert sum(lost.values()) - lost[2, name] <= 2
+    # What hits a foot of three cells may leap in one alone, as where it touches down.
+    assert sum(lost.values()) - lost[2, name] <= 6
     assert f"{name} gave spikes in run 2" in out
     assert "Samples left out" in out
 

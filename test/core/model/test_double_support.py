@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.files import read_yaml
+from shoecal_core.model.double_support import DoubleSupport, read_support
 
 numbers = st.floats(-1.0, 1.0)
 supports = st.builds(DoubleSupport, numbers, numbers, st.floats(-math.pi, math.pi))
@@ -50,3 +52,20 @@ def test_what_is_not_finite_is_refused(bad: float, place: int) -> None:
     values[place] = bad
     with pytest.raises(ShoecalError, match="finite"):
         DoubleSupport(*values)
+
+
+@pytest.mark.parametrize("text", ["[0.0, 1.0e+30, 0.0]", "[0.0, .nan, 0.0]", "[0.0, -0.1]", "5"])
+def test_a_support_of_a_file_that_is_none_names_the_file_and_the_field(
+    tmp_path: Path, text: str
+) -> None:
+    path = tmp_path / "list.yaml"
+    path.write_text(f"support: {text}\n")
+    with pytest.raises(FileError, match=r"list\.yaml.*support"):
+        read_support(read_yaml(path))
+
+
+def test_a_support_of_a_file(tmp_path: Path) -> None:
+    path = tmp_path / "list.yaml"
+    path.write_text("support: [0.01, -0.1, 0.2]\n")
+    assert read_support(read_yaml(path)) == DoubleSupport(0.01, -0.1, 0.2)
+    assert read_support(read_yaml(path), "another") is None

@@ -36,7 +36,7 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
     with World(tmp_path_factory.mktemp("simulated")) as world:
         port, device = world.folder / "port", world.folder / "device.yaml"
         write_device(device, nao_shoe(), port, 24)
-        world.start("simulator", {"port": port, "speed": 12.0})
+        world.start("simulator", {"port": port, "speed": 5.0})
         world.start("shoe_driver", {"use_sim_time": True, "config_file": device})
         world.start("planner", {"use_sim_time": True, "stale_s": 3.0, **QUICK})
         folders = {"state_dir": world.folder / "state", "sessions_dir": world.folder / "sessions"}
