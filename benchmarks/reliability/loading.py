@@ -81,7 +81,7 @@ class Try:
         refused: the message; empty where it was loaded.
         failed: what must not have happened; empty where all is well.
         seconds: the load took, of the processor's time.
-        mebibytes: the most that the process has held so far.
+        mebibytes: the most that the process held meanwhile.
     """
 
     index: int
@@ -190,7 +190,6 @@ def work(order: dict[str, Any]) -> None:
     os.dup2(silent, 1)
     folder = Path(order["folder"])
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     target: Target = importlib.import_module(f"reliability.{order['module']}").target(folder)
     target.load()
     # What Python says of an exception here is still told; nobody empties the rest.
@@ -199,9 +198,24 @@ def work(order: dict[str, Any]) -> None:
     os.dup2(silent, 2)
     watch = _Watch(folder)
     for index in range(order["first"], order["last"]):
+        # Mutants that unfold into gigabytes take some to make.
+        _allow(resource.RLIM_INFINITY)
         what = target.mutate(np.random.default_rng([order["seed"], index]))
+        _allow(MEMORY)
         _tell(lines, Try(index, what), done=False)
         _tell(lines, _judge(target, watch, index, what), done=True)
+
+
+def _allow(memory: int) -> None:
+    """So much memory from now on; what was held at most is forgotten."""
+    resource.setrlimit(resource.RLIMIT_AS, (memory, resource.RLIM_INFINITY))
+    Path("/proc/self/clear_refs").write_text("5")
+
+
+def _held_mebibytes() -> float:
+    """The most that this process has held since it was last allowed memory."""
+    status = Path("/proc/self/status").read_text()
+    return int(status.split("VmHWM:")[1].split()[0]) / 1024
 
 
 def _tell(lines: TextIO, one: Try, *, done: bool) -> None:
@@ -225,8 +239,8 @@ def _judge(target: Target, watch: _Watch, index: int, what: str) -> Try:
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
     seconds = time.process_time() - begun
-    held = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
-    return Try(index, what, refused, failed or watch.seen(), round(seconds, 4), round(held, 1))
+    held = round(_held_mebibytes(), 1)
+    return Try(index, what, refused, failed or watch.seen(), round(seconds, 4), held)
 
 
 def _wrong_message(error: ShoecalError, folder: Path) -> str:

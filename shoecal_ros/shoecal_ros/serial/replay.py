@@ -14,6 +14,8 @@ from shoecal_ros.serial.source import Received, SourceStatus
 from shoecal_ros.serial.watch import StreamWatch
 
 CHUNK_BYTES = 4096
+LONGEST_PAUSE_US = 60_000_000
+"""A device time further ahead is a clock that jumped; nobody waits for it."""
 
 
 class ReplaySource:
@@ -122,6 +124,7 @@ class ReplaySource:
                     "log from firmware that prints one"
                 )
             if self._device_us is not None:
-                self._receive_ns += max(0, event.device_time_us - self._device_us) * 1000
+                pause_us = max(0, event.device_time_us - self._device_us)
+                self._receive_ns += min(pause_us, LONGEST_PAUSE_US) * 1000
             self._device_us = event.device_time_us
         return self._receive_ns

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,7 @@ from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.errors import ReplayError
 from shoecal_ros.serial.frame import FaultKind, Frame
 from shoecal_ros.serial.protocol import BinaryDecoder, encode_frame
-from shoecal_ros.serial.replay import ReplaySource
+from shoecal_ros.serial.replay import LONGEST_PAUSE_US, ReplaySource
 from shoecal_ros.serial.text_protocol import TextDecoder, TextTime
 
 START = 1_000_000_000_000
@@ -51,6 +52,17 @@ def test_restart_in_the_log_goes_on(tmp_path: Path, clock: Clock) -> None:
     receipts = [each.receive_ns - START for each in received if isinstance(each.event, Frame)]
     assert receipts == [0, 10_000_000, 10_000_000, 20_000_000]
     assert kinds(each.event for each in received) == [FaultKind.RESTART]
+
+
+def test_a_clock_that_jumps_by_years_is_not_waited_for(tmp_path: Path, clock: Clock) -> None:
+    path = tmp_path / "bytes.bin"
+    far = replace(frame(1), device_time_us=2**62)
+    path.write_bytes(b"".join(map(encode_frame, (frame(0), far, frame(2)))))
+    clock.seconds = START / 1e9 + LONGEST_PAUSE_US / 1e6
+    source = replay(path, clock)
+    assert frames(source.read(0.0)) == [frame(0), far, frame(2)]
+    assert source.read(0.0) == []
+    assert not source.status().connected
 
 
 def test_what_was_logged_is_replayed(
