@@ -65,6 +65,10 @@ class Health:
         told = {key: str(value) for key, value in values.items()}
         self.note(subject, Condition(level, message, told))
 
+    def suppose(self, subject: str, condition: Condition) -> None:
+        """How a subject fares unless something else is told: that is no news."""
+        self._conditions[subject] = condition
+
     def note(self, subject: str, condition: Condition) -> None:
         """The same; other figures in the same words are no news."""
         before = self._conditions.get(subject)

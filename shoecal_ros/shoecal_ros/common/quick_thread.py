@@ -25,7 +25,18 @@ from shoecal_ros.common.turn import Turn
 WAIT_NS = 100_000_000
 """Longest wait for a message: bounds how long closing takes."""
 BATCH = 200
-"""Messages that are handed over at once."""
+"""Messages that one subscription hands over before others get their turn."""
+
+
+def drained(subscription: Subscription, kind: type[Any], most: int, *, raw: bool) -> list[Any]:
+    """What has come, in order, its handle being held."""
+    batch: list[Any] = []
+    while len(batch) < most:
+        taken = subscription.handle.take_message(kind, raw)
+        if taken is None:
+            break
+        batch.append(taken[0])
+    return batch
 
 
 class _PassedBy(MutuallyExclusiveCallbackGroup):
@@ -47,13 +58,7 @@ class _Listening:
 
     def take(self) -> list[Any]:
         """What has come, in order."""
-        batch: list[Any] = []
-        while len(batch) < BATCH:
-            taken = self.subscription.handle.take_message(self.kind, self.raw)
-            if taken is None:
-                break
-            batch.append(taken[0])
-        return batch
+        return drained(self.subscription, self.kind, BATCH, raw=self.raw)
 
 
 class QuickThread:

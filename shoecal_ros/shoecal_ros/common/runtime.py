@@ -31,7 +31,7 @@ from shoecal_core.settings import Settings, describe, from_values
 from shoecal_ros.common import qos
 from shoecal_ros.common.health import Health, Level
 from shoecal_ros.common.peers import Peers
-from shoecal_ros.common.quick_thread import QuickThread
+from shoecal_ros.common.quick_thread import BATCH, QuickThread, drained
 from shoecal_ros.common.roll_call import RollCall, farewell
 from shoecal_ros.common.turn import Turn
 
@@ -42,8 +42,6 @@ WATCH_S = 0.1
 """Period of the wall-clock watch: bounds how late a time-out is noticed."""
 REPORT_S = 1.0
 """Period of diagnostics."""
-BATCH = 200
-"""Messages that one subscription hands over before others get their turn."""
 SWITCH_S = 5e-4
 """For so long one thread may keep Python from another that waits."""
 ANSWERS = 30
@@ -70,6 +68,8 @@ class ShoecalNode(Node):
         self.quick = QuickThread(self, self.turn)
         self.peers = Peers(self)
         self._roll_call = RollCall(name)
+        self.health.suppose("peers", self.peers.condition)
+        self.health.suppose("nodes", self._roll_call.condition)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", qos.DIAGNOSTICS)
         self.subscribe(DiagnosticArray, "diagnostics", self._roll_call.take, qos.DIAGNOSTICS)
         self.wall_timer(REPORT_S, self._report)
@@ -134,14 +134,9 @@ class ShoecalNode(Node):
         """
 
         def take(first: object) -> None:
-            batch = [first]
             with subscription.handle:
-                while len(batch) < BATCH:
-                    taken = subscription.handle.take_message(kind, raw)
-                    if taken is None:
-                        break
-                    batch.append(taken[0])
-            callback(batch)
+                others = drained(subscription, kind, BATCH - 1, raw=raw)
+            callback([first, *others])
 
         subscription = self.create_subscription(kind, topic, take, profile, raw=raw)
         return subscription
