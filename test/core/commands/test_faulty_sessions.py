@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -63,6 +63,15 @@ def figures(shoecal: Command, session: Path, tmp_path: Path) -> tuple[dict[str, 
     return found, plain(out)
 
 
+def spikes(found: Mapping[str, Any]) -> dict[tuple[object, ...], int]:
+    """Samples left out as spikes, by run and channels."""
+    return {
+        (one["run"], *one["channels"]): one["samples"]
+        for one in found["screening"]["left_out"]
+        if one["fault"] == "spike"
+    }
+
+
 def test_swapped_cells_are_refused_by_name(
     shoecal: Command, simulated: Path, tmp_path: Path
 ) -> None:
@@ -95,16 +104,13 @@ def test_spikes_are_left_out_named_and_counted(
             values[at, 5] += 2.0
         return with_values(run, values)
 
+    # What hits a foot of three cells may leap in one alone, as where it touches down.
+    usual = spikes(figures(shoecal, simulated, tmp_path)[0])
     found, out = figures(shoecal, rewritten(simulated, tmp_path / "s", leaping), tmp_path)
     name = Session.open(simulated).shoe.names[5]
-    lost = {
-        (one["run"], *one["channels"]): one["samples"]
-        for one in found["screening"]["left_out"]
-        if one["fault"] == "spike"
-    }
+    lost = spikes(found)
     assert lost[2, name] >= len(at) - 2
-    # What hits a foot of three cells may leap in one alone, as where it touches down.
-    assert sum(lost.values()) - lost[2, name] <= 6
+    assert sum(lost.values()) - lost[2, name] - sum(usual.values()) <= 2
     assert f"{name} gave spikes in run 2" in out
     assert "Samples left out" in out
 

@@ -67,7 +67,7 @@ def test_joint_offset(scene: Scene, place: str) -> None:
         change[:, joint] = ratio * angle
     found = shape(scene, JointOffset(), place)
     # A median of many samples moves nearly, not wholly, as they do.
-    assert_shows(scene, with_angles(scene, change), told(found, angle), within=0.2)
+    assert_shows(scene, with_angles(scene, change), told(found, angle), within=0.15)
 
 
 def test_a_motor_s_follower_has_no_encoder_of_its_own(scene: Scene) -> None:
