@@ -161,7 +161,8 @@ def test_nothing_moves_when_whoever_armed_is_gone(world: World) -> None:
     publisher = world.publisher(Bool, "shoe/armed", qos.LATCHED)
     publisher.publish(Bool(data=True))
     goal = ReachSupport.Goal(support=NEAR)
-    assert world.goal(ReachSupport, "robot/reach_support", goal).result().success
+    # The goal may come before the simulator has heard that it is armed.
+    world.until(lambda: world.goal(ReachSupport, "robot/reach_support", goal).result().success)
     world.node.destroy_publisher(publisher)
     world.until(
         lambda: (
