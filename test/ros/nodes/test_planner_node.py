@@ -139,9 +139,16 @@ def test_a_robot_that_does_not_follow_is_told_to_hold(still: World) -> None:
 
 
 def test_one_motion_at_a_time_and_cancelling_while_planning(world: World) -> None:
-    # The slow solver, far ahead: motions are surely still being planned when something comes.
+    # The slow solver, far ahead and in tiny steps: a motion takes it minutes, so it is surely still
+    # being planned when something comes, on a busy machine too.
     StillRobot(world)
-    slow = {"stale_s": 3.0, "solver": "ipopt", "horizon": 40, "landmark_radius": 0.003}
+    slow = {
+        "stale_s": 3.0,
+        "solver": "ipopt",
+        "horizon": 40,
+        "joint_speed": 0.005,
+        "steps_max": 10_000,
+    }
     world.start("planner", slow)
     world.until_told("planner", "planning", "ready")
     world.until_told("planner", "joints", "come")
