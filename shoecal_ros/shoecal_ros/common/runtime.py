@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Generator, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -27,7 +28,7 @@ from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.settings import Settings, describe, from_values
+from shoecal_core.settings import SettingError, Settings, describe, from_values
 from shoecal_ros.common import qos
 from shoecal_ros.common.health import Health, Level
 from shoecal_ros.common.peers import Peers
@@ -46,6 +47,8 @@ SWITCH_S = 5e-4
 """For so long one thread may keep Python from another that waits."""
 ANSWERS = 30
 """Requests that one service answers likewise."""
+_BY_ROS = "qos_overrides."
+"""Prefix of parameters that publishers and subscriptions declare themselves."""
 
 
 class ShoecalNode(Node):
@@ -111,6 +114,29 @@ class ShoecalNode(Node):
                 ),
             ).value
         return from_values(cls, values)
+
+    def check_overrides(self) -> None:
+        """Every parameter that was given is one of this node's.
+
+        ROS itself passes over the others in silence: a limit that is misspelt would not be in
+        force, and nobody would know.
+
+        Raises:
+            SettingError: names the parameter, and those that look like it.
+        """
+        # No public attribute tells what was given to the node.
+        given = [name for name in self._parameter_overrides if not name.startswith(_BY_ROS)]
+        for name in given:
+            if not self.has_parameter(name):
+                known = sorted(self.list_parameters([], 0).names)
+                alike = [full for full in known if full.endswith(f".{name}")]
+                alike = alike or get_close_matches(name, known)
+                hint = f" (perhaps {' or '.join(alike)})" if alike else ""
+                raise SettingError(
+                    name,
+                    f"node {self.get_name()} has no such parameter{hint}; correct its name where "
+                    "the node is given its parameters",
+                )
 
     # Subscriptions
 
@@ -336,6 +362,7 @@ def run(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None = None)
         )
         asked = _EndAsked()
         node = make_node()
+        node.check_overrides()
         executor = SingleThreadedExecutor()
         executor.add_node(node)
         sys.setswitchinterval(SWITCH_S)

@@ -22,7 +22,12 @@ from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.demo import write_device
 
 CODES = Diagnose.Result
-QUICK = {"follow_late": 4.0, "horizon": 5, "landmark_radius": 0.012, "com_speed": 0.03}
+QUICK = {
+    "follow_late": 4.0,
+    "planning.horizon": 5,
+    "planning.landmark_radius": 0.012,
+    "planning.com_speed": 0.03,
+}
 """Shorter planning and motions, and patience on a busy machine."""
 PATIENCE_S = 600.0
 MOTIONS = ("landmarks", "reversed", "landmarks")

@@ -27,9 +27,9 @@ SUPPORT = DoubleSupport(dx=0.02, dy=-0.11, dtheta=0.1)
 QUICK = {
     "stale_s": 3.0,
     "follow_late": 4.0,
-    "horizon": 5,
-    "landmark_radius": 0.012,
-    "com_speed": 0.03,
+    "planning.horizon": 5,
+    "planning.landmark_radius": 0.012,
+    "planning.com_speed": 0.03,
 }
 """Shorter planning and motions, and patience on a busy machine."""
 
@@ -144,10 +144,10 @@ def test_one_motion_at_a_time_and_cancelling_while_planning(world: World) -> Non
     StillRobot(world)
     slow = {
         "stale_s": 3.0,
-        "solver": "ipopt",
-        "horizon": 40,
-        "joint_speed": 0.005,
-        "steps_max": 10_000,
+        "planning.solver": "ipopt",
+        "planning.horizon": 40,
+        "planning.joint_speed": 0.005,
+        "planning.steps_max": 10_000,
     }
     world.start("planner", slow)
     world.until_told("planner", "planning", "ready")
@@ -213,3 +213,11 @@ def test_a_streamed_motion_is_planned_from_where_the_robot_is(simulated: World) 
     assert len(commands) > 2
     assert len(result.landmark_distance) == 5
     trajectory_from_ros(result.trajectory)
+
+
+def test_a_parameter_that_no_node_has_is_told_and_nothing_starts(world: World) -> None:
+    world.start("planner", {"horizon": 5})
+    assert world.ended("planner") == 1
+    told = world.output("planner").strip().splitlines()[-1]
+    assert "planner: horizon: node planner has no such parameter" in told
+    assert "planning.horizon" in told
