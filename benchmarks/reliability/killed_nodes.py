@@ -33,7 +33,8 @@ NODES = ("planner", "calibrator", "shoe_driver", "model", "simulator")
 STAGES = ("drawing", "reaching", "planning", "moving", "moving", "moving")
 SOLVING_EVERY = 12
 """Of so many tries one waits for the end of the recording."""
-SPEED = 3.0
+SPEED = 1.0
+"""Of a real robot: a faster simulation waits for whoever listens, the dead too."""
 INTO_MOTION_S = 6.0
 REST_S = 10.0
 BITS = 24

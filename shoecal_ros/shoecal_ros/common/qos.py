@@ -2,8 +2,9 @@
 
 | publisher's topics                                           | profile     |
 |--------------------------------------------------------------|-------------|
-| `joint_states`, `shoe/voltages` (by simulator and driver)    | RAW         |
-| `imu`, `joint_temperatures` (by the simulator)               | RAW         |
+| `shoe/voltages` (by the driver)                              | DEVICE      |
+| `joint_states`, `imu`, `joint_temperatures` (by the          | DEVICE, RAW |
+| simulator, as fast as a real robot and faster)               |             |
 | `joint_trajectory`                                           | COMMAND     |
 | `shoe/cop`, `shoe/grf`, `shoe/left/…`, `shoe/right/…`        | LIVE        |
 | `shoe/model/com`, `shoe/model/cop`                           | LIVE        |
@@ -23,8 +24,15 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 RAW = QoSProfile(history=HistoryPolicy.KEEP_ALL, reliability=ReliabilityPolicy.RELIABLE)
 """Raw measurements, wanted whole by who records them.
 
-A subscriber that keeps all, too, makes a publisher that runs ahead wait instead of losing
-messages; see `runtime.publish_all`. One that keeps the last few hears those.
+A subscriber that keeps all makes a publisher of this profile that runs ahead wait instead of
+losing messages, as a simulation may. One that keeps the last few hears those.
+"""
+
+DEVICE = QoSProfile(depth=10_000, reliability=ReliabilityPolicy.RELIABLE)
+"""Raw measurements as they happen.
+
+A subscriber that is slow, or was killed, holds up nobody else: a controller may stand on what
+comes next. It finds at least the last ten seconds of a 1000 Hz device when it goes on.
 """
 
 COMMAND = QoSProfile(depth=10, reliability=ReliabilityPolicy.RELIABLE)

@@ -20,7 +20,6 @@ from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.service import Service
 from rclpy.signals import SignalHandlerOptions
@@ -311,26 +310,6 @@ async def aside(work: Callable[[], T]) -> T:
     if errors:
         raise errors[0]
     return found[0]
-
-
-def publish_all(publisher: Publisher, message: object, patience_s: float) -> bool:
-    """Publish to subscribers that keep all, waiting for the slowest; whether it went out.
-
-    Args:
-        publisher: with profile `qos.RAW`.
-        message: to publish.
-        patience_s: longest wall-clock time to wait.
-    """
-    deadline = time.monotonic() + patience_s
-    while True:
-        try:
-            publisher.publish(message)
-        except rclpy_implementation.RCLError:
-            # The middleware itself has waited a little.
-            if time.monotonic() > deadline or not rclpy.ok():
-                return False
-        else:
-            return True
 
 
 class _EndAsked:

@@ -20,14 +20,13 @@ from shoecal_core.workspace import config_dir
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import VoltageFrame, time_from_ros, voltages_to_ros
 from shoecal_ros.common.health import Level
-from shoecal_ros.common.runtime import ShoecalNode, publish_all, run
+from shoecal_ros.common.runtime import ShoecalNode, run
 from shoecal_ros.serial.config import load_driver_config
 from shoecal_ros.serial.driver import DriverStatus, Reading, open_driver
 from shoecal_ros.serial.frame import FaultKind
 
 READ_S = 0.1
 """Longest wait for bytes: bounds how long closing takes."""
-PATIENCE_S = 1.0
 OWN_STAMPS = 1000
 START_S = 2.0
 """In the beginning nothing is a problem for so long."""
@@ -45,7 +44,7 @@ class ShoeDriverSettings(Settings):
 
 
 class ShoeDriver(ShoecalNode):
-    """Reads in a thread of its own and publishes from there: a slow reader holds the line up."""
+    """Reads in a thread of its own and publishes from there: it waits for nothing else here."""
 
     def __init__(self) -> None:
         super().__init__("shoe_driver")
@@ -56,7 +55,7 @@ class ShoeDriver(ShoecalNode):
             config = replace(config, port=settings.port)
         self._source = settings.source or self.get_fully_qualified_name().lstrip("/")
         self._cells = {channel.cell for channel in config.channels}
-        self._publisher = self.create_publisher(ShoeVoltages, "shoe/voltages", qos.RAW)
+        self._publisher = self.create_publisher(ShoeVoltages, "shoe/voltages", qos.DEVICE)
         self._own: deque[int] = deque(maxlen=OWN_STAMPS)
         self._others: Subscription | None = None
         self._rival = ""
@@ -114,10 +113,7 @@ class ShoeDriver(ShoecalNode):
             temperature=reading.temperature,
         )
         self._own.append(reading.stamp_ns)
-        while not publish_all(self._publisher, voltages_to_ros(frame), PATIENCE_S):
-            # A subscriber that keeps all has stopped taking: wait with it, the line holds up.
-            if self._closing.is_set() or not self.context.ok():
-                return
+        self._publisher.publish(voltages_to_ros(frame))
 
     def _listen_to_others(self) -> None:
         """Listen to the own topic only while somebody else publishes there."""

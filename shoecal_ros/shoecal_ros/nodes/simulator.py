@@ -44,6 +44,8 @@ from shoecal_ros.serial.frame import Info
 from shoecal_ros.simulator.body_publishers import PATIENCE_S, BodyPublishers
 from shoecal_ros.simulator.simulated_body import Pacer, Samples, SimulatedBody, is_hold
 
+REAL_TIME = 1.0
+"""Speed up to which it waits for no listener, as a real robot."""
 TICK_S = 0.02
 FEEDBACK_S = 0.2
 BATCH_S = 0.2
@@ -106,7 +108,7 @@ class Simulator(ShoecalNode):
         self._reaching = False
         self._refused = ""
         self._clock_publisher = self.create_publisher(Clock, "/clock", qos.CLOCK)
-        self._body_publishers = BodyPublishers(self, self._robot)
+        self._body_publishers = BodyPublishers(self, self._robot, waits=settings.speed > REAL_TIME)
         self.subscribe(JointTrajectoryMsg, "joint_trajectory", self._follow, qos.COMMAND)
         self._server: ActionServer | None = None
         if settings.offer_reach_support:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import time
+
+import rclpy
+from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from sensor_msgs.msg import Imu, JointState, Temperature
@@ -15,7 +19,6 @@ from shoecal_ros.common.conversions import (
     header_to_ros,
     joints_to_ros,
 )
-from shoecal_ros.common.runtime import publish_all
 from shoecal_ros.simulator.simulated_body import Samples
 
 PATIENCE_S = 5.0
@@ -27,13 +30,21 @@ HEAT_NS = SECOND_NS
 class BodyPublishers:
     """Joint angles of every sample; orientation and temperatures of the last of some samples."""
 
-    def __init__(self, node: Node, robot: Robot) -> None:
+    def __init__(self, node: Node, robot: Robot, *, waits: bool) -> None:
+        """Publishers of a node.
+
+        Args:
+            node: of the simulator.
+            robot: that is simulated.
+            waits: for listeners that keep all; a real robot does not.
+        """
+        profile = qos.RAW if waits else qos.DEVICE
         self._names = robot.joint_names
         shared = {one.joint for one in robot.shared}
         self._motors = [index for index in range(len(self._names)) if index not in shared]
-        self._joints = node.create_publisher(JointState, "joint_states", qos.RAW)
-        self._imu = node.create_publisher(Imu, "imu", qos.RAW)
-        self._temperatures = node.create_publisher(Temperature, "joint_temperatures", qos.RAW)
+        self._joints = node.create_publisher(JointState, "joint_states", profile)
+        self._imu = node.create_publisher(Imu, "imu", profile)
+        self._temperatures = node.create_publisher(Temperature, "joint_temperatures", profile)
         self._heat_ns = 0
 
     def publish(self, samples: Samples) -> None:
@@ -53,7 +64,17 @@ class BodyPublishers:
 
 
 def _send(publisher: Publisher, message: object) -> None:
-    publish_all(publisher, message, PATIENCE_S)
+    """Publish, waiting for the slowest of the listeners that keep all; none waits for ever."""
+    deadline = time.monotonic() + PATIENCE_S
+    while True:
+        try:
+            publisher.publish(message)
+        except rclpy_implementation.RCLError:
+            # The middleware itself has waited a little.
+            if time.monotonic() > deadline or not rclpy.ok():
+                return
+        else:
+            return
 
 
 def _orientation(stamp_ns: int, quaternion: list[float]) -> Imu:
