@@ -36,6 +36,7 @@ SECONDS = 10.0
 """Of the processor's time for one load."""
 _SILENCE_S = 60.0
 """Nobody waits longer for a load that waits itself, for a pipe for example."""
+_END_S = 5.0
 _START_S = 600.0
 """A busy machine takes its time to start a process."""
 _LONGEST_MESSAGE = 2100
@@ -116,16 +117,17 @@ def try_mutants(module: str, first: int, count: int, seed: int, progress: Progre
 
 def tries(module: str, first: int, count: int, seed: int) -> Iterator[Try]:
     """Every mutant, one after the other; a process that dies is followed by another."""
-    with tempfile.TemporaryDirectory(prefix="shoecal-mutants-") as folder:
-        at, last = first, first + count
-        while at < last:
+    at, last = first, first + count
+    while at < last:
+        begun = at
+        # What one process leaves behind is nothing for the next.
+        with tempfile.TemporaryDirectory(prefix="shoecal-mutants-") as folder:
             order = {"module": module, "first": at, "last": last, "seed": seed, "folder": folder}
-            begun = at
             for one in _watched(order):
                 yield one
                 at = one.index + 1
-            if at == begun:
-                raise RuntimeError(f"{module}: the process of the mutants tried none")
+        if at == begun:
+            raise RuntimeError(f"{module}: the process of the mutants tried none")
 
 
 def _watched(order: dict[str, Any]) -> Iterator[Try]:
@@ -149,6 +151,8 @@ def _watched(order: dict[str, Any]) -> Iterator[Try]:
                     yield found
                 else:
                     begun = found
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                process.wait(_END_S)  # how it ended by itself
         finally:
             process.kill()
         status = process.wait()

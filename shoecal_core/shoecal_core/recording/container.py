@@ -44,11 +44,12 @@ DAMAGE = (
 )
 """What the container's library raises on cut or altered bytes."""
 
-MAX_CHUNK = 16 * 2**20
+MAX_CHUNK = 4 * 2**20
 """Bytes of one chunk when it is unfolded; writers make them of one mebibyte or less."""
 MAX_DATA = 384 * 2**20
 """Bytes of a run's messages: some minutes at a thousand a second. Reading takes five times that."""
-MAX_RECORDS = 1_500_000
+MAX_RECORDS = 500_000
+"""Joints and voltages of four minutes at a thousand a second; taken apart within some seconds."""
 _ZSTD = "zstd"
 
 

@@ -40,6 +40,8 @@ _FOOTER_SIZE = 20
 _CRC_SIZE = 4
 _MAX_INDEX = 100_000
 """Records of an index; it has one or two of each chunk."""
+_READABLE = 0.95
+"""Of what a run may hold, so much is rescued at most: its own index comes on top."""
 _DATA_END = _RECORD_HEADER.pack(Opcode.DATA_END, _CRC_SIZE)
 _BETWEEN = (Opcode.HEADER, Opcode.METADATA, Opcode.MESSAGE_INDEX)
 """Records that stand between a file's chunks."""
@@ -150,12 +152,14 @@ def _info(path: Path, data: bytes) -> RunInfo:
 def _whole_chunks(data: bytes) -> Iterator[_Part]:
     """Chunks that pass their checksum, wherever they stand: no length on the way is trusted."""
     at, size, count = data.find(_COMPRESSION), 0, 0
-    # What cannot be read afterwards need not be rescued either.
-    while at >= 0 and size < MAX_DATA and count < MAX_RECORDS:
+    while at >= 0:
         start = at - _BEFORE_COMPRESSION
         part = _chunk(data, start) if start >= 0 else None
         if part is not None:
             size, count = size + part.size, count + len(part.records)
+            # What cannot be read afterwards need not be rescued either.
+            if size > _READABLE * MAX_DATA or count > _READABLE * MAX_RECORDS:
+                return
             yield part
         at = data.find(_COMPRESSION, at + 1 if part is None else part.stop)
 
