@@ -29,6 +29,8 @@ BACKWARD_JUMP_NS = 100_000_000
 """Receipt so long before sampling: a clock was set."""
 FORWARD_JUMP_NS = 500_000_000
 """Receipt so late, and it stays so for SETTLE_NS on both clocks: a clock was set."""
+LONGEST_DELAY_NS = 10_000_000_000
+"""Receipt so late: a clock was set or stood still, for nothing holds bytes that long."""
 SETTLE_NS = 1_000_000_000
 
 COARSE_NS = 100_000
@@ -165,7 +167,7 @@ class DeviceClock:
         if self._same or not self._points:
             return False
         excess = receive_ns - device - self._origin - self._line(device)
-        if excess < -BACKWARD_JUMP_NS:
+        if not -BACKWARD_JUMP_NS <= excess <= LONGEST_DELAY_NS:
             return True
         if excess < FORWARD_JUMP_NS:
             self._late_since = None
