@@ -38,6 +38,7 @@ setup(
         "mcap>=1.5",
         "mujoco>=3.13",
         "numpy>=1.26",
+        "pillow>=9.4",
         "pin==4.1.0",
         "pyyaml>=6.0",
         "rich>=13.7",

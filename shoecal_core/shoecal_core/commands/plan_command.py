@@ -71,7 +71,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         told: dict[str, object] | None = None
         if plan.motions:
             progress("drawing what was planned", 1.0)
-            write_plan(args.out, plan.motions, plan.unplanned)
+            write_plan(args.out, plan.motions, plan.unplanned, shoe)
             progress("looking for the best double supports to add", 1.0)
             told = _forecast(robot, shoe, plan, settings, console)
     if plan.motions:

@@ -31,8 +31,10 @@ from shoecal_core.report.calibration_tables import (
     weight_std,
 )
 from shoecal_core.report.html import write_page
-from shoecal_core.report.page import Group, KeyFigure, Page, Reason, Section, Verdict
+from shoecal_core.report.page import Group, KeyFigure, Page, Reason, Section, Strip, Verdict
 from shoecal_core.report.quantities import mean_error, uncertain
+from shoecal_core.report.run_strip import run_strip
+from shoecal_core.report.scene.offscreen import tried
 from shoecal_core.sensing.shoe import FEET
 
 MEANING = {
@@ -51,18 +53,23 @@ def calibration_report(path: Path, content: CalibrationReport) -> None:
     Raises:
         FileError: when it cannot be written.
     """
-    write_page(path, calibration_page(content))
+    write_page(path, calibration_page(content, tried(lambda: run_strip(content))))
 
 
-def calibration_page(content: CalibrationReport) -> Page:
-    """The report, ready to be rendered; the same content makes the same page."""
+def calibration_page(content: CalibrationReport, seen: Strip | str | None = None) -> Page:
+    """The report, ready to be rendered; the same content makes the same page.
+
+    Args:
+        content: what it tells.
+        seen: the robot in motion, or why it cannot be seen.
+    """
     return Page(
         title=f"Calibration of {content.shoe.name} on {content.robot.name}",
         subtitle=subtitle(content),
         verdict=verdict_of(content.calibration),
         key_figures=_key_figures(content),
-        sections=(_accuracy(content), *_told(content), _channels(content), _runs(content),
-                  _feet(content), _details(content)),
+        sections=(_accuracy(content), *_told(content), _channels(content),
+                  _runs(content, seen), _feet(content), _details(content)),
         provenance=content.provenance,
     )  # fmt: skip
 
@@ -162,7 +169,9 @@ def _channels(content: CalibrationReport) -> Section:
     return Section("Channels", (group,))
 
 
-def _runs(content: CalibrationReport) -> Section:
+def _runs(content: CalibrationReport, seen: Strip | str | None) -> Section:
+    text = seen if isinstance(seen, str) else ""
+    first = (Group(strip=seen),) if isinstance(seen, Strip) else ()
     groups = tuple(
         Group(
             title=f"Run {run.run} · {set_name(run)}",
@@ -171,7 +180,7 @@ def _runs(content: CalibrationReport) -> Section:
         )
         for run in content.runs
     )
-    return Section("Runs", groups)
+    return Section("Runs", (*first, *groups), text)
 
 
 def _support_line(double_support: bool, text: str) -> str:

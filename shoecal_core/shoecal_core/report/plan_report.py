@@ -18,15 +18,19 @@ from shoecal_core.report.page import (
     Picture,
     Reason,
     Section,
+    Strip,
     Table,
     Verdict,
 )
 from shoecal_core.report.plan_animation import animation
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_figures import motion_pictures
+from shoecal_core.report.plan_strip import plan_strips
 from shoecal_core.report.quantities import quantity
+from shoecal_core.report.scene.offscreen import tried
 from shoecal_core.report.sheet import Part, write_sheet
 from shoecal_core.report.svg import readable
+from shoecal_core.sensing.shoe import Shoe
 
 PAGE = "plan.html"
 NOTE = "A plan, computed from the robot’s model; nothing was measured."
@@ -48,7 +52,10 @@ class Unplanned:
 
 
 def write_plan(
-    folder: Path, motions: Sequence[PlannedMotion], unplanned: Sequence[Unplanned] = ()
+    folder: Path,
+    motions: Sequence[PlannedMotion],
+    unplanned: Sequence[Unplanned] = (),
+    shoe: Shoe | None = None,
 ) -> None:
     """Write `plan.html`, and beside it `LABEL.svg` for every motion.
 
@@ -56,6 +63,7 @@ def write_plan(
         folder: to write into.
         motions: one at least.
         unplanned: double supports in which there is none.
+        shoe: that the robot wears; None: it is not drawn in three dimensions.
 
     Raises:
         FileError: when a file cannot be written.
@@ -63,7 +71,8 @@ def write_plan(
     pictures = [motion_pictures(planned) for planned in motions]
     for planned, drawn in zip(motions, pictures, strict=True):
         write_sheet(folder / picture_name(planned), _rows(planned, drawn), _alt(planned))
-    write_page(folder / PAGE, plan_page(motions, pictures, unplanned))
+    seen = None if shoe is None else tried(lambda: plan_strips(motions, shoe))
+    write_page(folder / PAGE, plan_page(motions, pictures, unplanned, seen))
 
 
 def picture_name(planned: PlannedMotion) -> str:
@@ -85,6 +94,7 @@ def plan_page(
     motions: Sequence[PlannedMotion],
     pictures: Sequence[tuple[Picture, ...]],
     unplanned: Sequence[Unplanned] = (),
+    seen: Sequence[Strip] | str | None = None,
 ) -> Page:
     """The page, ready to be rendered; the same motions make the same page.
 
@@ -92,7 +102,9 @@ def plan_page(
         motions: one at least.
         pictures: of each.
         unplanned: double supports in which there is none.
+        seen: the robot in each of them, or why it cannot be seen.
     """
+    strips = [None] * len(motions) if seen is None or isinstance(seen, str) else seen
     tables = (_table(motions), *((_unplanned_table(unplanned),) if unplanned else ()))
     robot = motions[0].robot
     count = len(motions)
@@ -103,8 +115,8 @@ def plan_page(
         verdict=verdict(motions, unplanned),
         key_figures=_key_figures(motions),
         sections=(
-            Section("All motions", (Group(tables=tables),)),
-            *(_section(planned, one) for planned, one in zip(motions, pictures, strict=True)),
+            Section("All motions", (Group(tables=tables),), seen if isinstance(seen, str) else ""),
+            *(_section(*one) for one in zip(motions, pictures, strips, strict=True)),
         ),
         provenance=(
             NOTE,
@@ -210,10 +222,10 @@ def _unplanned_table(unplanned: Sequence[Unplanned]) -> Table:
     return Table("Not planned", ("", "double support", "reason"), rows)
 
 
-def _section(planned: PlannedMotion, pictures: tuple[Picture, ...]) -> Section:
+def _section(planned: PlannedMotion, pictures: tuple[Picture, ...], strip: Strip | None) -> Section:
     text = f"{support_text(planned.motion.support)}; {planned.motion.duration:.1f} s."
     return Section(
         heading(planned),
-        (Group(player=animation(planned), pictures=pictures),),
+        (Group(strip=strip, player=animation(planned), pictures=pictures),),
         text[0].upper() + text[1:],
     )

@@ -19,7 +19,7 @@ from shoecal_core.report.assessment_content import told_by
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_report import calibration_report
 
-SNAPSHOTS = 5
+SNAPSHOTS = 6
 
 
 def write_session_report(

@@ -75,6 +75,20 @@ PAGE = """\
 {% if group.text %}
 <p class="text">{{ group.text }}</p>
 {% endif %}
+{% if group.strip %}
+<figure class="strip">
+<h4>{{ group.strip.title }}</h4>
+<div class="stills">
+{% for still in group.strip.stills %}
+<p><img src="{{ still.uri }}" alt="{{ still.alt }}" width="{{ still.width }}"
+ height="{{ still.height }}"><span>{{ still.label }}</span></p>
+{% endfor %}
+</div>
+{% if group.strip.caption %}
+<figcaption>{{ group.strip.caption }}</figcaption>
+{% endif %}
+</figure>
+{% endif %}
 {% if group.player %}
 <figure class="player">
 <h4>{{ group.player.title }}</h4>
@@ -202,6 +216,10 @@ figure{background:var(--card);border:1px solid var(--rule);border-radius:8px;
 figure.tall{grid-row:span 2}
 figure svg{display:block;width:100%;max-width:470px;height:auto;margin:0 auto;overflow:visible;
  stroke-linejoin:round;stroke-linecap:butt}
+figure.strip{margin-top:10px}
+.stills{display:grid;grid-template-columns:repeat(auto-fit,minmax(104px,1fr));gap:8px 4px}
+.stills p{text-align:center;font-size:13px;color:var(--muted)}
+.stills img{display:block;width:100%;max-width:225px;height:auto;margin:0 auto}
 figcaption,.note{font-size:13px;line-height:1.45}
 figcaption{margin-top:8px}
 .tables{display:grid;gap:14px;margin-top:14px}

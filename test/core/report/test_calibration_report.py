@@ -44,7 +44,7 @@ def test_a_whole_report(tmp_path: Path) -> None:
     # run's feet.
     assert document.tags["svg"] == 3 + 5 + 1 + 5 * 5
     assert not re.search(r"https?:", html)
-    assert all(link.startswith("#") for link in document.links)
+    assert all(link.startswith(("#", "data:image/")) for link in document.links)
     assert len(document.ids) == len(set(document.ids))
     for run in content.runs:
         assert f"Run {run.run} · {'test' if run.test else 'training'}" in document.text

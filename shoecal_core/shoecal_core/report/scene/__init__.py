@@ -1,0 +1,1 @@
+"""Pictures of the robot in three dimensions, drawn by MuJoCo without a window."""
