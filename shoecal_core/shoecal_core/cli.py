@@ -28,6 +28,7 @@ COMMANDS = {
     "manual": "calibrate with known weights: single cells, then the shoe",
     "check": "what is in a session, and is it fit for use",
     "recover": "rescue what can be read of a damaged run file",
+    "new": "draft the files of a robot from its URDF",
     "import": "turn foreign recordings into a session",
 }
 

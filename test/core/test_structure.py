@@ -35,6 +35,7 @@ MAY_IMPORT = {
     "calibration": FOUNDATION | METHOD | {"planning", "recording"},
     "diagnosis": FOUNDATION | METHOD | {"planning", "recording", "calibration"},
     "simulation": FOUNDATION | METHOD,
+    "drafting": FOUNDATION | METHOD,
     "report": FOUNDATION | METHOD | {"planning", "recording", "calibration", "diagnosis"},
 }
 """What each part may import besides itself; parts not listed are the ends (commands)."""

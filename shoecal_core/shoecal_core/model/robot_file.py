@@ -105,9 +105,12 @@ def _scale_mass(model: pin.Model, mass: float) -> None:
     scale = mass / sum(inertia.mass for inertia in model.inertias)
     for index, inertia in enumerate(model.inertias):
         if inertia.mass > 0.0:
-            model.inertias[index] = pin.Inertia(
-                inertia.mass * scale, inertia.lever, inertia.inertia * scale
-            )
+            # Set one by one: the constructor refuses published robots whose rotational inertia is
+            # off by a rounding, and nothing here needs it.
+            scaled = pin.Inertia(inertia)
+            scaled.mass = inertia.mass * scale
+            scaled.inertia = inertia.inertia * scale
+            model.inertias[index] = scaled
 
 
 def _feet(fields: Fields, model: pin.Model, shoe_height: float) -> tuple[Foot, Foot]:

@@ -1,0 +1,82 @@
+"""`shoecal new robot URDF`: a robot file and a shoe file drafted from a URDF."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from shoecal_core.drafting.draft import draft_robot, prove, relative
+from shoecal_core.drafting.notes import Note, robot_notes, shoe_notes
+from shoecal_core.drafting.text import robot_text, shoe_text
+from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.files import atomic_write
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare its arguments."""
+    parser.add_argument("kind", choices=("robot",), help="what to draft")
+    parser.add_argument("urdf", type=Path, help="the robot's URDF; it is left as it is")
+    parser.add_argument(
+        "-o", "--out", type=Path, metavar="ROBOT.yaml",
+        help="robot file to make (default: beside the URDF, of its name)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--shoe", type=Path, metavar="SHOE.yaml",
+        help="shoe file to make (default: ROBOT_shoe.yaml beside the robot file)",
+    )  # fmt: skip
+    parser.add_argument(
+        "--name", dest="robot_name", help="of the robot (default: the robot file's)"
+    )
+    parser.add_argument(
+        "--six-axis",
+        action="store_true",
+        help="the ankles have six-axis sensors, though the URDF names none",
+    )
+    parser.add_argument("--force", action="store_true", help="replace files that are there")
+
+
+def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
+    """Draft both files, prove that they load, write them, say what to check."""
+    out: Path = args.out or args.urdf.with_suffix(".yaml")
+    shoe: Path = args.shoe or out.with_name(f"{out.stem}_shoe.yaml")
+    if out.resolve() == shoe.resolve():
+        raise ShoecalError(f"{out}: robot file and shoe file cannot be one; name another --shoe")
+    for file in (out, shoe):
+        if file.exists() and not args.force:
+            raise FileError(file, "is there already; name another one, or replace it with --force")
+    draft = draft_robot(args.urdf, args.robot_name or out.stem, six_axis=args.six_axis)
+    texts = {out: robot_text(draft, relative(args.urdf, out.parent)), shoe: shoe_text(draft)}
+    prove(draft, texts[out], texts[shoe])
+    for file, text in texts.items():
+        file.parent.mkdir(parents=True, exist_ok=True)
+        atomic_write(file, text)
+    notes = {out: robot_notes(draft), shoe: shoe_notes(draft)}
+    for file, told in notes.items():
+        _tell(console, file, told)
+    console.print(
+        f"Then: shoecal plan {out} --shoe {shoe} --supports 1 --out out/plan",
+        markup=False,
+        soft_wrap=True,
+    )
+    return {
+        "robot": str(out),
+        "shoe": str(shoe),
+        "mass_kg": draft.mass,
+        "legs": draft.leg_names,
+        "six_axis": draft.six_axis[0] is not None,
+        "check": [
+            {"file": str(file), "field": note.field, "found": note.found, "check": note.look}
+            for file, told in notes.items()
+            for note in told
+        ],
+    }
+
+
+def _tell(console: Console, file: Path, notes: Sequence[Note]) -> None:
+    console.print(f"{file}: drafted; check, line by line:", markup=False, soft_wrap=True)
+    for note in notes:
+        line = f"  {note.field}: {note.found} Check: {note.look}"
+        console.print(line, markup=False, soft_wrap=True)

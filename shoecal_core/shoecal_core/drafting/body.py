@@ -1,0 +1,206 @@
+"""A URDF as a draft looks at it: its model in the zero pose and the shapes of its links."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import coal
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from shoecal_core.errors import FileError
+from shoecal_core.files import read_bytes
+from shoecal_core.model.symbolic import joint_axis
+from shoecal_core.model.urdf import ROOT_JOINTS, Mimic, read_urdf
+
+FloatArray = NDArray[np.float64]
+
+CIRCLE = 32
+"""Points for a circle; the first lies on an axis of its shape."""
+
+Y_UP = b"<up_axis>Y_UP</up_axis>"
+Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
+
+
+@dataclass(frozen=True)
+class Body:
+    """A robot in its zero pose, base at the origin.
+
+    Attributes:
+        urdf: the file.
+        root: its elements.
+        model: on a free-flying base.
+        mimics: joints that another one's motor turns.
+        placements: of every joint of the model, in the base.
+    """
+
+    urdf: Path
+    root: ElementTree.Element
+    model: pin.Model
+    mimics: Mapping[str, Mimic]
+    placements: tuple[pin.SE3, ...]
+
+    def origin(self, joint: int) -> FloatArray:
+        """(3,) of a joint of the model, in the base [m]."""
+        return np.asarray(self.placements[joint].translation)
+
+    def axis(self, joint: int) -> FloatArray:
+        """(3,) unit axis about which it turns, in the base."""
+        linear, angular = joint_axis(self.model, joint)
+        axis = self.placements[joint].rotation @ (linear + angular)
+        return np.asarray(axis / np.linalg.norm(axis))
+
+    def link(self, joint: int) -> tuple[str, pin.SE3]:
+        """The link that a joint turns, and its frame in the joint's frame."""
+        for frame in self.model.frames:
+            if frame.type == pin.FrameType.BODY and frame.parentJoint == joint:
+                return str(frame.name), pin.SE3(frame.placement)
+        raise FileError(self.urdf, "carries no link", field=f"joint {self.model.names[joint]}")
+
+    def range(self, joint: int) -> tuple[float, float]:
+        """Lower and upper limit of a joint [rad]."""
+        place = self.model.joints[joint].idx_q
+        return float(self.model.lowerPositionLimit[place]), float(
+            self.model.upperPositionLimit[place]
+        )
+
+
+def read_body(urdf: Path) -> Body:
+    """Read a URDF.
+
+    Raises:
+        FileError: for one that is not understood whole: no masses, no limits, broken joints.
+    """
+    description = read_urdf(urdf)
+    data = description.model.createData()
+    zero = np.zeros(description.model.nq)
+    zero[6] = 1.0
+    pin.forwardKinematics(description.model, data, zero)
+    # read_urdf has refused document types, so no entity can unfold here.
+    root = ElementTree.parse(urdf).getroot()  # noqa: S314
+    return Body(
+        urdf,
+        root,
+        description.model,
+        description.mimics,
+        tuple(pin.SE3(placement) for placement in data.oMi),
+    )
+
+
+def shape_points(body: Body, joints: set[int]) -> dict[int, FloatArray]:
+    """Corners of the shapes of these joints' links, (k, 3) each in its joint's frame [m].
+
+    A link's collision shapes, or its visual ones where it has no other. Curved shapes are drawn
+    with corners; those on a shape's own axes lie on its surface exactly.
+
+    Raises:
+        FileError: for a mesh that cannot be read.
+    """
+    model = body.model
+    links = {
+        frame.name: int(frame.parentJoint)
+        for frame in model.frames
+        if frame.type == pin.FrameType.BODY and frame.parentJoint in joints
+    }
+    collision = {
+        link.get("name")
+        for link in body.root.iter("link")
+        if link.get("name") in links and link.find("collision/geometry") is not None
+    }
+    points: dict[int, list[FloatArray]] = {joint: [] for joint in joints}
+    for kind, tag in (
+        (pin.GeometryType.COLLISION, "collision"),
+        (pin.GeometryType.VISUAL, "visual"),
+    ):
+        wanted = {name for name in links if (name in collision) == (tag == "collision")}
+        for item in _geometry(body, kind, tag, wanted):
+            corners = _upright(item, _corners(item.geometry))
+            points[int(item.parentJoint)].append(
+                np.array([item.placement.act(point) for point in corners]).reshape(-1, 3)
+            )
+    return {
+        joint: np.concatenate(found) if found else np.zeros((0, 3))
+        for joint, found in points.items()
+    }
+
+
+def _geometry(body: Body, kind: pin.GeometryType, tag: str, wanted: set[str]) -> list[Any]:
+    """Shapes of these links alone: a mesh that is missing elsewhere is nobody's concern."""
+    robot = ElementTree.Element("robot", {"name": "part"})
+    for element in body.root:
+        part = ElementTree.Element(element.tag, element.attrib)
+        part.extend(
+            child
+            for child in element
+            if child.tag not in ("collision", "visual")
+            or (child.tag == tag and element.get("name") in wanted)
+        )
+        if element.tag in ("link", "joint", "material"):
+            robot.append(part)
+    folders = [str(folder) for folder in body.urdf.resolve().parents][:-1]
+    try:
+        geometry = pin.buildGeomFromUrdfString(
+            body.model,
+            ElementTree.tostring(robot, encoding="unicode"),
+            kind,
+            package_dirs=folders,
+        )
+    except (ValueError, RuntimeError) as error:
+        reason = str(error).splitlines()[0] if str(error) else "rejected by the parser"
+        raise FileError(
+            body.urdf,
+            f"a shape of its legs cannot be read: {reason}; put the meshes where the URDF names "
+            "them (package://NAME is looked for in the folders above it)",
+            field=tag,
+        ) from error
+    return list(geometry.geometryObjects)
+
+
+def _corners(shape: object) -> FloatArray:
+    """(k, 3) corners of one shape in its own frame [m]."""
+    if isinstance(shape, coal.BVHModelBase):
+        return np.asarray(shape.vertices())
+    if isinstance(shape, coal.ConvexBase):
+        return np.asarray(shape.points())
+    if isinstance(shape, coal.Box):
+        signs = np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
+        return signs * np.asarray(shape.halfSide, dtype=np.float64)
+    if isinstance(shape, coal.Sphere):
+        return _ball() * float(shape.radius)
+    if isinstance(shape, coal.Capsule | coal.Cylinder):
+        ring = _ball() if isinstance(shape, coal.Capsule) else _circle()
+        end = np.array([0.0, 0.0, shape.halfLength])
+        rim = ring * float(shape.radius)
+        return np.concatenate([rim + end, rim - end])
+    return np.zeros((0, 3))
+
+
+def _upright(item: Any, corners: FloatArray) -> FloatArray:
+    """Corners of a mesh with z upward: a Collada file may say that its y axis is up."""
+    file = Path(item.meshPath) if item.meshPath else None
+    if file is None or file.suffix.lower() != ".dae" or Y_UP not in read_bytes(file):
+        return corners
+    scale = np.asarray(item.meshScale)
+    return np.asarray((corners / scale) @ Y_TO_Z.T * scale)
+
+
+def _circle() -> FloatArray:
+    angles = np.arange(CIRCLE) * 2.0 * np.pi / CIRCLE
+    return np.column_stack([np.cos(angles), np.sin(angles), np.zeros(CIRCLE)])
+
+
+def _ball() -> FloatArray:
+    """Unit vectors on three great circles, the axes among them."""
+    circle = _circle()
+    return np.concatenate([circle, circle[:, [0, 2, 1]], circle[:, [2, 0, 1]]])
+
+
+def own_joints(model: pin.Model) -> range:
+    """The robot's joints, without those of the base."""
+    return range(ROOT_JOINTS, model.njoints)

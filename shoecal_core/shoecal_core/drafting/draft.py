@@ -1,0 +1,174 @@
+"""A robot file and a shoe file drafted from a URDF, and what of them is to be looked at."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry.base import BaseGeometry
+from shapely.ops import nearest_points
+
+from shoecal_core.drafting.body import Body, own_joints, read_body, shape_points
+from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
+from shoecal_core.drafting.legs import Legs, find_legs
+from shoecal_core.drafting.posture import find_posture
+from shoecal_core.drafting.six_axis import SixAxis, at_ankles, elsewhere, find_six_axis
+from shoecal_core.drafting.soles import Sole, find_sole, simplified
+from shoecal_core.drafting.support_range import DraftRange, find_range
+from shoecal_core.errors import FileError
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.sensing.shoe import load_shoe
+
+FloatArray = NDArray[np.float64]
+
+INSET = 0.1
+"""Part of a sole's width by which the sensing polygon lies inside the outline."""
+CELL_INSET = 0.12
+"""Part of a sole's length and width by which cells lie inside its bounds."""
+
+
+@dataclass(frozen=True)
+class Draft:
+    """What a URDF tells of a robot.
+
+    Attributes:
+        name: of the robot.
+        body, legs: as they were found.
+        soles: left, right.
+        posture: angles by joint [rad].
+        capsules, pairs: shapes of the legs.
+        support_range: of the right foot.
+        six_axis: left, right; None where the foot has none.
+        other_sensors: six-axis sensors of the legs that are not used.
+    """
+
+    name: str
+    body: Body
+    legs: Legs
+    soles: tuple[Sole, Sole]
+    posture: dict[str, float]
+    capsules: list[DraftCapsule]
+    pairs: list[tuple[str, str]]
+    support_range: DraftRange
+    six_axis: list[SixAxis | None]
+    other_sensors: list[str]
+
+    @property
+    def mass(self) -> float:
+        """Of the URDF's links [kg]."""
+        return float(sum(inertia.mass for inertia in self.body.model.inertias))
+
+    @property
+    def leg_names(self) -> list[str]:
+        """Joints of both legs that have motors of their own."""
+        names = [str(self.body.model.names[joint]) for chain in self.legs.chains for joint in chain]
+        return [name for name in names if name not in self.body.mimics]
+
+    @property
+    def weak_joints(self) -> list[str]:
+        """Of the legs: without the effort or velocity limit that planning needs."""
+        model = self.body.model
+        places = {name: model.joints[model.getJointId(name)].idx_v for name in self.leg_names}
+        return [
+            name
+            for name, place in places.items()
+            if not (model.effortLimit[place] > 0.0 and model.velocityLimit[place] > 0.0)
+        ]
+
+    @property
+    def clipped(self) -> list[str]:
+        """Joints beside the legs that cannot stand at zero."""
+        legs = {joint for chain in self.legs.chains for joint in chain}
+        return [
+            str(self.body.model.names[joint])
+            for joint in own_joints(self.body.model)
+            if joint not in legs and self.body.model.names[joint] in self.posture
+        ]
+
+    def polygon(self, foot: int) -> FloatArray:
+        """(k, 2) sensing polygon of one foot: inside its outline, and between its cells [m]."""
+        outline = shapely.Polygon(self.soles[foot].outline)
+        width = float(np.ptp(self.soles[foot].outline[:, 1]))
+        inside: BaseGeometry = outline.buffer(-INSET * width, join_style="mitre")
+        if self.six_axis[foot] is None:
+            cells = shapely.MultiPoint(self.cells(foot)).convex_hull
+            inside = inside.intersection(cells.buffer(-0.02 * width, join_style="mitre"))
+        return simplified(inside)
+
+    def cells(self, foot: int) -> FloatArray:
+        """(4, 2) front left, front right, rear left, rear right, under the sole's corners [m]."""
+        corners = self.soles[foot].outline
+        outline = shapely.Polygon(corners)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        inset = CELL_INSET * (high - low)
+        (back, right), (front, left) = low + inset, high - inset
+        inner = outline.buffer(-0.05 * float((high - low).min()))
+        places = [(front, left), (front, right), (back, left), (back, right)]
+        kept = [nearest_points(inner, shapely.Point(place))[0] for place in places]
+        return np.round([(point.x, point.y) for point in kept], 4)
+
+
+def draft_robot(urdf: Path, name: str, *, six_axis: bool = False) -> Draft:
+    """Find legs, soles, posture, capsules and sensors in a URDF.
+
+    Args:
+        name: of the robot.
+        six_axis: the feet have six-axis sensors even where the URDF names none.
+
+    Raises:
+        FileError: for a URDF that is no humanoid on two feet, without masses, limits or shapes.
+    """
+    body = read_body(urdf)
+    legs = find_legs(body)
+    points = shape_points(body, {joint for chain in legs.chains for joint in chain})
+    left, right = (
+        find_sole(body, chain[-1], points[chain[-1]], legs.forward) for chain in legs.chains
+    )
+    soles = (left, right)
+    sensors = find_six_axis(body, legs, soles)
+    if six_axis and None in sensors:
+        sensors = at_ankles(body, legs, soles)
+    if None in sensors:
+        sensors = [None, None]
+    capsules = find_capsules(body, legs, points, soles)
+    return Draft(
+        name=name,
+        body=body,
+        legs=legs,
+        soles=soles,
+        posture=find_posture(body, legs, soles),
+        capsules=capsules,
+        pairs=pairs_of(capsules),
+        support_range=find_range(body, legs, soles),
+        six_axis=sensors,
+        other_sensors=elsewhere(body, legs),
+    )
+
+
+def prove(draft: Draft, robot_text: str, shoe_text: str) -> None:
+    """Load both files as every other command does, before they are written anywhere.
+
+    Raises:
+        FileError: when they do not load, with what must be mended in the URDF.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        robot, shoe = Path(folder, "robot.yaml"), Path(folder, "shoe.yaml")
+        shoe.write_text(shoe_text, encoding="utf-8")
+        robot.write_text(robot_text, encoding="utf-8")
+        try:
+            load_robot(robot, load_shoe(shoe), urdf=draft.body.urdf)
+        except FileError as error:
+            raise FileError(
+                draft.body.urdf,
+                f"no robot file can be drafted from it: {error.field}: {error.problem}",
+            ) from error
+
+
+def relative(file: Path, folder: Path) -> str:
+    """Path by which a file in `folder` names another one."""
+    return Path(os.path.relpath(file.resolve(), folder.resolve())).as_posix()

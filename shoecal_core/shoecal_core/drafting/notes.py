@@ -1,0 +1,172 @@
+"""What was found where in a URDF, and what somebody who knows the robot has to look at."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from shoecal_core.drafting.draft import Draft
+
+
+@dataclass(frozen=True)
+class Note:
+    """One thing to check.
+
+    Attributes:
+        field: of the robot file or the shoe file.
+        found: what stands there and where it comes from.
+        look: what to check.
+    """
+
+    field: str
+    found: str
+    look: str
+
+
+def robot_notes(draft: Draft) -> list[Note]:
+    """Of the robot file, in the order of its fields."""
+    notes = [
+        Note(
+            "weight",
+            f"{draft.mass:.3f} kg is the sum of the URDF's masses.",
+            "weigh the robot, without shoes, with battery; std_kg is the scale's.",
+        ),
+        *_feet(draft),
+        Note(
+            "legs",
+            f"{len(draft.leg_names)} joints of the two like chains that reach lowest.",
+            "none is missing, none is locked; joints with one motor belong to shared_motors.",
+        ),
+    ]
+    if draft.weak_joints:
+        notes.append(
+            Note(
+                "legs",
+                f"{', '.join(draft.weak_joints)}: effort or velocity limit of the URDF is 0.",
+                "give the motors' limits there, or nothing can be planned.",
+            )
+        )
+    notes.append(_posture(draft))
+    notes.append(
+        Note(
+            "support_range",
+            "Drafted from the legs' length, the soles' width and the hips' yaw limits.",
+            "the robot can stand at its ends; `shoecal plan` leaves out what it cannot reach.",
+        )
+    )
+    if {"left_thigh", "left_shank"} - {capsule.name for capsule in draft.capsules}:
+        missing = "Thighs or shanks have no shape in the URDF, so no capsule. "
+    else:
+        missing = ""
+    notes.append(
+        Note(
+            "capsules",
+            f"{missing}Thighs and shanks: around all of their shapes; feet: along their inner "
+            "edges.",
+            "they cover covers and cables, and are apart in posture_rad: `shoecal plan` tells.",
+        )
+    )
+    return notes
+
+
+def _feet(draft: Draft) -> list[Note]:
+    forward = "".join(f"{value:+.0f} " for value in draft.legs.forward).strip()
+    told = "by the joints' names" if draft.legs.named else "by the base's x axis, as no name tells"
+    left = draft.soles[0]
+    length, width = np.ptp(left.outline, axis=0)
+    notes = [
+        Note(
+            "feet",
+            f"Lowest faces of {left.link} and {draft.soles[1].link}, below their last joints; left "
+            f"was told {told}, forward is ({forward}) of the base.",
+            f"the sole is {1e3 * length:.0f} mm long and {1e3 * width:.0f} mm wide, "
+            f"{1e3 * left.height:.1f} mm below the ankle; outlines hold what touches the floor.",
+        ),
+        Note(
+            "feet",
+            "sensing_polygon_m: the outline made smaller.",
+            "the CoP may be everywhere in it on one foot; it lies between the cells.",
+        ),
+    ]
+    if width > length:
+        notes.append(
+            Note(
+                "feet",
+                "The soles are wider than long.",
+                "sole_rpy_rad points x to the toes, and meshes are not turned.",
+            )
+        )
+    return notes
+
+
+def _posture(draft: Draft) -> Note:
+    arms = ""
+    if draft.clipped:
+        arms = f" {', '.join(draft.clipped)} cannot be zero: nearest limit."
+    return Note(
+        "posture_rad",
+        f"Knees bent, soles level, CoM over the soles; all else at zero.{arms}",
+        "arms are clear of the legs; knees bend to the right side; nothing there is at a limit.",
+    )
+
+
+def shoe_notes(draft: Draft) -> list[Note]:
+    """Of the shoe file, in the order of its fields."""
+    if draft.six_axis[0] is None:
+        return [
+            Note(
+                "height_m",
+                "20 mm, a guess.",
+                "measure from the floor up to the robot's own sole.",
+            ),
+            Note("converter", "-5 to 5 V, a guess.", "ends of the readings, in the unit above."),
+            Note("plates", "0.9 % of the robot each, a guess.", "weigh them."),
+            Note(
+                "cells",
+                "Under the soles' corners, for want of a shoe.",
+                "measure where each cell carries; polarity 0 means that nobody knows the sign.",
+            ),
+        ]
+    return [
+        Note(
+            "height_m",
+            "0: the robot stands on its own feet.",
+            "nothing is put on under the soles.",
+        ),
+        Note("converter", "Five times the weight.", "the sensor's range in newtons."),
+        Note(
+            "plates",
+            "None: the URDF's own links below the sensors; their weight goes into the offsets.",
+            "the sensors' readings are forces of the floor on the foot, not the other way.",
+        ),
+        *_sensors(draft),
+    ]
+
+
+def _sensors(draft: Draft) -> list[Note]:
+    sensors = [sensor for sensor in draft.six_axis if sensor is not None]
+    notes = [
+        Note(
+            "six_axis",
+            f"{' and '.join(sensor.name for sensor in sensors)} of the URDF, in the sole frame.",
+            "origin_m is where the sensor measures its moments.",
+        )
+    ]
+    if any(sensor.signs is None for sensor in sensors):
+        notes.append(
+            Note(
+                "six_axis",
+                "Its axes are not parallel to the sole's.",
+                "turn the readings into the sole's axes before shoecal sees them.",
+            )
+        )
+    if draft.other_sensors:
+        notes.append(
+            Note(
+                "six_axis",
+                f"{', '.join(draft.other_sensors)} measure above the ankle.",
+                "they are not used: joints lie between them and the sole.",
+            )
+        )
+    return notes

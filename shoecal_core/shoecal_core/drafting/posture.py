@@ -1,0 +1,146 @@
+"""A posture to start from: knees bent, soles level, the CoM above them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from shoecal_core.drafting.body import Body, own_joints
+from shoecal_core.drafting.legs import UP, Legs
+from shoecal_core.drafting.soles import Sole
+from shoecal_core.errors import FileError
+
+FloatArray = NDArray[np.float64]
+
+BEND = 0.8
+"""rad; of the knees."""
+LEAST_BEND = 0.3
+MARGIN = 0.05
+"""rad; from the joints' limits."""
+SIDEWAYS = 0.9
+"""Cosine of the angle within which an axis lies across the robot."""
+SHARES = (0.1, 0.9)
+"""Part of the knees' bend that the hips take, least and most."""
+
+
+def find_posture(body: Body, legs: Legs, soles: Sequence[Sole]) -> dict[str, float]:
+    """Angles by joint [rad]; joints at zero and followers of other motors are left out.
+
+    Raises:
+        FileError: for legs without hip, knee and ankle that swing, or knees that do not bend.
+    """
+    swings = [_swings(body, chain, legs.left) for chain in legs.chains]
+    bend = min(_bend(body, swing[1], legs.left) for swing in swings)
+    angles = _resting(body)
+
+    def ahead(hip: float) -> float:
+        """How far the CoM is before the middle of the soles [m]."""
+        _bent(body, angles, swings, legs, soles, bend, hip * bend)
+        return _com_ahead(body, angles, legs, soles)
+
+    low, high = SHARES
+    begin, end = ahead(low), ahead(high)
+    if begin * end < 0.0:
+        share = brentq(ahead, low, high, xtol=1e-3)
+    else:
+        share = low if abs(begin) < abs(end) else high
+    ahead(float(share))
+    names = body.model.names
+    return {
+        str(names[joint]): round(float(angles[joint]), 3)
+        for joint in own_joints(body.model)
+        if abs(angles[joint]) > 5e-4 and names[joint] not in body.mimics
+    }
+
+
+def _swings(body: Body, chain: Sequence[int], left: FloatArray) -> tuple[int, int, int]:
+    """Hip, knee and ankle: the joints of a leg that turn about an axis across the robot."""
+    found = [joint for joint in chain if abs(body.axis(joint) @ left) > SIDEWAYS]
+    if len(found) < 3:
+        named = ", ".join(str(body.model.names[joint]) for joint in chain)
+        raise FileError(
+            body.urdf,
+            f"of the leg {named} only {len(found)} joints swing about an axis across the robot; "
+            "hip, knee and ankle are needed, in a zero pose that looks straight ahead",
+        )
+    return found[0], found[1], found[-1]
+
+
+def _sense(body: Body, joint: int, left: FloatArray) -> float:
+    """+1 where a positive angle swings what is below to the back."""
+    return float(np.sign(body.axis(joint) @ left))
+
+
+def _bend(body: Body, knee: int, left: FloatArray) -> float:
+    low, high = body.range(knee)
+    most = (high if _sense(body, knee, left) > 0.0 else -low) - MARGIN
+    if most < LEAST_BEND:
+        raise FileError(
+            body.urdf,
+            f"does not bend {LEAST_BEND:g} rad backwards as a knee must (limits {low:g} to "
+            f"{high:g} rad); mend its limits or its axis",
+            field=f"joint {body.model.names[knee]}",
+        )
+    return min(BEND, most)
+
+
+def _resting(body: Body) -> FloatArray:
+    """(njoints,) zero, or what is nearest to it within the limits."""
+    angles = np.zeros(body.model.njoints)
+    for joint in own_joints(body.model):
+        angles[joint] = np.clip(0.0, *body.range(joint))
+    return angles
+
+
+def _bent(
+    body: Body,
+    angles: FloatArray,
+    swings: Sequence[tuple[int, int, int]],
+    legs: Legs,
+    soles: Sequence[Sole],
+    bend: float,
+    hip_bend: float,
+) -> None:
+    """Bend both legs; ankles make the soles level as far as their limits let them."""
+    for (hip, knee, ankle), sole in zip(swings, soles, strict=True):
+        tilt = float(np.arctan2(sole.in_base.rotation[:, 2] @ legs.forward, 1.0))
+        for joint, backwards in ((hip, -hip_bend), (knee, bend), (ankle, hip_bend - bend - tilt)):
+            low, high = body.range(joint)
+            angles[joint] = np.clip(
+                _sense(body, joint, legs.left) * backwards, low + MARGIN, high - MARGIN
+            )
+
+
+def _com_ahead(body: Body, angles: FloatArray, legs: Legs, soles: Sequence[Sole]) -> float:
+    model = body.model
+    data = model.createData()
+    q = configuration(body, angles)
+    com = np.asarray(pin.centerOfMass(model, data, q))
+    middles = []
+    for chain, sole in zip(legs.chains, soles, strict=True):
+        middle = np.append(0.5 * (sole.outline.min(axis=0) + sole.outline.max(axis=0)), 0.0)
+        moved = data.oMi[chain[-1]] * body.placements[chain[-1]].actInv(sole.in_base)
+        middles.append(moved.act(middle))
+    return float((com - np.mean(middles, axis=0)) @ legs.forward)
+
+
+def configuration(body: Body, angles: FloatArray) -> FloatArray:
+    """Of Pinocchio's model, base at the origin, followers with their leaders."""
+    q = np.zeros(body.model.nq)
+    q[6] = 1.0
+    for joint in own_joints(body.model):
+        q[body.model.joints[joint].idx_q] = angles[joint]
+    for name, mimic in body.mimics.items():
+        if body.model.existJointName(name) and body.model.existJointName(mimic.leader):
+            follower, leader = (body.model.getJointId(each) for each in (name, mimic.leader))
+            q[body.model.joints[follower].idx_q] = mimic.multiplier * angles[leader]
+    return q
+
+
+def level(placement: pin.SE3) -> float:
+    """Angle between a sole's z axis and the base's [rad]."""
+    return float(np.arccos(np.clip(placement.rotation[:, 2] @ UP, -1.0, 1.0)))

@@ -1,0 +1,133 @@
+"""Soles of feet: the face on which a foot stands when it is loaded through its ankle."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+import shapely
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
+from shapely.geometry.base import BaseGeometry
+
+from shoecal_core.drafting.body import Body
+from shoecal_core.drafting.legs import UP
+from shoecal_core.errors import FileError
+
+FloatArray = NDArray[np.float64]
+
+TOUCHING = 0.002
+"""m; what is no farther from the sole's plane belongs to the sole."""
+LEVEL = np.radians(2.0)
+"""A face that is off level by less than this in the zero pose is level."""
+STEEPEST = np.radians(40.0)
+CORNERS = 12
+"""Most corners of an outline."""
+LEAST_AREA = 2e-4
+"""m^2; less than this is an edge or a point."""
+
+
+@dataclass(frozen=True)
+class Sole:
+    """One sole.
+
+    Attributes:
+        link: the leg's last link.
+        placement: the sole frame in that link: below the ankle, x forward, z up.
+        outline: (k, 2) convex, counter-clockwise, sole frame [m].
+        in_base: the sole frame in the base, in the zero pose.
+        height: of the ankle joint above it [m].
+    """
+
+    link: str
+    placement: pin.SE3
+    outline: FloatArray
+    in_base: pin.SE3
+    height: float
+
+
+def find_sole(body: Body, joint: int, points: FloatArray, forward: FloatArray) -> Sole:
+    """The sole of the foot that a leg's last joint turns.
+
+    Args:
+        body: in its zero pose.
+        joint: the leg's last.
+        points: (k, 3) corners of the foot's shapes in that joint's frame [m].
+        forward: (3,) in the base.
+
+    Raises:
+        FileError: for a foot without shapes, or without a face to stand on.
+    """
+    link, frame = body.link(joint)
+    if len(points) < 4:
+        raise FileError(
+            body.urdf,
+            "has no <collision> or <visual> shape, so its sole is not known; add one (a box of "
+            "the sole's size is enough)",
+            field=f"link {link}",
+        )
+    placement = body.placements[joint]
+    seen = np.array([placement.act(point) for point in points])
+    ankle = body.origin(joint)
+    normal = _standing_normal(body, link, seen, ankle)
+    ground = float((seen @ normal).min())
+    touching = seen[seen @ normal < ground + TOUCHING]
+    height = float(ankle @ normal) - ground
+    ahead = forward - (forward @ normal) * normal
+    ahead /= np.linalg.norm(ahead)
+    axes = np.column_stack([ahead, np.cross(normal, ahead), normal])
+    in_base = pin.SE3(axes, ankle - height * normal)
+    flat = np.array([in_base.actInv(point)[:2] for point in touching])
+    outline = shapely.MultiPoint(flat).convex_hull
+    if not isinstance(outline, shapely.Polygon) or outline.area < LEAST_AREA:
+        raise FileError(
+            body.urdf,
+            "its lowest shapes touch the floor in a point or an edge, not in a face; give the "
+            "foot a <collision> box of the sole's size",
+            field=f"link {link}",
+        )
+    return Sole(
+        link=link,
+        placement=(placement * frame).actInv(in_base),
+        outline=simplified(outline),
+        in_base=in_base,
+        height=height,
+    )
+
+
+def simplified(polygon: BaseGeometry) -> FloatArray:
+    """(k, 2) corners of a convex polygon in tenths of a millimetre, few of them."""
+    step = 2e-4
+    coords = shapely.get_coordinates(polygon)
+    while len(coords) - 1 > CORNERS:
+        coords = shapely.get_coordinates(shapely.simplify(shapely.Polygon(coords), step))
+        step *= 1.5
+    rounded = np.round(coords, 4)
+    return np.asarray(rounded[ConvexHull(rounded).vertices])
+
+
+def _standing_normal(body: Body, link: str, seen: FloatArray, ankle: FloatArray) -> FloatArray:
+    """Upward normal of the face that the vertical through the ankle leaves the foot by."""
+    try:
+        hull = ConvexHull(seen)
+    except QhullError as error:
+        raise FileError(
+            body.urdf,
+            "its shapes have no volume, so no sole is known; add a <collision> box of the sole's "
+            "size",
+            field=f"link {link}",
+        ) from error
+    normals, offsets = hull.equations[:, :3], hull.equations[:, 3]
+    downward = -(normals @ UP)
+    facing = downward > np.cos(STEEPEST)
+    if not facing.any():
+        raise FileError(
+            body.urdf,
+            f"no face of its shapes is within {np.degrees(STEEPEST):.0f} degrees of level in the "
+            "zero pose; give the foot a <collision> box of the sole's size",
+            field=f"link {link}",
+        )
+    way = -(normals @ ankle + offsets)[facing] / downward[facing]
+    normal = -normals[facing][np.argmin(way)]
+    return UP if normal @ UP > np.cos(LEVEL) else np.asarray(normal)
