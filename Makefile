@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust coverage chosen-supports caught-faults faults blind effects-table own-steps motion-menu lock clean
+.PHONY: clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust coverage chosen-supports caught-faults faults blind effects-table own-steps motion-menu pictures figures reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -99,6 +99,18 @@ caught-faults: setup  ## faults put into recordings, how many are caught (ARGS="
 faults: export OPENBLAS_NUM_THREADS := 1
 faults: setup  ## every fault very often, into docs/reliability.md (ARGS="--share 0.1")
 	$(BIN)/python benchmarks/faults.py $(ARGS)
+
+figures: setup  ## the figures of README and concepts, into docs/figures
+	$(BIN)/python scripts/figures.py
+
+reference: setup  ## docs/reference, from the code (ARGS=--check)
+	$(BIN)/python scripts/make_reference.py $(ARGS)
+
+docs: .venv-docs/.complete  ## the documentation as a site, into out/site
+	.venv-docs/bin/python -m sphinx -W --keep-going -q -b html docs out/site
+
+pictures: setup  ## the pictures in docs/images
+	$(BIN)/python scripts/pictures.py $(ARGS)
 
 lock:  ## resolve both lock files anew (needs uv)
 	$(LOCK) --universal --fork-strategy fewest --python-version 3.11 \

@@ -145,14 +145,14 @@ class Strip:
 
 @dataclass(frozen=True)
 class Group:
-    """What stands under one subheading (none where the title is empty), in this order."""
+    """What stands under one subheading (none where the title is empty)."""
 
     title: str = ""
     text: str = ""
-    strip: Strip | None = None
     pictures: tuple[Picture, ...] = ()
     tables: tuple[Table, ...] = ()
     player: Player | None = None
+    strip: Strip | None = None
 
 
 @dataclass(frozen=True)

@@ -29,7 +29,9 @@ def plan_strips(motions: Sequence[PlannedMotion], shoe: Shoe) -> list[Strip]:
     Raises:
         NoPictureError: where nothing can draw them.
     """
-    instants = [[_instant(planned, sample) for sample in _samples(planned)] for planned in motions]
+    instants = [
+        [instant_of(planned, sample) for sample in _samples(planned)] for planned in motions
+    ]
     drawn = stills(motions[0].robot, shoe, instants)
     return [Strip("The robot", pictures, CAPTION) for pictures in drawn]
 
@@ -39,7 +41,8 @@ def _samples(planned: PlannedMotion) -> list[int]:
     return [int(sample) for sample in np.linspace(0, last, COUNT).round()]
 
 
-def _instant(planned: PlannedMotion, sample: int) -> Instant:
+def instant_of(planned: PlannedMotion, sample: int) -> Instant:
+    """The robot at a sample of the motion."""
     stance = int(planned.stance[sample])
     turns, places = planned.soles
     return instant(

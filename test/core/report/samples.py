@@ -96,7 +96,7 @@ def told_by(robot: Robot, shoe: Shoe, stages: SelfCalibration, training: Sequenc
     settings, model = CalibrationSettings(), ModelTolerances(robot, shoe, Tolerances())
     fit, parameters = stages.fit, stages.parameters
     size = 2 * len(shoe.names)
-    weights = Weights(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
+    weights = Weights.of(settings)
     uncertainty = estimate_uncertainty(fit, training, weights, model)
     both, left, right = ErrorModel(parameters, uncertainty, model).over_polygons()
     known = relative_information(robot, shoe, parameters, fit.information[:size, :size])

@@ -85,17 +85,22 @@ def stills(
     Raises:
         NoPictureError: where nothing can draw them.
     """
-    views = [view for instants in motions for view in _views(robot, shoe, instants)]
-    files = iter(draw(views))
+    size = WIDTH, HEIGHT
+    wanted = [view for instants in motions for view in views(robot, shoe, instants, size)]
+    files = iter(draw(wanted))
     return [tuple(_still(next(files), one) for one in instants) for instants in motions]
 
 
-def _views(robot: Robot, shoe: Shoe, instants: Sequence[Instant]) -> list[View]:
+def views(
+    robot: Robot, shoe: Shoe, instants: Sequence[Instant], size: tuple[int, int]
+) -> list[View]:
+    """What to draw of one motion, from one place of view; width and height in pixels."""
     floor = _floor(robot, instants)
     scenes = [gathered((body_shapes(robot, shoe, one.at), floor, _forces(one)))
               for one in instants]  # fmt: skip
-    camera = framed(gathered(scenes), AZIMUTH, ELEVATION, WIDTH / HEIGHT)
-    return [View(scene, camera, WIDTH, HEIGHT) for scene in scenes]
+    width, height = size
+    camera = framed(gathered(scenes), AZIMUTH, ELEVATION, width / height)
+    return [View(scene, camera, width, height) for scene in scenes]
 
 
 def _still(file: bytes, one: Instant) -> Still:
