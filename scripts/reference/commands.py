@@ -1,0 +1,86 @@
+"""The command line: every command with its arguments, as `--help` tells them."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+from collections.abc import Iterator
+
+from reference.markdown import code, fenced, page, table
+from shoecal_core.cli import COMMANDS
+
+_LEAD = (
+    "`shoecal COMMAND --help` tells the same. Results go to standard output, progress and errors "
+    "to standard error; the exit code is 0 only on success, 1 for an error that is told in one "
+    "line, 2 for a wrong argument."
+)
+
+
+def commands_page() -> str:
+    """The page."""
+    parts: list[str] = []
+    for name, summary in COMMANDS.items():
+        parser = command_parser(name)
+        parts += [f"## shoecal {name}", f"{summary[0].upper()}{summary[1:]}."]
+        for one in _with_inner(parser):
+            if one is not parser:
+                parts.append(f"### {one.prog}")
+            parts += [fenced(_usage(one)), _arguments(one)]
+    return page("Commands", _LEAD, parts)
+
+
+def command_parser(name: str) -> argparse.ArgumentParser:
+    """What reads the arguments of one command."""
+    parser = argparse.ArgumentParser(prog=f"shoecal {name}")
+    importlib.import_module(f"shoecal_core.commands.{name}_command").add_arguments(parser)
+    parser.add_argument("--json", metavar="FILE", help="also write the figures as JSON")
+    return parser
+
+
+def _with_inner(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:
+    yield parser
+    for action in parser._actions:  # noqa: SLF001 - argparse tells it nowhere else
+        if isinstance(action, argparse._SubParsersAction):  # noqa: SLF001
+            for inner in action.choices.values():
+                yield from _with_inner(inner)
+
+
+def _usage(parser: argparse.ArgumentParser) -> str:
+    """Not argparse's own, which is worded otherwise from one Python to the next."""
+    required = [
+        f"{action.option_strings[0]} {action.metavar or action.dest.upper()}"
+        for action in parser._actions  # noqa: SLF001
+        if action.option_strings and action.required
+    ]
+    places = [
+        f"{action.dest.upper()}{' …' if action.nargs in ('+', '*') else ''}"
+        for action in parser._actions  # noqa: SLF001
+        if not action.option_strings and not isinstance(action, argparse._SubParsersAction)  # noqa: SLF001
+    ]
+    return " ".join((parser.prog, *places, *required, "[options]"))
+
+
+def _arguments(parser: argparse.ArgumentParser) -> str:
+    rows = []
+    for action in parser._actions:  # noqa: SLF001
+        if isinstance(action, argparse._HelpAction | argparse._SubParsersAction):  # noqa: SLF001
+            continue
+        name = ", ".join(action.option_strings) or str(action.metavar or action.dest)
+        rows.append((code(name), _default(action), _help(parser, action)))
+    return table(("argument", "default", "what it is"), rows) if rows else ""
+
+
+def _default(action: argparse.Action) -> str:
+    if action.default in (None, (), [], False, argparse.SUPPRESS):
+        return ""
+    return code(action.default)
+
+
+def _help(parser: argparse.ArgumentParser, action: argparse.Action) -> str:
+    if not action.help:
+        return ""
+    return (
+        action.help % {"prog": parser.prog, **vars(action)}
+        if "%(" in action.help
+        else (action.help.replace("%%", "%"))
+    )
