@@ -116,7 +116,7 @@ class Rows:
 
     def __init__(self, task: Task, prior: Prior) -> None:
         settings = task.settings
-        self._weights = Weights(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
+        self._weights = Weights.of(settings)
         self._stances = task.stances
         self._shares = [math.sqrt(self._weights.of_sample(stance)) for stance in task.stances]
         self._prior = prior

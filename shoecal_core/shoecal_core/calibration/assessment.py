@@ -113,7 +113,7 @@ def assess(
     shoe, parameters = stages.shoe, stages.parameters
     count = len(shoe.names)
     model = ModelTolerances(robot, shoe, tolerances)
-    weights = Weights(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
+    weights = Weights.of(settings)
     uncertainty = estimate_uncertainty(stages.fit, stances, weights, model)
     both, left, right = ErrorModel(parameters, uncertainty, model).over_polygons()
     planning = PlannerSettings(fixed_below=settings.fixed_below)

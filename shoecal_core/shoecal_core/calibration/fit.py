@@ -86,7 +86,7 @@ def fit_parameters(
     shoe: Shoe, stances: Sequence[Stance], guess: InitialGuess, settings: CalibrationSettings
 ) -> Fit:
     """Nonlinear least squares over all gains, offsets and the time offset (paper, eq. 18)."""
-    weights = Weights(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
+    weights = Weights.of(settings)
     problem = Problem.of(stances, shoe, weights)
     return _minimum(problem, prior_of(shoe, guess, settings), settings.max_iterations)
 

@@ -26,9 +26,11 @@ from shoecal_core.calibration.checks import (
 )
 from shoecal_core.calibration.evaluate import Errors, errors, measured_series, modelled_series
 from shoecal_core.calibration.extract import stances_of
-from shoecal_core.calibration.fit import SelfCalibration, self_calibrate
+from shoecal_core.calibration.fit import SelfCalibration, prior_of, self_calibrate
+from shoecal_core.calibration.lagging import check_lags, lags
 from shoecal_core.calibration.refinement.found_effects import FoundEffects
 from shoecal_core.calibration.refinement.refined import Refined, refined
+from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.screening.clocks import LEFT_STD_S, put_together
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
@@ -236,6 +238,7 @@ def calibrate_session(
         stage: {name: _against_model(sensing, part) for name, part in sets.items()}
         for stage, sensing in (("initial_guess", guessed), ("self_calibration", stages.sensing))
     }
+    found += _lagging(data, stages, training, settings)
     assessment = assess(data.robot, stages, training, settings, tolerances)
     verdict = _verdict(data, stages, modelled["self_calibration"], settings, found, assessment)
     return Outcome(
@@ -282,6 +285,17 @@ def _against_model(sensing: Sensing, stances: Sequence[Stance]) -> Errors:
     return errors(
         [(measured_series(sensing, stance), modelled_series(stance)) for stance in stances]
     )
+
+
+def _lagging(
+    data: SessionData,
+    stages: SelfCalibration,
+    stances: Sequence[Stance],
+    settings: CalibrationSettings,
+) -> list[Finding]:
+    fitting = _fitting(settings, data.screening)
+    prior = prior_of(data.shoe, stages.guess, fitting)
+    return check_lags(data.shoe, lags(stages.fit.vector, prior, stances, Weights.of(fitting)))
 
 
 def _verdict(

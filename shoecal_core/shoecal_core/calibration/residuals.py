@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.chunks import chunks
 from shoecal_core.calibration.moments import WrenchMoments, WrenchResiduals
+from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, weight_below
@@ -40,6 +41,11 @@ class Weights:
     force: float
     cop: float
     correlation: float
+
+    @classmethod
+    def of(cls, settings: CalibrationSettings) -> Weights:
+        """As a calibration is told to weigh."""
+        return cls(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
 
     def of_sample(self, stance: Stance) -> float:
         """How much of an independent sample each sample of a stance counts for."""

@@ -91,7 +91,7 @@ def test_the_fit_certifies_itself(
     runs = synthetic.stances(shoe, truth, rng)
     settings = CalibrationSettings()
     fit = fitted(shoe, runs, settings)
-    weights = Weights(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
+    weights = Weights.of(settings)
     normal = normal_equations(fit.vector, runs, shoe, weights)
     np.testing.assert_allclose(fit.information, normal.hessian, rtol=1e-9, atol=1e-6)
     assert normal.cost <= fit.cost < 1e-2 * fit.initial_cost

@@ -81,7 +81,7 @@ def refine(
     shoes = [one for one in unknowns if one.effect in MEASURING]
     changes = np.array([column_change(one, shoe) for one in shoes])
     changes = changes.reshape(len(shoes), len(shoe.names), 3)
-    weights = Weights(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
+    weights = Weights.of(settings)
     terms = [
         term
         for stance in stances

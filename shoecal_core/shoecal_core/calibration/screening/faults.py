@@ -23,3 +23,4 @@ class Fault(Enum):
     SLIPPED = "slipped"
     TOO_LITTLE = "too_little"
     LATE = "late"
+    SLOW = "slow"
