@@ -1,0 +1,65 @@
+"""The documentation as a site: plain Markdown, built by Sphinx (`make docs`)."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+from sphinx.application import Sphinx
+
+HERE = Path(__file__).resolve().parent
+
+project = "shoecal"
+author = "The shoecal authors"
+release = ET.parse(HERE.parent / "shoecal_core" / "package.xml").findtext("version") or ""
+extensions = ["myst_parser"]
+myst_enable_extensions = ["dollarmath"]
+myst_fence_as_directive = ["math"]
+myst_heading_anchors = 4
+html_theme = "furo"
+html_title = f"shoecal {release}"
+html_show_copyright = False
+
+# Not to be checked as code of the language that a fence names: excerpts, and lines of a shell.
+suppress_warnings = ["misc.highlighting_failure"]
+
+_LINK = re.compile(r"\]\(([^)#:]+\.md)\)|\]\(([^)#:]+\.md)#[^)]*\)")
+
+
+def _contents(app: Sphinx, page: str, source: list[str]) -> None:
+    """Give the front page a table of contents, out of its own sections and links.
+
+    So the Markdown stays plain, and reads as well where no site is built of it.
+    """
+    del app
+    if page != "index":
+        return
+    trees = []
+    for section in source[0].split("\n## ")[1:]:
+        title, _, body = section.partition("\n")
+        pages = dict.fromkeys(name.removesuffix(".md") for name in _linked(body))
+        entries = "\n".join(name for name in pages if not _within_reference(name))
+        trees.append(f"```{{toctree}}\n:hidden:\n:caption: {title}\n\n{entries}\n```")
+    source[0] += "\n" + "\n\n".join(trees) + "\n"
+
+
+def _reference(app: Sphinx, page: str, source: list[str]) -> None:
+    del app
+    if page == "reference/index":
+        names = "\n".join(name.removesuffix(".md") for name in _linked(source[0]))
+        source[0] += f"\n```{{toctree}}\n:hidden:\n\n{names}\n```\n"
+
+
+def _linked(text: str) -> list[str]:
+    return [plain or anchored for plain, anchored in _LINK.findall(text)]
+
+
+def _within_reference(name: str) -> bool:
+    return name.startswith("reference/") and name != "reference/index"
+
+
+def setup(app: Sphinx) -> None:
+    """Called by Sphinx."""
+    app.connect("source-read", _contents)
+    app.connect("source-read", _reference)
