@@ -26,6 +26,7 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, gap, shrink
 from shoecal_core.diagnosis.sizes import sizes
 from shoecal_core.diagnosis.tempering import shares, temper
+from shoecal_core.diagnosis.weak_cells import weak_cells
 from shoecal_core.diagnosis.where import where
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.errors import FileError
@@ -100,8 +101,11 @@ def diagnose(
     best = workspace if exchange is None else exchange.workspace
     found = select(best, settings) if only is None else asked_for(best)
     tell("measuring the shrink", 0.8)
-    answer = _answer(workspace, best, exchange, found, settings)
-    if only is not None and exchange is None:
+    certain = weak_cells(best, wanted)
+    if exchange is not None:
+        certain.insert(0, _exchanged(exchange, workspace.explained(None)[0]))
+    answer = _answer(workspace, best, certain, found, settings)
+    if only is not None and not certain:
         told = _causes(best, found, workspace.explained(None)[0], settings)
         answer = replace(answer, causes=tuple(told))
     tell("choosing the next motion", 0.85)
@@ -140,7 +144,7 @@ class _Answer:
 def _answer(
     workspace: Workspace,
     best: Workspace,
-    exchange: Exchange | None,
+    certain: Sequence[Cause],
     found: Found,
     settings: DiagnosisSettings,
 ) -> _Answer:
@@ -148,22 +152,22 @@ def _answer(
 
     Args:
         workspace: with nothing added. best: the same, or under the wiring that was found.
+        certain: causes that no fit was needed for.
     """
     before, _ = workspace.explained(None)
     size = gap(best, before)
     over_floor = max(size.cop_mae_mm / size.cop_floor_mm, size.grf_mae_n / size.grf_floor_n)
     there = over_floor > settings.gap_from
     nothing_fits: Verdict = "unknown" if over_floor > settings.unknown_from else "no_gap"
-    causes = _causes(best, found, before, settings)
+    causes = [*certain, *_causes(best, found, before, settings)]
     ranking = _probabilities(found, 0, settings) if found.alternatives else ()
     ambiguity = _set(ranking, settings) if ranking else ()
-    if exchange is not None:
-        first = _exchanged(exchange, before)
-        causes.insert(0, first)
+    if certain:
+        first = certain[0]
         ambiguity = (Candidate(first.effect, first.location, first.probability),)
         ranking = (*ambiguity, *ranking)
     happened = any(cause.run is not None for cause in causes)
-    if not there and exchange is None and not happened:
+    if not there and not certain and not happened:
         return _Answer("no_gap", ranking=ranking)
     if not causes:
         return _Answer(nothing_fits)
@@ -171,7 +175,7 @@ def _answer(
     over, left = excess(best, before), excess(best, after)
     # What happened once, in a run that was fitted, is no gap of the others.
     explained = 1.0 - max(left, 0.0) / over if there and over > 0.0 else 1.0
-    if explained < settings.unknown_below:
+    if explained < settings.unknown_below and not certain:
         return _Answer(nothing_fits, ranking=ranking)
     verdict: Verdict = "ambiguous" if len(ambiguity) > 1 else "explained"
     if explained < settings.explained_from:

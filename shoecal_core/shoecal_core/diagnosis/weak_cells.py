@@ -1,0 +1,66 @@
+"""Cells that hardly answer, from the beginning on.
+
+A gain makes up for that, so that no signal shows it: but cells of one shoe are of one kind.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from shoecal_core.diagnosis.effects import places
+from shoecal_core.diagnosis.effects.base import Place
+from shoecal_core.diagnosis.result import Cause, Size
+from shoecal_core.diagnosis.shrink import shrink
+from shoecal_core.diagnosis.signals import COP
+from shoecal_core.diagnosis.sizes import Z95
+from shoecal_core.diagnosis.workspace import Workspace
+
+TOO_LARGE = 2.5
+"""Gain of a cell, over the usual one of its shoe's, from which it does not answer as others do."""
+SURE = 5.0
+"""Standard deviations by which a gain must differ from zero to be believed."""
+SPREAD = 0.2
+"""How far gains of cells of one kind are apart, over themselves."""
+FEWEST = 3
+
+
+def weak_cells(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> list[Cause]:
+    """A stuck cell for each that shows but a small part of what it feels: the rest stays.
+
+    Args:
+        wanted: tells of an effect and a place whether to look.
+    """
+    scene = workspace.scene
+    shoe = scene.samples.shoe
+    cells = places.cells(shoe)
+    if len(cells) < FEWEST or any(shoe.channels[cell].nominal_gain is not None for cell in cells):
+        return []
+    gain = np.abs(scene.parameters.gain[cells])
+    spread = np.sqrt(np.diag(workspace.scorer.nothing.covariance))[cells]
+    usual = float(np.median(gain))
+    found = []
+    for cell in cells[(gain > TOO_LARGE * usual) & (gain > SURE * spread)].tolist():
+        place = (shoe.names[cell],)
+        if not wanted("stuck_cell", place):
+            continue
+        shown = usual / abs(float(scene.parameters.gain[cell]))
+        either = Z95 * SPREAD * shown
+        change = np.zeros_like(scene.outputs)
+        change[:, cell] = (shown - 1.0) * scene.outputs[:, cell]
+        hidden = scene.by_outputs(change)[scene.mask[:, 1]][:, COP]
+        before, _ = workspace.explained(None)
+        found.append(
+            Cause(
+                effect="stuck_cell",
+                group="load_cell",
+                location=place,
+                probability=1.0,
+                size={"share": Size(1.0 - shown, "", (1.0 - shown - either, 1.0 - shown + either))},
+                run=None,
+                shrink=shrink(workspace, before, before),
+                hidden_cop_mm=1e3 * float(np.linalg.norm(hidden, axis=1).mean()),
+            )
+        )
+    return found
