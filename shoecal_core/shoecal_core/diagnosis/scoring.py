@@ -170,16 +170,22 @@ class Scorer:
         return total
 
     def best_form(
-        self, hypothesis: Hypothesis, beside: Sequence[Part] = (), *, foreseen: bool = False
+        self,
+        hypothesis: Hypothesis,
+        beside: Sequence[Part] = (),
+        *,
+        foreseen: bool = False,
+        full: bool = True,
     ) -> Scored:
         """The form that explains most, beside others that stay.
 
         Args:
             foreseen: only of those that are told without having seen the signals.
+            full: with what it foretells.
         """
         forms = hypothesis.foreseen if foreseen else hypothesis.forms
         scored = [self.score([*beside, (hypothesis, form)], foretell=False) for form in forms]
         best = max(
             range(len(scored)), key=lambda index: (scored[index].sensible, scored[index].evidence)
         )
-        return self.score([*beside, (hypothesis, forms[best])])
+        return self.score([*beside, (hypothesis, forms[best])]) if full else scored[best]

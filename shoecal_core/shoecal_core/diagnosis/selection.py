@@ -20,6 +20,11 @@ FAR_MORE = 1.5
 """Times the evidence of the best that matters, from which one that does not is taken first."""
 LOOKED_AT = 40
 """Hypotheses that are looked at in full, the most probable ones."""
+STARTS, START_FROM = 10, 0.25
+"""Effects that pairs are begun with, each at its best place, and the least share of the best
+one's evidence that they have by themselves."""
+PARTNERS = 3
+"""Partners of each that are looked at in full."""
 
 
 @dataclass(frozen=True)
@@ -39,13 +44,18 @@ class Found:
 
 
 def select(workspace: Workspace, settings: DiagnosisSettings) -> Found:
-    """Forward, one at a time; then each is tried again beside the others, and pruned."""
+    """Forward, one at a time; then each is tried again beside the others, and pruned.
+
+    What explains most by itself may be a mixture of two others, so the second step looks at pairs
+    that other effects begin as well.
+    """
     parts: list[Part] = []
-    nothing = workspace.scorer.score(())
-    before = nothing
+    before = workspace.scorer.score(())
     singles = ranked(workspace, settings)
     while len(parts) < settings.causes_max:
         candidates = ranked(workspace, settings, parts) if parts else singles
+        if len(parts) == 1:
+            candidates = sorted([*candidates[:1], *_pairs(workspace, settings)], key=whole)[::-1]
         if not candidates or not is_needed(candidates[0], before, settings):
             break
         before = candidates[0]
@@ -81,14 +91,63 @@ def ranked(
         for hypothesis in workspace.catalogue.hypotheses
         if id(hypothesis) not in taken
     ]
-    before, _ = workspace.explained(workspace.scorer.score(beside, foretell=False))
+    without = workspace.scorer.score(beside, foretell=False)
+    before, _ = workspace.explained(without)
     likely = sorted((one for one in scored if one.sensible), key=weight, reverse=True)[:LOOKED_AT]
-    least = settings.later_material if beside else settings.material
-    found = [one for one in likely if matter(workspace, before, one) >= least]
+    found = [one for one in likely if matters(workspace, settings, before, without, one)]
     # What is far more probable than all that matters would only be replaced by something wrong.
     if not beside and found and weight(likely[0]) > FAR_MORE * weight(found[0]):
         found.insert(0, likely[0])
     return found
+
+
+def _pairs(workspace: Workspace, settings: DiagnosisSettings) -> list[Scored]:
+    """Each of the likeliest effects with the partner that suits it best, both of which matter."""
+    scorer, hypotheses = workspace.scorer, workspace.catalogue.hypotheses
+    alone = [scorer.best_form(one, full=False) for one in hypotheses]
+    firsts: dict[str, Scored] = {}
+    alone.sort(key=lambda one: one.evidence, reverse=True)
+    for one in alone:
+        if one.evidence > START_FROM * alone[0].evidence:
+            firsts.setdefault(one.parts[0][0].effect.identifier, one)
+    found = []
+    for first in list(firsts.values())[:STARTS]:
+        partners = [
+            scorer.best_form(one, first.parts, full=False)
+            for one in hypotheses
+            if one is not first.parts[0][0]
+        ]
+        partners.sort(key=lambda one: one.evidence, reverse=True)
+        before, _ = workspace.explained(first)
+        pairs = [scorer.score(one.parts) for one in partners[:PARTNERS] if one.sensible]
+        found += [one for one in pairs if matters(workspace, settings, before, first, one)]
+    return found
+
+
+def matters(
+    workspace: Workspace,
+    settings: DiagnosisSettings,
+    before: FloatArray,
+    without: Scored,
+    scored: Scored,
+) -> bool:
+    """Whether the part that was added last does; what may be a remainder of others must do more.
+
+    Args:
+        before: (T, s) residuals without it. without: the others' fit.
+    """
+    least = settings.material
+    if without.parts:
+        added = scored.evidence - without.evidence
+        remainder = added < settings.remainder_share * without.evidence
+        least = settings.later_material if remainder else settings.other_material
+    return matter(workspace, before, scored) >= least
+
+
+def whole(scored: Scored) -> float:
+    """As `weight`, with the priors of all parts."""
+    others = sum(math.log(hypothesis.prior) for hypothesis, _ in scored.parts[:-1])
+    return weight(scored) + others
 
 
 def weight(scored: Scored) -> float:

@@ -64,6 +64,13 @@ class DiagnosisSettings(Settings):
         1.25, "", "the same of a further effect: remainders of one that the library has in nearly "
         "its form are smaller", minimum=0.0,
     )  # fmt: skip
+    remainder_share: float = setting(
+        0.25, "", "a further effect that adds more than this share of the evidence found so far "
+        "is no remainder of it", minimum=0.0,
+    )  # fmt: skip
+    other_material: float = setting(
+        0.6, "", "share of their floor that such an effect must explain", minimum=0.0
+    )
     later_share: float = setting(
         0.06, "", "a further effect must add this share of the evidence found so far: an effect "
         "whose form the library has only nearly leaves a remainder of its own", minimum=0.0,

@@ -52,6 +52,14 @@ def test_of_two_effects_each_part_that_is_named_is_needed(urn: Urn) -> None:
     assert_needed(drawn, found)
 
 
+def test_two_effects_are_found_each_for_what_it_is(urn: Urn) -> None:
+    pair = {"foot_placement (left)": [0.004, -0.004, 0.03], "floor_tilt": [0.02, -0.02]}
+    drawn = urn.draw(np.random.default_rng(5), pair)
+    found = select(drawn, SETTINGS)
+    assert found.chosen is not None
+    assert {one.label for one, _ in found.chosen.parts} == {*pair}
+
+
 def assert_needed(drawn: Workspace, found: Found) -> None:
     """Without any of the parts the data are far less probable."""
     assert found.chosen is not None
