@@ -1,0 +1,43 @@
+"""Links and pictures lead to files and headings that there are; nothing is fetched."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from docs.pages import ROOT, anchors, links, pages
+
+
+@pytest.mark.parametrize("page", pages(), ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_lead_somewhere(page: Path) -> None:
+    lost = []
+    for line, target in links(page):
+        if target.startswith(("https://", "mailto:")):
+            continue
+        name, _, anchor = target.partition("#")
+        file = (page.parent / name).resolve() if name else page
+        if not file.exists():
+            lost.append(f"line {line}: {target}: no such file")
+        elif anchor and anchor not in anchors(file):
+            lost.append(f"line {line}: {target}: no such heading in {file.name}")
+    assert not lost, "\n".join(lost)
+
+
+def test_every_page_is_in_the_table_of_contents() -> None:
+    index = ROOT / "docs" / "index.md"
+    named = {(index.parent / target.partition("#")[0]).resolve() for _, target in links(index)}
+    missing = {page for page in pages() if page.is_relative_to(index.parent)} - named - {index}
+    assert not missing
+
+
+def test_no_page_names_a_place_of_this_machine() -> None:
+    for page in pages():
+        text = page.read_text()
+        assert not any(place in text for place in ("/work/", "/root/", str(Path.home()))), page
+
+
+def test_every_figure_is_shown_or_written_by_a_command() -> None:
+    shown = {(page.parent / target).resolve() for page in pages() for _, target in links(page)}
+    there = {*(ROOT / "docs/figures").iterdir(), *(ROOT / "docs/images").iterdir()}
+    assert not there - shown
