@@ -47,7 +47,9 @@ def write_page(results: Mapping[str, Results], clean: str) -> None:
     figures = {name: _figures(found) for name, found in faults.items()}
     alarms = _rate(results[clean])
     lost = {
-        fault.value: float(np.mean([one["left_out"].get(fault.value, 0.0) for one in results[clean]]))
+        fault.value: float(
+            np.mean([one["left_out"].get(fault.value, 0.0) for one in results[clean]])
+        )
         for fault in Fault
     }
     body = PAGE.format(

@@ -63,7 +63,7 @@ def _session_problem(folder: Path, rng: np.random.Generator) -> str:
     except FileError:
         return ""  # the altered byte made it no shoe at all
     try:
-        session.read(1, force=True)
+        Session.open(folder, force=True).read(1)
     except ShoecalError as error:
         if name != SHOE:
             return f"forced, it is refused all the same: {error}"

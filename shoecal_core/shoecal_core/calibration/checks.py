@@ -150,6 +150,14 @@ def check_missing(runs: Sequence[int]) -> list[Finding]:
     ]
 
 
+def check_changed(files: Sequence[str]) -> list[Finding]:
+    """Robot or shoe files that are others than the runs were recorded with, which was forced."""
+    return [
+        Finding("WARN", f"{file} was changed since the runs were recorded, and reading them forced")
+        for file in files
+    ]
+
+
 def check_directions(told: Forecast, additions: Sequence[Addition]) -> list[Finding]:
     """Directions that only the prior has fixed though other supports could fix them."""
     if not told.weak:

@@ -15,6 +15,7 @@ from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.checks import (
     Finding,
     Verdict,
+    check_changed,
     check_directions,
     check_expected,
     check_gains,
@@ -221,6 +222,7 @@ def calibrate_session(
     train, test = split_runs(session, train, test)
     data = load_data(session, (*train, *test), settings)
     found = [*data.screening.findings, *check_missing(session.missing)]
+    found += check_changed(session.changed_files if session.forced else ())
     if data.screening.fails:
         raise FileError(session.folder, "; ".join(finding.reason for finding in found))
     train, test = (tuple(run for run in runs if data.stances[run]) for runs in (train, test))

@@ -89,6 +89,15 @@ def add_sets(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_force(parser: argparse.ArgumentParser) -> None:
+    """`--force`, of recordings."""
+    parser.add_argument(
+        "--force",
+        action="store_true",
+        help="read runs though the session's robot or shoe file was changed since",
+    )
+
+
 def add_planning(parser: argparse.ArgumentParser) -> None:
     """`--motion`, `--supports` or `--stance`, `--seed` and `--settings` of planning."""
     parser.add_argument(

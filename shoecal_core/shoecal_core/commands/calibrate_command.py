@@ -16,7 +16,7 @@ from shoecal_core.calibration.refinement.found_effects import load_found_effects
 from shoecal_core.calibration.refinement.unknowns import MEASURING
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.tolerances import Tolerances
-from shoecal_core.commands.arguments import add_sets, require_folder
+from shoecal_core.commands.arguments import add_force, add_sets, require_folder
 from shoecal_core.commands.assessment_table import expected_table, trust_lines
 from shoecal_core.commands.screening_table import screening_table
 from shoecal_core.commands.tables import errors_table, stages_rows
@@ -50,6 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of `shoecal diagnose --json`: fit what it found, too, and all tolerances",
     )
     add_sets(parser)
+    add_force(parser)
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
@@ -60,7 +61,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         tolerances = load_settings(Tolerances, args.settings, "calibrator", "tolerances")
     for path in filter(None, (args.out, args.report, args.json)):
         require_folder(path)
-    session = Session.open(args.session)
+    session = Session.open(args.session, force=args.force)
     effects = None if args.effects is None else load_found_effects(args.effects)
     outcome = calibrate_session(
         session, args.train, args.test, settings, tolerances, effects=effects

@@ -16,6 +16,7 @@ from shoecal_core.calibration.screening.clocks import put_together
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.commands.arguments import add_force
 from shoecal_core.commands.screening_table import screening_table
 from shoecal_core.commands.tables import new_table
 from shoecal_core.errors import ShoecalError
@@ -36,6 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--settings", type=Path, help="parameter file of the calibrator node, for its weights"
     )
+    add_force(parser)
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
@@ -45,7 +47,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         if args.settings
         else CalibrationSettings()
     )
-    session = Session.open(args.session)
+    session = Session.open(args.session, force=args.force)
     problems = [
         f"{path.name} was not finished: rescue it with `shoecal recover {path}`"
         for path in session.unfinished

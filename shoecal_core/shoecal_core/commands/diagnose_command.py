@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.commands.arguments import add_sets, require_folder
+from shoecal_core.commands.arguments import add_force, add_sets, require_folder
 from shoecal_core.commands.diagnosis_job import Diagnosed, DiagnosisJob, attempt, do
 from shoecal_core.commands.diagnosis_table import print_diagnosis, sessions_table
 from shoecal_core.commands.many_jobs import over_cluster, over_cores
@@ -31,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of these shoes: the gap that it leaves is told beside",
     )
     add_sets(parser)
+    add_force(parser)
     parser.add_argument(
         "--report",
         type=Path,
@@ -115,6 +116,7 @@ def _jobs_of(args: argparse.Namespace) -> list[DiagnosisJob]:
                 only=tuple(args.only),
                 effects_from=args.effects_from,
                 simulate=not args.no_simulation,
+                force=args.force,
                 report=_report(args.report, session) if several else args.report,
             )
         )

@@ -39,6 +39,7 @@ class DiagnosisJob:
             all of its places); nothing: all.
         effects_from: a Python file with more effects.
         simulate: whether the found effects are simulated.
+        force: read runs though robot or shoe file was changed since.
         report: HTML file to write.
     """
 
@@ -50,6 +51,7 @@ class DiagnosisJob:
     only: tuple[tuple[str, tuple[str, ...]], ...] = ()
     effects_from: Path | None = None
     simulate: bool = True
+    force: bool = False
     report: Path | None = None
 
     def wanted(self, effect: str, place: tuple[str, ...]) -> bool:
@@ -104,7 +106,7 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
         ShoecalError: for a session, a calibration or an option that cannot be used.
     """
     tell = progress or (lambda _text, _share: None)
-    session = Session.open(job.session)
+    session = Session.open(job.session, force=job.force)
     effects = _library(job.effects_from)
     known = [effect.identifier for effect in effects]
     for name, _ in job.only:

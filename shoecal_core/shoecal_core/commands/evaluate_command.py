@@ -33,7 +33,7 @@ from shoecal_core.calibration.run_errors import (
     train_against_test,
 )
 from shoecal_core.calibration.significance import Difference
-from shoecal_core.commands.arguments import add_sets
+from shoecal_core.commands.arguments import add_force, add_sets
 from shoecal_core.commands.tables import (
     difference_lines,
     errors_table,
@@ -74,11 +74,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="a calibration taken as right, for example a manual one; likewise",
     )
     add_sets(parser)
+    add_force(parser)
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Compare on every run, by set, and training with test runs."""
-    sessions = _open(args.sessions)
+    sessions = _open(args.sessions, force=args.force)
     calibrations = _one_a_session("--calibration", args.calibration, sessions)
     references = _one_a_session("--reference", args.reference, sessions)
     runs: list[ComparedRun] = []
@@ -113,14 +114,14 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     }
 
 
-def _open(folders: Sequence[Path]) -> list[Session]:
+def _open(folders: Sequence[Path], *, force: bool) -> list[Session]:
     """Open each session; one named twice would count its runs twice."""
     seen = set()
     for folder in folders:
         if folder.resolve() in seen:
             raise FileError(folder, "is named twice; name each session once")
         seen.add(folder.resolve())
-    return [Session.open(folder) for folder in folders]
+    return [Session.open(folder, force=force) for folder in folders]
 
 
 def _one_a_session(

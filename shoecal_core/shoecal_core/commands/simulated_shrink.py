@@ -119,7 +119,7 @@ def item_of(cause: Cause) -> dict[object, object]:
 
 def replay_job(job: ReplayJob) -> Replayed:
     """Replay one run, in whatever process."""
-    session = Session.open(job.session)
+    session = Session.open(job.session, force=True)  # checked when it was diagnosed
     shoe = session.shoe
     robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf)
     effects = [

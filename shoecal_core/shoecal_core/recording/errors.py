@@ -34,5 +34,6 @@ class HashMismatchError(RecordingError):
         super().__init__(
             path,
             f"recorded with another {file} (SHA-256 {recorded[:12]}…, the session's is "
-            f"{present[:12]}…); put the one it was recorded with back",
+            f"{present[:12]}…); put the one it was recorded with back, or say --force where the "
+            "change mends the file",
         )

@@ -45,6 +45,11 @@ class RunEntry:
     hint: str
 
 
+def _recorded(info: RunInfo) -> dict[str, str]:
+    """SHA-256 of the files that a run was recorded with."""
+    return {ROBOT: info.robot_hash, URDF: info.urdf_hash, SHOE: info.shoe_hash}
+
+
 class Session:
     """A folder of runs. What is on the disk counts: a run is there when its file is.
 
@@ -52,15 +57,24 @@ class Session:
         folder: the session's.
         robot, shoe_name: names.
         seed: the runs were drawn with; None where nothing was drawn.
+        forced: runs are read though they were recorded with another robot or shoe file.
     """
 
     def __init__(
-        self, folder: Path, robot: str, shoe_name: str, seed: int | None, listed: list[ListedRun]
+        self,
+        folder: Path,
+        robot: str,
+        shoe_name: str,
+        seed: int | None,
+        listed: list[ListedRun],
+        *,
+        forced: bool = False,
     ) -> None:
         self.folder = folder
         self.robot = robot
         self.shoe_name = shoe_name
         self.seed = seed
+        self.forced = forced
         self._listed = listed
 
     @classmethod
@@ -100,8 +114,12 @@ class Session:
         return session
 
     @classmethod
-    def open(cls, folder: Path) -> Session:
+    def open(cls, folder: Path, *, force: bool = False) -> Session:
         """Open a session, interrupted ones too.
+
+        Args:
+            folder: of the session.
+            force: read its runs though its robot or shoe file is another one by now.
 
         Raises:
             FileError: no session there, one of its files missing, or written by a newer shoecal.
@@ -124,6 +142,7 @@ class Session:
             shoe_name=fields.text("shoe"),
             seed=fields.integer("seed") if "seed" in fields else None,
             listed=[read_listed(item) for item in fields.items("runs")],
+            forced=force,
         )
 
     @property
@@ -220,7 +239,7 @@ class Session:
         ]
         self._save(self.folder)
 
-    def read(self, run: int, *, force: bool = False) -> Run:
+    def read(self, run: int) -> Run:
         """Read one run, checked against the session's files unless forced.
 
         Raises:
@@ -231,7 +250,7 @@ class Session:
         entries = self.runs
         for entry in entries:
             if entry.run == run:
-                if not force:
+                if not self.forced:
                     self._check(entry)
                 return read_run(entry.path, self.shoe)
         raise NameNotFoundError("run", str(run), [str(entry.run) for entry in entries])
@@ -244,6 +263,14 @@ class Session:
         """
         for entry in self.runs:
             self._check(entry)
+
+    @property
+    def changed_files(self) -> tuple[str, ...]:
+        """Names of the robot and shoe files that some run was recorded with another version of."""
+        present = {file: sha256(self.folder / file) for file in (ROBOT, URDF, SHOE)}
+        infos = [entry.info for entry in self.runs]
+        recorded = {file: {_recorded(info)[file] for info in infos} for file in present}
+        return tuple(file for file, digest in present.items() if recorded[file] - {digest})
 
     def truth_path(self, run: int) -> Path:
         """Where the simulated truth of a run is kept, for `read_truth`."""
@@ -259,9 +286,7 @@ class Session:
         return TruthWriter(path, info)
 
     def _check(self, entry: RunEntry) -> None:
-        info = entry.info
-        recorded = {ROBOT: info.robot_hash, URDF: info.urdf_hash, SHOE: info.shoe_hash}
-        for file, digest in recorded.items():
+        for file, digest in _recorded(entry.info).items():
             present = sha256(self.folder / file)
             if present != digest:
                 raise HashMismatchError(entry.path, file, digest, present)

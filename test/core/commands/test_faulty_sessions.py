@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -146,3 +147,29 @@ def test_readings_of_another_clock_are_put_right(
     assert found["time_offset_s"] == pytest.approx(-late_s, abs=0.02)
     if late_s > 0.0:
         assert "joints are early by" in out
+
+
+def test_a_changed_shoe_file_is_refused_unless_forced(
+    shoecal: Command, simulated: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "session"
+    shutil.copytree(simulated, folder)
+    with (folder / "shoe.yaml").open("a") as file:
+        file.write("# mended\n")
+    out = tmp_path / "calibration.yaml"
+    for words in (
+        ("check", folder),
+        ("calibrate", folder, *TRAIN, "--out", out),
+        ("diagnose", folder, "--no-simulation"),
+    ):
+        code, printed, error = shoecal(*words)
+        assert code == 1
+        assert "recorded with another shoe.yaml" in plain(printed + error)
+        assert "--force" in printed + error
+    assert not out.exists()
+    assert shoecal("check", folder, "--force")[0] == 0
+    code, printed, error = shoecal("calibrate", folder, *TRAIN, "--out", out, "--force")
+    assert code == 0, error
+    assert "WARN: shoe.yaml was changed since the runs were recorded" in plain(printed)
+    code, _, error = shoecal("evaluate", folder, "--calibration", out, "--force")
+    assert code == 0, error

@@ -191,7 +191,7 @@ def test_changed_files_are_found_out(session: Session, file: str) -> None:
     with pytest.raises(HashMismatchError) as caught:
         session.read(1)
     assert caught.value.present == sha256(session.folder / file)
-    assert len(session.read(1, force=True).readings.time) == COUNT
+    assert len(Session.open(session.folder, force=True).read(1).readings.time) == COUNT
 
 
 def test_marks(session: Session) -> None:
