@@ -216,12 +216,16 @@ def _holes(data: bytes, parts: list[_Part]) -> tuple[list[tuple[int, int]], bool
     holes = []
     expected, opcode = _next_part(data, MAGIC_SIZE)
     before: int | None = None
+    damaged = False
     for part in parts:
-        times = [record.log_time for record in part.records if isinstance(record, Message)]
-        if part.start != expected:
-            holes.append((min(times) if before is None else before, min(times)))
-        before = max(times)
+        damaged = damaged or part.start != expected
         expected, opcode = _next_part(data, part.stop)
+        times = [record.log_time for record in part.records if isinstance(record, Message)]
+        if not times:
+            continue  # schemas and channels alone: the hole ends with the next message
+        if damaged:
+            holes.append((min(times) if before is None else before, min(times)))
+        before, damaged = max(times), False
     return holes, opcode == Opcode.DATA_END
 
 

@@ -1,12 +1,15 @@
 from __future__ import annotations
 
 import itertools
+import re
 import struct
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+import zstandard
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rosbags.highlevel import AnyReader
@@ -21,6 +24,7 @@ from shoecal_core.recording.truth import TruthWriter, read_truth
 from shoecal_core.sensing.shoe import Shoe
 
 COUNT = 250
+ZSTD = re.escape(struct.pack("<I", 4) + b"zstd")
 Rescue = Callable[[bytes], RecoveryReport]
 
 
@@ -101,6 +105,23 @@ def test_first_chunk_lost(whole: bytes, rescue: Rescue) -> None:
     assert "damaged: 0.00 s at 0.00 s" in str(report)
     with AnyReader([report.out]) as reader:
         assert reader.message_count == sum(report.messages.values())
+
+
+def test_a_chunk_without_messages_is_passed_over(whole: bytes, rescue: Rescue) -> None:
+    """Channels alone, between two chunks and where one is damaged."""
+    schema = struct.pack("<HI4sI0sI0s", 99, 4, b"none", 0, b"", 0, b"")
+    content = struct.pack("<BQ", 3, len(schema)) + schema
+    data = zstandard.compress(content)
+    body = struct.pack("<QQQI", 0, 0, len(content), zlib.crc32(content))
+    body += struct.pack("<I4sQ", 4, b"zstd", len(data)) + data
+    empty = struct.pack("<BQ", 6, len(body)) + body
+    first, second = (match.start() - 37 for match in list(re.finditer(ZSTD, whole))[:2])
+    usual = rescue(whole)
+    found = rescue(whole[:second] + empty + whole[second:])
+    assert (found.messages, found.holes_ns) == (usual.messages, usual.holes_ns)
+    (hole,) = rescue(whole[:second] + b"damage" + empty + whole[second:]).holes_ns
+    assert usual.start_ns < hole[0] < hole[1] < usual.end_ns
+    assert rescue(whole[:first] + empty + whole[first:]).messages == usual.messages
 
 
 def test_nothing_to_rescue(whole: bytes, rescue: Rescue) -> None:
