@@ -12,6 +12,7 @@
 | `diagnostics`                                                | DIAGNOSTICS |
 | `clock`                                                      | CLOCK       |
 | `tf`                                                         | TRANSFORMS  |
+| `shoe/markers`                                               | MARKERS     |
 
 Everything is reliable: a reliable subscriber hears nothing of a best-effort
 publisher.
@@ -64,3 +65,6 @@ CLOCK = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
 
 TRANSFORMS = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
 """As tf2 subscribes."""
+
+MARKERS = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE)
+"""Pictures for viewers: only the newest is worth drawing."""

@@ -1,4 +1,4 @@
-"""Node `model`: joint angles -> CoM, modelled CoP and the sole frames."""
+"""Node `model`: joint angles -> CoM, modelled CoP, the sole frames, and markers for viewers."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from shoecal_ros.common.health import Level
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.runtime import ShoecalNode, run
 from shoecal_ros.inputs.joints import JointInput
+from shoecal_ros.model.marker_desk import MarkerDesk
 
 try:
     from tf2_msgs.msg import TFMessage
@@ -42,6 +43,7 @@ class Model(ShoecalNode):
         files = self.settings(RobotFiles)
         settings = self.settings(ModelSettings)
         robot = files.load_robot()
+        self._markers = MarkerDesk(self, robot, files.load_shoe())
         self._kinematics = Kinematics(robot)
         self._joints = JointInput(robot, settings.stale_s)
         self._com = self.create_publisher(PointStamped, "shoe/model/com", qos.LIVE)
@@ -59,6 +61,7 @@ class Model(ShoecalNode):
             problem or "joint angles come",
             **self._joints.heard.figures(),
         )
+        self._markers.watch(None if self._joints.heard.silent else self._joints.latest)
         super().watch()
 
     def _hear(self, messages: list[Any]) -> None:

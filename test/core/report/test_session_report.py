@@ -6,7 +6,7 @@ from core.report.pages import read
 from shoecal_core.calibration.comparison import read_truths
 from shoecal_core.calibration.pipeline import Outcome
 from shoecal_core.recording.session import Session
-from shoecal_core.report.session_report import session_content, write_session_report
+from shoecal_core.report.session_report import SNAPSHOTS, session_content, write_session_report
 
 
 def test_a_session_is_reported_against_its_model(
@@ -48,7 +48,7 @@ def test_a_session_from_hardware_is_not_called_simulated(
 
 def test_snapshots_span_the_run(session: Session, outcome: Outcome) -> None:
     for run in session_content(session, outcome).runs:
-        assert len(run.snapshot_time) == 5
+        assert len(run.snapshot_time) == SNAPSHOTS
         time = run.stances[0].stance.time
         assert run.snapshot_time[0] == time[0]
         assert run.snapshot_time[-1] == time[-1]

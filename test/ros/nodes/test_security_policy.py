@@ -12,7 +12,16 @@ NODES = ("shoe_driver", "model", "planner", "calibrator", "simulator")
 NOT_ALWAYS = {
     "shoe_driver": {"/shoe/voltages"},  # heard while somebody else sends them, too
     "calibrator": set(schemas.RUN_TOPICS),  # heard while it records; it stops the robot
-    "model": {"/tf"},  # where tf2_msgs is installed
+    # where tf2_msgs is installed; and while somebody looks at the markers
+    "model": {
+        "/tf",
+        "/shoe/cop",
+        "/shoe/left/cop",
+        "/shoe/left/grf",
+        "/shoe/right/cop",
+        "/shoe/right/grf",
+        "/shoe/state",
+    },
 }
 ELEMENTS = {
     "policy": {"enclaves"},
