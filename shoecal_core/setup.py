@@ -1,11 +1,13 @@
 """Package of the method: no ROS, no serial port, no wall clock."""
 
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 from setuptools import find_packages, setup
 
 NAME = "shoecal_core"
 HERE = Path(__file__).resolve().parent
+VERSION = ET.parse(HERE / "package.xml").findtext("version")
 
 
 def config_files() -> list[tuple[str, list[str]]]:
@@ -19,10 +21,18 @@ def config_files() -> list[tuple[str, list[str]]]:
 
 setup(
     name=NAME,
-    version="0.1.0",
+    version=VERSION,
     description="Robots calibrate the force sensors in their own feet: the method, without ROS.",
+    long_description=(HERE / "README.md").read_text(encoding="utf-8"),
+    long_description_content_type="text/markdown",
     author="The shoecal authors",
     license="Apache-2.0",
+    license_files=["LICENSE"],
+    classifiers=[
+        "Programming Language :: Python :: 3 :: Only",
+        "Topic :: Scientific/Engineering",
+        "Typing :: Typed",
+    ],
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
     package_data={NAME: ["py.typed"]},
     data_files=[
@@ -33,7 +43,9 @@ setup(
     python_requires=">=3.11",
     install_requires=[
         "casadi==3.8.2",
+        "coal>=3.0",
         "jinja2>=3.1",
+        "markupsafe>=2.1",
         "matplotlib>=3.6",
         "mcap>=1.5",
         "mujoco>=3.13",
@@ -47,8 +59,10 @@ setup(
         "shapely>=2.0",
         "zstandard>=0.21",
     ],
-    # shoecal diagnose --scheduler
-    extras_require={"dask": ["distributed>=2024.1"]},
+    extras_require={
+        "dask": ["distributed>=2024.1"],  # shoecal diagnose --scheduler
+        "test": ["hypothesis", "pytest", "pytest-timeout"],  # colcon test takes pytest by this
+    },
     entry_points={"console_scripts": ["shoecal = shoecal_core.cli:main"]},
     zip_safe=True,
 )

@@ -1,18 +1,23 @@
 """Package of the ROS 2 nodes."""
 
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 from setuptools import find_packages, setup
 
 NAME = "shoecal_ros"
+HERE = Path(__file__).resolve().parent
+VERSION = ET.parse(HERE / "package.xml").findtext("version")
 NODES = ("shoe_driver", "model", "planner", "calibrator", "simulator")
+ADAPTERS = ("nao_lola_adapter", "naoqi_adapter", "controller_adapter")
 
 setup(
     name=NAME,
-    version="0.1.0",
+    version=VERSION,
     description="Robots calibrate the force sensors in their own feet: the ROS 2 nodes.",
     author="The shoecal authors",
     license="Apache-2.0",
+    license_files=["LICENSE"],
     packages=find_packages(include=[NAME, f"{NAME}.*"]),
     package_data={NAME: ["py.typed"]},
     data_files=[
@@ -25,9 +30,10 @@ setup(
     ],
     python_requires=">=3.11",
     install_requires=["pyserial>=3.5"],  # and shoecal_core, from the same workspace
+    extras_require={"test": ["pytest", "pytest-timeout"]},  # colcon test takes pytest by this
     entry_points={
         "console_scripts": [
-            *(f"{node} = {NAME}.nodes.{node}:main" for node in NODES),
+            *(f"{node} = {NAME}.nodes.{node}:main" for node in (*NODES, *ADAPTERS)),
             f"demo = {NAME}.demo:main",
         ]
     },
