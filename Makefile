@@ -9,6 +9,7 @@ unexport ROS_DISTRO ROS_VERSION ROS_PYTHON_VERSION RMW_IMPLEMENTATION
 
 BIN := .venv/bin
 FLOOR_PYTHON ?= python3.12
+DOCS_PYTHON ?= python3
 LOCK := uv pip compile --quiet --upgrade --generate-hashes --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock"
 
@@ -112,15 +113,22 @@ docs: .venv-docs/.complete  ## the documentation as a site, into out/site
 pictures: setup  ## the pictures in docs/images
 	$(BIN)/python scripts/pictures.py $(ARGS)
 
-lock:  ## resolve both lock files anew (needs uv)
+wheel: setup  ## a wheel of shoecal_core, into out/wheel
+	$(BIN)/python -m pip --disable-pip-version-check wheel --quiet --no-deps --no-build-isolation \
+		--wheel-dir out/wheel ./shoecal_core
+	rm -rf shoecal_core/build
+
+lock:  ## resolve the lock files anew (needs uv)
 	$(LOCK) --universal --fork-strategy fewest --python-version 3.11 \
 		--output-file requirements.txt requirements.in shoecal_core/setup.py shoecal_ros/setup.py
 	$(LOCK) --override requirements-floor.in --python-version 3.12 \
 		--python-platform x86_64-manylinux_2_35 \
 		--output-file requirements-floor.txt requirements-floor.in shoecal_core/setup.py
+	$(LOCK) --universal --python-version 3.11 \
+		--output-file requirements-docs.txt requirements-docs.in
 
 clean:  ## remove all that was built, but no results (out/)
-	rm -rf .venv .venv-floor build install log .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv .venv-docs .venv-floor build install log .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	rm -rf shoecal_core/*.egg-info shoecal_ros/*.egg-info
 	find shoecal_core shoecal_ros test scripts -name __pycache__ -type d -prune -exec rm -rf {} +
 
@@ -129,4 +137,10 @@ clean:  ## remove all that was built, but no results (out/)
 	.venv-floor/bin/python -m pip --disable-pip-version-check install --quiet \
 		--no-deps --require-hashes --requirement $<
 	realpath shoecal_core >$$(echo .venv-floor/lib/python3.*/site-packages)/shoecal_core.pth
+	touch $@
+
+.venv-docs/.complete: requirements-docs.txt
+	$(DOCS_PYTHON) -m venv --clear .venv-docs
+	.venv-docs/bin/python -m pip --disable-pip-version-check install --quiet \
+		--require-hashes --requirement $<
 	touch $@
