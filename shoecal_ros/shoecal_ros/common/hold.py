@@ -1,4 +1,4 @@
-"""The command that brings a robot to rest where it is."""
+"""The command that brings a robot to rest where it is, made and recognised."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from numpy.typing import NDArray
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.robot import Robot
 
+HOLD_WAY = 0.2
+"""rad; a command of one point that leads no joint farther stops the robot."""
+
 
 def hold(robot: Robot, angles: NDArray[np.float64], stop_time: float) -> JointTrajectory:
     """Come to rest at all joint angles (m,) [rad] within a time [s]."""
@@ -15,3 +18,14 @@ def hold(robot: Robot, angles: NDArray[np.float64], stop_time: float) -> JointTr
     held = np.clip(robot.from_legs(angles[robot.legs], angles), robot.lower, robot.upper)
     names = tuple(robot.joint_names[index] for index in robot.moved)
     return JointTrajectory(names, np.array([stop_time]), held[None, robot.moved])
+
+
+def is_hold(trajectory: JointTrajectory, robot: Robot, joint_angles: NDArray[np.float64]) -> bool:
+    """Whether a command stops the robot about where its joints (m,) [rad] are.
+
+    Raises:
+        NameNotFoundError: for a joint that the robot does not have.
+    """
+    columns = [robot.joint(name) for name in trajectory.names]
+    ways = np.abs(trajectory.positions - joint_angles[columns])
+    return len(trajectory.times) == 1 and bool((ways <= HOLD_WAY).all())

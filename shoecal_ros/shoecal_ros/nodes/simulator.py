@@ -35,6 +35,7 @@ from shoecal_ros.common.conversions import (
     trajectory_from_ros,
 )
 from shoecal_ros.common.health import Level
+from shoecal_ros.common.hold import is_hold
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.runtime import ShoecalNode, run, until
@@ -42,7 +43,7 @@ from shoecal_ros.inputs.armed_input import ArmedInput
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info
 from shoecal_ros.simulator.body_publishers import PATIENCE_S, BodyPublishers
-from shoecal_ros.simulator.simulated_body import Pacer, Samples, SimulatedBody, is_hold
+from shoecal_ros.simulator.simulated_body import Pacer, Samples, SimulatedBody
 
 REAL_TIME = 1.0
 """Speed up to which it waits for no listener, as a real robot."""

@@ -7,8 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.model.robot import Robot
 from shoecal_core.simulation.converter import Readings
 from shoecal_core.simulation.floor import FloorTruth
 from shoecal_core.simulation.joint_sensors import JointReadings
@@ -20,8 +18,6 @@ SECOND_NS = 1_000_000_000
 
 START_NS = SECOND_NS
 """Time at the start: 0 means unset in ROS."""
-HOLD_WAY = 0.2
-"""rad; a command of one point that leads no joint farther stops the robot."""
 REST_SPEED, REST_S = 2e-3, 0.5
 """m/s, rad/s: slower than this, for that long [s], is at rest."""
 
@@ -70,17 +66,6 @@ class Pacer:
         count = min(int(self._owed), self._most)
         self._owed = min(self._owed - count, 1.0)
         return count
-
-
-def is_hold(trajectory: JointTrajectory, robot: Robot, joint_angles: FloatArray) -> bool:
-    """Whether a command stops the robot about where its joints (m,) [rad] are.
-
-    Raises:
-        NameNotFoundError: for a joint that the robot does not have.
-    """
-    columns = [robot.joint(name) for name in trajectory.names]
-    ways = np.abs(trajectory.positions - joint_angles[columns])
-    return len(trajectory.times) == 1 and bool((ways <= HOLD_WAY).all())
 
 
 class SimulatedBody:

@@ -6,7 +6,7 @@ import pytest
 from ros.bodies import nao
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_ros.simulator.simulated_body import HOLD_WAY, is_hold
+from shoecal_ros.common.hold import HOLD_WAY, is_hold
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,1 @@
+"""From trajectories to what robots' own drivers understand."""

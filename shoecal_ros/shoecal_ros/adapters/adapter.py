@@ -1,0 +1,115 @@
+"""What every adapter does: take trajectories that may be followed, stop when they may no more."""
+
+from __future__ import annotations
+
+import time
+from abc import abstractmethod
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import trajectory_from_ros
+from shoecal_ros.common.health import Level
+from shoecal_ros.common.hold import is_hold
+from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.common.runtime import ShoecalNode
+from shoecal_ros.inputs.armed_input import ArmedInput
+from shoecal_ros.inputs.joints import JointInput
+
+FloatArray = NDArray[np.float64]
+STALE_S = 0.5
+
+
+class Adapter(ShoecalNode):
+    """Between `joint_trajectory` and a robot's driver.
+
+    Nothing is sent before somebody has armed the robot. Afterwards a command that holds the joints
+    where they are is let through, for whoever disarms a moving robot stops it just after that; and
+    where no such command comes, the adapter stops the robot itself.
+
+    Attributes:
+        robot: whose joints are told.
+        joints: what the robot tells of them.
+    """
+
+    def __init__(self, name: str) -> None:
+        super().__init__(name)
+        self.robot = self.settings(RobotFiles).load_robot()
+        self.joints = JointInput(self.robot, STALE_S)
+        self.subscribe(JointState, "joint_states", self._hear, qos.NEWEST)
+        self._arming = ArmedInput(self)
+        self._was_armed = self._holds = False
+        self._refused = ""
+        self.trouble = ""
+        self.subscribe(JointTrajectoryMsg, "joint_trajectory", self._take, qos.COMMAND)
+
+    @abstractmethod
+    def follow(self, trajectory: JointTrajectory, measured: FloatArray) -> None:
+        """Let the robot follow a trajectory, joint angles (m,) [rad] being what they are.
+
+        Raises:
+            ShoecalError: when it cannot.
+        """
+
+    @abstractmethod
+    def stop(self) -> None:
+        """Let the robot stay where it is, if it is on its way."""
+
+    def watch(self) -> None:
+        """Stop what may move no more, and tell how things are."""
+        armed = self._arming.armed
+        if self._was_armed and not armed:
+            self._stop()
+        self._was_armed = armed
+        problem = self._refused or self.trouble or self.joints.problem
+        state = "armed" if armed else "not armed"
+        self.health.tell("robot", Level.ERROR if problem else Level.OK, problem or state)
+        super().watch()
+
+    def close(self) -> None:
+        """Leave no robot on its way."""
+        self._stop()
+
+    def _stop(self) -> None:
+        """A robot that is coming to rest already is left to it."""
+        if not self._holds:
+            self.stop()
+
+    @property
+    def now_s(self) -> float:
+        """Monotonic wall clock: a robot's motors know no other [s]."""
+        return time.monotonic()
+
+    def _hear(self, messages: list[Any]) -> None:
+        self.joints.take(messages)
+
+    def _take(self, messages: list[Any]) -> None:
+        for message in messages:
+            try:
+                self._admit(trajectory_from_ros(message))
+                self._refused = ""
+            except ShoecalError as error:
+                self._refused = f"trajectory refused: {error}"
+
+    def _admit(self, trajectory: JointTrajectory) -> None:
+        latest = self.joints.latest
+        if latest is None:
+            raise ShoecalError(self.joints.problem)
+        measured: FloatArray = latest.angles[0]
+        # A robot that tells nothing more may still be stopped, and so may one that is not armed.
+        holds = is_hold(trajectory, self.robot, measured)
+        if not holds:
+            if self.joints.problem:
+                raise ShoecalError(self.joints.problem)
+            if not self._arming.armed:
+                raise ShoecalError("not armed: call the service shoe/arm first")
+        # Who sends two angles for one motor, or some beyond its limits, is refused here.
+        trajectory.full(self.robot, measured)
+        self.follow(trajectory, measured)
+        self._holds = holds

@@ -1,0 +1,193 @@
+"""A NAO that is not there, behind the messages of one of its drivers; a process of its own.
+
+It moves at once to where it is told to be, and tells so as that driver does.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import math
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import rclpy
+from rclpy.action import ActionServer, CancelResponse, GoalResponse
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.node import Node
+from sensor_msgs.msg import JointState
+from trajectory_msgs.msg import JointTrajectory
+
+from ros.bodies import nao
+
+PERIOD_S = 0.02
+HANDS = ("LHand", "RHand")
+LOLA = (
+    "HeadYaw", "HeadPitch", "LShoulderPitch", "LShoulderRoll", "LElbowYaw", "LElbowRoll",
+    "LWristYaw", "LHipYawPitch", "LHipRoll", "LHipPitch", "LKneePitch", "LAnklePitch",
+    "LAnkleRoll", "RHipRoll", "RHipPitch", "RKneePitch", "RAnklePitch", "RAnkleRoll",
+    "RShoulderPitch", "RShoulderRoll", "RElbowYaw", "RElbowRoll", "RWristYaw", "LHand", "RHand",
+)  # fmt: skip
+"""The order that nao_lola documents, written down here once more: the adapter's is under test."""
+
+
+class StandIn(Node):
+    """A robot that tells its joints."""
+
+    def __init__(self, left_out: tuple[str, ...] = (), untold: tuple[str, ...] = ()) -> None:
+        super().__init__("robot")
+        self.angles = dict(zip(nao().joint_names, nao().posture.tolist(), strict=True))
+        self._left_out, self._untold = left_out, untold
+        self._joints = self.create_publisher(JointState, "joint_states", 10)
+        self.create_timer(PERIOD_S, self.tell)
+
+    def tell(self) -> None:
+        message = JointState()
+        message.header.stamp = self.get_clock().now().to_msg()
+        message.name = [name for name in self.angles if name not in self._left_out]
+        message.position = [
+            math.nan if name in self._untold else self.angles[name] for name in message.name
+        ]
+        self._joints.publish(message)
+
+    def move(self, angles: Mapping[str, float]) -> None:
+        """Be where it is told; both hips turn with the left one's motor."""
+        self.angles.update(angles)
+        self.angles["RHipYawPitch"] = self.angles["LHipYawPitch"]
+
+
+def foreign(package: str, kind: str, name: str) -> Any:
+    return getattr(importlib.import_module(f"{package}.{kind}"), name)
+
+
+def nao_lola() -> StandIn:
+    robot = StandIn(left_out=("RHipYawPitch",))
+    heat = foreign("nao_lola_sensor_msgs", "msg", "JointTemperatures")
+    temperatures = robot.create_publisher(heat, "sensors/joint_temperatures", 10)
+
+    def take(message: Any) -> None:
+        told = zip(message.indexes, message.positions, strict=True)
+        robot.move({LOLA[index]: position for index, position in told})
+
+    robot.create_subscription(
+        foreign("nao_lola_command_msgs", "msg", "JointPositions"),
+        "effectors/joint_positions",
+        take,
+        1,
+    )
+    robot.create_timer(
+        0.1, lambda: temperatures.publish(heat(temperatures=[30.0 + k for k in range(25)]))
+    )
+    return robot
+
+
+def naoqi() -> StandIn:
+    robot = StandIn(untold=HANDS)
+
+    def take(message: Any) -> None:
+        assert message.relative == 0
+        assert 0.0 < message.speed <= 1.0
+        # NAOqi knows no joint of its follower's name.
+        assert "RHipYawPitch" not in message.joint_names
+        robot.move(dict(zip(message.joint_names, message.joint_angles, strict=True)))
+
+    robot.create_subscription(
+        foreign("naoqi_bridge_msgs", "msg", "JointAnglesWithSpeed"), "joint_angles", take, 10
+    )
+    return robot
+
+
+def _followed(robot: StandIn, message: JointTrajectory, stopped: Callable[[], bool]) -> bool:
+    """Go from point to point; whether the end was reached."""
+    begun = time.monotonic()
+    for point in message.points:
+        due = point.time_from_start.sec + point.time_from_start.nanosec * 1e-9
+        while time.monotonic() - begun < due:
+            if stopped():
+                return False
+            time.sleep(0.002)
+        robot.move(dict(zip(message.joint_names, point.positions, strict=True)))
+    return True
+
+
+def topic_controller() -> StandIn:
+    """A new trajectory takes the place of the last."""
+    robot = StandIn()
+    newest: list[JointTrajectory] = []
+
+    def take(message: JointTrajectory) -> None:
+        newest[:] = [message]
+        threading.Thread(
+            target=_followed, args=(robot, message, lambda: newest[0] is not message), daemon=True
+        ).start()
+
+    robot.create_subscription(JointTrajectory, "legs/joint_trajectory", take, 10)
+    return robot
+
+
+def action_controller() -> StandIn:
+    """Refuses goals without the arms, as a controller of all joints does."""
+    robot = StandIn()
+    kind = foreign("control_msgs", "action", "FollowJointTrajectory")
+    newest: list[Any] = [None]
+
+    def judge(request: Any) -> GoalResponse:
+        complete = "LShoulderPitch" in request.trajectory.joint_names
+        return GoalResponse.ACCEPT if complete else GoalResponse.REJECT
+
+    def execute(goal: Any) -> Any:
+        newest[0] = goal
+        result = kind.Result()
+        if any(abs(point.positions[0]) > 0.9 for point in goal.request.trajectory.points):
+            goal.abort()
+            result.error_code = kind.Result.PATH_TOLERANCE_VIOLATED
+            result.error_string = "too far"
+        elif _followed(
+            robot,
+            goal.request.trajectory,
+            lambda: goal.is_cancel_requested or newest[0] is not goal,
+        ):
+            goal.succeed()
+        elif goal.is_cancel_requested:
+            goal.canceled()
+        else:
+            goal.abort()
+        return result
+
+    # Kept by the node.
+    robot.server = ActionServer(  # type: ignore[attr-defined]
+        robot,
+        kind,
+        "legs/follow_joint_trajectory",
+        execute,
+        goal_callback=judge,
+        cancel_callback=lambda _: CancelResponse.ACCEPT,
+        callback_group=ReentrantCallbackGroup(),
+    )
+    return robot
+
+
+KINDS = {
+    "nao_lola": nao_lola,
+    "naoqi": naoqi,
+    "topic": topic_controller,
+    "action": action_controller,
+}
+
+
+def main() -> None:
+    rclpy.init()
+    kind = next(word for word in sys.argv if word.startswith("kind:="))
+    robot = KINDS[kind.removeprefix("kind:=").strip('"')]()
+    executor = MultiThreadedExecutor(4)
+    executor.add_node(robot)
+    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
+        executor.spin()
+
+
+if __name__ == "__main__":
+    main()

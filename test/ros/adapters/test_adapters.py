@@ -1,0 +1,144 @@
+"""Adapters between trajectories and robots that are stand-ins, over real DDS.
+
+What is the same for all of them: nothing moves unarmed, trajectories are followed, a robot that may
+move no more stops.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import JointState, Temperature
+
+from ros.adapters.conftest import Adapted, Begin
+from ros.bodies import nao
+from ros.world import Heard
+from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_ros.common import qos
+from shoecal_ros.common.hold import hold
+
+OTHERS = "LShoulderPitch, RShoulderPitch"
+KINDS: dict[str, tuple[str, str, dict[str, object]]] = {
+    "nao_lola": ("nao_lola", "nao_lola_adapter", {}),
+    "naoqi": ("naoqi", "naoqi_adapter", {}),
+    "topic": ("topic", "controller_adapter", {"controller": "legs", "interface": "topic"}),
+    "action": ("action", "controller_adapter", {"controller": "legs", "others": OTHERS}),
+}
+KNEE = "LKneePitch"
+WAY = 0.1
+
+
+def squat(duration: float, way: float = WAY) -> JointTrajectory:
+    """Knees bend on; every joint of the legs is told."""
+    robot = nao()
+    names = tuple(robot.joint_names[joint] for joint in robot.moved)
+    times = np.linspace(0.0, duration, 1 + round(duration / 0.05))
+    positions = np.tile(robot.posture[robot.moved], (len(times), 1))
+    positions[:, names.index(KNEE)] += way * np.linspace(0.0, 1.0, len(times))
+    return JointTrajectory(names, times, positions)
+
+
+class Knee:
+    """What the robot tells of its left knee, against where it stood at the beginning [rad]."""
+
+    def __init__(self, robot: Adapted) -> None:
+        self._heard: Heard = robot.world.hear(JointState, "joint_states", qos.LIVE)
+        robot.world.until(lambda: len(self._heard) > 5)
+        self.first = self._now()
+
+    @property
+    def way(self) -> float:
+        return self._now() - self.first
+
+    @property
+    def count(self) -> int:
+        return len(self._heard)
+
+    def _now(self) -> float:
+        message = self._heard.last
+        return float(message.position[message.name.index(KNEE)])
+
+
+@pytest.fixture(params=KINDS)
+def adapter(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture
+def robot(adapter: str, begin: Begin) -> Adapted:
+    kind, node, parameters = KINDS[adapter]
+    return begin(kind, node, **parameters)
+
+
+def test_it_follows_when_armed_and_stops_when_no_more(adapter: str, robot: Adapted) -> None:
+    world, node, knee = robot.world, KINDS[adapter][1], Knee(robot)
+    robot.send(squat(0.5))
+    world.until_told(node, "robot", "trajectory refused: not armed: call the service shoe/arm")
+    assert knee.way == 0.0
+    robot.arm()
+    robot.send(squat(0.5))
+    world.until(lambda: abs(knee.way - WAY) < 1e-6)
+    world.until_told(node, "robot", "armed")
+    # Back, slowly; in the middle of it whoever armed the robot takes it back and says no more.
+    robot.send(squat(60.0, way=-0.3))
+    world.until(lambda: knee.way < 0.0)
+    robot.arm(False)
+    world.until_told(node, "robot", "not armed")
+    world.until(lambda: _still(robot, knee))
+
+
+def _still(robot: Adapted, knee: Knee) -> bool:
+    """Whether nothing moves for half a second."""
+    where, count = knee.way, knee.count
+    robot.world.until(lambda: knee.count > count + 25)
+    return abs(knee.way - where) < 1e-9
+
+
+def test_a_command_to_hold_is_let_through(adapter: str, robot: Adapted) -> None:
+    """Whoever disarms a moving robot stops it just after that."""
+    world, knee = robot.world, Knee(robot)
+    robot.arm()
+    robot.send(squat(30.0, way=0.3))
+    world.until(lambda: knee.way > 0.02)
+    robot.arm(False)
+    angles = nao().posture.copy()
+    angles[nao().joint(KNEE)] += 0.01
+    robot.send(hold(nao(), angles, 0.3))
+    world.until(lambda: abs(knee.way - 0.01) < 1e-6)
+
+
+def test_lola_s_motors_tell_their_heat(begin: Begin) -> None:
+    robot = begin("nao_lola", "nao_lola_adapter", heat_rate=20.0)
+    heard = robot.world.hear(Temperature, "joint_temperatures", qos.LIVE)
+    robot.world.until(lambda: len(heard) >= 25)
+    told = {message.header.frame_id: message.temperature for message in heard.messages}
+    robot.world.until(lambda: len({m.header.frame_id for m in heard.messages}) == 25)
+    told = {message.header.frame_id: message.temperature for message in heard.messages}
+    assert told["HeadYaw"] == 30.0
+    assert told["LHipYawPitch"] == 37.0
+    assert told["RHipRoll"] == 43.0
+
+
+def test_a_controller_that_refuses_is_told(begin: Begin) -> None:
+    robot = begin("action", "controller_adapter", controller="legs")
+    robot.arm()
+    robot.send(squat(0.5))
+    robot.world.until_told("controller_adapter", "robot", "legs refused the trajectory")
+
+
+def test_a_controller_that_is_not_there_is_told(begin: Begin) -> None:
+    robot = begin("topic", "controller_adapter", controller="arms", interface="topic")
+    robot.arm()
+    robot.send(squat(0.5))
+    robot.world.until_told(
+        "controller_adapter", "robot", "nobody offers /arms/joint_trajectory; start the controller"
+    )
+
+
+def test_motions_beyond_limits_are_refused(begin: Begin) -> None:
+    robot = begin("naoqi", "naoqi_adapter")
+    knee = Knee(robot)
+    robot.arm()
+    robot.send(squat(1.0, way=3.0))
+    robot.world.until_told("naoqi_adapter", "robot", "beyond its limits")
+    assert knee.way == 0.0
