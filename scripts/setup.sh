@@ -135,7 +135,7 @@ main() {
 
     mapfile -t config < <(files_of config)
     step build_python_packages "$root/install/.complete" "$root/install/.messages" "${config[@]}" \
-        shoecal_ros/launch/*.launch.py \
+        shoecal_ros/launch/*.launch.py shoecal_ros/{rviz,foxglove,plotjuggler}/* \
         shoecal_core/{package.xml,setup.cfg,setup.py} shoecal_ros/{package.xml,setup.cfg,setup.py}
 }
 

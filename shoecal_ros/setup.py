@@ -8,6 +8,7 @@ from setuptools import find_packages, setup
 NAME = "shoecal_ros"
 HERE = Path(__file__).resolve().parent
 VERSION = ET.parse(HERE / "package.xml").findtext("version")
+LAYOUTS = ("rviz", "foxglove", "plotjuggler")
 NODES = ("shoe_driver", "model", "planner", "calibrator", "simulator")
 ADAPTERS = ("nao_lola_adapter", "naoqi_adapter", "controller_adapter")
 
@@ -27,6 +28,10 @@ setup(
             f"share/{NAME}/launch",
             [str(file) for file in sorted(Path("launch").glob("*.launch.py"))],
         ),
+        *(
+            (f"share/{NAME}/{viewer}", [str(file) for file in sorted(Path(viewer).iterdir())])
+            for viewer in LAYOUTS
+        ),
     ],
     python_requires=">=3.11",
     install_requires=["pyserial>=3.5"],  # and shoecal_core, from the same workspace
@@ -35,6 +40,7 @@ setup(
         "console_scripts": [
             *(f"{node} = {NAME}.nodes.{node}:main" for node in (*NODES, *ADAPTERS)),
             f"demo = {NAME}.demo:main",
+            f"check_layouts = {NAME}.check_layouts:main",
         ]
     },
     zip_safe=True,

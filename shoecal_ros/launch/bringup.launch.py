@@ -10,11 +10,13 @@ from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, SetEnvironmentVariable
+from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, SetEnvironmentVariable
+from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
+VIEW = Path(get_package_share_directory("shoecal_ros")) / "launch" / "view.launch.py"
 CONFIG = Path(get_package_share_directory("shoecal_core")) / "config"
 
 ARGUMENTS = {
@@ -28,6 +30,7 @@ ARGUMENTS = {
     "params": (str(CONFIG / "nodes"), "folder of the nodes' parameter files"),
     "namespace": ("", "namespace of all nodes"),
     "use_sim_time": ("false", "true where a simulator owns /clock"),
+    "viewer": ("none", "also start a viewer: rviz, foxglove, plotjuggler or none"),
 }
 
 
@@ -57,6 +60,13 @@ def generate_launch_description() -> LaunchDescription:
             _node("model", [_file("model"), robot]),
             _node("planner", [_file("planner"), robot]),
             _node("calibrator", [_file("calibrator"), robot, same_planning]),
+            IncludeLaunchDescription(
+                PythonLaunchDescriptionSource(str(VIEW)),
+                launch_arguments={
+                    "viewer": LaunchConfiguration("viewer"),
+                    "use_sim_time": LaunchConfiguration("use_sim_time"),
+                }.items(),
+            ),
         ]
     )
 

@@ -1,6 +1,6 @@
 """The simulated robot with all nodes, to play with.
 
-    ros2 launch shoecal_ros demo.launch.py
+    ros2 launch shoecal_ros demo.launch.py viewer:=rviz
     ros2 service call /shoe/arm std_srvs/srv/SetBool "{data: true}"
     ros2 service call /shoe/self_calibrate shoecal_msgs/srv/SelfCalibrate "{seed: -1}"
     ros2 action send_goal --feedback /shoe/diagnose shoecal_msgs/action/Diagnose "{seed: -1}"
@@ -32,6 +32,7 @@ ARGUMENTS = {
     "reality": ("", "changes to the default simulated reality; empty: none"),
     "seed": ("1", "draws robot, cells and noise"),
     "speed": ("1.0", "simulated over wall-clock time"),
+    "viewer": ("none", "also start a viewer: rviz, foxglove, plotjuggler or none"),
 }
 
 
@@ -54,6 +55,7 @@ def generate_launch_description() -> LaunchDescription:
                     "shoe": LaunchConfiguration("shoe"),
                     "port": PORT,
                     "use_sim_time": "true",
+                    "viewer": LaunchConfiguration("viewer"),
                 }.items(),
             ),
             Node(

@@ -31,4 +31,5 @@ def test_discovery_stays_on_this_computer(file: Path) -> None:
 
 
 def test_there_are_launch_files() -> None:
-    assert [file.name for file in FILES] == ["bringup.launch.py", "demo.launch.py"]
+    names = ["bringup.launch.py", "demo.launch.py", "view.launch.py"]
+    assert [file.name for file in FILES] == names

@@ -1,0 +1,147 @@
+"""Layouts show topics, types and fields that the real nodes have; what is missing is told."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from ros.world import World
+from shoecal_core.errors import FileError
+from shoecal_ros import check_layouts
+from shoecal_ros.viewers.fit import misfits
+from shoecal_ros.viewers.layouts import shown_by
+
+ROS = Path(__file__).parents[3] / "shoecal_ros"
+LAYOUTS = (
+    ROS / "rviz/shoecal.rviz",
+    ROS / "foxglove/shoecal.json",
+    ROS / "plotjuggler/shoecal.xml",
+)
+POINT = ("geometry_msgs/msg/PointStamped",)
+
+
+def foxglove(folder: Path, *paths: str) -> Path:
+    file = folder / "layout.json"
+    plot = {"foxglovePanelTitle": "Plot", "paths": [{"value": path} for path in paths]}
+    file.write_text(json.dumps({"configById": {"Plot!1": plot}}))
+    return file
+
+
+def plotjuggler(folder: Path, *names: str) -> Path:
+    file = folder / "layout.xml"
+    curves = "".join(f'<curve name="{name}"/>' for name in names)
+    file.write_text(f'<root><DockArea name="Plot"><plot>{curves}</plot></DockArea></root>')
+    return file
+
+
+def test_layouts_fit_the_real_nodes(world: World) -> None:
+    port = {"port": world.folder / "port"}
+    folders = {"state_dir": world.folder / "state", "sessions_dir": world.folder / "sessions"}
+    world.start("simulator", port)
+    world.start("shoe_driver", {**port, "use_sim_time": True})
+    world.start("model", {"use_sim_time": True})
+    world.start("planner", {"use_sim_time": True})
+    world.start("calibrator", {"use_sim_time": True, **folders})
+
+    def found() -> list[str]:
+        topics = {
+            name: kinds
+            for name, kinds in world.node.get_topic_names_and_types()
+            if world.node.count_publishers(name)
+        }
+        return [line for file in LAYOUTS for line in misfits(file, topics)]
+
+    try:
+        world.until(lambda: not found(), 60.0)
+    except AssertionError as error:
+        raise AssertionError("\n".join(found())) from error
+
+
+@pytest.mark.parametrize("file", LAYOUTS, ids=lambda file: file.suffix)
+def test_each_layout_shows_markers_or_lines_of_both_feet(file: Path) -> None:
+    topics = {one.topic for one in shown_by(file)}
+    assert any("/shoe/markers" in topic or "/shoe/left/grf" in topic for topic in topics)
+    assert any("/shoe/cop" in topic for topic in topics)
+    assert any("/shoe/model/cop" in topic for topic in topics)
+
+
+def test_foxglove_panels_are_those_of_its_arrangement() -> None:
+    layout = json.loads(LAYOUTS[1].read_text())
+
+    def placed(node: object) -> list[str]:
+        if isinstance(node, dict):
+            return placed(node["first"]) + placed(node["second"])
+        return [str(node)]
+
+    assert sorted(placed(layout["layout"])) == sorted(layout["configById"])
+
+
+def test_a_missing_topic_is_told_with_what_looks_like_it(tmp_path: Path) -> None:
+    file = foxglove(tmp_path, "/shoe/copp.point.x", "/elsewhere.data")
+    near, none = misfits(file, {"/shoe/cop": POINT})
+    assert near.endswith("Plot: /shoe/copp.point.x: nobody publishes this topic; perhaps /shoe/cop")
+    assert none.endswith("Plot: /elsewhere.data: nobody publishes this topic")
+
+
+@pytest.mark.parametrize(
+    ("path", "told"),
+    [
+        ("/shoe/cop.point.x", ""),
+        ("/shoe/cop.header.stamp.sec", ""),
+        ("/shoe/state.feet[1].status[0]", ""),
+        ("/shoe/cop.point.w", "geometry_msgs/Point has no field 'w'; it has x, y, z"),
+        ("/shoe/cop.point.x.more", "double has no field 'more'"),
+        ("/shoe/state.feet[0].force", "shoecal_msgs/FootState has no field 'force'"),
+    ],
+)
+def test_fields_are_looked_up_in_the_messages(tmp_path: Path, path: str, told: str) -> None:
+    topics = {"/shoe/cop": POINT, "/shoe/state": ("shoecal_msgs/msg/ShoeState",)}
+    found = misfits(foxglove(tmp_path, path), topics)
+    assert (told in found[0]) if told else not found
+
+
+def test_plotjuggler_writes_topics_and_fields_alike(tmp_path: Path) -> None:
+    topics = {"/shoe/left/cop": POINT, "/shoe/left": POINT}
+    good = plotjuggler(tmp_path, "/shoe/left/cop/point/x", "/shoe/left/point/y")
+    assert not misfits(good, topics)
+    (told,) = misfits(plotjuggler(tmp_path, "/shoe/left/cop/points/x"), topics)
+    assert "has no field 'points'" in told
+    (gone,) = misfits(plotjuggler(tmp_path, "/other/point/x"), topics)
+    assert "nobody publishes this topic" in gone
+
+
+def test_a_display_of_another_type_is_told(tmp_path: Path) -> None:
+    (told,) = (line for line in misfits(LAYOUTS[0], {"/shoe/markers": POINT}) if "drawn as" in line)
+    assert "is geometry_msgs/msg/PointStamped, drawn as visualization_msgs/msg/MarkerArray" in told
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("layout.txt", "", "is no layout: expected"),
+        ("layout.json", "{", "is no layout of its viewer"),
+        ("layout.json", "[]", "is no layout of its viewer"),
+        ("layout.json", '{"configById": {}}', "shows no topic"),
+        ("layout.xml", "<root>", "is no layout of its viewer"),
+        ("layout.rviz", "Displays: 3", "is no layout of its viewer"),
+        ("layout.rviz", "\0", "is no layout of its viewer"),
+    ],
+)
+def test_files_that_are_no_layout(tmp_path: Path, name: str, content: str, told: str) -> None:
+    file = tmp_path / name
+    file.write_text(content)
+    with pytest.raises(FileError, match=told):
+        shown_by(file)
+
+
+def test_the_command_tells_what_is_not_there(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = foxglove(tmp_path, "/nobody/has/this.x")
+    assert check_layouts.main([str(file), "--wait", "0"]) == 1
+    assert "nobody publishes this topic" in capsys.readouterr().err
+    assert check_layouts.main([str(tmp_path / "none.json"), "--wait", "0"]) == 1
+    assert "none.json" in capsys.readouterr().err
+    assert check_layouts.main([str(foxglove(tmp_path, "/rosout.msg")), "--wait", "2"]) == 0
