@@ -25,6 +25,7 @@ from shoecal_core.diagnosis.selection import Found, asked_for, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, gap, shrink
 from shoecal_core.diagnosis.sizes import sizes
+from shoecal_core.diagnosis.stopped import Stopped, stopped
 from shoecal_core.diagnosis.tempering import shares, temper
 from shoecal_core.diagnosis.weak_cells import weak_cells
 from shoecal_core.diagnosis.where import where
@@ -95,15 +96,23 @@ def diagnose(
             "and these shoes, or the recording lacks what the effect needs",
         )
     tell("what this session can tell", 0.45)
-    before = preflight(workspace, settings)
+    halted = _halted(workspace, wanted)
+    mended = workspace
+    if halted is not None:
+        whole = halted.mended(samples)
+        scene = make_scene(whole, first_parameters(whole, train), settings, without)
+        mended = make_workspace(scene, effects, train, test, settings, wanted)
+    before = preflight(mended, settings)
     tell("trying every effect", 0.5)
-    exchange = rewired(workspace, effects, settings, wanted)
-    best = workspace if exchange is None else exchange.workspace
+    exchange = rewired(mended, effects, settings, wanted)
+    best = mended if exchange is None else exchange.workspace
     found = select(best, settings) if only is None else asked_for(best)
     tell("measuring the shrink", 0.8)
     certain = weak_cells(best, wanted)
     if exchange is not None:
-        certain.insert(0, _exchanged(exchange, workspace.explained(None)[0]))
+        certain.insert(0, _exchanged(exchange, mended.explained(None)[0]))
+    if halted is not None:
+        certain.insert(0, halted.cause(workspace, mended))
     answer = _answer(workspace, best, certain, found, settings)
     if only is not None and not certain:
         told = _causes(best, found, workspace.explained(None)[0], settings)
@@ -133,6 +142,15 @@ def diagnose(
     )
 
 
+def _halted(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> Stopped | None:
+    """The cell that got stuck, if one did and it is looked for."""
+    samples = workspace.scene.samples
+    found = stopped(samples)
+    if found is None or not wanted("stuck_cell", (samples.shoe.names[found.channel],)):
+        return None
+    return found
+
+
 @dataclass(frozen=True)
 class _Answer:
     verdict: Verdict
@@ -151,7 +169,8 @@ def _answer(
     """The verdict.
 
     Args:
-        workspace: with nothing added. best: the same, or under the wiring that was found.
+        workspace: with nothing added. best: the same, or under the wiring that was found and
+            with a stuck cell's readings mended.
         certain: causes that no fit was needed for.
     """
     before, _ = workspace.explained(None)
@@ -198,7 +217,7 @@ def _causes(
 
 
 def _probabilities(found: Found, index: int, settings: DiagnosisSettings) -> tuple[Candidate, ...]:
-    """Of everything that could stand in a cause's place, nothing included.
+    """Of everything that could stand in a cause's place, nothing and the unknown included.
 
     What a cause explains beside much stronger ones may be what these have in another form.
     """
@@ -206,7 +225,7 @@ def _probabilities(found: Found, index: int, settings: DiagnosisSettings) -> tup
     together = found.chosen.evidence if found.chosen is not None else 0.0
     best = max((one for _, one in alternatives), default=0.0)
     counts = temper(max(best, together), settings)
-    each = shares([*(counts * one for _, one in alternatives), 0.0])
+    each = (1.0 - settings.outside) * shares([*(counts * one for _, one in alternatives), 0.0])
     return tuple(
         Candidate(hypothesis.effect.identifier, hypothesis.place, float(share))
         for (hypothesis, _), share in zip(alternatives, each[:-1], strict=True)

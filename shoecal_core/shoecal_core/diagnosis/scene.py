@@ -42,7 +42,7 @@ FREE = 1e6
 """Prior of what may have any size."""
 LOOP_WIDTHS = (0.1, 0.2, 0.3)
 """Widths of plays, over the range of a channel's output in a motion."""
-QUASI_STATIC_M = 6e-4
+QUASI_STATIC_M = 4.2e-4
 """Root mean square of the zero-moment point's way off the CoM in a motion meant to be slow."""
 LEAST_STANDING_M, LEAST_STANDING_RAD, BRACED_SHARE = 1e-4, 4e-4, 5e-4
 """Least scatter from stance to stance of CoP and tilt, and that of the vertical force over it."""

@@ -83,8 +83,12 @@ class DiagnosisSettings(Settings):
         0.02, "", "and by less where there is much evidence: a cause whose form the library has "
         "only nearly is this share of the evidence off", minimum=0.0,
     )  # fmt: skip
+    outside: float = setting(
+        0.05, "", "probability that a cause is none of the library's, however well one fits",
+        minimum=0.0, maximum=0.5,
+    )  # fmt: skip
     size_error: float = setting(
-        0.07, "", "how far sizes may be off, over themselves, because reality has an effect in "
+        0.08, "", "how far sizes may be off, over themselves, because reality has an effect in "
         "another form than the library", minimum=0.0,
     )  # fmt: skip
     set_share: float = setting(
@@ -98,8 +102,11 @@ class DiagnosisSettings(Settings):
         0.4, "", "less than this part explained: the cause is unknown", minimum=0.0
     )
     unknown_from: float = setting(
-        1.5, "", "the same for a gap of which nothing in the library explains anything", minimum=1.0
+        1.35,
+        "",
+        "the same for a gap of which nothing in the library explains anything",
+        minimum=1.0,
     )
     gap_from: float = setting(
-        1.3, "", "errors of CoP or GRF over their floor from which there is a gap", minimum=1.0
+        1.2, "", "errors of CoP or GRF over their floor from which there is a gap", minimum=1.0
     )

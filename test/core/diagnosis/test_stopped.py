@@ -1,0 +1,75 @@
+"""Cells that get stuck are told by readings alone, and what they would have shown is put back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.samples import Samples
+from shoecal_core.diagnosis.stopped import stopped
+from shoecal_core.diagnosis.workspace import Workspace
+
+FloatArray = NDArray[np.float64]
+
+
+def stuck(samples: Samples, channel: int, time: float, share: float) -> Samples:
+    """The session as it would be had a part of a cell's signal stayed from a moment on."""
+    first = samples.readings[np.argmin(np.abs(samples.clock - time)), channel]
+
+    def held(readings: FloatArray, clock: FloatArray) -> FloatArray:
+        shown = readings.copy()
+        late = clock >= time
+        shown[late, channel] -= share * (readings[late, channel] - first)
+        return shown
+
+    tracks = tuple(
+        replace(one, readings=held(one.readings, one.start + one.time)) for one in samples.tracks
+    )
+    return replace(samples, tracks=tracks, readings=held(samples.readings, samples.clock))
+
+
+@pytest.mark.parametrize(("channel", "when", "share"), [(0, 0.3, 1.0), (6, 0.5, 0.8)])
+def test_a_cell_that_gets_stuck_is_found_and_mended(
+    workspace: Workspace, channel: int, when: float, share: float
+) -> None:
+    samples = workspace.scene.samples
+    time = when * float(samples.clock.max())
+    time += 0.1 + float(samples.clock[samples.clock >= time].min()) - time
+    broken = stuck(samples, channel, time, share)
+    found = stopped(broken)
+    assert found is not None
+    assert found.channel == channel
+    assert found.time == pytest.approx(time, abs=1.0)
+    assert found.share == pytest.approx(share, abs=0.05)
+    mended = found.mended(broken)
+    late = samples.clock > time + 1.0
+    away, was = (
+        float(np.std((one.readings - samples.readings)[late, channel])) for one in (mended, broken)
+    )
+    assert away < 0.1 * was
+    others = np.arange(samples.readings.shape[1]) != channel
+    np.testing.assert_array_equal(mended.readings[:, others], samples.readings[:, others])
+    for one, right in zip(mended.tracks, samples.tracks, strict=True):
+        assert np.std((one.readings - right.readings)[:, channel]) < was
+
+
+def test_cells_that_go_on_are_not_stuck(workspace: Workspace) -> None:
+    assert stopped(workspace.scene.samples) is None
+
+
+def test_a_gain_that_changes_little_is_no_stuck_cell(workspace: Workspace) -> None:
+    samples = workspace.scene.samples
+    assert stopped(stuck(samples, 2, 0.5 * float(samples.clock.max()), 0.3)) is None
+
+
+def test_what_it_tells_is_a_cause(workspace: Workspace) -> None:
+    samples = workspace.scene.samples
+    found = stopped(stuck(samples, 0, 0.4 * float(samples.clock.max()), 1.0))
+    assert found is not None
+    cause = found.cause(workspace, workspace)
+    assert cause.location == (samples.shoe.names[0],)
+    low, high = cause.size["time"].ci95
+    assert low < found.time < high
