@@ -16,8 +16,6 @@ from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 
-KEPT_APART = 0.01
-"""m; between two capsules in the posture, where their shapes come nearer."""
 FOOT_RADIUS = 0.25
 """Largest radius of a foot's capsule, as a part of the sole's width."""
 PAIRS = (

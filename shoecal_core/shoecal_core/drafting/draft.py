@@ -144,7 +144,7 @@ def draft_robot(urdf: Path, name: str, *, six_axis: bool = False) -> Draft:
         posture=find_posture(body, legs, soles),
         capsules=capsules,
         pairs=pairs_of(capsules),
-        support_range=find_range(body, legs, soles),
+        support_range=find_range(body, legs, soles, capsules),
         six_axis=sensors,
         other_sensors=elsewhere(body, legs),
     )

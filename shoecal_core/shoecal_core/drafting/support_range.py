@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from shoecal_core.drafting.body import Body
+from shoecal_core.drafting.capsules import DraftCapsule
 from shoecal_core.drafting.legs import UP, Legs
 from shoecal_core.drafting.soles import Sole
 
 FORWARD, BACKWARD, ASIDE = 0.3, 0.2, 0.25
 """Parts of the leg's length by which the right foot may stand off its neutral place."""
 GAP = 0.01
-"""m; least gap between the soles where they are parallel."""
+"""m; least gap between soles, and half of that between shanks, where feet are parallel."""
 MOST_YAW = 0.5
 """rad."""
 YAW_SHARE = 0.6
@@ -33,12 +34,16 @@ class DraftRange:
     dtheta: tuple[float, float, float, float]
 
 
-def find_range(body: Body, legs: Legs, soles: Sequence[Sole]) -> DraftRange:
+def find_range(
+    body: Body, legs: Legs, soles: Sequence[Sole], capsules: Sequence[DraftCapsule]
+) -> DraftRange:
     """A range that small humanoids reach mostly; planning leaves out what is beyond reach."""
     left, right = soles
     length = float(body.origin(legs.chains[0][0]) @ UP - left.in_base.translation @ UP)
     between = left.in_base.actInv(right.in_base).translation
-    nearest = float(left.outline[:, 1].min() - right.outline[:, 1].max()) - GAP
+    outlines = float(right.outline[:, 1].max() - left.outline[:, 1].min())
+    shanks = sum(capsule.radius for capsule in capsules if capsule.name.endswith("shank"))
+    nearest = -max(outlines, shanks + GAP) - GAP
     neutral = min(float(between[1]), nearest)
     yaw = min(MOST_YAW, YAW_SHARE * _yaw(body, legs))
     return DraftRange(
