@@ -16,7 +16,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-from unittest.mock import patch
+from unittest.mock import MagicMock, patch
 
 import rclpy
 from rclpy.action import ActionClient, ActionServer
@@ -69,6 +69,15 @@ class Made:
     settings: list[tuple[str, type[Settings]]] = field(default_factory=list)
 
 
+class Foreign:
+    """Stands for a type of a package that is not installed here: nothing is made of it."""
+
+
+def foreign(package: str, kind: str, name: str) -> type[Foreign]:
+    """In place of `shoecal_ros.adapters.foreign.foreign`."""
+    return type(name, (Foreign,), {"__module__": f"{package}.{kind}"})
+
+
 def node_names() -> list[str]:
     """Every node of shoecal_ros."""
     folder = Path(nodes.__path__[0])
@@ -78,7 +87,7 @@ def node_names() -> list[str]:
 def made_by(name: str) -> Made:
     """Start a node and tell what it made."""
     module = importlib.import_module(f"shoecal_ros.nodes.{name}")
-    doc = (module.__doc__ or "").strip().splitlines()[0]
+    doc = (module.__doc__ or "").strip().splitlines()[0].removeprefix(f"Node `{name}`: ")
     (cls,) = (
         kind
         for _, kind in inspect.getmembers(module, inspect.isclass)
@@ -88,7 +97,7 @@ def made_by(name: str) -> Made:
     with tempfile.TemporaryDirectory() as folder:
         rclpy.init(args=["--ros-args", "--log-level", "fatal", *_parameters(name, folder)])
         try:
-            with _listened(made):
+            with _listened(made), patch.object(module, "foreign", foreign, create=True):
                 node = cls()  # type: ignore[call-arg] # every node names itself
             node.end()
         finally:
@@ -122,6 +131,8 @@ def _listened(made: Made) -> Iterator[None]:
             profile = (*rest, *named.values()) if quality else ()
             found = next((one for one in profile if isinstance(one, QoSProfile)), None)
             note(role, node, kind, name, found)
+            if _is_foreign(kind):
+                return MagicMock()
             return call(node, kind, name, *rest, **named)
 
         return made_it
@@ -129,7 +140,8 @@ def _listened(made: Made) -> Iterator[None]:
     def action(role: str, start: Callable[..., None]) -> Callable[..., None]:
         def made_it(self: Any, node: Node, kind: Any, name: str, *rest: Any, **named: Any) -> None:
             note(role, node, kind, name)
-            start(self, node, kind, name, *rest, **named)
+            if not _is_foreign(kind):
+                start(self, node, kind, name, *rest, **named)
 
         return made_it
 
@@ -155,6 +167,10 @@ def _listened(made: Made) -> Iterator[None]:
         patch.object(ShoecalNode, "settings", declared),
     ):
         yield
+
+
+def _is_foreign(kind: object) -> bool:
+    return isinstance(kind, type) and issubclass(kind, Foreign)
 
 
 def quality_of(profile: QoSProfile) -> str:
