@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: stand-ins robots clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust coverage chosen-supports caught-faults faults blind effects-table own-steps motion-menu pictures figures reference docs wheel lock clean
+.PHONY: firmware stand-ins robots clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust coverage chosen-supports caught-faults faults blind effects-table own-steps motion-menu pictures figures reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -120,6 +120,9 @@ wheel: setup  ## a wheel of shoecal_core, into out/wheel
 	$(BIN)/python -m pip --disable-pip-version-check wheel --quiet --no-deps --no-build-isolation \
 		--wheel-dir out/wheel ./shoecal_core
 	rm -rf shoecal_core/build
+
+firmware:  ## firmware of a shoe, and more (ARGS="flash PORT=/dev/ttyUSB0", ARGS=host)
+	@$(MAKE) --no-print-directory -C firmware $(ARGS)
 
 robots: export OPENBLAS_NUM_THREADS := 1
 robots: setup  ## public humanoids drafted, planned and calibrated, into docs/robots.md (ARGS="--only g1")
