@@ -6,7 +6,10 @@ import re
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
+from docutils import nodes
+from latex2mathml.converter import convert
 from sphinx.application import Sphinx
+from sphinx.writers.html5 import HTML5Translator
 
 HERE = Path(__file__).resolve().parent
 
@@ -18,6 +21,7 @@ myst_enable_extensions = ["dollarmath"]
 myst_fence_as_directive = ["math"]
 myst_heading_anchors = 4
 html_theme = "furo"
+html_math_renderer = "mathml"
 html_title = f"shoecal {release}"
 html_show_copyright = False
 
@@ -59,7 +63,19 @@ def _within_reference(name: str) -> bool:
     return name.startswith("reference/") and name != "reference/index"
 
 
+def _inline_math(writer: HTML5Translator, node: nodes.math) -> None:
+    writer.body.append(convert(node.astext()))
+    raise nodes.SkipNode
+
+
+def _display_math(writer: HTML5Translator, node: nodes.math_block) -> None:
+    writer.body.append(convert(node.astext(), display="block"))
+    raise nodes.SkipNode
+
+
 def setup(app: Sphinx) -> None:
     """Called by Sphinx."""
+    # MathML, which browsers draw by themselves: the site needs no network and no script.
+    app.add_html_math_renderer("mathml", (_inline_math, None), (_display_math, None))
     app.connect("source-read", _contents)
     app.connect("source-read", _reference)
