@@ -1,0 +1,92 @@
+"""Humanoids whose descriptions are public, and a simulated reality of their size."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+
+from shoecal_core.model.robot import Robot
+from shoecal_core.sensing.shoe import Shoe
+
+PACKAGE = "example-robot-data"
+FOLDER = "cmeel.prefix/share/example-robot-data/robots"
+NAO_KG = 5.3
+NAO_HEIGHT_M = 0.3
+"""Of its CoM above the soles: the default reality is one of this size."""
+
+
+@dataclass(frozen=True)
+class Humanoid:
+    """One public description.
+
+    Attributes:
+        name: short.
+        title: the robot, and whose.
+        urdf: under the package's folder of robots.
+        six_axis: it has six-axis sensors in the ankles that the URDF does not name.
+    """
+
+    name: str
+    title: str
+    urdf: str
+    six_axis: bool = False
+
+
+HUMANOIDS = (
+    Humanoid("icub", "iCub (IIT)", "icub_description/robots/icub_reduced.urdf"),
+    Humanoid("g1", "G1 (Unitree)", "g1_description/urdf/g1_29dof_rev_1_0.urdf"),
+    Humanoid("romeo", "Romeo (Aldebaran)", "romeo_description/urdf/romeo_small.urdf"),
+    Humanoid(
+        "talos", "TALOS (PAL Robotics)", "talos_data/robots/talos_full_v2.urdf", six_axis=True
+    ),
+)
+
+
+def descriptions() -> Path | None:
+    """The folder of the installed package; None where it is not installed."""
+    try:
+        found = distribution(PACKAGE)
+    except PackageNotFoundError:
+        return None
+    return Path(str(found.locate_file(FOLDER)))
+
+
+def version() -> str:
+    """Of the package."""
+    return distribution(PACKAGE).version
+
+
+def scaled_reality(robot: Robot, shoe: Shoe, com_height: float) -> dict[str, object]:
+    """What of the default reality must grow with a robot that is larger than a NAO.
+
+    Shares of masses, offsets and spreads stay; forces grow with the weight, gears become stiffer as
+    the torques that bend them grow. Six-axis sensors are ten times stiffer than a shoe's cells, and
+    come calibrated by their maker.
+
+    Args:
+        robot: its weight.
+        shoe: its sensors.
+        com_height: of its CoM above the soles [m].
+    """
+    weight = robot.mass / NAO_KG
+    torque = weight * com_height / NAO_HEIGHT_M
+    cells: dict[str, object] = {
+        "stiffness_n_per_m": 1e5 * weight,
+        "noise_std_n": 0.01 * weight,
+        "noise_std_nm": 0.0005 * torque,
+    }
+    if all(channel.nominal_gain is None for channel in shoe.channels):
+        cells |= {"full_scale_n": 60.0 * weight, "full_scale_nm": 3.0 * torque}
+    else:
+        half_span = max(channel.highest for channel in shoe.channels)
+        cells |= {"full_scale_n": half_span, "full_scale_nm": half_span}
+        cells |= {"gain_spread_fraction": 0.05, "offset_std_fraction": 0.005}
+        cells["stiffness_n_per_m"] = 1e6 * weight
+    return {
+        "format": 1,
+        "name": f"{robot.name}, as imperfect as a NAO",
+        "body": {"weight_error_n": 0.19 * weight},
+        "joints": {"compliance_rad_per_nm": {"all": 0.0045 / torque}},
+        "cells": cells,
+    }
