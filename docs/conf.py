@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from xml.etree import ElementTree as ET
 
 from docutils import nodes
 from latex2mathml.converter import convert
@@ -15,7 +14,8 @@ HERE = Path(__file__).resolve().parent
 
 project = "shoecal"
 author = "The shoecal authors"
-release = ET.parse(HERE.parent / "shoecal_core" / "package.xml").findtext("version") or ""
+_PACKAGE = (HERE.parent / "shoecal_core" / "package.xml").read_text(encoding="utf-8")
+release = "".join(re.findall(r"<version>(.*)</version>", _PACKAGE))
 extensions = ["myst_parser"]
 myst_enable_extensions = ["dollarmath"]
 myst_fence_as_directive = ["math"]
