@@ -26,8 +26,9 @@ from shoecal_core.sensing.shoe import load_shoe
 
 FloatArray = NDArray[np.float64]
 
-INSET = 0.1
-"""Part of a sole's width by which the sensing polygon lies inside the outline."""
+INSET = 0.2
+"""Part of a sole's width by which the sensing polygon lies inside the outline, as on known robots:
+models are off by some millimetres, and a foot that is loaded at its edge tips over it."""
 CELL_INSET = 0.12
 """Part of a sole's length and width by which cells lie inside its bounds."""
 

@@ -86,7 +86,7 @@ def _feet(draft: Draft) -> list[Note]:
         Note(
             "feet",
             "sensing_polygon_m: the outline made smaller.",
-            "the CoP may be everywhere in it on one foot; it lies between the cells.",
+            "the foot does not tip wherever in it the CoP is; it lies between the cells.",
         ),
     ]
     if width > length:
