@@ -57,6 +57,7 @@ setup(
         "rosbags>=0.10",
         "scipy>=1.11",
         "shapely>=2.0",
+        "shtab>=1.6",
         "zstandard>=0.21",
     ],
     extras_require={

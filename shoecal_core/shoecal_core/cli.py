@@ -5,51 +5,30 @@ Every command returns its figures as a mapping; `--json FILE` writes them for ma
 
 from __future__ import annotations
 
-import argparse
-import importlib
+import errno
 import json
+import os
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NoReturn, Protocol, cast
 
 from rich.console import Console
+from rich.markup import escape
 
-from shoecal_core.errors import PartialError, ShoecalError, ToldError
+from shoecal_core.commands.parsers import COMMANDS, command_line
+from shoecal_core.commands.suggestions import nearest_file
+from shoecal_core.errors import FileError, PartialError, ShoecalError, ToldError
 from shoecal_core.files import atomic_write
 
-COMMANDS = {
-    "demo": "the main job on the simulated robot, over real ROS 2 nodes",
-    "plan": "plan the motions of a self-calibration and check them",
-    "simulate": "record a session of the simulated robot, without ROS",
-    "calibrate": "find gains and offsets from a recorded session",
-    "diagnose": "where model and reality differ, which effect causes it, and what cannot be known",
-    "evaluate": "how far a calibration is off model, truth or another calibration",
-    "manual": "calibrate with known weights: single cells, then the shoe",
-    "check": "what is in a session, and is it fit for use",
-    "recover": "rescue what can be read of a damaged run file",
-    "new": "draft the files of a robot from its URDF",
-    "import": "turn foreign recordings into a session",
-}
-
-
+NO_FILE = os.strerror(errno.ENOENT)
 PIPE_WIDTH = 140
 """Columns of what is piped or written to a file."""
 
 
-class Command(Protocol):
-    """What each module of `commands` offers."""
-
-    def add_arguments(self, parser: argparse.ArgumentParser) -> None:
-        """Declare its arguments."""
-
-    def run(self, args: argparse.Namespace, console: Console) -> Mapping[str, object]:
-        """Do the work; figures for `--json`."""
-
-
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; the exit code is 0 only on success."""
-    args = _parse(sys.argv[1:] if argv is None else argv)
+    words = sys.argv[1:] if argv is None else argv
+    args = command_line([word for word in words if word in COMMANDS][:1]).parse_args(words)
     # Results go to stdout, progress and errors to stderr: a pipe gets figures only.
     errors = Console(stderr=True, highlight=False)
     try:
@@ -61,7 +40,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     except ToldError:
         return 1
     except ShoecalError as error:
-        errors.print(f"[bold red]shoecal {args.name}:[/] {_plain(error)}", soft_wrap=True)
+        told = f"{_plain(error)}{escape(_meant(error))}"
+        errors.print(f"[bold red]shoecal {args.name}:[/] {told}", soft_wrap=True)
         return 1
     except KeyboardInterrupt:
         errors.print(f"shoecal {args.name}: interrupted")
@@ -80,37 +60,12 @@ def _output() -> Console:
     return console if console.is_terminal else Console(highlight=False, width=PIPE_WIDTH)
 
 
-class _Parser(argparse.ArgumentParser):
-    """Wrong usage is one line."""
-
-    def error(self, message: str) -> NoReturn:
-        """Say it and end."""
-        self.exit(2, f"{self.prog}: {message}; see {self.prog} --help\n")
-
-
-def _parse(argv: Sequence[str]) -> argparse.Namespace:
-    parser = _Parser(
-        prog="shoecal",
-        description="Humanoids calibrate the force sensors in their own feet.",
-    )
-    subparsers = parser.add_subparsers(dest="name", metavar="COMMAND", required=True)
-    # Only the command asked for is imported: `shoecal --help` must not wait for solvers.
-    wanted = next((word for word in argv if word in COMMANDS), None)
-    for name, summary in COMMANDS.items():
-        subparser = subparsers.add_parser(name, help=summary, description=_sentence(summary))
-        if name == wanted:
-            module = importlib.import_module(f"shoecal_core.commands.{name}_command")
-            command = cast(Command, module)
-            command.add_arguments(subparser)
-            subparser.add_argument(
-                "--json", type=Path, metavar="FILE", help="also write the figures as JSON"
-            )
-            subparser.set_defaults(command=command)
-    return parser.parse_args(argv)
-
-
-def _sentence(summary: str) -> str:
-    return f"{summary[0].upper()}{summary[1:]}."
+def _meant(error: ShoecalError) -> str:
+    """Of a file that should be there and is not: what may have been meant."""
+    if not isinstance(error, FileError):
+        return ""
+    missing = error.problem.startswith("does not exist") or NO_FILE in error.problem
+    return nearest_file(error.path) if missing else ""
 
 
 def _plain(error: ShoecalError) -> str:

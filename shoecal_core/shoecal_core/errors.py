@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
 from pathlib import Path
 
 LONGEST = 2000
@@ -65,7 +66,9 @@ class NameNotFoundError(ShoecalError):
         self.name = name
         self.available = tuple(available)
         listed = ", ".join(self.available) if self.available else "none"
-        super().__init__(f"no {kind} named '{name}' (there are: {listed})")
+        near = get_close_matches(name, self.available, n=1)
+        hint = f"perhaps '{near[0]}'; " if near else ""
+        super().__init__(f"no {kind} named '{name}' ({hint}there are: {listed})")
 
 
 class ShapeError(ShoecalError):

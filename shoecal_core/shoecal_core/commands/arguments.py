@@ -7,6 +7,7 @@ import dataclasses
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from shoecal_core.commands.suggestions import nearest
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
@@ -46,7 +47,7 @@ def motion_names(text: str) -> tuple[str, ...]:
         if name not in MENU:
             raise argparse.ArgumentTypeError(
                 f"'{name}': expected '{STANDARD_SET}' alone, or motions separated by commas, of: "
-                f"{', '.join(MENU)}"
+                f"{', '.join(MENU)}{nearest(name, (STANDARD_SET, *MENU))}"
             )
     return names
 

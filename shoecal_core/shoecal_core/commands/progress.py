@@ -6,7 +6,9 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from rich.console import Console
-from rich.progress import Progress
+from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
+_TEXT = "{task.description}"
 
 
 @contextmanager
@@ -19,7 +21,13 @@ def shown_progress() -> Iterator[Callable[[str, float], None]]:
     if not console.is_terminal:
         yield _lines(console)
         return
-    with Progress(console=console, transient=True) as bar:
+    columns = (
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+        TextColumn(_TEXT, markup=False),
+    )
+    with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("", total=1.0)
         yield lambda text, share: bar.update(task, description=text, completed=share)
 

@@ -1,0 +1,50 @@
+"""`shoecal completion SHELL`: a script that completes commands, options and names.
+
+It is made once, and holds all that it completes: pressing the tabulator starts no Python.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from pathlib import Path
+
+import shtab
+from rich.console import Console
+
+from shoecal_core.commands.arguments import STANDARD_SET
+from shoecal_core.commands.parsers import COMMANDS, actions_of, command_line
+from shoecal_core.diagnosis.effects.known import EFFECTS
+from shoecal_core.planning.menu import MENU
+
+SHELLS = {
+    "bash": "shoecal completion bash > ~/.local/share/bash-completion/completions/shoecal",
+    "zsh": "shoecal completion zsh > a folder of $fpath, as _shoecal",
+}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare its arguments."""
+    told = "; ".join(f"{shell}: {how}" for shell, how in SHELLS.items())
+    parser.add_argument(
+        "shell", choices=list(SHELLS), metavar="SHELL", help=f"{', '.join(SHELLS)}. {told}"
+    )
+
+
+def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
+    """Print the script."""
+    script = completion_script(args.shell)
+    console.file.write(script if script.endswith("\n") else f"{script}\n")
+    return {"shell": args.shell, "commands": list(COMMANDS)}
+
+
+def completion_script(shell: str) -> str:
+    """The script for one of SHELLS."""
+    parser = command_line(list(COMMANDS))
+    names = {"only": [effect.identifier for effect in EFFECTS], "motions": (STANDARD_SET, *MENU)}
+    for action in actions_of(parser):
+        if action.type is Path:
+            action.complete = shtab.FILE  # type: ignore[attr-defined]
+        elif action.dest in names:
+            action.choices = list(names[action.dest])
+    return str(shtab.complete(parser, shell))

@@ -1,0 +1,52 @@
+"""What somebody may have meant who mistyped a name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import get_close_matches
+from pathlib import Path
+
+from shoecal_core.workspace import config_dir
+
+FOLDERS = ("robots", "shoes", "realities")
+"""Of the configuration, whose files can be meant by their names alone."""
+
+
+def nearest(given: str, known: Iterable[str]) -> str:
+    """`; did you mean 'name'?`, empty where nothing looks like it."""
+    found = get_close_matches(given, sorted(set(known)), n=1)
+    return f"; did you mean '{found[0]}'?" if found else ""
+
+
+def nearest_file(path: Path) -> str:
+    """The same of a file or folder that is not there.
+
+    Looked for are what lies beside it, and files of the configuration of that name.
+    """
+    if path.exists():
+        return ""
+    missing = path
+    while not missing.parent.is_dir():
+        if missing.parent == missing:
+            return ""
+        missing = missing.parent
+    beside = {one.name: one for one in _entries(missing.parent)}
+    if found := get_close_matches(missing.name, sorted(beside), n=1):
+        meant = beside[found[0]] / path.relative_to(missing)
+        return f"; did you mean '{meant}'?" if meant.exists() else ""
+    files = {file.stem: file for folder in FOLDERS for file in _entries(config_dir() / folder)
+             if file.suffix == ".yaml"}  # fmt: skip
+    found = get_close_matches(path.stem, sorted(files), n=1)
+    return f"; did you mean '{_short(files[found[0]])}'?" if found else ""
+
+
+def _entries(folder: Path) -> list[Path]:
+    try:
+        return sorted(folder.iterdir())
+    except OSError:
+        return []
+
+
+def _short(file: Path) -> Path:
+    here = Path.cwd()
+    return file.relative_to(here) if file.is_relative_to(here) else file
