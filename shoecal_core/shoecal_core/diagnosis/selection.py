@@ -86,12 +86,12 @@ def ranked(
 ) -> list[Scored]:
     """Hypotheses that make sense and matter, beside some that stay; the most probable first."""
     taken = {id(hypothesis) for hypothesis, _ in beside}
+    without = workspace.scorer.score(beside, foretell=False)
     scored = [
-        workspace.scorer.best_form(hypothesis, beside)
+        _believable(without, hypothesis)
         for hypothesis in workspace.catalogue.hypotheses
         if id(hypothesis) not in taken
     ]
-    without = workspace.scorer.score(beside, foretell=False)
     before, _ = workspace.explained(without)
     likely = sorted((one for one in scored if one.sensible), key=weight, reverse=True)[:LOOKED_AT]
     found = [one for one in likely if matters(workspace, settings, before, without, one)]
@@ -113,7 +113,7 @@ def _pairs(workspace: Workspace, settings: DiagnosisSettings) -> list[Scored]:
     found = []
     for first in list(firsts.values())[:STARTS]:
         partners = [
-            scorer.best_form(one, first.parts, full=False)
+            scorer.best_form(one, first.parts, foreseen=True, full=False)
             for one in hypotheses
             if one is not first.parts[0][0]
         ]
@@ -122,6 +122,18 @@ def _pairs(workspace: Workspace, settings: DiagnosisSettings) -> list[Scored]:
         pairs = [scorer.score(one.parts) for one in partners[:PARTNERS] if one.sensible]
         found += [one for one in pairs if matters(workspace, settings, before, first, one)]
     return found
+
+
+def _believable(without: Scored, hypothesis: Hypothesis) -> Scored:
+    """Its best form beside others; if read from the signals, one that explains it twice over.
+
+    A robot without a fault wanders a little too, and what reads its wandering explains some of it.
+    """
+    scorer = without.scorer
+    best = scorer.best_form(hypothesis, without.parts)
+    if best.evidence - without.evidence >= best.parts[-1][1].shape.spent:
+        return best
+    return scorer.best_form(hypothesis, without.parts, foreseen=True)
 
 
 def matters(
