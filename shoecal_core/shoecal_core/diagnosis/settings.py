@@ -84,7 +84,7 @@ class DiagnosisSettings(Settings):
         "only nearly is this share of the evidence off", minimum=0.0,
     )  # fmt: skip
     outside: float = setting(
-        0.05, "", "probability that a cause is none of the library's, however well one fits",
+        0.04, "", "probability that a cause is none of the library's, however well one fits",
         minimum=0.0, maximum=0.5,
     )  # fmt: skip
     size_error: float = setting(
