@@ -102,7 +102,7 @@ class DiagnosisSettings(Settings):
         0.4, "", "less than this part explained: the cause is unknown", minimum=0.0
     )
     unknown_from: float = setting(
-        1.35,
+        1.4,
         "",
         "the same for a gap of which nothing in the library explains anything",
         minimum=1.0,
