@@ -6,6 +6,7 @@ import importlib.util
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 from std_msgs.msg import Bool
@@ -32,12 +33,21 @@ Begin = Callable[..., "Adapted"]
 class Adapted:
     """A stand-in robot, an adapter, and what somebody who moves it says."""
 
-    def __init__(self, world: World, kind: str, adapter: str, **parameters: object) -> None:
+    def __init__(
+        self,
+        world: World,
+        kind: str,
+        adapter: str,
+        *,
+        armed_by_test: bool = True,
+        **parameters: object,
+    ) -> None:
         self.world = world
         world.start("robot", {"kind": kind}, script=SCRIPT)
         world.start(adapter, parameters)
-        self._armed = world.publisher(Bool, "shoe/armed", qos.LATCHED)
-        self._commands = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+        if armed_by_test:
+            self._armed = world.publisher(Bool, "shoe/armed", qos.LATCHED)
+            self._commands = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
         world.until_told(adapter, "robot", "not armed")
 
     def arm(self, armed: bool = True) -> None:
@@ -51,7 +61,7 @@ class Adapted:
 def begin(world: World, monkeypatch: pytest.MonkeyPatch) -> Begin:
     """Starts a stand-in robot and its adapter, not armed."""
 
-    def start(kind: str, adapter: str, **parameters: object) -> Adapted:
+    def start(kind: str, adapter: str, **parameters: Any) -> Adapted:
         paths = {"PYTHONPATH": [ROOT / "test"], "LD_LIBRARY_PATH": []}
         if not all(importlib.util.find_spec(package) for package in PACKAGES[kind]):
             if not (STAND_INS / ".complete").is_file():
