@@ -7,7 +7,7 @@ import importlib
 from collections.abc import Iterator
 
 from reference.markdown import code, fenced, page, table
-from shoecal_core.cli import COMMANDS
+from shoecal_core.commands.parsers import COMMANDS
 
 _LEAD = (
     "`shoecal COMMAND --help` tells the same. Results go to standard output, progress and errors "

@@ -56,7 +56,7 @@ KEY_OF_IMPORT = {
     "zstandard": ("zstandard", "mcap-ros2-support"),
 }
 """What is imported, by its name on PyPI and its rosdep key."""
-OPTIONAL = {"distributed", "tf2_msgs"}
+OPTIONAL = {"distributed", "shtab", "tf2_msgs"}
 """Imported only where they are."""
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import argparse
 import ast
+import contextlib
 import importlib
+import io
 import re
 from functools import cache
 
@@ -13,10 +14,9 @@ import yaml
 from docs.pages import ROOT, words
 from reference.commands import command_parser
 from reference.launch_files import arguments
-from shoecal_core.cli import COMMANDS
+from shoecal_core.commands.parsers import COMMANDS, command_line
 
 ROS_CALLS = ("echo", "list", "info", "hz", "show", "prefix", "executables", "play")
-PLACEHOLDER = re.compile(r"[…<>]|^[A-Z]{3,}$")
 
 
 def problem(command: str) -> str:
@@ -38,19 +38,13 @@ def _shoecal(parts: list[str]) -> str:
     if parts[0] not in COMMANDS:
         return f"no command {parts[0]}"
     cut = next((i for i, part in enumerate(parts) if part in ("|", ">", "&&")), len(parts))
-    parser = command_parser(parts[0])
+    told = io.StringIO()
     try:
-        _quiet(parser)
-        parser.parse_args(parts[1:cut])
-    except argparse.ArgumentError as error:
-        return str(error)
+        with contextlib.redirect_stderr(told):
+            command_line(parts[:1]).parse_args(parts[:cut])
     except SystemExit:
-        return f"{parts[0]}: wrong arguments"
+        return told.getvalue()
     return ""
-
-
-def _quiet(parser: argparse.ArgumentParser) -> None:
-    parser.exit_on_error = False
 
 
 def _make(parts: list[str]) -> str:

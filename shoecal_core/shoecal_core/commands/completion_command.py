@@ -6,15 +6,17 @@ It is made once, and holds all that it completes: pressing the tabulator starts 
 from __future__ import annotations
 
 import argparse
+import importlib
 from collections.abc import Mapping
 from pathlib import Path
+from types import ModuleType
 
-import shtab
 from rich.console import Console
 
 from shoecal_core.commands.arguments import STANDARD_SET
 from shoecal_core.commands.parsers import COMMANDS, actions_of, command_line
 from shoecal_core.diagnosis.effects.known import EFFECTS
+from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.menu import MENU
 
 SHELLS = {
@@ -40,6 +42,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
 
 def completion_script(shell: str) -> str:
     """The script for one of SHELLS."""
+    shtab = _shtab()
     parser = command_line(list(COMMANDS))
     names = {"only": [effect.identifier for effect in EFFECTS], "motions": (STANDARD_SET, *MENU)}
     for action in actions_of(parser):
@@ -48,3 +51,14 @@ def completion_script(shell: str) -> str:
         elif action.dest in names:
             action.choices = list(names[action.dest])
     return str(shtab.complete(parser, shell))
+
+
+def _shtab() -> ModuleType:
+    """It has no rosdep key, so an installation from packages may lack it."""
+    try:
+        return importlib.import_module("shtab")
+    except ImportError as error:
+        raise ShoecalError(
+            "completion needs shtab, which is not installed: sudo apt install python3-shtab, or "
+            "pip install shtab"
+        ) from error
