@@ -34,8 +34,8 @@ MEMORY = 2 * 2**30
 """Bytes of address space that a process of mutants may have."""
 SECONDS = 10.0
 """Of the processor's time for one load."""
-_SILENCE_S = 60.0
-"""Nobody waits longer for a load that waits itself, for a pipe for example."""
+_SILENCE_S = 300.0
+"""Nobody waits longer for a load that waits itself, for a pipe for example; a busy machine does."""
 _END_S = 5.0
 _START_S = 600.0
 """A busy machine takes its time to start a process."""

@@ -44,7 +44,7 @@ def check_plausible(calibration: Calibration, shoe: Shoe, weight: float) -> None
         if max(np.abs(correction.x).max(), np.abs(correction.y).max()) > LARGEST_TERM:
             raise _refused(calibration, f"has a CoP correction with a term above {LARGEST_TERM:g}")
         for low, high in (correction.cop_range, correction.output_range):
-            if (low > high).any():
+            if (low > high).any() or max(-low.min(), high.max()) > LARGEST_OUTPUT_N:
                 raise _refused(calibration, "has a CoP correction with a range that is none")
 
 

@@ -72,6 +72,7 @@ def test_what_robots_have_passes() -> None:
         ({"covariance": 1e300 * np.eye(2 * COUNT)}, "uncertainties"),
         ({"corrections": (correction(1e9, -1.0),)}, "term"),
         ({"corrections": (correction(0.1, 2.0),)}, "range"),
+        ({"corrections": (correction(0.1, -1.7e308),)}, "range"),
     ],
 )
 def test_what_no_robot_has_is_refused_by_name(changes: dict[str, object], told: str) -> None:
