@@ -35,7 +35,8 @@ setup(
     ],
     python_requires=">=3.11",
     install_requires=["pyserial>=3.5"],  # and shoecal_core, from the same workspace
-    extras_require={"test": ["pytest", "pytest-timeout"]},  # colcon test takes pytest by this
+    # colcon test takes pytest by this
+    extras_require={"test": ["hypothesis", "pytest", "pytest-timeout"]},
     entry_points={
         "console_scripts": [
             *(f"{node} = {NAME}.nodes.{node}:main" for node in (*NODES, *ADAPTERS)),

@@ -43,6 +43,7 @@ KEY_OF_IMPORT = {
     "markupsafe": ("markupsafe", "python3-jinja2"),
     "matplotlib": ("matplotlib", "python3-matplotlib"),
     "mcap": ("mcap", "mcap-ros2-support"),
+    "mcap_ros2": ("mcap-ros2-support", "mcap-ros2-support"),
     "mujoco": ("mujoco", "python3-mujoco-pip"),
     "numpy": ("numpy", "python3-numpy"),
     "PIL": ("pillow", "python3-pil"),
@@ -69,8 +70,8 @@ def needed(package: str) -> set[str]:
     return {str(tag.text) for tag in manifest(package) if tag.tag.endswith("depend")}
 
 
-def imported(package: str) -> Iterator[str]:
-    for file in (ROOT / package / package).rglob("*.py"):
+def imported(folder: Path) -> Iterator[str]:
+    for file in folder.rglob("*.py"):
         for node in ast.walk(ast.parse(file.read_text())):
             if isinstance(node, ast.Import):
                 yield from (alias.name.split(".")[0] for alias in node.names)
@@ -93,12 +94,29 @@ def test_needs_are_known_to_rosdep(package: str) -> None:
 @pytest.mark.parametrize("package", ["shoecal_core", "shoecal_ros"])
 def test_what_is_imported_is_needed(package: str) -> None:
     declared = (ROOT / package / "setup.py").read_text().lower()
-    for name in set(imported(package)) - set(sys.stdlib_module_names) - OPTIONAL - {package}:
+    for name in (
+        set(imported(ROOT / package / package))
+        - set(sys.stdlib_module_names)
+        - OPTIONAL
+        - {package}
+    ):
         on_pypi, key = KEY_OF_IMPORT.get(name, ("", name))
         if package == "shoecal_ros" and key in needed("shoecal_core"):
             continue
         assert key in needed(package), f"{package}/package.xml lacks {key}"
         assert f'"{on_pypi}' in declared, f"{package}/setup.py lacks {on_pypi}"
+
+
+@pytest.mark.parametrize("package", ["shoecal_core", "shoecal_ros"])
+def test_what_tests_import_is_needed(package: str) -> None:
+    """So that `rosdep install` brings what `colcon test` takes."""
+    beside = {path.stem for part in ("benchmarks", "test") for path in (ROOT / part).iterdir()}
+    own = {*beside, *PACKAGES} | OPTIONAL | set(sys.stdlib_module_names)
+    known = needed(package) | needed("shoecal_core") | {"python3-pytest"}
+    tests = ROOT / "test" / package.removeprefix("shoecal_")
+    for name in set(imported(tests)) - own:
+        _, key = KEY_OF_IMPORT.get(name, ("", f"python3-{name}"))
+        assert name in known or key in known, f"{package}/package.xml lacks {key} ({name})"
 
 
 @pytest.fixture(scope="module")
