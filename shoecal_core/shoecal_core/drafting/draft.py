@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from shapely import affinity
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import nearest_points
 
@@ -26,9 +27,9 @@ from shoecal_core.sensing.shoe import load_shoe
 
 FloatArray = NDArray[np.float64]
 
-INSET = 0.2
-"""Part of a sole's width by which the sensing polygon lies inside the outline, as on known robots:
-models are off by some millimetres, and a foot that is loaded at its edge tips over it."""
+SENSING = (0.65, 0.6)
+"""Length and width of the sensing polygon over the outline's, as on robots that are known: models
+are off by some millimetres, and a foot that is loaded at its edge tips over it."""
 CELL_INSET = 0.12
 """Part of a sole's length and width by which cells lie inside its bounds."""
 
@@ -94,11 +95,9 @@ class Draft:
     def polygon(self, foot: int) -> FloatArray:
         """(k, 2) sensing polygon of one foot: inside its outline, and between its cells [m]."""
         outline = shapely.Polygon(self.soles[foot].outline)
-        width = float(np.ptp(self.soles[foot].outline[:, 1]))
-        inside: BaseGeometry = outline.buffer(-INSET * width, join_style="mitre")
+        inside: BaseGeometry = affinity.scale(outline, *SENSING)
         if self.six_axis[foot] is None:
-            cells = shapely.MultiPoint(self.cells(foot)).convex_hull
-            inside = inside.intersection(cells.buffer(-0.02 * width, join_style="mitre"))
+            inside = inside.intersection(shapely.MultiPoint(self.cells(foot)).convex_hull)
         return simplified(inside)
 
     def cells(self, foot: int) -> FloatArray:
