@@ -6,12 +6,15 @@ move no more stops.
 
 from __future__ import annotations
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 from sensor_msgs.msg import JointState, Temperature
 
 from ros.adapters.conftest import Adapted, Begin
 from ros.bodies import nao
+from ros.policy import Rights, allowed, used
 from ros.world import Heard
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.common import qos
@@ -142,3 +145,16 @@ def test_motions_beyond_limits_are_refused(begin: Begin) -> None:
     robot.send(squat(1.0, way=3.0))
     robot.world.until_told("naoqi_adapter", "robot", "beyond its limits")
     assert knee.way == 0.0
+
+
+@pytest.mark.parametrize("kind", ["nao_lola", "naoqi"])
+def test_the_security_policy_allows_what_they_make(kind: str, begin: Begin) -> None:
+    _, node, _ = KINDS[kind]
+    robot = begin(kind, node)
+    expected = allowed()[node]
+    robot.world.until(lambda: _rights(used(robot.world.node, node)) == _rights(expected))
+
+
+def _rights(rights: Rights) -> dict[str, set[str]]:
+    """Without simulated time, which no robot has."""
+    return {rule.name: rights.allow(rule.name) - {"/clock"} for rule in fields(Rights)}
