@@ -16,7 +16,7 @@ from shoecal_core.calibration.screening.clocks import put_together
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.commands.arguments import add_force
+from shoecal_core.commands.arguments import add_force, require_folder
 from shoecal_core.commands.screening_table import screening_table
 from shoecal_core.commands.tables import new_table
 from shoecal_core.errors import ShoecalError
@@ -24,6 +24,8 @@ from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
+from shoecal_core.report.check_content import CheckReport
+from shoecal_core.report.check_report import check_report
 from shoecal_core.settings import load_settings
 
 
@@ -37,11 +39,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--settings", type=Path, help="parameter file of the calibrator node, for its weights"
     )
+    parser.add_argument("--report", type=Path, metavar="FILE", help="also write an HTML report")
     add_force(parser)
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Read every run, say what is in it, and name whatever is in the way of a calibration."""
+    if args.report is not None:
+        require_folder(args.report)
     settings = (
         load_settings(CalibrationSettings, args.settings, "calibrator", "calibration")
         if args.settings
@@ -68,6 +73,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         console.print(screening_table(screening))
     for line in (*problems, *warnings):
         console.print(f"- {line}", markup=False, soft_wrap=True)
+    if args.report is not None:
+        content = CheckReport(session, robot, tuple(read.entries), read.runs, read.aligned,
+                              screening, tuple(problems), tuple(warnings))  # fmt: skip
+        check_report(args.report, content)
     if problems:
         raise UnfitSessionError(f"{len(problems)} problem(s) in {session.folder}, listed above")
     console.print("fit for use" if not warnings else "fit for use, with the warnings above")

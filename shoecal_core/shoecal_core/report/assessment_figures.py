@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from shoecal_core.calibration.expected import Spread
+from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.calibration_content import CalibrationReport, channel_units
@@ -138,12 +141,21 @@ def load_pictures(content: CalibrationReport, told: Told) -> tuple[Picture, ...]
 
 def left_out_picture(content: CalibrationReport, told: Told) -> Picture | None:
     """When samples were left out; None where every one counts."""
-    screening = told.screening
-    if not screening.left_out:
-        return None
     ends: dict[int, float] = {
         run.run: max(float(one.stance.time[-1]) for one in run.stances) for run in content.runs
     }
+    return left_out_spans(told.screening, ends)
+
+
+def left_out_spans(screening: Screening, ends: Mapping[int, float]) -> Picture | None:
+    """The same of any screening.
+
+    Args:
+        screening: of a recording.
+        ends: when each run ends, since its start [s].
+    """
+    if not screening.left_out:
+        return None
     lost: dict[int, dict[str, list[tuple[float, float]]]] = {}
     for one in screening.left_out:
         found = lost.setdefault(one.run, {}).setdefault(cause_name(one.fault.value), [])

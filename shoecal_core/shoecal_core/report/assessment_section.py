@@ -112,7 +112,7 @@ def _left_out(content: CalibrationReport, told: Told) -> Group:
         text=f"{text} Joints late against the readings: {late} (95\N{NO-BREAK SPACE}% interval), "
         "which the fit has corrected.",
         pictures=() if picture is None else (picture,),
-        tables=_known(left_out_table(told), findings_table(told)),
+        tables=_known(left_out_table(told.screening), findings_table(told.screening)),
     )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from shoecal_core.calibration.screening.faults import Fault
+from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.planning.supports.forecast import Forecast
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.assessment_figures import cause_name, rms
@@ -122,9 +123,8 @@ def _promise(found: Forecast) -> tuple[str, ...]:
     )
 
 
-def left_out_table(told: Told) -> Table | None:
+def left_out_table(screening: Screening) -> Table | None:
     """Samples that do not count, by run and cause; None without any."""
-    screening = told.screening
     if not screening.left_out:
         return None
     lost = {(one.run, one.fault): one for one in screening.left_out}
@@ -153,9 +153,9 @@ def _percent(share: float) -> str:
     return f"{100.0 * share:.1f} %" if share >= 0.001 else "below 0.1 %"
 
 
-def findings_table(told: Told) -> Table | None:
+def findings_table(screening: Screening) -> Table | None:
     """What was found before the fit; None where nothing was."""
-    findings = told.screening.findings
+    findings = screening.findings
     if not findings:
         return None
     rows = tuple(

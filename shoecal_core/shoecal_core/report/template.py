@@ -46,7 +46,7 @@ PAGE = """\
 {% endfor %}
 </ul>
 {% endif %}
-<dl class="keys">
+<dl class="keys" style="--columns:{{ columns(page.key_figures | length) }}">
 {% for key in page.key_figures %}
 {% set value, mark, spread = key.value.partition(plus_minus) %}
 <div><dt>{{ key.label }}</dt>
@@ -114,6 +114,10 @@ PAGE = """\
 {% endif %}
 </figure>
 {% endif %}
+{% set beside = group.pictures | length == 1 and group.tables %}
+{% if beside %}
+<div class="beside">
+{% endif %}
 {% if group.pictures %}
 <div class="pictures">
 {% for picture in group.pictures %}
@@ -156,6 +160,9 @@ PAGE = """\
 {% endif %}
 </div>
 {% endfor %}
+</div>
+{% endif %}
+{% if beside %}
 </div>
 {% endif %}
 {% endfor %}
@@ -207,6 +214,13 @@ h4{font-size:14px;font-weight:600;margin:0 0 8px}
 .keys dd{font-size:19px;font-weight:650;font-variant-numeric:tabular-nums;line-height:1.4}
 .keys small{font-size:13px;font-weight:500;white-space:nowrap}
 .keys dd.note{font-size:13px;font-weight:400;line-height:1.4}
+@media (min-width:1000px){
+.keys{grid-template-columns:repeat(var(--columns),minmax(0,1fr))}
+.beside{display:grid;grid-template-columns:minmax(0,1fr) minmax(0,2fr);gap:14px;
+ align-items:start;margin-top:10px}
+.beside>.pictures,.beside>.tables{margin-top:0}
+.beside .pictures{grid-template-columns:minmax(0,1fr)}
+}
 nav{display:flex;flex-wrap:wrap;gap:4px 18px;margin:18px 0 0}
 a{color:var(--blue);text-underline-offset:3px}
 .pictures{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,340px),1fr));
@@ -263,6 +277,11 @@ h2{margin-top:20px}
 h3{margin-top:12px}
 .text{break-inside:avoid;margin:2px 0 6px}
 .pictures{grid-template-columns:repeat(3,1fr);gap:8px}
+.keys{grid-template-columns:repeat(var(--columns),minmax(0,1fr))}
+.beside{display:grid;grid-template-columns:minmax(0,1fr) minmax(0,2fr);gap:8px;align-items:start}
+.beside>.pictures,.beside>.tables{margin-top:0}
+.beside .pictures{grid-template-columns:minmax(0,1fr)}
+.stills{grid-template-columns:repeat(6,1fr)}
 figure{padding:6px 8px}
 h4{margin-bottom:3px}
 .table{overflow:visible}

@@ -112,7 +112,7 @@ def _draw(
                       capsize=2.5)  # fmt: skip
         top = max(top, height + std)
         if len(bars) <= MOST_LABELLED:
-            axes.annotate(f"{height:.2f}", (x, height + std), (0.0, 2.0),
+            axes.annotate(f"{height:.2f}", (x, height + std), (0.0, 3.5),
                           textcoords="offset points", ha="center", fontsize=SMALL)  # fmt: skip
     axes.set_ylim(0.0, 1.22 * top if top > 0.0 else 1.0)
     axes.set_xlim(slots[0] - 0.8, max(slots[-1], 2.0) + 0.8)

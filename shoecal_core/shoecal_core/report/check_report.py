@@ -1,0 +1,203 @@
+"""The report on a session before any calibration, as a page and as a file."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.robot import GRAVITY
+from shoecal_core.recording.session import RunEntry
+from shoecal_core.report.assessment_figures import left_out_spans
+from shoecal_core.report.assessment_tables import findings_table, left_out_table
+from shoecal_core.report.check_content import CheckReport
+from shoecal_core.report.check_figures import raw_picture, recorded_strip
+from shoecal_core.report.html import write_page
+from shoecal_core.report.page import (
+    Group,
+    KeyFigure,
+    Page,
+    Reason,
+    Section,
+    Strip,
+    Table,
+    Verdict,
+)
+from shoecal_core.report.quantities import UNKNOWN, quantity, uncertain
+from shoecal_core.report.scene.offscreen import tried
+
+MEANING = {
+    "PASS": "This session is fit for a calibration.",
+    "WARN": "This session is fit for a calibration: read the warnings first.",
+    "FAIL": "This session cannot be calibrated from as it is.",
+}
+
+
+def check_report(path: Path, content: CheckReport) -> None:
+    """Write the report as one self-contained HTML file.
+
+    Raises:
+        FileError: when it cannot be written.
+    """
+    write_page(path, check_page(content, tried(lambda: recorded_strip(content))))
+
+
+def check_page(content: CheckReport, seen: Strip | str | None = None) -> Page:
+    """The report, ready to be rendered; the same content makes the same page.
+
+    Args:
+        content: what it tells.
+        seen: the robot in motion, or why it cannot be seen.
+    """
+    session = content.session
+    count = len(content.entries)
+    return Page(
+        title=f"Check of {session.robot} on {session.shoe_name}",
+        subtitle=f"session {session.folder.name} · {count} run{'' if count == 1 else 's'} "
+        "that can be read",
+        verdict=_verdict(content),
+        key_figures=_key_figures(content),
+        sections=(_runs(content, seen), _left_out(content), *_raw(content), _details(content)),
+        provenance=(_origin(content), "Raw readings: nothing here rests on a calibration."),
+    )
+
+
+def _origin(content: CheckReport) -> str:
+    if content.simulated:
+        return "The recorded robot, its shoes and the floor are simulated."
+    return "Nothing in the session says that it was simulated: taken as recorded on hardware."
+
+
+def _verdict(content: CheckReport) -> Verdict:
+    reasons = [Reason("FAIL", text) for text in content.problems]
+    reasons += [Reason("WARN", text) for text in content.warnings]
+    return Verdict(content.verdict, MEANING[content.verdict], tuple(reasons))
+
+
+def _key_figures(content: CheckReport) -> tuple[KeyFigure, ...]:
+    runs = content.runs.values()
+    readings = [_rate(run.readings.time) for run in runs]
+    joints = [_rate(run.joints.time) for run in runs]
+    counted = sum(content.screening.samples.values())
+    lost = sum(one.samples for one in content.screening.left_out)
+    late = content.screening.time_offset
+    weight = uncertain(content.robot.weight, content.robot.mass_std * GRAVITY, "N")
+    return (
+        KeyFigure("recorded", quantity(sum(_duration(entry, content) for entry in content.entries),
+                                       "s", 0), "all runs together"),
+        KeyFigure("samples that count", _share(counted - lost, counted),
+                  f"{counted - lost} of {counted}"),
+        KeyFigure("readings come at", _rates(readings), "the lowest and the highest of a run"),
+        KeyFigure("joint angles come at", _rates(joints), "the lowest and the highest of a run"),
+        KeyFigure("joints late by", quantity(1e3 * late, "ms", 1), "against the readings, as found "
+                  "before the fit") if late else KeyFigure("joints late", "no", "as far as a check "
+                  "before the fit can tell"),
+        KeyFigure("double supports", str(len(_supports(content))),
+                  "that differ; their yaws must, too"),
+        KeyFigure("weight to rest on", weight, "robot and shoes, ± standard uncertainty"),
+    )  # fmt: skip
+
+
+def _supports(content: CheckReport) -> set[tuple[float, float, float]]:
+    places = [entry.info.support for entry in content.entries if entry.info.support is not None]
+    return {(round(one.dx, 3), round(one.dy, 3), round(one.dtheta, 2)) for one in places}
+
+
+def _runs(content: CheckReport, seen: Strip | str | None) -> Section:
+    rows = tuple(
+        (
+            f"run {entry.run}",
+            entry.hint or UNKNOWN,
+            entry.info.motion,
+            _support(entry.info.support),
+            quantity(_duration(entry, content), "s", 1),
+            quantity(_rate(content.runs[entry.run].joints.time), "Hz", 0),
+            quantity(_rate(content.runs[entry.run].readings.time), "Hz", 0),
+            "; ".join(content.runs[entry.run].notes) or UNKNOWN,
+        )
+        for entry in content.entries
+    )
+    header = ("", "set", "motion", "right foot from the left", "duration", "joint angles",
+              "readings", "notes")  # fmt: skip
+    strip = seen if isinstance(seen, Strip) else None
+    group = Group(strip=strip, tables=(Table("Runs", header, rows),) if rows else ())
+    return Section("What was recorded", (group,), seen if isinstance(seen, str) else "")
+
+
+def _left_out(content: CheckReport) -> Section:
+    screening = content.screening
+    ends = {number: float(run.readings.time[-1]) for number, run in content.runs.items()}
+    picture = left_out_spans(screening, ends)
+    lost = sum(one.samples for one in screening.left_out)
+    counted = sum(screening.samples.values())
+    text = (
+        f"{lost} of {counted} samples do not count ({_share(lost, counted)}); a calibration leaves "
+        "them out by itself."
+        if lost
+        else f"Nothing: all {counted} samples count."
+    )
+    tables = (left_out_table(screening), findings_table(screening))
+    group = Group(
+        pictures=() if picture is None else (picture,),
+        tables=tuple(table for table in tables if table is not None),
+    )
+    return Section("What a calibration would leave out", (group,), text)
+
+
+def _raw(content: CheckReport) -> tuple[Section, ...]:
+    pictures = tuple(raw_picture(content, entry) for entry in content.entries)
+    if not pictures:
+        return ()
+    text = (
+        "Every channel as it was read. A line that stands still, leaps, or runs along the end of "
+        "its range belongs to a cell or a cable to look at."
+    )
+    return (Section("Raw readings", (Group(pictures=pictures),), text),)
+
+
+def _details(content: CheckReport) -> Section:
+    session, robot = content.session, content.robot
+    rows = (
+        ("session", str(session.folder.name)),
+        ("robot", f"{robot.name}, file {robot.digest[:12]}, URDF {robot.urdf_digest[:12]}"),
+        ("shoe", f"{session.shoe.name}, file {session.shoe.digest[:12]}"),
+        ("channels", str(len(session.shoe.names))),
+        ("joints", f"{len(robot.joint_names)}, of which {len(robot.legs)} legs' motors"),
+    )  # fmt: skip
+    return Section("Details", (Group(tables=(Table("What it belongs to", ("", ""), rows),)),))
+
+
+def _support(support: DoubleSupport | None) -> str:
+    if support is None:
+        return "none (walking)"
+    return ", ".join(
+        (
+            f"x\N{NO-BREAK SPACE}{quantity(1e3 * support.dx, 'mm', 0)}",
+            f"y\N{NO-BREAK SPACE}{quantity(1e3 * support.dy, 'mm', 0)}",
+            f"yaw\N{NO-BREAK SPACE}{quantity(math.degrees(support.dtheta), 'deg', 1)}",
+        )
+    )
+
+
+def _duration(entry: RunEntry, content: CheckReport) -> float:
+    time = content.runs[entry.run].readings.time
+    return float(time[-1] - time[0]) if len(time) else 0.0
+
+
+def _rate(time: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
+    return float(1.0 / np.median(np.diff(time))) if len(time) > 1 else 0.0
+
+
+def _rates(rates: list[float]) -> str:
+    if not rates:
+        return UNKNOWN
+    low, high = min(rates), max(rates)
+    if round(low) == round(high):
+        return quantity(low, "Hz", 0)
+    return f"{low:.0f} to {quantity(high, 'Hz', 0)}"
+
+
+def _share(part: int, whole: int) -> str:
+    return quantity(100.0 * part / whole, "%", 1) if whole else UNKNOWN
