@@ -28,7 +28,8 @@ MAX_SUPPORTS = 1e6
 def shoe_file_of(robot: Path) -> Path:
     """The shoe file that belongs to a robot file where none is named.
 
-    That is `../shoes/ROBOT_shoe.yaml` beside `ROBOT.yaml`.
+    That is `../shoes/ROBOT_shoe.yaml` beside `ROBOT.yaml`, or else `ROBOT_shoe.yaml` beside it:
+    there drafts are written.
 
     Raises:
         FileError: when there is no such file.
@@ -37,6 +38,9 @@ def shoe_file_of(robot: Path) -> Path:
     folder = Path(os.path.normpath(robot.parent / ".." / "shoes"))
     shoe = folder / f"{robot.stem}_shoe.yaml"
     if not shoe.is_file():
+        beside = robot.with_name(shoe.name)
+        if beside.is_file():
+            return beside
         raise FileError(
             shoe,
             f"does not exist, and no other shoe belongs to {robot}; name one (--shoe, "
