@@ -14,6 +14,10 @@ FOLDER = "cmeel.prefix/share/example-robot-data/robots"
 NAO_KG = 5.3
 NAO_HEIGHT_M = 0.3
 """Of its CoM above the soles: the default reality is one of this size."""
+PLAY_RAD = 0.001
+GIVE = 0.0015
+"""rad/(N m) of a gear on a robot as large as a NAO; robots of tens of kilograms have finer gears
+than the NAO, which has 0.0045 of both."""
 
 
 @dataclass(frozen=True)
@@ -60,9 +64,9 @@ def version() -> str:
 def scaled_reality(robot: Robot, shoe: Shoe, com_height: float) -> dict[str, object]:
     """What of the default reality must grow with a robot that is larger than a NAO.
 
-    Shares of masses, offsets and spreads stay; forces grow with the weight, gears become stiffer as
-    the torques that bend them grow. Six-axis sensors are ten times stiffer than a shoe's cells, and
-    come calibrated by their maker.
+    Shares of masses, offsets and spreads stay; forces grow with the weight, gears are finer, and
+    stiffer as the torques that bend them grow. Six-axis sensors are ten times stiffer than a
+    shoe's cells, and come calibrated by their maker.
 
     Args:
         robot: its weight.
@@ -85,8 +89,8 @@ def scaled_reality(robot: Robot, shoe: Shoe, com_height: float) -> dict[str, obj
         cells["stiffness_n_per_m"] = 1e6 * weight
     return {
         "format": 1,
-        "name": f"{robot.name}, as imperfect as a NAO",
+        "name": f"{robot.name}, with finer gears than a NAO's",
         "body": {"weight_error_n": 0.19 * weight},
-        "joints": {"compliance_rad_per_nm": {"all": 0.0045 / torque}},
+        "joints": {"play_rad": {"all": PLAY_RAD}, "compliance_rad_per_nm": {"all": GIVE / torque}},
         "cells": cells,
     }
