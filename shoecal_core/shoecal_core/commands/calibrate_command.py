@@ -19,7 +19,7 @@ from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.commands.arguments import add_force, add_sets, require_folder
 from shoecal_core.commands.assessment_table import expected_table, trust_lines
 from shoecal_core.commands.screening_table import screening_table
-from shoecal_core.commands.tables import errors_table, stages_rows
+from shoecal_core.commands.tables import LEVELS, errors_table, stages_rows, verdict_line
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.session import Session
 from shoecal_core.report.session_report import write_session_report
@@ -80,10 +80,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     if calibration.verdict == "FAIL":
         raise CalibrationFailedError(f"no calibration written: {'; '.join(calibration.reasons)}")
     for reason in calibration.reasons:
-        told = reason.startswith(("WARN: ", "FAIL: "))
-        console.print(
-            reason if told else f"{calibration.verdict}: {reason}", markup=False, soft_wrap=True
-        )
+        level, mark, text = reason.partition(": ")
+        told = (level, text) if mark and level in LEVELS else (calibration.verdict, reason)
+        console.print(verdict_line(*told), soft_wrap=True)
     console.print(f"{args.out}")
     return to_json(outcome)
 

@@ -18,7 +18,7 @@ from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.arguments import add_force, require_folder
 from shoecal_core.commands.screening_table import screening_table
-from shoecal_core.commands.tables import new_table
+from shoecal_core.commands.tables import new_table, verdict_line
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot_file import load_robot
@@ -71,15 +71,17 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     warnings = [found.reason for found in screening.findings if found.verdict == "WARN"]
     if screening.left_out:
         console.print(screening_table(screening))
-    for line in (*problems, *warnings):
-        console.print(f"- {line}", markup=False, soft_wrap=True)
+    for verdict, lines in (("FAIL", problems), ("WARN", warnings)):
+        for line in lines:
+            console.print(verdict_line(verdict, line), soft_wrap=True)
     if args.report is not None:
         content = CheckReport(session, robot, tuple(read.entries), read.runs, read.aligned,
                               screening, tuple(problems), tuple(warnings))  # fmt: skip
         check_report(args.report, content)
     if problems:
         raise UnfitSessionError(f"{len(problems)} problem(s) in {session.folder}, listed above")
-    console.print("fit for use" if not warnings else "fit for use, with the warnings above")
+    told = "fit for use, with the warnings above" if warnings else "fit for use"
+    console.print(verdict_line("WARN" if warnings else "PASS", told))
     return {
         "robot": session.robot,
         "shoe": session.shoe_name,

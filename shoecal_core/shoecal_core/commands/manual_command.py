@@ -38,6 +38,7 @@ from shoecal_core.commands.manual_tables import (
     manual_to_json,
 )
 from shoecal_core.commands.simulated_manual import simulate_manual
+from shoecal_core.commands.tables import verdict_line
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
@@ -255,8 +256,9 @@ def _write(calibration: Calibration, out: Path, console: Console) -> None:
     if calibration.verdict == "FAIL":
         raise CalibrationFailedError(f"no calibration written: {'; '.join(calibration.reasons)}")
     save_calibration(calibration, out)
-    told = "" if calibration.verdict != "PASS" else "PASS: "
-    console.print(f"{told}{'; '.join(calibration.reasons)}")
+    for reason in calibration.reasons:
+        told = reason.removeprefix(f"{calibration.verdict}: ")
+        console.print(verdict_line(calibration.verdict, told), soft_wrap=True)
     console.print(f"{out}")
 
 

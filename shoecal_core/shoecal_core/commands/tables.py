@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from rich.box import SIMPLE_HEAD
 from rich.table import Table
+from rich.text import Text
 
 from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.calibration.metrics import Mae
@@ -14,8 +15,15 @@ from shoecal_core.calibration.run_errors import COMPARED
 from shoecal_core.calibration.significance import LEVEL, Difference
 from shoecal_core.sensing.shoe import FEET
 
+LEVELS = {"PASS": "bold green", "WARN": "bold yellow", "FAIL": "bold red"}
+"""How verdicts look on a terminal."""
 WRITTEN = {"grf": ("GRF", "N", 3), "cop": ("CoP", "mm", 2)}
 """Quantities, their units and decimals of a small difference, by their names in result files."""
+
+
+def verdict_line(verdict: str, text: str) -> Text:
+    """A verdict and what it is for; on a terminal in the colour of its kind."""
+    return Text.assemble((verdict, LEVELS[verdict]), f": {text}")
 
 
 def new_table(title: str) -> Table:

@@ -18,8 +18,9 @@ COUNT = 6
 
 CAPTION = (
     "As planned; limbs are drawn as thick as their mass tells. Red arrow: the force on the floor, "
-    "at the CoP; red line: where the CoP has been; dashed: from the CoM down. Left leg blue, right "
-    "leg orange; the lighter floor is the hull of the sensing polygons."
+    "at the CoP; red line: where the CoP has been, both as far as legs and feet let them be seen; "
+    "dashed: from the CoM down. Left leg blue, right leg orange; the lighter floor is the hull of "
+    "the sensing polygons."
 )
 
 

@@ -113,6 +113,13 @@ def test_completion_knows_commands_options_and_names(shell: str) -> None:
         assert effect.identifier in script
 
 
+def test_without_its_package_completion_names_the_cure(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "shtab", None)
+    assert told(capsys, "completion", "bash").endswith("pip install shtab")
+
+
 def test_bash_completes(tmp_path: Path) -> None:
     script = tmp_path / "shoecal.bash"
     script.write_text(completion_script("bash"))

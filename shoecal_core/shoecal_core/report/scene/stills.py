@@ -31,15 +31,15 @@ FloatArray = NDArray[np.float64]
 
 WIDTH, HEIGHT = 280, 390
 """Pixels of one picture; a page shows it at about two thirds of that."""
-AZIMUTH, ELEVATION = 152.0, -18.0
+AZIMUTH, ELEVATION = 155.0, -24.0
 """deg: from the front, a little from the robot's right and from above."""
 MARGIN, THICKNESS = 0.02, 0.008
 """m: of the floor about the feet."""
 FORCE_HEIGHT = 0.75
 """Height of the arrow that stands for the robot's weight, over its CoM's height."""
 
-FLOOR: Rgba = (0.60, 0.64, 0.69, 1.0)
-POLYGON: Rgba = (0.74, 0.78, 0.82, 1.0)
+FLOOR: Rgba = (0.55, 0.59, 0.64, 1.0)
+POLYGON: Rgba = (0.80, 0.84, 0.88, 1.0)
 COP: Rgba = (0.80, 0.12, 0.16, 1.0)
 COM: Rgba = (0.20, 0.24, 0.28, 1.0)
 
