@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.drafting.body import Body
@@ -18,6 +19,9 @@ FloatArray = NDArray[np.float64]
 
 FOOT_RADIUS = 0.25
 """Largest radius of a foot's capsule, as a part of the sole's width."""
+SLIMMEST = 0.42
+"""Largest radius of a thigh's or shank's capsule, as a part of the way between the left and the
+right one: two legs must be able to stand side by side, and lean."""
 PAIRS = (
     ("thigh", "thigh"),
     ("shank", "shank"),
@@ -56,7 +60,28 @@ def find_capsules(
                 start, end, radius = around(inside)
                 found.append(DraftCapsule(f"{side}_{part}", link, start, end, radius))
         found.append(_foot(body, side, chain[-1], points[chain[-1]], sole))
-    return found
+    return [_slim(body, legs, one, found) for one in found]
+
+
+def _slim(
+    body: Body, legs: Legs, capsule: DraftCapsule, others: Sequence[DraftCapsule]
+) -> DraftCapsule:
+    """The same, not wider than the room that it has beside its counterpart."""
+    if capsule.name.endswith("foot"):
+        return capsule
+    part = capsule.name.partition("_")[2]
+    twin = next((one for one in others if one.name != capsule.name and part in one.name), None)
+    if twin is None:
+        return capsule
+    apart = abs(float((_middle(body, capsule) - _middle(body, twin)) @ legs.left))
+    return replace(capsule, radius=min(capsule.radius, SLIMMEST * apart))
+
+
+def _middle(body: Body, capsule: DraftCapsule) -> FloatArray:
+    """(3,) in the base, in the zero pose [m]."""
+    frame = body.model.frames[body.model.getFrameId(capsule.link, pin.FrameType.BODY)]
+    placed = body.placements[frame.parentJoint] * frame.placement
+    return np.asarray(placed.act(0.5 * (capsule.start + capsule.end)))
 
 
 def pairs_of(capsules: Sequence[DraftCapsule]) -> list[tuple[str, str]]:

@@ -30,7 +30,7 @@ FloatArray = NDArray[np.float64]
 SENSING = (0.65, 0.6)
 """Length and width of the sensing polygon over the outline's, as on robots that are known: models
 are off by some millimetres, and a foot that is loaded at its edge tips over it."""
-CELL_INSET = 0.12
+CELL_INSET = 0.09
 """Part of a sole's length and width by which cells lie inside its bounds."""
 
 

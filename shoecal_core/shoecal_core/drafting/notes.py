@@ -62,8 +62,8 @@ def robot_notes(draft: Draft) -> list[Note]:
     notes.append(
         Note(
             "capsules",
-            f"{missing}Thighs and shanks: around all of their shapes; feet: along their inner "
-            "edges.",
+            f"{missing}Thighs and shanks: around their shapes, as far as there is room between "
+            "the legs; feet: along their inner edges.",
             "they cover covers and cables, and are apart in posture_rad: `shoecal plan` tells.",
         )
     )
