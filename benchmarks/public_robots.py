@@ -157,7 +157,7 @@ def page(results: Mapping[str, Mapping[str, Any]]) -> str:
             f"{truth['left_cop_mae_mm']:.1f}, {truth['right_cop_mae_mm']:.1f}",
         ])  # fmt: skip
     told = "".join(
-        f"- **{found['title']}**, not calibrated: {found['failed']}.\n"
+        f"- **{found['title']}**, not calibrated: {found['failed'].replace(f'{ROOT}/', '')}.\n"
         for found in results.values()
         if "failed" in found
     )
