@@ -23,6 +23,8 @@ ROOT_JOINTS = 2
 """Pinocchio's universe and free-flyer stand before the robot's own joints."""
 MAX_MASS = 1e4
 """kg; no link of a robot weighs more."""
+MAX_INERTIA = 1e6
+"""kg m^2, likewise."""
 
 
 @dataclass(frozen=True)
@@ -161,6 +163,9 @@ class _Reader:
             self._limitless = attributes.get("type") in ("revolute", "prismatic")
         elif self._place == ["robot", "link", "inertial", "mass"]:
             self.masses[self._name] = _mass(self._path, self._name, attributes.get("value", ""))
+        elif self._place == ["robot", "link", "inertial", "inertia"]:
+            for key, text in attributes.items():
+                self._check_inertia(key, text)
         elif self._place == ["robot", "joint", "limit"]:
             self._limitless = False
             for key in ("effort", "velocity"):
@@ -190,6 +195,12 @@ class _Reader:
                 f'{key}="{text[:30]}" of its <{tag}> is not a number{least}; give one'
             )
         return number
+
+    def _check_inertia(self, key: str, text: str) -> None:
+        # What is no number the parser drops with the whole inertial, which is noticed there.
+        if abs(_number(text)) > MAX_INERTIA:
+            problem = f'{key}="{text[:30]}" is not a moment of inertia in kg m^2'
+            raise FileError(self._path, problem, field=f"link {self._name}")
 
     def _joint_error(self, problem: str) -> FileError:
         return FileError(self._path, problem, field=f"joint {self._name}")

@@ -29,7 +29,7 @@ from shoecal_core.recording.container import (
 )
 from shoecal_core.recording.errors import DamagedError, RecordingError
 from shoecal_core.recording.info import RECORD, RunInfo
-from shoecal_core.recording.writer import PART, RunWriter
+from shoecal_core.recording.writer import MAX_TIME_NS, PART, RunWriter
 
 _RECORD_HEADER = struct.Struct("<BQ")  # opcode, length
 _COMPRESSION = struct.pack("<I", 4) + b"zstd"
@@ -173,9 +173,12 @@ def _chunk(data: bytes, start: int) -> _Part | None:
         chunk = Chunk.read(ReadDataStream(BytesIO(data[begin:stop])))
         if chunk.uncompressed_crc == 0:
             return None
-        return _Part(start, stop, chunk.uncompressed_size, unfold(chunk))
+        records = unfold(chunk)
     except DAMAGE:
         return None
+    if any(isinstance(record, Message) and record.log_time > MAX_TIME_NS for record in records):
+        return None  # no clock told that time
+    return _Part(start, stop, chunk.uncompressed_size, records)
 
 
 def _messages(path: Path, data: bytes, parts: list[_Part]) -> list[tuple[str, Message]]:

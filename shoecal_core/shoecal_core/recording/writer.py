@@ -21,6 +21,8 @@ WHOLE_CHUNK_BYTES = 1024 * 1024
 """Of files that are made in one go."""
 SYNC_NS = 500_000_000
 """Span of log time after which all that was written is made durable."""
+MAX_TIME_NS = 2**63 - 1
+"""Largest time of a ROS stamp's kind."""
 
 PART = ".part"
 """Suffix of a file that is not (yet) whole."""
@@ -118,7 +120,7 @@ class RunWriter:
             NameNotFoundError: for a topic that is not recorded.
             RecordingError: when it cannot be written.
         """
-        if not 0 <= log_time_ns < 2**63:
+        if not 0 <= log_time_ns <= MAX_TIME_NS:
             raise ShoecalError(f"{topic}: log time {log_time_ns} ns cannot be recorded")
         with self._guard():
             self._mcap.add_message(

@@ -445,6 +445,9 @@ BAD_URDF = {
     "a mass beyond reason": (CHEST, '<mass value="1e308"/>', "link chest", "is not a number"),
     "a mass of text": (CHEST, '<mass value="2,6"/>', "link chest", "'2,6' is not a number"),
     "a mass left out": (CHEST, "<mass/>", "link chest", "'' is not a number"),
+    "an inertia beyond reason": (
+        'izz="[^"]*"', 'izz="1e308"', "link base_link", 'izz="1e308" is not a moment of inertia'
+    ),
     "an inertial the parser drops": (
         'xyz="0.01 0 0.09"', 'xyz="nan 0 0.09"', "inertial", "only 6.16 of the links' 8.76 kg"
     ),

@@ -48,6 +48,14 @@ def rescue(tmp_path_factory: pytest.TempPathFactory) -> Rescue:
     return run
 
 
+def chunk(content: bytes) -> bytes:
+    """A whole chunk of these records."""
+    data = zstandard.compress(content)
+    body = struct.pack("<QQQI", 0, 0, len(content), zlib.crc32(content))
+    body += struct.pack("<I4sQ", 4, b"zstd", len(data)) + data
+    return struct.pack("<BQ", 6, len(body)) + body
+
+
 def check_part_of_sample(run: Run) -> None:
     """Every value stands at its own time, though some may be missing."""
     sample = samples.make_sample(COUNT)
@@ -110,11 +118,7 @@ def test_first_chunk_lost(whole: bytes, rescue: Rescue) -> None:
 def test_a_chunk_without_messages_is_passed_over(whole: bytes, rescue: Rescue) -> None:
     """Channels alone, between two chunks and where one is damaged."""
     schema = struct.pack("<HI4sI0sI0s", 99, 4, b"none", 0, b"", 0, b"")
-    content = struct.pack("<BQ", 3, len(schema)) + schema
-    data = zstandard.compress(content)
-    body = struct.pack("<QQQI", 0, 0, len(content), zlib.crc32(content))
-    body += struct.pack("<I4sQ", 4, b"zstd", len(data)) + data
-    empty = struct.pack("<BQ", 6, len(body)) + body
+    empty = chunk(struct.pack("<BQ", 3, len(schema)) + schema)
     first, second = (match.start() - 37 for match in list(re.finditer(ZSTD, whole))[:2])
     usual = rescue(whole)
     found = rescue(whole[:second] + empty + whole[second:])
@@ -122,6 +126,16 @@ def test_a_chunk_without_messages_is_passed_over(whole: bytes, rescue: Rescue) -
     (hole,) = rescue(whole[:second] + b"damage" + empty + whole[second:]).holes_ns
     assert usual.start_ns < hole[0] < hole[1] < usual.end_ns
     assert rescue(whole[:first] + empty + whole[first:]).messages == usual.messages
+
+
+def test_a_time_that_no_clock_tells_is_damage(whole: bytes, rescue: Rescue) -> None:
+    usual = rescue(whole)
+    second = list(re.finditer(ZSTD, whole))[1].start() - 37
+    message = struct.pack("<HIQQ", 1, 0, 2**63, 2**63) + bytes(8)
+    late = chunk(struct.pack("<BQ", 5, len(message)) + message)
+    found = rescue(whole[:second] + late + whole[second:])
+    assert found.messages == usual.messages
+    assert len(found.holes_ns) == 1
 
 
 def test_nothing_to_rescue(whole: bytes, rescue: Rescue) -> None:
