@@ -26,6 +26,7 @@ class ImuInput:
 
     Attributes:
         up: (3,) in the base's frame; None before there was one.
+        heard: when something usable last came.
     """
 
     def __init__(self, robot: Robot, clock: Callable[[], float] = time.monotonic) -> None:
@@ -37,13 +38,13 @@ class ImuInput:
         """
         self.up: FloatArray | None = None
         self._robot = robot
-        self._heard = LastHeard(clock)
+        self.heard = LastHeard(clock)
         self._stamp_ns = 0
 
     @property
     def age_s(self) -> float:
         """Wall-clock time since something usable has come; infinite before [s]."""
-        return self._heard.age_s
+        return self.heard.age_s
 
     def take(self, messages: Sequence[Any]) -> None:
         """Take sensor_msgs/Imu messages in order; those that tell no direction do not count."""
@@ -57,7 +58,7 @@ class ImuInput:
                     continue
                 self._blend(self._in_base(message.header.frame_id) @ up, message)
             self._stamp_ns = time_from_ros(message.header.stamp)
-            self._heard.note()
+            self.heard.note()
 
     def _blend(self, up: FloatArray, message: Any) -> None:
         since = (time_from_ros(message.header.stamp) - self._stamp_ns) / 1e9

@@ -24,8 +24,16 @@ _CLOCK_SET_NS = 1_000_000_000
 """Stamps that fall back further than this: a clock was set, or simulated time began anew."""
 
 
+_MOST_STREAMS = 64
+"""Sets of cells that frames may carry: a board has one, or a few in turn."""
+
+
 class TwoSourcesError(ShoecalError):
     """One cell's voltage comes from two places."""
+
+
+class UnsteadyCellsError(ShoecalError):
+    """Frames of one source carry ever other cells."""
 
 
 class UnknownCellError(ShoecalError):
@@ -105,6 +113,7 @@ class FrameJoiner:
         Raises:
             TwoSourcesError: when a cell comes from two places; the frame is left out.
             UnknownCellError: for a cell the shoe does not have; likewise.
+            UnsteadyCellsError: for yet another set of cells after very many; likewise.
         """
         if not frame.cells:
             # A device whose channels nobody named: its driver says so.
@@ -161,6 +170,11 @@ class FrameJoiner:
                     f"cell '{cell}' comes from '{self._owner[cell]}' and from "
                     f"'{frame.source}'; give each cell one source"
                 )
+        if len(self._streams) == _MOST_STREAMS:
+            raise UnsteadyCellsError(
+                f"'{frame.source}' sends ever other sets of cells; let each frame of a board carry "
+                "the same ones"
+            )
         stream = _Stream(np.array([self._column[cell] for cell in frame.cells], dtype=np.int64))
         self._streams[key] = stream
         self._owner.update(dict.fromkeys(frame.cells, frame.source))

@@ -18,7 +18,11 @@ BEATS, BEAT_S = 5, 0.5
 
 
 class ShoeReports:
-    """Readings are only counted here; the calibrator makes forces of them."""
+    """Readings are only counted here; the calibrator makes forces of them.
+
+    Attributes:
+        heard: when readings last came.
+    """
 
     def __init__(
         self,
@@ -33,7 +37,7 @@ class ShoeReports:
         """
         self._reported = reported
         self._clock = clock
-        self._heard = LastHeard(clock)
+        self.heard = LastHeard(clock)
         self._state_times: deque[float] = deque(maxlen=BEATS)
         self._state: ShoeState | None = None
         self._stale_since: dict[str, float] = {}
@@ -41,7 +45,7 @@ class ShoeReports:
     def take_readings(self, messages: Sequence[Any]) -> None:
         """Take messages of `shoe/voltages`, serialised or not."""
         if messages:
-            self._heard.note()
+            self.heard.note(len(messages))
 
     def take_states(self, messages: Sequence[ShoeState]) -> None:
         """Take messages of `shoe/state`."""
@@ -58,7 +62,7 @@ class ShoeReports:
     def ages(self) -> dict[str, float]:
         """By source, since when it has told nothing; infinite where it never did [s]."""
         now = self._clock()
-        ages = {"shoe/voltages": self._heard.age_s}
+        ages = {"shoe/voltages": self.heard.age_s}
         if self._state is not None:
             ages["shoe/state"] = self._state_age if self._reported() else np.inf
             for foot in self._state.feet:

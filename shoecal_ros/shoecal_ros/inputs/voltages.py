@@ -105,7 +105,8 @@ class VoltageInput:
             except ShoecalError as error:
                 self._trouble, self._troubled = str(error), self._clock()
                 continue
-            self._lost.note(frame.source, frame.sequence)
+            if frame.cells:  # whoever sends none may have any name: nothing is kept of it
+                self._lost.note(frame.source, frame.sequence)
             if joined is not None:
                 instants.append(joined)
             if not math.isnan(frame.temperature):

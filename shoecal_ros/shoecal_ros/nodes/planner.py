@@ -164,9 +164,10 @@ class Planner(ShoecalNode):
     def _tell_senses(self) -> None:
         """What is watched during a motion, and what is not because it does not come."""
         self.health.note("tilt", self._tilt_condition())
-        comes = self.senses.shoes.ages["shoe/voltages"] <= self.moving.stale_s
+        heard = self.senses.shoes.heard
+        comes = heard.age_s <= self.moving.stale_s
         told = "shoe/voltages comes" if comes else "no shoe/voltages: not watched"
-        self.health.tell("shoes", Level.OK, told)
+        self.health.tell("shoes", Level.OK, told, **heard.figures())
         degc = self.senses.temperatures.degc
         found = heat.hottest(degc)
         values = {} if found is None else {"joint": found[0], "degc": f"{found[1]:.1f}"}
@@ -181,15 +182,17 @@ class Planner(ShoecalNode):
         tilt = None
         if latest is not None:
             tilt = tilt_now(self.senses, self.kinematics, self.moving, latest.angles[0])
+        figures = self.senses.imu.heard.figures()
         if tilt is None:
-            return Condition(Level.OK, "no imu: not watched")
+            return Condition(Level.OK, "no imu: not watched", figures)
         if not tilt.usable:
             return Condition(
                 Level.WARN,
                 f"imu and joints disagree by {tilt.offset:.1f} rad: not watched; let its frame_id "
                 "name a link of the URDF on the torso, or the robot stand",
+                figures,
             )
-        return Condition(Level.OK, "imu comes", {"offset_rad": f"{tilt.offset:.3f}"})
+        return Condition(Level.OK, "imu comes", {**figures, "offset_rad": f"{tilt.offset:.3f}"})
 
     def _arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         self.arming.set(request.data)

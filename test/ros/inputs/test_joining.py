@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import permutations
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from shoecal_ros.inputs.joining import (
     Joined,
     TwoSourcesError,
     UnknownCellError,
+    UnsteadyCellsError,
 )
 from shoecal_ros.inputs.voltages import VoltageInput
 
@@ -136,6 +138,19 @@ def test_a_cell_the_shoe_does_not_have() -> None:
     odd = VoltageFrame(10**9, "one", 0, ("left/z",), np.zeros(1), np.zeros(1, dtype=np.uint8))
     with pytest.raises(UnknownCellError, match=r"left/z.*left/a, left/b"):
         joiner().add(odd)
+
+
+def test_ever_other_sets_of_cells_fill_no_memory() -> None:
+    names = tuple(f"left/{number}" for number in range(6))
+    join = FrameJoiner(names, hold_s=0.025)
+
+    def listen() -> None:
+        for index, order in enumerate(permutations(names)):
+            frame = VoltageFrame(index + 1, "one", index, order, np.zeros(6), np.zeros(6, np.uint8))
+            join.add(frame)
+
+    with pytest.raises(UnsteadyCellsError, match="'one' sends ever other sets of cells"):
+        listen()
 
 
 def test_stamps_that_go_back_a_little_are_left_out() -> None:
