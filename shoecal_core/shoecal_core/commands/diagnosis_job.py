@@ -20,6 +20,7 @@ from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session
 from shoecal_core.report.diagnosis_report import write_diagnosis_report
+from shoecal_core.report.origin import origin
 
 Progress = Callable[[str, float], None]
 SIMULATED_FROM = 0.7
@@ -129,7 +130,13 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
         found = with_simulated_shrink(found, session)
     if job.report is not None:
         robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
-        write_diagnosis_report(found, job.report, robot=robot, shoe=session.shoe)
+        provenance = (
+            origin(session, (*found.train, *found.test)),
+            f"Session folder {session.folder.name}.",
+        )
+        write_diagnosis_report(
+            found, job.report, robot=robot, shoe=session.shoe, provenance=provenance
+        )
     calibrated = None if calibration is None else _calibrated(calibration, session, found.test)
     tell("done", 1.0)
     return Diagnosed(job.session, replace(found, evidence=None), calibrated)

@@ -40,8 +40,3 @@ class CheckReport:
     def verdict(self) -> str:
         """PASS, WARN or FAIL."""
         return "FAIL" if self.problems else "WARN" if self.warnings else "PASS"
-
-    @property
-    def simulated(self) -> bool:
-        """Whether the session has a simulated truth."""
-        return any(self.session.truth_path(one.run).is_file() for one in self.entries)

@@ -15,6 +15,7 @@ from shoecal_core.report.assessment_tables import findings_table, left_out_table
 from shoecal_core.report.check_content import CheckReport
 from shoecal_core.report.check_figures import raw_picture, recorded_strip
 from shoecal_core.report.html import write_page
+from shoecal_core.report.origin import origin, robot_text, shoe_text
 from shoecal_core.report.page import (
     Group,
     KeyFigure,
@@ -52,7 +53,8 @@ def check_page(content: CheckReport, seen: Strip | str | None = None) -> Page:
         seen: the robot in motion, or why it cannot be seen.
     """
     session = content.session
-    count = len(content.entries)
+    runs = [entry.run for entry in content.entries]
+    count = len(runs)
     return Page(
         title=f"Check of {session.robot} on {session.shoe_name}",
         subtitle=f"session {session.folder.name} · {count} run{'' if count == 1 else 's'} "
@@ -60,14 +62,8 @@ def check_page(content: CheckReport, seen: Strip | str | None = None) -> Page:
         verdict=_verdict(content),
         key_figures=_key_figures(content),
         sections=(_runs(content, seen), _left_out(content), *_raw(content), _details(content)),
-        provenance=(_origin(content), "Raw readings: nothing here rests on a calibration."),
+        provenance=(origin(session, runs), "Raw readings: nothing here rests on a calibration."),
     )
-
-
-def _origin(content: CheckReport) -> str:
-    if content.simulated:
-        return "The recorded robot, its shoes and the floor are simulated."
-    return "Nothing in the session says that it was simulated: taken as recorded on hardware."
 
 
 def _verdict(content: CheckReport) -> Verdict:
@@ -161,8 +157,8 @@ def _details(content: CheckReport) -> Section:
     session, robot = content.session, content.robot
     rows = (
         ("session", str(session.folder.name)),
-        ("robot", f"{robot.name}, file {robot.digest[:12]}, URDF {robot.urdf_digest[:12]}"),
-        ("shoe", f"{session.shoe.name}, file {session.shoe.digest[:12]}"),
+        ("robot", robot_text(robot)),
+        ("shoe", shoe_text(session.shoe)),
         ("channels", str(len(session.shoe.names))),
         ("joints", f"{len(robot.joint_names)}, of which {len(robot.legs)} legs' motors"),
     )  # fmt: skip

@@ -29,6 +29,10 @@ LEVELS: Mapping[Finding, str] = {
 """How well the question was answered, as colour and sign."""
 
 
+UNKNOWN_CURE = (
+    "Look at that signal below: on which foot, in which run and from when on it is off. What comes "
+    "to mind can be described as an effect of its own and tried: --effects-from."
+)
 SMALL_N = 0.095
 """Smaller errors of the GRF are told to the millinewton [N]."""
 MOST_CAUSES = 2
@@ -43,7 +47,17 @@ def verdict_of(diagnosis: Diagnosis) -> Verdict:
         label=diagnosis.verdict.replace("_", " ").capitalize(),
         meaning=f"{meaning[0].upper()}{meaning[1:]}.",
         reasons=(),
-        lines=(*_what(diagnosis), *filter(None, (_where(diagnosis), _shrinks(diagnosis)))),
+        lines=tuple(
+            filter(
+                None,
+                (
+                    *_what(diagnosis),
+                    _where(diagnosis),
+                    _shrinks(diagnosis),
+                    UNKNOWN_CURE if diagnosis.verdict == "unknown" else "",
+                ),
+            )
+        ),
     )
 
 

@@ -65,11 +65,18 @@ def ranking_picture(diagnosis: Diagnosis) -> Picture | None:
         elif key in alike:
             colour, kind = palette.WARN, "as good as a chosen one"
         shares.append(Share(candidate_text(one), one.probability, colour, kind))
+    caption = (
+        "By how well each predicts runs that were left out of its fit, everything else refitted "
+        "with it. "
+    )
+    if diagnosis.causes:
+        caption += "Of candidates told to be 80 % probable, about 80 of 100 should be right."
+    else:
+        caption += "Probable as against each other only: none of them makes the gap small."
     return Picture(
         "How probable each candidate is",
         share_bars(shares, "Probabilities of the candidates"),
-        "By how well each predicts runs that were left out of its fit, everything else refitted "
-        "with it. Of candidates told to be 80 % probable, about 80 of 100 should be right.",
+        caption,
     )
 
 

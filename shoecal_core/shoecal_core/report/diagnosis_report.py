@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -38,21 +38,31 @@ from shoecal_core.report.quantities import size
 from shoecal_core.sensing.shoe import Shoe
 
 
-def write_diagnosis_report(diagnosis: Diagnosis, path: Path, *, robot: Robot, shoe: Shoe) -> None:
+def write_diagnosis_report(
+    diagnosis: Diagnosis,
+    path: Path,
+    *,
+    robot: Robot,
+    shoe: Shoe,
+    provenance: Sequence[str] = (),
+) -> None:
     """Write the report as one self-contained HTML file, whole or not at all.
 
     Args:
         diagnosis: what it tells; without `evidence` there are no pictures of samples.
         path: of the HTML file.
         robot, shoe: that the session was recorded with.
+        provenance: lines that say where the session is from; see report/origin.py.
 
     Raises:
         FileError: when it cannot be written.
     """
-    write_page(path, diagnosis_page(diagnosis, robot, shoe))
+    write_page(path, diagnosis_page(diagnosis, robot, shoe, provenance))
 
 
-def diagnosis_page(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Page:
+def diagnosis_page(
+    diagnosis: Diagnosis, robot: Robot, shoe: Shoe, provenance: Sequence[str] = ()
+) -> Page:
     """The report, ready to be rendered; the same diagnosis makes the same page."""
     sections = (
         _where(diagnosis, robot, shoe),
@@ -62,7 +72,7 @@ def diagnosis_page(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Page:
         _shrink(diagnosis),
         _hidden(diagnosis),
         _next(diagnosis),
-        _notes(diagnosis),
+        _notes(diagnosis, robot, shoe),
     )
     train = listed([str(run) for run in diagnosis.train]) or "none"
     return Page(
@@ -73,7 +83,7 @@ def diagnosis_page(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Page:
         verdict=verdict_of(diagnosis),
         key_figures=key_figures(diagnosis),
         sections=tuple(section for section in sections if section is not None),
-        provenance=(),
+        provenance=tuple(provenance),
     )
 
 
@@ -88,7 +98,7 @@ def _where(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Section:
         quiet = [signal_text(name) for name in quiet_signals(diagnosis, evidence)]
         text = "What is left of each signal after gains and offsets were fitted."
         if quiet:
-            text += f" Looked at and not more than noise: {listed(quiet)}."
+            text += f" Looked at and not more than noise: {'; '.join(quiet)}."
         groups.append(Group("In time", text, pictures=time_pictures(diagnosis, evidence)))
     elif shares is not None:
         groups.append(Group("How much of it where", pictures=(shares,)))
@@ -189,6 +199,8 @@ def _next(diagnosis: Diagnosis) -> Section:
     motion = diagnosis.next_motion
     if motion is None:
         text = "Nothing is left that another motion would part."
+        if diagnosis.verdict == "unknown":
+            text = "No motion is proposed: nothing in the library comes near enough to be tested."
         if len(diagnosis.ambiguity) > 1:
             text = "No motion was found that would part what is still confused."
         return Section("What to run next", (), text)
@@ -198,8 +210,8 @@ def _next(diagnosis: Diagnosis) -> Section:
     return Section("What to run next", (), text)
 
 
-def _notes(diagnosis: Diagnosis) -> Section:
-    tables = [notes_table(diagnosis)]
+def _notes(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Section:
+    tables = [notes_table(diagnosis, robot, shoe)]
     if diagnosis.notes:
         rows = tuple((note,) for note in diagnosis.notes)
         tables.insert(0, Table("Missing or left out", ("",), rows))

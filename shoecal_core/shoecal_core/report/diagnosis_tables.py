@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Sequence
 
 from shoecal_core.diagnosis.result import Diagnosis, Shrink, SimulatedShrink
+from shoecal_core.model.robot import Robot
 from shoecal_core.report.diagnosis_answer import (
     interval_text,
     millimetres,
@@ -25,8 +26,10 @@ from shoecal_core.report.diagnosis_words import (
     why_alike,
 )
 from shoecal_core.report.figures.shares import percent
+from shoecal_core.report.origin import robot_text, shoe_text
 from shoecal_core.report.page import Table
 from shoecal_core.report.quantities import UNKNOWN
+from shoecal_core.sensing.shoe import Shoe
 
 MOST_OF_SET = 6
 """Candidates of one set that are spelt out."""
@@ -94,10 +97,15 @@ def _blind_spot(text: str) -> tuple[str, str, str]:
     found = _PLACES.match(text)
     if found is not None:
         effect, common, places = found.groups("")
-        return (name_of(effect), effect_text(effect), f"{common.strip()} {places}".strip())
+        return (name_of(effect), effect_text(effect), _where(common.strip(), places))
     what, _, why = text.partition(": ")
     meaning = EFFECTS.get(effect_of(what), UNKNOWN)
     return (label_text(what), meaning, why or UNKNOWN)
+
+
+def _where(common: str, places: str) -> str:
+    """What places have in common, and which they are; no brackets where nothing stands before."""
+    return f"{common} {places}" if common else places[1:-1]
 
 
 def shrink_table(diagnosis: Diagnosis) -> Table:
@@ -143,11 +151,11 @@ def hidden_table(diagnosis: Diagnosis) -> Table:
     )
 
 
-def notes_table(diagnosis: Diagnosis) -> Table:
+def notes_table(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Table:
     """What was missing, and what was used."""
     runs = (("training runs", listed([str(run) for run in diagnosis.train]) or "none"),
             ("test runs", listed([str(run) for run in diagnosis.test]) or "none"),
-            ("robot", diagnosis.robot), ("shoes", diagnosis.shoe))  # fmt: skip
+            ("robot", robot_text(robot)), ("shoes", shoe_text(shoe)))  # fmt: skip
     return Table("What this rests on", ("", ""), runs)
 
 

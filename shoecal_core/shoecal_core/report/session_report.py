@@ -18,6 +18,7 @@ from shoecal_core.recording.truth import Truth
 from shoecal_core.report.assessment_content import told_by
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_report import calibration_report
+from shoecal_core.report.origin import origin
 
 SNAPSHOTS = 6
 
@@ -94,12 +95,8 @@ def _run(
 
 
 def _origin(session: Session, outcome: Outcome) -> list[str]:
-    simulated = [run for run in outcome.data.stances if session.truth_path(run).is_file()]
-    if simulated:
-        origin = "The recorded robot, its shoes and the floor are simulated."
-    else:
-        origin = "Nothing in the session says that it was simulated: taken as recorded on hardware."
-    return [origin, f"Session folder {session.folder.name}; {_listed(outcome)}."]
+    told = origin(session, outcome.data.stances)
+    return [told, f"Session folder {session.folder.name}; {_listed(outcome)}."]
 
 
 def _listed(outcome: Outcome) -> str:

@@ -101,6 +101,24 @@ def test_nothing_found_nothing_missing() -> None:
     assert "Which cause" not in text
 
 
+def test_nothing_in_the_library_explains_it() -> None:
+    text = text_of(
+        diagnoses.diagnosis(None, "unknown", causes=(), ambiguity=(), next_motion=None)
+    )  # fmt: skip
+    answer = text[: text.index("Where the gap lies")]
+    assert "--effects-from" in answer
+    assert "Probable as against each other only" in text
+    assert "Nothing is left that another motion would part" not in text
+
+
+def test_what_is_simulated_is_told_first() -> None:
+    page = diagnosis_page(
+        diagnoses.diagnosis(), robots.load(NAO), shoes.shoe(SHOE), ("All of it is simulated.",)
+    )  # fmt: skip
+    text = read(render(page)).text
+    assert text.index("All of it is simulated.") < text.index("Where the gap lies")
+
+
 def test_confused_and_no_motion_that_would_help() -> None:
     alike = (Candidate("latency", ("left",), 0.6), Candidate("low_pass", ("left",), 0.4))
     text = text_of(diagnoses.diagnosis(None, "ambiguous", ambiguity=alike, next_motion=None))
@@ -137,6 +155,7 @@ def test_many_alike_and_many_blind_spots_in_few_rows() -> None:
     assert text.count("exactly as that cell standing elsewhere") == 1
     assert "and 3 more" in text
     assert "of cells of the left foot (1 of 4 places: left/a)" in text
+    assert "has it 2 of 25 places: Neck, Head" in text
     assert "link com a centre of mass" in text
     assert "drifts with temperature – none was recorded" in text
     assert "floor tilt a floor that is not level" in text

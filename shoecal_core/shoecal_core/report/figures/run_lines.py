@@ -12,6 +12,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from shoecal_core.report.palette import INK, MUTED, RULE, SOLE, WARN, Look
+from shoecal_core.report.quantities import size
 from shoecal_core.report.svg import SMALL, WIDTH, canvas, draw_line, line_key, readable
 
 FloatArray = NDArray[np.float64]
@@ -141,5 +142,5 @@ def _rms_text(row: RunLine) -> str:
     for values in (row.before, row.after):
         known = values[np.isfinite(values)]
         if len(known):
-            texts.append(f"{float(np.sqrt(np.mean(known**2))):.2g}")
+            texts.append(size(float(np.sqrt(np.mean(known**2))), "1"))
     return " → ".join(texts) or "–"

@@ -1,0 +1,29 @@
+"""Where a recording is from, as a page tells it: simulated or real, which session, which files."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from shoecal_core.model.robot import Robot
+from shoecal_core.recording.session import Session
+from shoecal_core.sensing.shoe import Shoe
+
+SHORT = 12
+"""Digits of a hash that a page tells."""
+
+
+def origin(session: Session, runs: Iterable[int]) -> str:
+    """Whether some runs were simulated: those have a truth beside them."""
+    if any(session.truth_path(run).is_file() for run in runs):
+        return "The recorded robot, its shoes and the floor are simulated."
+    return "Nothing in the session says that it was simulated: taken as recorded on hardware."
+
+
+def robot_text(robot: Robot) -> str:
+    """Name and files of a robot."""
+    return f"{robot.name}, file {robot.digest[:SHORT]}, URDF {robot.urdf_digest[:SHORT]}"
+
+
+def shoe_text(shoe: Shoe) -> str:
+    """Name and file of a pair of shoes."""
+    return f"{shoe.name}, file {shoe.digest[:SHORT]}"
