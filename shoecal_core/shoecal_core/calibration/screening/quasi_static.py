@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.signal import savgol_coeffs, savgol_filter
 
 from shoecal_core.calibration.aligned import Aligned
-from shoecal_core.calibration.screening.noise import noise
+from shoecal_core.calibration.screening.noise import spread
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.model.robot import GRAVITY
 
@@ -45,8 +45,10 @@ def zmp_shift(aligned: Aligned) -> tuple[FloatArray, float]:
     for before in np.flatnonzero(np.diff(time) > LONGEST_GAP_S):
         gap = (time[before] - SMOOTHING_S / 2.0, time[before + 1] + SMOOTHING_S / 2.0)
         shift[(time >= gap[0]) & (time <= gap[1])] = 0.0
+    # What the cubics leave. Second differences would not do: encoders step seldom in slow motion.
+    left = spread(placed - savgol_filter(placed, window, 3, axis=0))
     trembling = np.linalg.norm(savgol_coeffs(window, 3, deriv=2, delta=period))
-    return shift, float(np.median(fall) * trembling * np.linalg.norm(noise(com[:, :2])))
+    return shift, float(np.median(fall) * trembling * np.linalg.norm(left))
 
 
 def too_fast(aligned: Aligned, settings: CalibrationSettings) -> BoolArray:

@@ -54,6 +54,19 @@ def test_encoder_steps_alone_are_not_too_fast() -> None:
     assert not too_fast(swaying(0.02, 1.0, noise=0.002), SETTINGS).any()
 
 
+def test_steps_of_coarse_encoders_on_a_tall_robot_are_no_haste() -> None:
+    one = swaying(0.0, 1.0)
+    levers, amplitudes = np.array([0.65, 0.4, 0.15]), np.array([0.03, 0.05, 0.04])
+    angles = amplitudes * np.sin(0.5 * one.time[:, None] + np.arange(3))
+    step = 2.0 * np.pi / 2**12
+    com = one.states.com.copy()
+    com[..., 0] = (step * np.rint(angles / step) @ levers)[:, None]
+    com[..., 2] = 0.7
+    tall = replace(one, states=replace(one.states, com=com))
+    assert zmp_shift(tall)[0].max() > 1.5 * SETTINGS.cop_std_m
+    assert not too_fast(tall, SETTINGS).any()
+
+
 def test_a_gap_in_the_recording_is_no_haste() -> None:
     one = swaying(0.05, 0.5)
     kept = (one.time < 10.0) | (one.time > 16.0)
