@@ -75,6 +75,17 @@ def test_a_cell_that_stops_answering(clean: Recording) -> None:
     assert ended(parts(whole), found) == []
 
 
+def test_a_cell_that_hardly_moves_for_a_while_is_not_stuck() -> None:
+    def hardly(run: int, values: FloatArray) -> FloatArray:
+        if run == 2:
+            part = slice(1000, 1900)
+            values[part] = values[1000] + 0.025 * (values[part] - values[1000])
+        return values
+
+    whole = recording().with_channel(3, hardly)
+    assert stuck(whole.shoe, parts(whole), range(8)) == []
+
+
 def test_a_foot_in_the_air_has_no_stuck_cells() -> None:
     def hanging(run: int, values: FloatArray) -> FloatArray:
         values[1000:2200, :4] = values[1000, :4]
