@@ -144,14 +144,14 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     if args.task == CELLS:
         cells = _measured(args, bench, console, cell_check, partial(_shown_cell, shoe))
         result = _solve_cells(bench, cells, console)
-        _report(args.report, bench, result.calibration, result.cells, (), ())
+        _report(args.report, bench, result.calibration, result.cells, (), _read_from(args.data))
         _write(result.calibration, args.out, console)
         return cells_to_json(result)
     first = _first_step(args)
     first.sensing(shoe)
     loads = _measured(args, bench, console, shoe_check(first), partial(_shown_force, shoe, first))
     found = _solve_shoe(bench, first, loads, (), console)
-    _report(args.report, bench, found.calibration, (), found.feet, ())
+    _report(args.report, bench, found.calibration, (), found.feet, _read_from(args.data))
     _write(found.calibration, args.out, console)
     return manual_to_json(found)
 
@@ -234,6 +234,14 @@ def _solve_shoe(
     result = calibrate_shoe(bench.shoe, bench.robot, first, loads, fits=fits, planned=bench.planned)
     console.print(manual_table(result))
     return result
+
+
+def _read_from(data: Path) -> tuple[str, ...]:
+    """Where readings are from, as a report tells it."""
+    return (
+        "Nothing in the readings says that they were simulated: taken as read on hardware.",
+        f"Readings: {data.name}.",
+    )
 
 
 def _report(

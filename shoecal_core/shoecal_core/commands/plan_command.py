@@ -38,6 +38,7 @@ from shoecal_core.planning.supports.forecast import (
 )
 from shoecal_core.planning.supports.observability import Visit
 from shoecal_core.report.plan_content import PlannedMotion
+from shoecal_core.report.plan_forecast import PlanForecast
 from shoecal_core.report.plan_report import PAGE, Unplanned, picture_name, write_plan
 from shoecal_core.sensing.shoe import Shoe, load_shoe
 
@@ -70,10 +71,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             plan.add(planner, support, index + 1)
         told: dict[str, object] | None = None
         if plan.motions:
-            progress("drawing what was planned", 1.0)
-            write_plan(args.out, plan.motions, plan.unplanned, shoe)
             progress("looking for the best double supports to add", 1.0)
-            told = _forecast(robot, shoe, plan, settings, console)
+            found, told = _forecast(robot, shoe, plan, settings, console)
+            progress("drawing what was planned", 1.0)
+            write_plan(args.out, plan.motions, plan.unplanned, shoe, found)
     if plan.motions:
         console.print(f"{args.out / PAGE}: pictures and animations of all motions")
     figures: dict[str, object] = {
@@ -181,7 +182,7 @@ def _forecast(
     plan: _Plan,
     settings: PlannerSettings,
     console: Console,
-) -> dict[str, object]:
+) -> tuple[PlanForecast, dict[str, object]]:
     """Print and return what the planned motions will tell, and what more would."""
     visits = [Visit.of(planned.motion, settings) for planned in plan.motions]
     whole = forecast_visits(robot, shoe, visits, settings)
@@ -198,8 +199,8 @@ def _forecast(
     told["best_additions"] = [addition.to_json() for addition in additions]
     console.print(forecast_table(rows))
     for line in (*weak_lines(rows[-1][1]), *addition_lines(whole, additions)):
-        console.print(line)
-    return told
+        console.print(line, soft_wrap=True)
+    return PlanForecast(tuple(rows), tuple(additions)), told
 
 
 def _csv(motion: Motion) -> str:

@@ -12,6 +12,7 @@ from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_figures import set_name
 from shoecal_core.report.page import Table
 from shoecal_core.report.quantities import (
+    double_support_text,
     mean_error,
     number,
     quantity,
@@ -74,14 +75,7 @@ def support_text(run: RunReport) -> str:
     """Where the right foot stands, or how many stances there are."""
     if not run.double_support:
         return f"{len(run.stances)} stances"
-    support = run.stances[0].stance.support
-    return ", ".join(
-        (
-            f"x\N{NO-BREAK SPACE}{quantity(1e3 * support.dx, 'mm', 0)}",
-            f"y\N{NO-BREAK SPACE}{quantity(1e3 * support.dy, 'mm', 0)}",
-            f"yaw\N{NO-BREAK SPACE}{quantity(math.degrees(support.dtheta), 'deg', 1)}",
-        )
-    )
+    return double_support_text(run.stances[0].stance.support)
 
 
 def channels_table(content: CalibrationReport) -> Table:
@@ -132,7 +126,7 @@ def stages_table(content: CalibrationReport, stages: SelfCalibration) -> Table:
     rows += [
         (
             "nonlinear least squares",
-            f"{fit.iterations} iterations, cost {fit.initial_cost:.4g} → {fit.cost:.4g}",
+            f"{fit.iterations} iterations, cost {_cost(fit.initial_cost)} → {_cost(fit.cost)}",
         ),
         ("CoP correction", _corrected(stages)),
     ]
@@ -168,6 +162,11 @@ def belongs_to(calibration: Calibration, robot: Robot) -> Table:
         ("temperature", quantity(calibration.temperature, "°C", 1)),
     )
     return Table("What it belongs to", ("", ""), rows)
+
+
+def _cost(cost: float) -> str:
+    """Four digits, or all before the point."""
+    return f"{cost:.0f}" if abs(cost) >= 1e3 else f"{cost:.4g}"
 
 
 def weight_std(robot: Robot) -> float:

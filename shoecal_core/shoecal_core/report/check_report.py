@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +25,7 @@ from shoecal_core.report.page import (
     Table,
     Verdict,
 )
-from shoecal_core.report.quantities import UNKNOWN, quantity, uncertain
+from shoecal_core.report.quantities import UNKNOWN, double_support_text, quantity, uncertain
 from shoecal_core.report.scene.offscreen import tried
 
 MEANING = {
@@ -57,7 +56,7 @@ def check_page(content: CheckReport, seen: Strip | str | None = None) -> Page:
     count = len(runs)
     return Page(
         title=f"Check of {session.robot} on {session.shoe_name}",
-        subtitle=f"session {session.folder.name} · {count} run{'' if count == 1 else 's'} "
+        subtitle=f"folder {session.folder.name} · {count} run{'' if count == 1 else 's'} "
         "that can be read",
         verdict=_verdict(content),
         key_figures=_key_figures(content),
@@ -166,15 +165,7 @@ def _details(content: CheckReport) -> Section:
 
 
 def _support(support: DoubleSupport | None) -> str:
-    if support is None:
-        return "none (walking)"
-    return ", ".join(
-        (
-            f"x\N{NO-BREAK SPACE}{quantity(1e3 * support.dx, 'mm', 0)}",
-            f"y\N{NO-BREAK SPACE}{quantity(1e3 * support.dy, 'mm', 0)}",
-            f"yaw\N{NO-BREAK SPACE}{quantity(math.degrees(support.dtheta), 'deg', 1)}",
-        )
-    )
+    return "none (walking)" if support is None else double_support_text(support)
 
 
 def _duration(entry: RunEntry, content: CheckReport) -> float:

@@ -25,8 +25,14 @@ from shoecal_core.report.page import (
 from shoecal_core.report.plan_animation import animation
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_figures import motion_pictures
+from shoecal_core.report.plan_forecast import (
+    PlanForecast,
+    forecast_figures,
+    forecast_line,
+    forecast_section,
+)
 from shoecal_core.report.plan_strip import plan_strips
-from shoecal_core.report.quantities import quantity
+from shoecal_core.report.quantities import double_support_text, quantity
 from shoecal_core.report.scene.offscreen import tried
 from shoecal_core.report.sheet import Part, write_sheet
 from shoecal_core.report.svg import readable
@@ -56,6 +62,7 @@ def write_plan(
     motions: Sequence[PlannedMotion],
     unplanned: Sequence[Unplanned] = (),
     shoe: Shoe | None = None,
+    forecast: PlanForecast | None = None,
 ) -> None:
     """Write `plan.html`, and beside it `LABEL.svg` for every motion.
 
@@ -64,6 +71,7 @@ def write_plan(
         motions: one at least.
         unplanned: double supports in which there is none.
         shoe: that the robot wears; None: it is not drawn in three dimensions.
+        forecast: what a calibration from these motions would come to know, where it is known.
 
     Raises:
         FileError: when a file cannot be written.
@@ -72,7 +80,7 @@ def write_plan(
     for planned, drawn in zip(motions, pictures, strict=True):
         write_sheet(folder / picture_name(planned), _rows(planned, drawn), _alt(planned))
     seen = None if shoe is None else tried(lambda: plan_strips(motions, shoe))
-    write_page(folder / PAGE, plan_page(motions, pictures, unplanned, seen))
+    write_page(folder / PAGE, plan_page(motions, pictures, unplanned, seen, forecast))
 
 
 def picture_name(planned: PlannedMotion) -> str:
@@ -95,6 +103,7 @@ def plan_page(
     pictures: Sequence[tuple[Picture, ...]],
     unplanned: Sequence[Unplanned] = (),
     seen: Sequence[Strip] | str | None = None,
+    forecast: PlanForecast | None = None,
 ) -> Page:
     """The page, ready to be rendered; the same motions make the same page.
 
@@ -103,6 +112,7 @@ def plan_page(
         pictures: of each.
         unplanned: double supports in which there is none.
         seen: the robot in each of them, or why it cannot be seen.
+        forecast: what a calibration from them would come to know, where it is known.
     """
     strips = [None] * len(motions) if seen is None or isinstance(seen, str) else seen
     tables = (_table(motions), *((_unplanned_table(unplanned),) if unplanned else ()))
@@ -112,10 +122,11 @@ def plan_page(
         title=f"Planned motions of {readable(robot.name)}",
         subtitle=f"{count} motion{'s' if count > 1 else ''}, each from standing still to standing "
         "still",
-        verdict=verdict(motions, unplanned),
-        key_figures=_key_figures(motions),
+        verdict=verdict(motions, unplanned, forecast),
+        key_figures=(*_key_figures(motions), *(forecast_figures(forecast) if forecast else ())),
         sections=(
             Section("All motions", (Group(tables=tables),), seen if isinstance(seen, str) else ""),
+            *((forecast_section(forecast),) if forecast else ()),
             *(_section(*one) for one in zip(motions, pictures, strips, strict=True)),
         ),
         provenance=(
@@ -132,8 +143,13 @@ def _robot_line(robot: Robot) -> str:
     )
 
 
-def verdict(motions: Sequence[PlannedMotion], unplanned: Sequence[Unplanned] = ()) -> Verdict:
-    """Whether the robot may do it, and what it will not reach."""
+def verdict(
+    motions: Sequence[PlannedMotion],
+    unplanned: Sequence[Unplanned] = (),
+    forecast: PlanForecast | None = None,
+) -> Verdict:
+    """Whether the robot may do it, what it will not reach, and whether it would tell enough."""
+    lines = (forecast_line(forecast),) if forecast else ()
     reasons = []
     for planned in motions:
         for finding in planned.report.violated:
@@ -152,15 +168,16 @@ def verdict(motions: Sequence[PlannedMotion], unplanned: Sequence[Unplanned] = (
             text = f"{planned.label}: out of reach: landmark {', '.join(missed)}."
             reasons.append(Reason("WARN", text))
     if violated:
-        return Verdict("FAIL", "Not every motion keeps its limits.", tuple(reasons))
+        return Verdict("FAIL", "Not every motion keeps its limits.", tuple(reasons), lines=lines)
     if unplanned:
         count = len(motions) + len(unplanned)
         meaning = f"{len(unplanned)} of {count} motions could not be planned."
-        return Verdict("FAIL", meaning, tuple(reasons))
+        return Verdict("FAIL", meaning, tuple(reasons), lines=lines)
     meaning = "Every motion keeps all limits in a check that is independent of the planner."
     if reasons:
-        return Verdict("WARN", f"{meaning} Not every landmark is reached.", tuple(reasons))
-    return Verdict("PASS", f"{meaning} Every landmark is reached.", ())
+        meaning = f"{meaning} Not every landmark is reached."
+        return Verdict("WARN", meaning, tuple(reasons), lines=lines)
+    return Verdict("PASS", f"{meaning} Every landmark is reached.", (), lines=lines)
 
 
 def heading(planned: PlannedMotion) -> str:
@@ -170,11 +187,7 @@ def heading(planned: PlannedMotion) -> str:
 
 def support_text(support: DoubleSupport) -> str:
     """Where the right foot stands."""
-    return (
-        f"right foot from the left: x {quantity(1e3 * support.dx, 'mm', 0)}, "
-        f"y {quantity(1e3 * support.dy, 'mm', 0)}, "
-        f"yaw {quantity(math.degrees(support.dtheta), '°', 1)}"
-    )
+    return f"right foot from the left: {double_support_text(support)}"
 
 
 def _key_figures(motions: Sequence[PlannedMotion]) -> tuple[KeyFigure, ...]:

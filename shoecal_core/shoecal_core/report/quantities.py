@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from shoecal_core.calibration.metrics import Mae
+from shoecal_core.model.double_support import DoubleSupport
 
 UNKNOWN = "–"
 SPACE = "\N{NO-BREAK SPACE}"
@@ -55,6 +56,17 @@ def mean_error(mae: Mae, unit: str, scale: float = 1.0) -> str:
         return UNKNOWN
     mean, std = number(scale * mae.mean, 2), number(scale * mae.std, 2)
     return _with_unit(f"{mean}{PLUS_MINUS}{std}", unit)
+
+
+def double_support_text(support: DoubleSupport) -> str:
+    """Where the right foot stands, from the left."""
+    return ", ".join(
+        (
+            f"x{SPACE}{quantity(1e3 * support.dx, 'mm', 0)}",
+            f"y{SPACE}{quantity(1e3 * support.dy, 'mm', 0)}",
+            f"yaw{SPACE}{quantity(math.degrees(support.dtheta), '°', 1)}",
+        )
+    )
 
 
 def _with_unit(text: str, unit: str) -> str:

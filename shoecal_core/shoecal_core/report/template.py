@@ -264,7 +264,9 @@ tbody tr{padding:7px 0;border-bottom:1px solid var(--rule)}
 tbody tr:last-child{border-bottom:0}
 th,td{border:0;padding:1px 0}
 td{display:flex;justify-content:space-between;gap:14px;text-align:right}
-td.unknown{display:none}
+td.unknown:not([data-label=""]){display:none}
+td[data-label=""]{justify-content:flex-start;text-align:left}
+td[data-label=""]::before{content:none}
 td::before{content:attr(data-label);flex:0 1 40%;color:var(--muted);text-align:left;
  overflow-wrap:normal}
 }

@@ -59,7 +59,7 @@ def test_the_figures_told_are_those_computed(content: CalibrationReport, text: s
     calibrated = content.errors["self_calibration"]["test"]
     for mae in calibrated.foot_cop:
         assert spaced(mean_error(mae, "mm", 1e3)) in text
-    assert "x 60 mm, y −120 mm, yaw −22.9 deg" in text
+    assert "x 60 mm, y −120 mm, yaw −22.9°" in text
     assert "61.2 s" in text
     assert "24.5 °C" in text
 

@@ -67,7 +67,11 @@ def dead(shoe: Shoe, runs: Mapping[int, Blocks]) -> list[int]:
 
 
 def stuck(shoe: Shoe, runs: Mapping[int, Blocks], alive: Sequence[int]) -> list[Stuck]:
-    """Every stretch in which a living channel stays where it is while its neighbours move."""
+    """Every stretch in which a living channel stays where it is while its neighbours move.
+
+    The moments of a six-axis sensor are left alone: a CoP that moves along one axis of the sole
+    keeps the moment of the other for as long as it does.
+    """
     whole = _ranges(runs)
     found = []
     for run, blocks in runs.items():
@@ -78,7 +82,7 @@ def stuck(shoe: Shoe, runs: Mapping[int, Blocks], alive: Sequence[int]) -> list[
         moved = np.maximum(np.ptp(windows, axis=-1) - NOISE_RANGE * blocks.noise, 0.0)
         for channel in alive:
             others = [one for one in neighbours(shoe, channel) if one in alive]
-            if not others:
+            if shoe.torque[channel] or not others:
                 continue
             # A channel that was stuck for long has had no chance to show its range.
             own = max(whole[channel], LEAST_RANGE * float(np.median(whole[others])))
