@@ -24,7 +24,7 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.motion import Motion
-from shoecal_core.sensing.wrench import at_cop, combined, to_left, weight_below
+from shoecal_core.sensing.wrench import at_cop, combined, weight_below
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -210,16 +210,13 @@ def _shared(
     """
     samples, wiring = scene.samples, scene.wiring
     below = weight_below(samples.shoe)
-    columns = wiring.columns.copy()
-    right = wiring.foot == 1
     rows, values = [], []
     if loaded.all():
-        columns[right] = columns[right] @ to_left(support).T
-        rows.append(columns.T)
+        rows.append(wiring.in_left(support).T)
         values.append(wrench - combined(below, support))
     else:
         for foot in (0, 1):
-            rows.append(np.where(wiring.foot == foot, columns.T, 0.0))
+            rows.append(wiring.of_foot(foot).T)
             values.append(loaded[foot] * wrench - below[foot])
     for foot in np.flatnonzero(loaded & scene.planes.any(axis=1)).tolist():
         rows.append(scene.planes[foot][None])

@@ -8,9 +8,7 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.samples import Samples
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.sensing.shoe import FEET
-from shoecal_core.sensing.wrench import (
-    ChannelParameters,
-)
+from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

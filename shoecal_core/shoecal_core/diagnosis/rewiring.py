@@ -10,10 +10,13 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.effects.base import Effect, Place
 from shoecal_core.diagnosis.hypotheses import Hypothesis
-from shoecal_core.diagnosis.scene import Scene, Wiring
+from shoecal_core.diagnosis.result import Cause
+from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.shrink import shrink
+from shoecal_core.diagnosis.wiring import Wiring
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
-from shoecal_core.sensing.wrench import at_cop, combined, to_left, weight_below
+from shoecal_core.sensing.wrench import at_cop, combined, weight_below
 
 FloatArray = NDArray[np.float64]
 CLEARLY = 0.5
@@ -33,6 +36,19 @@ class Exchange:
 
     hypothesis: Hypothesis
     workspace: Workspace
+
+    def cause(self, before: FloatArray) -> Cause:
+        """What it is, by residuals (T, s) under the shoe file's wiring."""
+        return Cause(
+            effect=self.hypothesis.effect.identifier,
+            group=self.hypothesis.effect.group,
+            location=self.hypothesis.place,
+            probability=1.0,
+            size={},
+            run=None,
+            shrink=shrink(self.workspace, before, self.workspace.explained(None)[0]),
+            hidden_cop_mm=0.0,
+        )
 
 
 def rewired(
@@ -75,9 +91,7 @@ def _misfit(workspace: Workspace, wiring: Wiring) -> float:
         part &= workspace.rows_of(workspace.train)
         if not part.any():
             continue
-        columns = wiring.columns.copy()
-        right = wiring.foot == 1
-        columns[right] = columns[right] @ to_left(support).T
+        columns = wiring.in_left(support)
         readings = samples.readings[part]
         wrench = at_cop(samples.force[part], samples.cop[part]) - combined(base, support)
         for axis, scale in enumerate((1.0, 1.0 / LEVER, 1.0 / LEVER)):

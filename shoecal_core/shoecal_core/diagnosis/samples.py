@@ -156,6 +156,23 @@ class Samples:
             return np.zeros(self.angles.shape[1])
         return np.array([_step(joint) for joint in np.concatenate(slow).T])
 
+    def segment_means(self, values: FloatArray) -> FloatArray:
+        """(T, ...) each sample's segment's mean."""
+        segment = self.segment
+        count = np.maximum(np.bincount(segment), 1)
+        flat = values.reshape(len(values), -1)
+        sums = np.stack([np.bincount(segment, weights=column) for column in flat.T], axis=1)
+        means: FloatArray = (sums / count[:, None])[segment].reshape(values.shape)
+        return means
+
+    def segment_medians(self, values: FloatArray) -> FloatArray:
+        """(T, k) of values (T, k): each sample's segment's median."""
+        segment = self.segment
+        found = np.zeros((int(segment.max()) + 1, values.shape[1]))
+        for one in np.unique(segment):
+            found[one] = np.median(values[segment == one], axis=0)
+        return found[segment]
+
     def decimated(self, work: Callable[[Track], FloatArray]) -> FloatArray:
         """(T, ...) of what is worked out on each run at the recorded rate (F, ...)."""
         return np.concatenate([track.mean(work(track)) for track in self.tracks])

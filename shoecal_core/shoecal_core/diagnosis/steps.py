@@ -1,6 +1,8 @@
-"""Feet that moved once on the floor: steps of the closure that stay.
+"""Feet that moved once on the floor: steps of the closure.
 
-The closure knows no force sensor and no fit, so that runs may be looked at which test the fits.
+`step_times` asks when a course most looks as if it had made a step, whatever else it does: moments
+that a fit then judges. `step_of` asks whether it made one that stays, and needs no fit: the closure
+knows no force sensor, so that runs may be looked at which test the fits.
 """
 
 from __future__ import annotations
@@ -25,6 +27,11 @@ STANDS_OUT = 3.0
 """Times what else the closure does in as short a time, anywhere in that run."""
 STAYS = 0.5
 """Share of the step that the whole course after it differs from the whole course before."""
+
+ONSETS = 2
+"""Moments in a run at which a slip is looked for."""
+EDGE = 5
+"""Samples at a run's ends among which no step can be told."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +78,29 @@ def step_of(time: FloatArray, closure: FloatArray) -> tuple[float, FloatArray] |
         return None
     # Halfway through it the foot moves: where the course is nearest to the middle of both levels.
     return float(_onset(time, course, best, jumps[best])), jumps[best] / [1.0, 1.0, ARM_M]
+
+
+def step_times(time: FloatArray, signals: FloatArray) -> list[float]:
+    """When signals (T, k) most look as if they had made a step [s]; none of a short course.
+
+    The mean before and after a moment parts a course best. Each signal counts by its own scatter
+    within short times, so that no noise need be known.
+    """
+    count = len(time)
+    if count < 4 * EDGE:
+        return []
+    scatter = np.std(np.diff(signals, axis=0), axis=0)
+    signals = signals[:, scatter > 0.0] / scatter[scatter > 0.0]
+    sums = np.cumsum(signals - signals.mean(axis=0), axis=0)
+    before = np.arange(1, count + 1)
+    split = (sums**2).sum(axis=1) * count / np.maximum(before * (count - before), 1)
+    split[:EDGE] = split[-EDGE:] = 0.0
+    found = []
+    for _ in range(ONSETS):
+        at = int(np.argmax(split))
+        found.append(float(0.5 * (time[at] + time[at + 1])))
+        split[max(0, at - 2 * EDGE) : at + 2 * EDGE] = 0.0
+    return found
 
 
 def _jump(time: FloatArray, course: FloatArray, at: float) -> FloatArray:

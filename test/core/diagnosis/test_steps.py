@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.steps import step_of
+from shoecal_core.diagnosis.steps import EDGE, ONSETS, step_of, step_times
 
 FloatArray = NDArray[np.float64]
 
@@ -53,3 +53,26 @@ def test_a_motion_from_place_to_place_is_no_step() -> None:
 
 def test_a_short_run_tells_none() -> None:
     assert step_of(TIME[:8], course(2)[:8]) is None
+
+
+@given(st.integers(0, 1000), st.floats(4.0, 26.0), st.sampled_from([0, 1, 2]))
+def test_a_step_is_among_the_moments_that_are_tried(seed: int, onset: float, axis: int) -> None:
+    later = (onset < TIME)[:, None]
+    times = step_times(TIME, course(seed) + later * np.array([3e-3, 3e-3, 0.03]) * np.eye(3)[axis])
+    assert len(times) == ONSETS
+    assert min(abs(time - onset) for time in times) < 0.3
+
+
+def test_moments_are_told_apart_and_away_from_the_ends() -> None:
+    first, second = sorted(step_times(TIME, course(3)))
+    assert TIME[EDGE] <= first < second <= TIME[-EDGE]
+    assert second - first >= 2 * EDGE * (TIME[1] - TIME[0])
+
+
+def test_a_signal_that_never_changes_says_nothing_of_moments() -> None:
+    still = np.hstack((course(4), np.full((len(TIME), 2), 0.3)))
+    assert step_times(TIME, still) == step_times(TIME, course(4))
+
+
+def test_in_a_short_run_no_moment_is_tried() -> None:
+    assert step_times(TIME[: 4 * EDGE - 1], course(5)[: 4 * EDGE - 1]) == []

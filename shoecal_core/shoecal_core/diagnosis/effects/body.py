@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis import give
 from shoecal_core.diagnosis.body import driven_together
 from shoecal_core.diagnosis.effects import places
 from shoecal_core.diagnosis.effects.base import Component, Place, Shape
+from shoecal_core.diagnosis.give import Given
 from shoecal_core.diagnosis.scene import Scene
 
 FloatArray = NDArray[np.float64]
@@ -115,17 +115,16 @@ class _Give(ABC):
     def _as_soles_tell(self, scene: Scene, place: Place, name: str) -> Iterator[Shape]:
         """As the soles tell that a place gives, if that is what this effect would make of it."""
         joints = places.joints_at(scene, place)
-        given = give.told(scene, joints)
-        size = self._size(scene, joints, given)
+        given = scene.give.of(joints)
+        size = self._size(given)
         if size is not None:
             change = np.zeros_like(scene.samples.angles)
-            change[:, joints] = given / size
-            spent = give.spent(scene, joints)
-            yield Shape((name,), scene.by_angles(change)[None], spent=spent)
+            change[:, joints] = given.course / size
+            yield Shape((name,), scene.by_angles(change)[None], spent=given.spent)
 
     @abstractmethod
-    def _size(self, scene: Scene, joints: Sequence[int], given: FloatArray) -> float | None:
-        """Of the effect that makes joints give (T, joints); None where it would not do so."""
+    def _size(self, given: Given) -> float | None:
+        """Of the effect that makes joints give so; None where it would not do so."""
         raise NotImplementedError
 
 
@@ -140,8 +139,8 @@ class JointCompliance(_Give):
         yield self._shape(scene, place, "compliance", scene.torque)
         yield from self._as_soles_tell(scene, place, "compliance")
 
-    def _size(self, scene: Scene, joints: Sequence[int], given: FloatArray) -> float | None:
-        return give.with_torque(scene, joints, given)
+    def _size(self, given: Given) -> float | None:
+        return given.compliance
 
 
 class Backlash(_Give):
@@ -155,6 +154,6 @@ class Backlash(_Give):
         yield self._shape(scene, place, "play", 0.5 * np.tanh(scene.torque / FRICTION))
         yield from self._as_soles_tell(scene, place, "play")
 
-    def _size(self, scene: Scene, joints: Sequence[int], given: FloatArray) -> float | None:
-        play = float(np.ptp(given, axis=0).max())
-        return play if play > 0.0 and give.with_torque(scene, joints, given) is None else None
+    def _size(self, given: Given) -> float | None:
+        play = float(np.ptp(given.course, axis=0).max())
+        return play if play > 0.0 and given.compliance is None else None

@@ -11,16 +11,13 @@ from shoecal_core.diagnosis.effects import places
 from shoecal_core.diagnosis.effects.base import ALL, Component, Place, Shape
 from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.signals import CLOSURE, COP, ROLL_PITCH
+from shoecal_core.diagnosis.steps import step_times
 from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 MOVES = (Component("dx", "m", 0.004), Component("dy", "m", 0.004), Component("dtheta", "rad", 0.03))
-_ONSETS = 2
-"""Times in a run at which a slip is looked for."""
 TURNED = "turn_180"
 """Motion's name of a run for which the robot was turned by half a turn on the same floor."""
-_EDGE = 5
-"""Samples at a run's ends among which no step can be told."""
 
 
 class FootPlacement:
@@ -60,38 +57,13 @@ class Slip:
         both = samples.both
         for track in samples.tracks:
             here = (samples.run == track.run) & both
-            if np.count_nonzero(here) < 4 * _EDGE:
-                continue
-            for onset in step_times(scene, here):
+            signals = np.hstack((scene.residuals[here][:, CLOSURE], scene.residuals[here][:, COP]))
+            for onset in step_times(samples.time[here], signals):
                 later = (here & (samples.time > onset)).astype(np.float64)
                 # The right foot's place is the segment's median: where it mostly stands.
-                course = later - (scene.segment_means(later) > 0.5)
+                course = later - (samples.segment_means(later) > 0.5)
                 columns = np.array([scene.settled(one * course[:, None]) for one in whole])
-                yield Shape(
-                    ("dx", "dy", "dtheta"), columns, {"time": float(onset)}, track.run, float(onset)
-                )
-
-
-def step_times(scene: Scene, here: NDArray[np.bool_]) -> list[float]:
-    """When the closure and the CoP of a run most look as if they had made a step [s].
-
-    Each signal counts by its own scatter within short times, so that no noise need be known.
-    """
-    time = scene.samples.time[here]
-    signals = np.hstack((scene.residuals[here][:, CLOSURE], scene.residuals[here][:, COP]))
-    scatter = np.std(np.diff(signals, axis=0), axis=0)
-    signals = signals[:, scatter > 0.0] / scatter[scatter > 0.0]
-    sums = np.cumsum(signals - signals.mean(axis=0), axis=0)
-    count = len(time)
-    before = np.arange(1, count + 1)
-    split = (sums**2).sum(axis=1) * count / np.maximum(before * (count - before), 1)
-    split[:_EDGE] = split[-_EDGE:] = 0.0
-    found = []
-    for _ in range(_ONSETS):
-        at = int(np.argmax(split))
-        found.append(float(0.5 * (time[at] + time[at + 1])))
-        split[max(0, at - 2 * _EDGE) : at + 2 * _EDGE] = 0.0
-    return found
+                yield Shape(("dx", "dy", "dtheta"), columns, {"time": onset}, track.run, onset)
 
 
 def slipped(scene: Scene, foot: int, axis: int) -> FloatArray:

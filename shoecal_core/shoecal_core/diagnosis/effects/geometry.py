@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.effects import places
 from shoecal_core.diagnosis.effects.base import Component, Place, Shape
 from shoecal_core.diagnosis.effects.load_cell import shown
-from shoecal_core.diagnosis.scene import Scene, Wiring
+from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.signals import AIR
+from shoecal_core.diagnosis.wiring import Wiring
 from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]
