@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from core.diagnosis.rewritten import rewritten
+from shoecal_core.diagnosis.diagnose import Wanted, diagnose
+from shoecal_core.diagnosis.effects.load_cell import StuckCell
 from shoecal_core.diagnosis.samples import Samples
 from shoecal_core.diagnosis.stopped import stopped
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.recording.run import Run
+from shoecal_core.recording.session import Session
 
 FloatArray = NDArray[np.float64]
+STUCK = (StuckCell(),)
 
 
 def stuck(samples: Samples, channel: int, time: float, share: float) -> Samples:
@@ -73,3 +80,30 @@ def test_what_it_tells_is_a_cause(workspace: Workspace) -> None:
     assert cause.location == (samples.shoe.names[0],)
     low, high = cause.size["time"].ci95
     assert low < found.time < high
+
+
+def test_a_diagnosis_names_the_cell_and_its_moment(
+    standard_session: Session, tmp_path: Path
+) -> None:
+    """Of a session that is recorded anew with a cell that stops in the middle of the second run."""
+    channel, moment = 1, 15.0
+    level: list[float] = []
+
+    def stops(run: Run) -> Run:
+        readings = run.readings
+        number, value = run.info.run, readings.value.copy()
+        late = readings.time >= (moment if number == 2 else 0.0)
+        if number >= 2:
+            level.append(float(value[late][0, channel]))
+            value[late, channel] = level[0]
+        return replace(run, readings=replace(readings, value=value))
+
+    session = rewritten(standard_session, tmp_path / "stops", (1, 2, 3, 5), stops)
+    cell = session.shoe.names[channel]
+    said = diagnose(session, (1, 2, 3), (4,), only=Wanted("stuck_cell", (cell,)), effects=STUCK)
+    (cause,) = said.causes
+    assert (said.verdict, cause.effect, cause.location) == ("explained", "stuck_cell", (cell,))
+    assert cause.size["share"].value == pytest.approx(1.0, abs=0.05)
+    first, second = (session.read(number).start_ns for number in (1, 2))
+    assert cause.size["time"].value == pytest.approx(1e-9 * (second - first) + moment, abs=1.0)
+    assert cause.shrink.fraction > 0.9

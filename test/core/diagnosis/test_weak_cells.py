@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from shoecal_core.diagnosis.answer import answer
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.effects.base import Place
 from shoecal_core.diagnosis.scene import make_scene
+from shoecal_core.diagnosis.selection import Found
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.weak_cells import weak_cells
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
@@ -43,6 +46,25 @@ def test_a_cell_that_hardly_answers_is_a_stuck_one(
     size = cause.size["share"]
     assert size.ci95[0] <= 1.0 - share <= size.ci95[1]
     assert cause.hidden_cop_mm > 1.0
+
+
+def test_it_is_a_cause_though_no_signal_shows_a_gap(workspace: Workspace) -> None:
+    weak = answering(workspace, 1, 0.1)
+    certain = weak_cells(weak, everywhere)
+    said = answer(weak, weak, certain, Found(None, (), ()), SETTINGS)
+    assert said.verdict == "explained"
+    assert list(said.causes) == certain
+    assert [(one.effect, one.probability) for one in said.ambiguity] == [("stuck_cell", 1.0)]
+    assert answer(weak, weak, (), Found(None, (), ()), SETTINGS).verdict == "no_gap"
+
+
+def test_a_gain_that_nothing_fixes_accuses_no_cell(workspace: Workspace) -> None:
+    weak = answering(workspace, 1, 0.1)
+    nothing = weak.scorer.nothing
+    unsure = replace(nothing, covariance=nothing.covariance * 1e8)
+    scorer = copy(weak.scorer)
+    scorer.nothing = unsure
+    assert weak_cells(replace(weak, scorer=scorer), everywhere) == []
 
 
 def test_only_where_it_is_asked_for(workspace: Workspace) -> None:
