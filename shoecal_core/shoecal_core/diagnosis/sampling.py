@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,11 @@ from scipy.sparse import csr_matrix
 from shoecal_core.calibration.aligned import Aligned, align
 from shoecal_core.diagnosis.clocks import check_clocks
 from shoecal_core.diagnosis.known_weight import carried, with_mass
+from shoecal_core.diagnosis.missing import missing
 from shoecal_core.diagnosis.momentum import standing_spin
 from shoecal_core.diagnosis.samples import Samples, Track
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.side_channels import efforts, temperature, upwards
 from shoecal_core.diagnosis.walking_samples import Walk, find_walk, pieces
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.kinematics import Kinematics
@@ -31,10 +33,6 @@ IntArray = NDArray[np.int64]
 TRANSIT_S = 0.8
 """Around lifting and landing, samples are left out for this long."""
 MIN_SEGMENT_S = 0.8
-MOVES_M = 0.003
-"""Way of the CoM below which a robot stands still; encoders' steps make less."""
-UNSURE_MASS = 0.02
-"""Standard uncertainty of the robot's mass, over the mass, from which it is told."""
 LEAST_FILLED = 0.5
 """Part of a sample's time in which there must be readings."""
 
@@ -69,8 +67,8 @@ def load_samples(
     parts = _parts(read, robot, shoe, settings, notes)
     if not parts:
         raise FileError(session.folder, "no run can be used: " + "; ".join(notes))
-    notes += _missing(parts, robot)
-    return _joined(parts, robot, shoe, kinematics, notes)
+    samples = _joined(parts, robot, shoe, kinematics)
+    return replace(samples, notes=(*notes, *missing(samples)))
 
 
 def _parts(
@@ -107,7 +105,6 @@ def _joined(
     robot: Robot,
     shoe: Shoe,
     kinematics: Kinematics,
-    notes: Sequence[str],
 ) -> Samples:
     """One after the other."""
     angles = np.concatenate([part.track.mean(part.track.angles) for part in parts])
@@ -154,7 +151,7 @@ def _joined(
         walks=walking,
         acceleration=np.where(walking[:, None], 0.0, acceleration[rows, frame]),
         spin=np.concatenate([part.spin for part in parts]),
-        notes=tuple(notes),
+        notes=(),
     )
 
 
@@ -207,9 +204,9 @@ def _part(
         time=time,
         readings=aligned.readings,
         angles=aligned.joint_angles,
-        efforts=_efforts(run, robot, time),
-        up=_upwards(run, time),
-        temperature=_temperature(run, time),
+        efforts=efforts(run, robot, time),
+        up=upwards(run, time),
+        temperature=temperature(run, time),
         com=com,
         samples=slice(at, at + weights.shape[0]),
         weights=weights,
@@ -297,72 +294,3 @@ def _bins(
         (1.0 / count[inverse[keep]], (rows, columns)), shape=(int(full.sum()), len(time))
     )
     return weights, names[full, 0]
-
-
-def _efforts(run: Run, robot: Robot, time: FloatArray) -> FloatArray | None:
-    if run.joints.effort is None:
-        return None
-    efforts = np.zeros((len(time), len(robot.joint_names)))
-    told = dict(zip(run.joints.names, run.joints.effort.T, strict=True))
-    for index, name in enumerate(robot.joint_names):
-        if name not in told or not np.isfinite(told[name]).all():
-            if index in robot.moved:
-                return None
-            continue
-        efforts[:, index] = np.interp(time, run.joints.time, told[name])
-    return efforts if np.any(efforts) else None
-
-
-def _upwards(run: Run, time: FloatArray) -> FloatArray | None:
-    """The third row of the rotation from the base to the world."""
-    imu = run.imu
-    if imu is None or not np.isfinite(imu.quaternion).all() or len(imu.time) < 2:
-        return None
-    x, y, z, w = imu.quaternion.T
-    up = np.stack((2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)), axis=1)
-    return np.stack([np.interp(time, imu.time, axis) for axis in up.T], axis=1)
-
-
-def _temperature(run: Run, time: FloatArray) -> FloatArray | None:
-    if run.shoe_temperature is not None:
-        return np.interp(time, run.shoe_temperature.time, run.shoe_temperature.value)
-    told = run.readings.temperature
-    if not np.isfinite(told).any(axis=1).any():
-        return None
-    known = np.isfinite(told).any(axis=1)
-    mean = np.nanmean(told[known], axis=1)
-    return np.interp(time, run.readings.time[known], mean)
-
-
-def _missing(parts: Sequence[_Part], robot: Robot) -> list[str]:
-    tracks = [part.track for part in parts]
-    notes = []
-    if walking := [str(track.run) for track in tracks if track.walks]:
-        notes.append(
-            f"runs {', '.join(walking)} walk: CoP and GRF are told against the zero-moment point "
-            "of joints and base pose, in single and double supports of flat, still feet"
-        )
-    if robot.mass_std > UNSURE_MASS * robot.mass:
-        notes.append(
-            f"the robot's weight is known to {robot.mass_std / robot.mass:.0%} only, and a wrong "
-            "one looks exactly like a common error of all gains: put it on a scale"
-        )
-    if any(track.up is None for track in tracks):
-        notes.append("no /imu in every run: a tilt of the floor is only seen by the CoP")
-    if all(track.temperature is None for track in tracks):
-        notes.append("no temperature: drifts are told by time alone")
-    if all(track.efforts is None for track in tracks):
-        notes.append("no joint efforts: loads sideways on cells are not looked for")
-    if not any((~part.loaded).any() for part in parts):
-        notes.append("no foot is ever in the air: how the feet share the load is weakly fixed")
-    moved = max(float(np.ptp(track.mean(track.com)[..., :2], axis=0).max()) for track in tracks)
-    if moved < MOVES_M:
-        raise ShoecalError(
-            f"the CoM moves by {1e3 * moved:.1f} mm at most, which tells nothing: "
-            "record runs in which the robot moves"
-        )
-    if len(parts) < 2:
-        raise ShoecalError(
-            "one run alone cannot tell a gap from a parameter: record at least two double supports"
-        )
-    return notes

@@ -1,0 +1,52 @@
+"""What a session lacks, told in words before anything is fitted to it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shoecal_core.diagnosis.samples import Samples
+from shoecal_core.errors import ShoecalError
+
+MOVES_M = 0.003
+"""Way of the CoM below which a robot stands still; encoders' steps make less."""
+UNSURE_MASS = 0.02
+"""Standard uncertainty of the robot's mass, over the mass, from which it is told."""
+
+
+def missing(samples: Samples) -> list[str]:
+    """What is not there, and what it costs.
+
+    Raises:
+        ShoecalError: when what is there tells nothing.
+    """
+    robot, tracks = samples.robot, samples.tracks
+    notes = []
+    if walking := [str(track.run) for track in tracks if track.walks]:
+        notes.append(
+            f"runs {', '.join(walking)} walk: CoP and GRF are told against the zero-moment point "
+            "of joints and base pose, in single and double supports of flat, still feet"
+        )
+    if robot.mass_std > UNSURE_MASS * robot.mass:
+        notes.append(
+            f"the robot's weight is known to {robot.mass_std / robot.mass:.0%} only, and a wrong "
+            "one looks exactly like a common error of all gains: put it on a scale"
+        )
+    if any(track.up is None for track in tracks):
+        notes.append("no /imu in every run: a tilt of the floor is only seen by the CoP")
+    if all(track.temperature is None for track in tracks):
+        notes.append("no temperature: drifts are told by time alone")
+    if all(track.efforts is None for track in tracks):
+        notes.append("no joint efforts: loads sideways on cells are not looked for")
+    if samples.loaded.all():
+        notes.append("no foot is ever in the air: how the feet share the load is weakly fixed")
+    moved = max(float(np.ptp(track.mean(track.com)[..., :2], axis=0).max()) for track in tracks)
+    if moved < MOVES_M:
+        raise ShoecalError(
+            f"the CoM moves by {1e3 * moved:.1f} mm at most, which tells nothing: "
+            "record runs in which the robot moves"
+        )
+    if len(tracks) < 2:
+        raise ShoecalError(
+            "one run alone cannot tell a gap from a parameter: record at least two double supports"
+        )
+    return notes

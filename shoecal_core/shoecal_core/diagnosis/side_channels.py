@@ -1,0 +1,48 @@
+"""What a run may tell beside angles and readings, at F times of these [s since its start]."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.model.robot import Robot
+from shoecal_core.recording.run import Run
+
+FloatArray = NDArray[np.float64]
+
+
+def efforts(run: Run, robot: Robot, time: FloatArray) -> FloatArray | None:
+    """(F, m) of the joints [N m]; None where those of the legs are not told."""
+    if run.joints.effort is None:
+        return None
+    efforts = np.zeros((len(time), len(robot.joint_names)))
+    told = dict(zip(run.joints.names, run.joints.effort.T, strict=True))
+    for index, name in enumerate(robot.joint_names):
+        if name not in told or not np.isfinite(told[name]).all():
+            if index in robot.moved:
+                return None
+            continue
+        efforts[:, index] = np.interp(time, run.joints.time, told[name])
+    return efforts if np.any(efforts) else None
+
+
+def upwards(run: Run, time: FloatArray) -> FloatArray | None:
+    """(F, 3) the direction upwards in the base's frame: a row of its rotation; None without it."""
+    imu = run.imu
+    if imu is None or not np.isfinite(imu.quaternion).all() or len(imu.time) < 2:
+        return None
+    x, y, z, w = imu.quaternion.T
+    up = np.stack((2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)), axis=1)
+    return np.stack([np.interp(time, imu.time, axis) for axis in up.T], axis=1)
+
+
+def temperature(run: Run, time: FloatArray) -> FloatArray | None:
+    """(F,) of the shoes [degC]; the mean of their cells' where only these tell it."""
+    if run.shoe_temperature is not None:
+        return np.interp(time, run.shoe_temperature.time, run.shoe_temperature.value)
+    told = run.readings.temperature
+    if not np.isfinite(told).any(axis=1).any():
+        return None
+    known = np.isfinite(told).any(axis=1)
+    mean = np.nanmean(told[known], axis=1)
+    return np.interp(time, run.readings.time[known], mean)
