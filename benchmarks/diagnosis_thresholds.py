@@ -1,0 +1,84 @@
+"""Tell every threshold of a diagnosis, and where its number comes from.
+
+    .venv/bin/python benchmarks/diagnosis_thresholds.py
+
+Writes a section of docs/diagnosis.md.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from pages import ROOT, table, write_section
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.settings import describe
+
+PAGE = ROOT / "docs" / "diagnosis.md"
+TIME = "computing time"
+ROBOTS = "robots as they are built"
+MEANT = "what the answer is to mean"
+TRIED = "development sessions"
+ORIGINS: Mapping[str, str] = {
+    "rate_hz": TIME,
+    "walking_rate_hz": TRIED,
+    "samples_max": TIME,
+    "filter_rate_hz": TIME,
+    "gain_std": ROBOTS,
+    "nominal_gain_std": ROBOTS,
+    "offset_std_n": ROBOTS,
+    "lifted_m": ROBOTS,
+    "parity_residual": TRIED,
+    "model_error_rad": TRIED,
+    "model_error_s": TRIED,
+    "joint_zero_rad": ROBOTS,
+    "causes_max": MEANT,
+    "evidence_min": TRIED,
+    "material": TRIED,
+    "later_material": TRIED,
+    "remainder_share": TRIED,
+    "other_material": TRIED,
+    "later_share": TRIED,
+    "temper": TRIED,
+    "form_error": TRIED,
+    "outside": TRIED,
+    "size_error": TRIED,
+    "set_share": MEANT,
+    "explained_from": MEANT,
+    "unknown_below": TRIED,
+    "unknown_from": TRIED,
+    "gap_from": TRIED,
+}
+"""Of each setting."""
+
+
+def section() -> str:
+    """The part of the page."""
+    rows = [["setting", "value", "meaning", "from"]]
+    for one in describe(DiagnosisSettings):
+        value = f"{one.default:g} {one.unit}".strip()
+        rows.append([f"`{one.name}`", value, one.doc, ORIGINS[one.name]])
+    return f"""\
+## Thresholds
+Those of a whole diagnosis are in `shoecal_core/diagnosis/settings.py` (this table:
+`.venv/bin/python benchmarks/diagnosis_thresholds.py`); those of a single step stand at the head of
+its module, with what they mean beside them.
+
+- *{TRIED.capitalize()}*: simulated by the generator of the blind check with the answers open,
+  under seeds that no table reports, and the sets of rounds that had been reported before. Such a
+  number was set by what was found, missed and wrongly named there. It is worth what a round says
+  that nobody had looked at.
+- *{ROBOTS.capitalize()}*: an estimate of how well robots and shoes are made. It is wide where the
+  data narrow it.
+- *{MEANT.capitalize()}*, *{TIME}*: a choice.
+
+{table(rows)}
+"""
+
+
+def main() -> None:
+    """Write."""
+    write_section("thresholds", section(), PAGE, "# Where model and reality differ, and why\n")
+
+
+if __name__ == "__main__":
+    main()
