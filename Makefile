@@ -104,7 +104,7 @@ faults: export OPENBLAS_NUM_THREADS := 1
 faults: setup  ## every fault very often, into docs/reliability.md (ARGS="--share 0.1")
 	$(BIN)/python benchmarks/faults.py $(ARGS)
 
-figures: setup  ## the figures of README and concepts, into docs/figures
+figures: setup  ## the figures of README, conventions and motions, into docs/figures
 	$(BIN)/python scripts/figures.py
 
 reference: setup  ## docs/reference, from the code (ARGS=--check)

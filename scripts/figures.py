@@ -1,9 +1,9 @@
-"""Draw the figures of README and conventions into docs/figures.
+"""Draw the figures of README, conventions and motions into docs/figures.
 
     .venv/bin/python scripts/figures.py [--session FOLDER]
 
 `demo-run.svg` and `demo-expected.svg` are of the tutorial's session, which is simulated;
-`conventions.svg` of the NAO's files alone.
+`conventions.svg` is of the NAO's files alone, `unload-left.svg` of a plan.
 """
 
 from __future__ import annotations
@@ -44,6 +44,8 @@ SHOWN = 5
 """The run that is drawn: one that was not fitted."""
 STANCE = DoubleSupport(0.04, -0.14, 0.35)
 HEIGHT, MM = 300.0, 1e3
+BELOW = (-54.0, -6.0)
+"""mm, in its frame: where a sole bears its name."""
 
 
 def main() -> None:
@@ -53,17 +55,28 @@ def main() -> None:
     args = parser.parse_args()
     write_conventions(FIGURES / "conventions.svg")
     with tempfile.TemporaryDirectory() as folder:
+        write_unloading(FIGURES / "unload-left.svg", Path(folder) / "plan")
         session = args.session or simulated(Path(folder) / "session")
         content = calibrated(session)
         write_run(FIGURES / "demo-run.svg", content)
         write_expected(FIGURES / "demo-expected.svg", content)
 
 
+def shoecal(*words: str | Path) -> None:
+    """Run a command of it."""
+    subprocess.run([sys.executable, "-m", "shoecal_core.cli", *map(str, words)], check=True)
+
+
 def simulated(session: Path) -> Path:
     """The tutorial's recording."""
-    command = [sys.executable, "-m", "shoecal_core.cli", "simulate", str(ROBOT)]
-    subprocess.run([*command, str(shoe_file_of(ROBOT)), "--out", str(session)], check=True)
+    shoecal("simulate", ROBOT, shoe_file_of(ROBOT), "--out", session)
     return session
+
+
+def write_unloading(path: Path, plan: Path) -> None:
+    """The left foot lifted for a moment, as it is planned."""
+    shoecal("plan", ROBOT, "--motion", "unload_left", "--stance", "neutral", "--out", plan)
+    atomic_write(path, (plan / "motion_001.svg").read_text())
 
 
 def calibrated(folder: Path) -> CalibrationReport:
@@ -113,8 +126,8 @@ def write_conventions(path: Path) -> None:
         axes.set_aspect("equal")
         axes.set_xlim(90.0, -260.0)
         axes.set_ylim(-90.0, 190.0)
-        axes.set_xlabel("y, to the left [mm]")
-        axes.set_ylabel("x, forward [mm]")
+        axes.set_xlabel("y, to the left (mm)")
+        axes.set_ylabel("x, forward (mm)")
         alt = "Frames of both soles from above; dx, dy and dtheta lead from the left to the right."
         drawn = page.svg(alt)
     atomic_write(path, sheet([[Part("From above: the robot looks up the page", drawn)]], alt))
@@ -131,7 +144,9 @@ def _frame(axes: Axes, origin: np.ndarray, turn: float, name: str, colour: str) 
             y + 70.0 * np.sin(angle), x + 70.0 * np.cos(angle), label,
             color=colour, ha="center", va="center",
         )  # fmt: skip
-    axes.text(y - 4.0, x - 10.0, name, color=colour, ha="left", va="top")
+    turned = np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]])
+    below_x, below_y = origin * MM + turned @ BELOW
+    axes.text(below_y, below_x, name, color=colour, ha="left", va="top")
 
 
 def _support(axes: Axes) -> None:
