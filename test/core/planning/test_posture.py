@@ -11,6 +11,7 @@ from core.planning.bodies import Body, load_body
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.standing import feet_gap
 from shoecal_core.planning.landmarks import Contour
+from shoecal_core.planning.legs import Legs
 from shoecal_core.planning.posture import (
     FeetOverlapError,
     StanceSolver,
@@ -59,6 +60,25 @@ def test_a_place_for_the_cop(body: Body) -> None:
     legs = StanceSolver(body.legs, SETTINGS).solve(neutral, target)
     cop = body.legs.cop(body.robot.from_legs(legs)[None])[0]
     np.testing.assert_allclose(cop, target, atol=1e-6)
+
+
+@pytest.mark.parametrize("share", [0.18, 0.165])
+def test_motors_at_their_limit_hold_a_heavy_robot_as_they_hold_a_light_one(
+    nao: Body, share: float
+) -> None:
+    light, times = nao.robot, 400.0
+    heavy = dataclasses.replace(light, model=light.model.copy(), mass=times * light.mass)
+    heavy.model.effortLimit = times * np.minimum(light.model.effortLimit, 1e3)
+    for index, link in enumerate(light.model.inertias):
+        heavy.model.inertias[index] = pin.Inertia(
+            times * link.mass, link.lever, times * link.inertia
+        )
+    support = DoubleSupport(0.03, -0.12, 0.2)
+    strained = dataclasses.replace(SETTINGS, torque_share=share)
+    expected = StanceSolver(nao.legs, strained).solve(support)
+    assert np.abs(expected - StanceSolver(nao.legs, SETTINGS).solve(support)).max() > 1e-3
+    found = StanceSolver(Legs(heavy), strained).solve(support)
+    np.testing.assert_allclose(found, expected, atol=1e-5)
 
 
 def test_one_call_gives_the_same(nao: Body) -> None:
