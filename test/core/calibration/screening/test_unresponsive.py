@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -84,6 +86,18 @@ def test_a_cell_that_hardly_moves_for_a_while_is_not_stuck() -> None:
 
     whole = recording().with_channel(3, hardly)
     assert stuck(whole.shoe, parts(whole), range(8)) == []
+
+
+def test_a_moment_may_stay_while_the_other_one_moves() -> None:
+    def along_the_sole(run: int, values: FloatArray) -> FloatArray:
+        values[1000:2200, 0] = values[1000, 0]
+        return values
+
+    whole = recording().with_readings(along_the_sole)
+    assert {one.channel for one in stuck(whole.shoe, parts(whole), range(8))} == {0}
+    moments = tuple(replace(channel, torque=True) for channel in whole.shoe.channels)
+    shoe = replace(whole.shoe, channels=moments)
+    assert stuck(shoe, parts(whole), range(8)) == []
 
 
 def test_a_foot_in_the_air_has_no_stuck_cells() -> None:
