@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.result import Candidate, Cause, Verdict
 from shoecal_core.diagnosis.scoring import Scored
-from shoecal_core.diagnosis.selection import Found
+from shoecal_core.diagnosis.selection import Found, happened
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, gap, shrink
 from shoecal_core.diagnosis.sizes import sizes
@@ -63,8 +63,7 @@ def answer(
         first = certain[0]
         ambiguity = (Candidate(first.effect, first.location, first.probability),)
         ranking = (*ambiguity, *ranking)
-    happened = any(cause.run is not None for cause in causes)
-    if not there and not certain and not happened:
+    if not there and not certain and not happened(best, found, settings):
         return Answer("no_gap", ranking=ranking)
     if not causes:
         return Answer(nothing_fits)

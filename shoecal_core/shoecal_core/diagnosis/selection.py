@@ -156,6 +156,19 @@ def matters(
     return matter(workspace, before, scored) >= least
 
 
+def happened(workspace: Workspace, found: Found, settings: DiagnosisSettings) -> bool:
+    """Whether one of the causes is something that happened once, and matters in its run."""
+    parts = found.chosen.parts if found.chosen is not None else ()
+    for index, part in enumerate(parts):
+        if part[1].shape.run is not None:
+            others = [*parts[:index], *parts[index + 1 :]]
+            before, _ = workspace.explained(workspace.scorer.score(others, foretell=False))
+            scored = workspace.scorer.score([*others, part], foretell=False)
+            if matter(workspace, before, scored) >= settings.material:
+                return True
+    return False
+
+
 def whole(scored: Scored) -> float:
     """As `weight`, with the priors of all parts."""
     others = sum(math.log(hypothesis.prior) for hypothesis, _ in scored.parts[:-1])
