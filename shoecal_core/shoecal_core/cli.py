@@ -28,6 +28,9 @@ PIPE_WIDTH = 140
 def main(argv: Sequence[str] | None = None) -> int:
     """Run one command; the exit code is 0 only on success."""
     words = sys.argv[1:] if argv is None else argv
+    if not words:
+        command_line(()).print_help(sys.stderr)
+        return 2
     args = command_line([word for word in words if word in COMMANDS][:1]).parse_args(words)
     # Results go to stdout, progress and errors to stderr: a pipe gets figures only.
     errors = Console(stderr=True, highlight=False)

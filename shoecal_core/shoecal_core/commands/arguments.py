@@ -120,7 +120,9 @@ def add_planning(parser: argparse.ArgumentParser) -> None:
         help=_listed("double supports by name", {name: at.doc for name, at in NAMED.items()}),
     )
     parser.add_argument("--seed", type=seed_number, default=1, help="draws whatever is random")
-    parser.add_argument("--settings", type=Path, help="parameter file of the planner node")
+    parser.add_argument(
+        "--settings", type=Path, metavar="FILE", help="parameter file of the planner node"
+    )
 
 
 def _listed(what: str, choices: Mapping[str, str]) -> str:
@@ -132,7 +134,8 @@ def add_shoe(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--shoe",
         type=Path,
-        help="shoe file (default: ../shoes/ROBOT_shoe.yaml beside the robot file ROBOT.yaml)",
+        metavar="FILE",
+        help="shoe file (default: ROBOT_shoe.yaml in ../shoes or beside the robot file ROBOT.yaml)",
     )
 
 

@@ -36,11 +36,14 @@ class CalibrationFailedError(ShoecalError):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
     parser.add_argument("session", type=Path, help="folder of the recorded session")
-    parser.add_argument("--out", type=Path, required=True, help="calibration file to write")
-    parser.add_argument("--report", type=Path, help="also write an HTML report")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", required=True, help="calibration file to write"
+    )
+    parser.add_argument("--report", type=Path, metavar="FILE", help="also write an HTML report")
     parser.add_argument(
         "--settings",
         type=Path,
+        metavar="FILE",
         help="parameter file of the calibrator node, for its weights and tolerances",
     )
     parser.add_argument(

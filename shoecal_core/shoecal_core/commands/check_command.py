@@ -37,7 +37,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
     parser.add_argument("session", type=Path, help="folder of the recorded session")
     parser.add_argument(
-        "--settings", type=Path, help="parameter file of the calibrator node, for its weights"
+        "--settings",
+        type=Path,
+        metavar="FILE",
+        help="parameter file of the calibrator node, for its weights",
     )
     parser.add_argument("--report", type=Path, metavar="FILE", help="also write an HTML report")
     add_force(parser)

@@ -25,9 +25,13 @@ from shoecal_core.workspace import config_dir, ros_environment
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
     parser.add_argument("--seed", type=seed_number, default=1, help="draws robot, cells, supports")
-    parser.add_argument("--out", type=Path, default=Path("out/demo"), help="folder of the results")
-    parser.add_argument("--reality", type=Path, help="changes to the default simulated reality")
-    parser.add_argument("--robot", type=Path, help="robot file (default: the NAO)")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", default=Path("out/demo"), help="folder of the results"
+    )
+    parser.add_argument(
+        "--reality", type=Path, metavar="FILE", help="changes to the default simulated reality"
+    )
+    parser.add_argument("--robot", type=Path, metavar="FILE", help="robot file (default: the NAO)")
     add_shoe(parser)
     parser.add_argument("--supports", type=int, default=5, help="double supports to visit")
     parser.add_argument("--train", type=int, default=3, help="of them used for the fit")

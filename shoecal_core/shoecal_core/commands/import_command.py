@@ -16,7 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("kind", choices=("csv",), help="how the recordings are stored")
     parser.add_argument("mapping", type=Path, help="YAML file that says what the columns mean")
     parser.add_argument("folder", type=Path, help="where the recordings are; left as it is")
-    parser.add_argument("--out", type=Path, required=True, help="the session to make")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", required=True, help="the session to make"
+    )
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:

@@ -84,7 +84,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     shoe = tasks.add_parser(SHOE, help="offsets and CoP correction from weights on the shoe")
     for task in (cells, shoe):
         task.add_argument("data", type=Path, help="file of the readings; a guided session fills it")
-        task.add_argument("--out", type=Path, required=True, help="calibration file to write")
+        task.add_argument(
+            "--out", type=Path, metavar="FILE", required=True, help="calibration file to write"
+        )
         source = task.add_mutually_exclusive_group()
         source.add_argument(
             "--live", action="store_true", help="guide a person, with the running driver's voltages"
@@ -98,24 +100,36 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         )
         task.add_argument("--foot", choices=FEET, help="guide through one shoe only")
     shoe.add_argument(
-        "--cells", type=Path, help=f"what `manual cells` wrote (default: {CELLS_FILE} beside DATA)"
+        "--cells",
+        type=Path,
+        metavar="FILE",
+        help=f"what `manual cells` wrote (default: {CELLS_FILE} beside DATA)",
     )
     simulate = tasks.add_parser("simulate", help="a simulated bench does the person's part")
-    simulate.add_argument("--out", type=Path, required=True, help="folder to make the files in")
+    simulate.add_argument(
+        "--out", type=Path, metavar="DIR", required=True, help="folder to make the files in"
+    )
     simulate.add_argument("--seed", type=seed_number, default=1, help="draws noise and placement")
     simulate.add_argument(
         "--robot-seed",
         type=seed_number,
         help="draws the cells (default: the seed): those of a simulated session's robot",
     )
-    simulate.add_argument("--reality", type=Path, help="changes to the default simulated reality")
+    simulate.add_argument(
+        "--reality", type=Path, metavar="FILE", help="changes to the default simulated reality"
+    )
     for task in (cells, shoe, simulate):
-        task.add_argument("--robot", type=Path, help="who wears the shoes (default: the NAO)")
+        task.add_argument(
+            "--robot", type=Path, metavar="FILE", help="who wears the shoes (default: the NAO)"
+        )
         add_shoe(task)
         task.add_argument(
-            "--settings", type=Path, help="weights and samples (default: manual.yaml)"
+            "--settings",
+            type=Path,
+            metavar="FILE",
+            help="weights and samples (default: manual.yaml)",
         )
-        task.add_argument("--report", type=Path, help="also write an HTML report")
+        task.add_argument("--report", type=Path, metavar="FILE", help="also write an HTML report")
         # As `shoecal manual` itself has it; what stands there must not be undone here.
         task.add_argument(
             "--json",

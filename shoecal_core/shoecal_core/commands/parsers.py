@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import importlib.metadata
 import re
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
@@ -39,6 +40,7 @@ WIDEST = 100
 """Columns of a help text."""
 
 _CHOICE = re.compile(r"invalid choice: '(?P<given>[^']*)' \(choose from (?P<known>.*)\)$")
+_CHOICES = re.compile(r" \(choose from .*\)$")
 _UNKNOWN = re.compile(r"unrecognized arguments: (?P<given>.*)$")
 
 
@@ -57,7 +59,9 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say it and end."""
-        told = f"{message}{self._guess(message)}"
+        guess = self._guess(message)
+        # Who mistyped one name need not read all others.
+        told = f"{_CHOICES.sub('', message) if guess else message}{guess}"
         see = " See" if told.endswith("?") else "; see"
         self.exit(2, f"{self.prog}: {told}{see} {self.prog} --help\n")
 
@@ -83,6 +87,7 @@ def command_line(wanted: Sequence[str]) -> Parser:
         epilog=EPILOG,
         formatter_class=_Help,
     )
+    parser.add_argument("--version", action="version", version=f"shoecal {_version()}")
     subparsers = parser.add_subparsers(dest="name", metavar="COMMAND", required=True)
     for name, summary in COMMANDS.items():
         subparser = subparsers.add_parser(
@@ -119,6 +124,21 @@ class _Help(argparse.RawDescriptionHelpFormatter):
         super().__init__(prog, max_help_position=30, width=width)
         # argparse does not count the indent of commands.
         self._action_max_length = 4 + max(map(len, COMMANDS))
+
+    def _get_help_string(self, action: argparse.Action) -> str | None:
+        told = action.help
+        silent = action.default in (None, argparse.SUPPRESS) or isinstance(action.default, bool)
+        if told is None or silent or not action.option_strings or "default" in told:
+            return told
+        return f"{told} (default: %(default)s)"
+
+
+def _version() -> str:
+    """Of the installed package; a checkout on the path alone has none."""
+    try:
+        return importlib.metadata.version("shoecal_core")
+    except importlib.metadata.PackageNotFoundError:
+        return "(not installed)"
 
 
 def _sentence(summary: str) -> str:

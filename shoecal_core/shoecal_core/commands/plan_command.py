@@ -50,7 +50,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
     parser.add_argument("robot", type=Path, help="robot file")
     add_shoe(parser)
-    parser.add_argument("--out", type=Path, required=True, help="folder for the motions")
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", required=True, help="folder for the motions"
+    )
     add_planning(parser)
 
 

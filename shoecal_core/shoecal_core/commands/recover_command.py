@@ -15,7 +15,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
     parser.add_argument("file", type=Path, help="the damaged run file; it is left as it is")
     parser.add_argument(
-        "--out", type=Path, help="the file to make (default: beside it; never overwritten)"
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="the file to make (default: beside it; never overwritten)",
     )
 
 

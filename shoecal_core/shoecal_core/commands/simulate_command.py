@@ -31,7 +31,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
     parser.add_argument("robot", type=Path, help="robot file")
     parser.add_argument("shoe", type=Path, help="shoe file")
-    parser.add_argument("--reality", type=Path, help="changes to the default simulated reality")
+    parser.add_argument(
+        "--reality", type=Path, metavar="FILE", help="changes to the default simulated reality"
+    )
     parser.add_argument(
         "--own-steps",
         action="store_true",
@@ -50,7 +52,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help=f"one run of each motion, in the double supports in turn (instead of --motion); "
         f"'{STANDARD_SET}': the standard set of a diagnosis, marked to train and to test",
     )
-    parser.add_argument("--out", type=Path, required=True, help="session to make")
+    parser.add_argument("--out", type=Path, metavar="DIR", required=True, help="session to make")
     add_planning(parser)
 
 

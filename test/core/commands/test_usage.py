@@ -50,6 +50,7 @@ def test_mistyped_names(
 ) -> None:
     line = told(capsys, *words)
     assert f"did you mean {meant}? See shoecal" in line
+    assert "choose from" not in line
     assert line.endswith("--help")
 
 
@@ -102,6 +103,30 @@ def test_help_tells_of_every_command(capsys: pytest.CaptureFixture[str]) -> None
     lines = capsys.readouterr().out.splitlines()
     for name, summary in COMMANDS.items():
         assert any(line.split()[:1] == [name] and summary[:20] in line for line in lines)
+
+
+def test_without_a_command_help_is_told_as_an_error(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([]) == 2
+    out, error = capsys.readouterr()
+    assert not out
+    assert "a first calibration" in error
+
+
+def test_version(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["--version"])
+    assert ended.value.code == 0
+    assert capsys.readouterr().out.startswith("shoecal ")
+
+
+def test_help_tells_defaults(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        cli.main(["demo", "--help"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "--out DIR folder of the results (default: out/demo)" in told
+    assert "draws robot, cells, supports (default: 1)" in told
+    assert "(default: None)" not in told
+    assert "(default: False)" not in told
 
 
 @pytest.mark.parametrize("shell", SHELLS)
