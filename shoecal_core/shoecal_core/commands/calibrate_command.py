@@ -19,9 +19,17 @@ from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.commands.arguments import add_force, add_sets, require_folder
 from shoecal_core.commands.assessment_table import expected_table, trust_lines
 from shoecal_core.commands.screening_table import screening_table
-from shoecal_core.commands.tables import LEVELS, errors_table, stages_rows, verdict_line
+from shoecal_core.commands.tables import (
+    LEVELS,
+    errors_table,
+    new_table,
+    stages_rows,
+    verdict_line,
+)
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.session import Session
+from shoecal_core.report.calibration_content import channel_units
+from shoecal_core.report.quantities import uncertain
 from shoecal_core.report.session_report import write_session_report
 from shoecal_core.settings import load_settings
 
@@ -167,13 +175,21 @@ def _print_trust(outcome: Outcome, console: Console) -> None:
 
 
 def _print_channels(outcome: Outcome, console: Console) -> None:
-    calibration = outcome.calibration
-    unit = outcome.data.shoe.unit
-    for name, gain, offset in zip(
-        calibration.channels,
-        calibration.parameters.gain,
-        calibration.parameters.offset,
-        strict=True,
-    ):
-        console.print(f"  {name:<24} {gain:10.4f} N/{unit} {offset:10.3f} N")
-    console.print(f"  joints late by {1e3 * calibration.time_offset:.1f} ms")
+    """Gains and offsets; ± is half of the 95 % interval, as in the report."""
+    calibration, shoe = outcome.calibration, outcome.data.shoe
+    parameters, half = calibration.parameters, outcome.assessment.interval()
+    count = len(shoe.names)
+    table = new_table("Channels (± half of the 95 % interval)")
+    table.add_column("", no_wrap=True)
+    for name in ("gain", "offset"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for index, name in enumerate(shoe.names):
+        unit, gain_unit = channel_units(shoe, torque=bool(shoe.torque[index]))
+        table.add_row(
+            name,
+            uncertain(parameters.gain[index], half[index], gain_unit),
+            uncertain(parameters.offset[index], half[count + index], unit),
+        )
+    console.print(table)
+    late = uncertain(1e3 * calibration.time_offset, 1e3 * half[-1], "ms")
+    console.print(f"  joints late by {late}")
