@@ -91,15 +91,16 @@ class SceneMarkers:
         at = joints_at(robot, robot.posture)
         self._length = FORCE_HEIGHT * float(at.com[2]) / robot.weight
         # Limbs are rigid: which corners make which triangle does not change as they move.
-        self._faces = [_faces(shape) for shape in _without_cells(robot, shoe, at)]
+        self._faces = [_faces(shape) for shape in body_shapes(robot, shoe, at, cells=False)]
         self._polygons = [_ring(foot.sensing_polygon) for foot in robot.feet]
 
     def at(self, stamp_ns: int, angles: FloatArray, seen: Seen) -> MarkerArray:
         """Everything at joint angles (m,) [rad] and with what is measured."""
+        joints = joints_at(self._robot, angles)
         markers = [
-            *self._body(angles),
+            *self._body(joints),
             *(one for foot in (0, 1) for one in self._foot(foot, seen.feet[foot])),
-            *self._centres(angles, seen),
+            *self._centres(joints, seen),
         ]
         ids: dict[str, int] = {}
         for marker in markers:
@@ -108,8 +109,9 @@ class SceneMarkers:
             marker.id = ids[marker.ns] = ids.get(marker.ns, -1) + 1
         return MarkerArray(markers=markers)
 
-    def _body(self, angles: FloatArray) -> Iterator[Any]:
-        shapes = _without_cells(self._robot, self._shoe, joints_at(self._robot, angles))
+    def _body(self, at: Joints) -> Iterator[Any]:
+        # Cells are markers of their own, which change their colour.
+        shapes = body_shapes(self._robot, self._shoe, at, cells=False)
         for shape, faces in zip(shapes, self._faces, strict=True):
             yield from _solid(shape, faces)
 
@@ -125,8 +127,7 @@ class SceneMarkers:
             ground = np.array([*seen.cop, 0.0])
             yield _arrow("force", SOLES[foot], ground, self._length * seen.force, MEASURED)
 
-    def _centres(self, angles: FloatArray, seen: Seen) -> Iterator[Any]:
-        at = joints_at(self._robot, angles)
+    def _centres(self, at: Joints, seen: Seen) -> Iterator[Any]:
         left = SOLES[0]
         below = np.array([*at.com[:2], 0.0])
         yield _ball("com", left, at.com, COM)
@@ -139,11 +140,6 @@ class SceneMarkers:
             corners = np.vstack((self._polygons[0], right))[:, :2]
             hull = corners[ConvexHull(corners).vertices]
             yield _line("support_polygon", left, _ring(hull), OUTLINE)
-
-
-def _without_cells(robot: Robot, shoe: Shoe, at: Joints) -> list[Shape]:
-    """Cells are markers of their own, which change their colour."""
-    return [shape for shape in body_shapes(robot, shoe, at) if shape.rgba != CELL]
 
 
 def _faces(shape: Shape) -> NDArray[np.int64] | None:

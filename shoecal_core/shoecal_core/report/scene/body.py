@@ -79,14 +79,14 @@ def joints_at(
     )
 
 
-def body_shapes(robot: Robot, shoe: Shoe, at: Joints) -> tuple[Shape, ...]:
-    """Limbs, torso, head, feet and shoes."""
+def body_shapes(robot: Robot, shoe: Shoe, at: Joints, *, cells: bool = True) -> tuple[Shape, ...]:
+    """Limbs, torso, head, feet and shoes, these with or without their cells."""
     shapes: list[Shape] = []
     for group in _groups(robot):
         side = _side(robot, group[0])
         feet = [foot for foot in (0, 1) if robot.feet[foot].joint in group]
         if feet:
-            shapes += _foot(robot, shoe, at, feet[0], (LEFT, RIGHT)[side or 0])
+            shapes += _foot(robot, shoe, at, feet[0], (LEFT, RIGHT)[side or 0], cells)
         else:
             shape = _link(robot, at, group, BODY if side is None else (LEFT, RIGHT)[side])
             shapes += [shape] if shape else []
@@ -156,7 +156,7 @@ def _com(robot: Robot, at: Joints, group: list[int]) -> FloatArray:
     return com
 
 
-def _foot(robot: Robot, shoe: Shoe, at: Joints, index: int, rgba: Rgba) -> list[Shape]:
+def _foot(robot: Robot, shoe: Shoe, at: Joints, index: int, rgba: Rgba, cells: bool) -> list[Shape]:
     """The robot's foot, and the shoe under it: plates with cells between them."""
     foot, sole = robot.feet[index], at.soles[index]
     ankle = sole.inverse().act(at.pose[foot.joint].translation)
@@ -173,7 +173,8 @@ def _foot(robot: Robot, shoe: Shoe, at: Joints, index: int, rgba: Rgba) -> list[
     if worn:
         parts += [(prism(foot.outline, 0.0, 0.25 * floor), 0.0, PLATE),
                   (prism(foot.outline, 0.75 * floor, floor), 0.0, PLATE)]  # fmt: skip
-        for cell in np.unique(shoe.positions[shoe.of_foot(index)], axis=0):
+        places = shoe.positions[shoe.of_foot(index)] if cells else np.zeros((0, 2))
+        for cell in np.unique(places, axis=0):
             column = prism(disc(cell, 0.35 * floor), 0.25 * floor, 0.75 * floor)
             parts.append((column, 0.0, CELL))
     return [Shape(np.array([sole.act(one) for one in points]), round_, colour)
