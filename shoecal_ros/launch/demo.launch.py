@@ -28,7 +28,7 @@ PORT = str(Path(tempfile.gettempdir()) / "shoecal_shoes")
 
 ARGUMENTS = {
     "robot": (str(CONFIG / "robots" / "nao.yaml"), "robot file"),
-    "shoe": ("", "shoe file; empty: ../shoes/ROBOT_shoe.yaml beside ROBOT.yaml"),
+    "shoe": ("", "shoe file; empty: ROBOT_shoe.yaml in ../shoes or beside ROBOT.yaml"),
     "reality": ("", "changes to the default simulated reality; empty: none"),
     "seed": ("1", "draws robot, cells and noise"),
     "speed": ("1.0", "simulated over wall-clock time"),

@@ -18,7 +18,9 @@ class RobotFiles(Settings):
     """Parameters `robot_file` and `shoe_file`."""
 
     robot_file: str = setting("", "", "robot file; empty: robots/nao.yaml of the configuration")
-    shoe_file: str = setting("", "", "shoe file; empty: ../shoes/ROBOT_shoe.yaml beside ROBOT.yaml")
+    shoe_file: str = setting(
+        "", "", "shoe file; empty: ROBOT_shoe.yaml in ../shoes or beside ROBOT.yaml"
+    )
 
     @cached_property
     def robot_path(self) -> Path:
