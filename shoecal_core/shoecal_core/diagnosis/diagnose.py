@@ -19,6 +19,7 @@ from shoecal_core.diagnosis.sampling import load_samples
 from shoecal_core.diagnosis.scene import make_scene
 from shoecal_core.diagnosis.selection import Found, asked_for, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.shaking import shaking
 from shoecal_core.diagnosis.shrink import gap, shrink
 from shoecal_core.diagnosis.stopped import Stopped, stopped
 from shoecal_core.diagnosis.weak_cells import weak_cells
@@ -128,7 +129,7 @@ def diagnose(
         next_motion=proposed,
         train=train,
         test=test,
-        notes=samples.notes,
+        notes=(*samples.notes, *shaking(best.scene)),
         robot=samples.robot.name,
         shoe=samples.shoe.name,
         evidence=evidence(best, chosen, found.singles),

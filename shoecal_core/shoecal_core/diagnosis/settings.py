@@ -76,11 +76,11 @@ class DiagnosisSettings(Settings):
         "whose form the library has only nearly leaves a remainder of its own", minimum=0.0,
     )  # fmt: skip
     temper: float = setting(
-        0.15, "", "logarithms of probabilities count by this share: hypotheses are only models",
+        0.08, "", "logarithms of probabilities count by this share: hypotheses are only models",
         minimum=1e-3, maximum=1.0,
     )  # fmt: skip
     form_error: float = setting(
-        0.02, "", "and by less where there is much evidence: a cause whose form the library has "
+        0.04, "", "and by less where there is much evidence: a cause whose form the library has "
         "only nearly is this share of the evidence off", minimum=0.0,
     )  # fmt: skip
     outside: float = setting(

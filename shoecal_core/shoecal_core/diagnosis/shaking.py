@@ -1,0 +1,37 @@
+"""Recordings of a robot that shook: what is told from them may come of the shaking."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shoecal_core.calibration.screening.noise import noise
+from shoecal_core.calibration.screening.spikes import find_leaps
+from shoecal_core.diagnosis.scene import Scene
+
+LEAST_N = 0.3
+"""Smaller leaps of a cell do no harm."""
+MUCH = 0.1
+"""Share of the samples from which it is told."""
+
+
+def shaking(scene: Scene) -> list[str]:
+    """In words, when readings of a foot leap together for much of the time, and where most."""
+    samples = scene.samples
+    gain = scene.parameters.gain
+    shares = {
+        track.run: float(
+            find_leaps(
+                samples.shoe, track.readings, noise(track.readings), gain, LEAST_N
+            ).hits.mean()
+        )
+        for track in samples.tracks
+        if not track.walks
+    }
+    if not shares or np.mean(list(shares.values())) < MUCH:
+        return []
+    most = max(shares, key=lambda run: shares[run])
+    return [
+        f"the robot shook: readings of several cells leap for {np.mean(list(shares.values())):.0%} "
+        f"of the samples (run {most}: {shares[most]:.0%}); what is said here may come of it: see "
+        "that gears and floor are firm, and record again"
+    ]

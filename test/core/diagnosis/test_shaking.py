@@ -1,0 +1,35 @@
+"""A robot that shakes while it is recorded is told."""
+
+from __future__ import annotations
+
+import pytest
+
+from core.diagnosis.altered import FloatArray, with_forces
+from shoecal_core.diagnosis.samples import Track
+from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.diagnosis.shaking import shaking
+from shoecal_core.diagnosis.workspace import Workspace
+
+
+def struck(scene: Scene, every: int) -> Scene:
+    """All cells leap by 5 N, once in so many samples."""
+
+    def work(_track: Track, forces: FloatArray) -> FloatArray:
+        forces = forces.copy()
+        forces[::every] += 5.0
+        return forces
+
+    return with_forces(scene, work)
+
+
+def test_a_robot_that_stands_firm_does_not_shake(workspace: Workspace) -> None:
+    assert shaking(workspace.scene) == []
+    assert shaking(struck(workspace.scene, 50)) == []
+
+
+@pytest.mark.parametrize("every", [7, 9])
+def test_how_often_it_shook_is_told(workspace: Workspace, every: int) -> None:
+    (note,) = shaking(struck(workspace.scene, every))
+    assert "the robot shook" in note
+    told = float(note.split("for ")[1].split("%")[0])
+    assert 100 / every - 1.0 < told < 100 / every + 5.0  # some leaps are the robot's own
