@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import numpy as np
 from rich.table import Table
 
+from shoecal_core.calibration.assessment import NORMAL_95
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.manual.calibrate import (
     CellsCalibration,
@@ -12,17 +14,23 @@ from shoecal_core.calibration.manual.calibrate import (
 )
 from shoecal_core.calibration.metrics import Mae
 from shoecal_core.commands.tables import new_table
+from shoecal_core.report.quantities import size, uncertain
 from shoecal_core.sensing.shoe import FEET
 
 
 def cells_table(result: CellsCalibration, unit: str) -> Table:
-    """One row a cell."""
-    table = new_table("Single cells")
-    for name in ("", f"gain (N/{unit})", "offset (N)", "about its line (N)"):
+    """One row a cell; ± is half of the 95 % interval, as in the report."""
+    table = new_table("Single cells (± half of the 95 % interval)")
+    for name in ("", "gain", "offset", "about its line"):
         table.add_column(name, justify="right" if name else "left", no_wrap=True)
     for fit in result.cells:
-        scatter = "-" if len(fit.masses) < 3 else f"{fit.residual_std:.3f}"
-        table.add_row(fit.name, f"{fit.gain:.4f}", f"{fit.offset:.3f}", scatter)
+        gain, offset = NORMAL_95 * np.sqrt(np.diag(fit.covariance))
+        table.add_row(
+            fit.name,
+            uncertain(fit.gain, gain, f"N/{unit}"),
+            uncertain(fit.offset, offset, "N"),
+            size(1e3 * fit.residual_std, "mN"),
+        )
     return table
 
 
