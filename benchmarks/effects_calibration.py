@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import shutil
 import statistics
 import subprocess
 import sys
@@ -44,6 +45,7 @@ WAYS = {
 }
 LIFTS = {"lifting": "with", "standing": "without"}
 ALL = ("cop", *FEET)
+NOT_RECORDED = "not recorded"
 
 
 @dataclass(frozen=True)
@@ -66,10 +68,19 @@ def work(job: Job) -> dict[str, object]:
     config = config_dir()
     if not job.folder.is_dir():
         robot, shoe = config / "robots" / "nao.yaml", config / "shoes" / "nao_shoe.yaml"
-        _shoecal(
-            "simulate", robot, shoe, "--motions", "standard", "--supports", 5,
-            "--seed", job.seed, "--out", job.folder,
-        )  # fmt: skip
+        try:
+            _shoecal(
+                "simulate", robot, shoe, "--motions", "standard", "--supports", 5,
+                "--seed", job.seed, "--out", job.folder,
+            )  # fmt: skip
+        except subprocess.CalledProcessError:
+            # For instance a double support in which it cannot stand on one foot alone.
+            shutil.rmtree(job.folder, ignore_errors=True)
+            none: dict[str, object] = {
+                "seed": job.seed, "diagnosed": job.diagnosed, "verdict": NOT_RECORDED, "causes": []
+            }  # fmt: skip
+            path.write_text(json.dumps(none, indent=1))
+            return none
     effects = None
     if job.diagnosed:
         if not diagnosis.is_file():
@@ -185,7 +196,8 @@ and in brackets the worst one.
 {table}
 
 Forecast: root mean square over the sensing polygons, as the calibration states it.
-Robots of which the screening left no test run: {left_out}.
+Robots whose standard set could not be recorded, or of which the screening left no test run:
+{left_out}.
 
 Target, the CoP of both feet in the median at most {target} mm with unloading runs: {met}.
 
