@@ -60,6 +60,17 @@ def test_two_effects_are_found_each_for_what_it_is(urn: Urn) -> None:
     assert {one.label for one, _ in found.chosen.parts} == {*pair}
 
 
+def test_a_mixture_that_looks_most_like_a_third_effect_is_taken_apart(urn: Urn) -> None:
+    """By itself each of the two explains less than something that is not there."""
+    pair = {"crosstalk (left/front_right, left/rear_left)": [0.12],
+            "joint_offset (LAnkleRoll)": [-0.014]}  # fmt: skip
+    drawn = urn.draw(np.random.default_rng(1), pair)
+    found = select(drawn, SETTINGS)
+    assert found.singles[0].parts[0][0].label not in pair
+    assert found.chosen is not None
+    assert {one.label for one, _ in found.chosen.parts} == {*pair}
+
+
 def assert_needed(drawn: Workspace, found: Found) -> None:
     """Without any of the parts the data are far less probable."""
     assert found.chosen is not None
