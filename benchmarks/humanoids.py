@@ -14,6 +14,8 @@ FOLDER = "cmeel.prefix/share/example-robot-data/robots"
 NAO_KG = 5.3
 NAO_HEIGHT_M = 0.3
 """Of its CoM above the soles: the default reality is one of this size."""
+ENCODER_RAD = 1e-4
+"""16 bits a turn; a NAO's have 12."""
 PLAY_RAD = 0.001
 GIVE = 0.0015
 """rad/(N m) of a gear on a robot as large as a NAO; robots of tens of kilograms have finer gears
@@ -85,12 +87,16 @@ def scaled_reality(robot: Robot, shoe: Shoe, com_height: float) -> dict[str, obj
     else:
         half_span = max(channel.highest for channel in shoe.channels)
         cells |= {"full_scale_n": half_span, "full_scale_nm": half_span}
-        cells |= {"gain_spread_fraction": 0.05, "offset_std_fraction": 0.005}
+        cells |= {"gain_spread_fraction": 0.05, "offset_std_fraction": 0.001}
         cells["stiffness_n_per_m"] = 1e6 * weight
     return {
         "format": 1,
-        "name": f"{robot.name}, with finer gears than a NAO's",
+        "name": f"{robot.name}, with finer joints than a NAO's",
         "body": {"weight_error_n": 0.19 * weight},
-        "joints": {"play_rad": {"all": PLAY_RAD}, "compliance_rad_per_nm": {"all": GIVE / torque}},
+        "joints": {
+            "encoder_resolution_rad": ENCODER_RAD,
+            "play_rad": {"all": PLAY_RAD},
+            "compliance_rad_per_nm": {"all": GIVE / torque},
+        },
         "cells": cells,
     }
