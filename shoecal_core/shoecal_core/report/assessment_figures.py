@@ -93,7 +93,7 @@ def source_pictures(told: Told) -> tuple[Picture, ...]:
             Picture(
                 "Largest causes by name",
                 largest_causes(
-                    [cause.name for cause in sources.causes],
+                    [cause.text for cause in sources.causes],
                     [1e3 * sources.saved(cause) for cause in sources.causes],
                     "mm",
                     "part in each foot's error",

@@ -59,7 +59,7 @@ def helps_table(told: Told) -> Table | None:
         return None
     rows = tuple(
         (
-            cause.name,
+            cause.text,
             *(
                 _falls(float(now), float(then))
                 for now, then in zip(sources.total, cause.without, strict=True)

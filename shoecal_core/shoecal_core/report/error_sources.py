@@ -24,6 +24,8 @@ FloatArray = NDArray[np.float64]
 
 NAMED = 6
 """Causes that are named."""
+FLOATING = "root_joint"
+"""What Pinocchio calls the joint between world and base."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,11 @@ class Cause:
 
     name: str
     without: FloatArray
+
+    @property
+    def text(self) -> str:
+        """Its name for a person: links are called after their joints, the base after none."""
+        return self.name.replace(FLOATING, "the base link")
 
 
 @dataclass(frozen=True)

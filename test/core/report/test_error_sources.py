@@ -64,3 +64,8 @@ def test_without_tolerances_only_noise_and_prior(outcome: Outcome, model: ModelT
     )  # fmt: skip
     sources = error_sources(replace(found, uncertainty=bare), outcome.stages.parameters, model)
     assert sources.causes == ()
+
+
+def test_the_base_is_called_what_it_is() -> None:
+    assert Cause("CoM of root_joint along y", np.zeros(3)).text == "CoM of the base link along y"
+    assert Cause("zero of LKneePitch", np.zeros(3)).text == "zero of LKneePitch"
