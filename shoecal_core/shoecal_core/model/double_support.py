@@ -34,6 +34,8 @@ class DoubleSupport:
             raise ShoecalError(f"{self}: dx, dy and dtheta must be finite numbers")
         if max(abs(self.dx), abs(self.dy)) > FARTHEST_M:
             raise ShoecalError(f"{self}: dx and dy are metres; no foot is {FARTHEST_M:g} m away")
+        if abs(self.dtheta) > math.tau:
+            raise ShoecalError(f"{self}: dtheta is in radians; tell it within one turn")
 
     @property
     def rotation(self) -> NDArray[np.float64]:

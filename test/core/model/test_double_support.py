@@ -54,6 +54,12 @@ def test_what_is_not_finite_is_refused(bad: float, place: int) -> None:
         DoubleSupport(*values)
 
 
+@pytest.mark.parametrize("dtheta", [6.3, -7.0, 1.7e308])
+def test_more_than_one_turn_is_refused(dtheta: float) -> None:
+    with pytest.raises(ShoecalError, match="within one turn"):
+        DoubleSupport(0.0, -0.1, dtheta)
+
+
 @pytest.mark.parametrize("text", ["[0.0, 1.0e+30, 0.0]", "[0.0, .nan, 0.0]", "[0.0, -0.1]", "5"])
 def test_a_support_of_a_file_that_is_none_names_the_file_and_the_field(
     tmp_path: Path, text: str
