@@ -49,7 +49,7 @@ def recorded_strip(content: CheckReport) -> Strip | None:
         f"The robot in run {number}",
         drawn[0],
         "Posed by the recorded joint angles; limbs are drawn as thick as their mass tells. Red "
-        "line: where the model has had the CoP, as far as feet let it be seen; dashed: from the "
+        "line: where the model has had the CoP, seen through the feet; dashed: from the "
         "CoM down. Left leg blue, right leg orange; the lighter floor is the hull of the sensing "
         "polygons.",
     )

@@ -30,7 +30,7 @@ def run_strip(content: CalibrationReport) -> Strip | None:
         stills(content.robot, content.shoe, [instants])[0],
         "Posed by the recorded joint angles; limbs are drawn as thick as their mass tells. Red "
         "arrow: the calibrated force on the floor, at the CoP; red line: where the CoP has been, "
-        "both as far as legs and feet let them be seen; "
+        "both seen through legs and feet; "
         f"dashed: from the CoM down. {FEET[0].capitalize()} leg blue, {FEET[1]} leg orange; "
         "the lighter floor is the hull of the sensing polygons.",
     )

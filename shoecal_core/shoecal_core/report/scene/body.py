@@ -31,8 +31,9 @@ THINNEST = 0.006
 SHOE_HEIGHTS = (0.006, 0.05)
 """m; a sensor of another height is in the leg, not in a shoe."""
 
-LEFT: Rgba = (0.16, 0.47, 0.78, 1.0)
-RIGHT: Rgba = (0.86, 0.42, 0.17, 1.0)
+# Forces stand within the legs: they are to be seen through them.
+LEFT: Rgba = (0.16, 0.47, 0.78, 0.45)
+RIGHT: Rgba = (0.86, 0.42, 0.17, 0.45)
 BODY: Rgba = (0.66, 0.70, 0.75, 1.0)
 PLATE: Rgba = (0.27, 0.31, 0.36, 1.0)
 CELL: Rgba = (0.88, 0.74, 0.30, 1.0)

@@ -22,6 +22,8 @@ FINER = 3
 """Pixels drawn for each pixel of the picture, along each side."""
 MOST = 6
 """Groups of shapes that MuJoCo shows or hides."""
+BEHIND = [0.85] * 3
+"""Colour of what shines through."""
 _BALL = 8
 """Corners around half a ball that a hull is grown by."""
 
@@ -40,6 +42,11 @@ def model_of(views: list[dict[str, Any]], fovy: float) -> mujoco.MjModel:
     spec.worldbody.add_light(
         type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, pos=[1.0, 1.0, 3.0], dir=[-0.35, -0.25, -1.0],
         diffuse=[0.5] * 3, specular=[0.15] * 3, castshadow=True,
+    )  # fmt: skip
+    # Behind what can be seen through; what nothing stands before stays clear.
+    spec.add_texture(
+        name="behind", type=mujoco.mjtTexture.mjTEXTURE_SKYBOX, width=8, height=48,
+        builtin=mujoco.mjtBuiltin.mjBUILTIN_FLAT, rgb1=BEHIND, rgb2=BEHIND,
     )  # fmt: skip
     for group, view in enumerate(views):
         for shape in view["shapes"]:

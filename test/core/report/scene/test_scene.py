@@ -59,6 +59,8 @@ def test_feet_stand_on_the_floor_and_cells_lie_in_the_shoes() -> None:
     assert lowest == pytest.approx(0.0, abs=1e-9)
     cells = [shape for shape in shapes if shape.rgba == CELL]
     assert len(cells) == len(shoe.names)
+    bare = body_shapes(robot, shoe, joints_at(robot, robot.posture), cells=False)
+    assert len(bare) == len(shapes) - len(cells)
     for cell in cells:
         assert 0.0 < cell.points[:, 2].min() < cell.points[:, 2].max() < shoe.height
     assert {LEFT, RIGHT, BODY} <= {shape.rgba for shape in shapes}
@@ -108,6 +110,18 @@ def test_a_picture_shows_what_is_there_on_a_clear_ground() -> None:
     rows = np.flatnonzero(shown[:, 30, 3] > 127)
     wide = np.tan(np.arcsin(0.1)) / np.tan(np.radians(FOVY) / 2.0)
     assert np.ptp(rows) + 1 == pytest.approx(80 * wide, abs=2.0)
+
+
+def test_what_stands_within_a_leg_is_seen_and_nothing_behind_it_is_black() -> None:
+    leg = Shape(np.array([[0.0, 0.0, -0.2], [0.0, 0.0, 0.2]]), 0.05, LEFT)
+    within = Shape(np.array([[0.0, 0.0, -0.05], [0.0, 0.0, 0.05]]), 0.02, RED)
+    camera = framed([leg], 155.0, -24.0, 1.0)
+    alone, filled = (picture(View(shapes, camera, 60, 60)) for shapes in ([leg], [leg, within]))
+    assert alone[30, 30, 2] > 120
+    # Blue over light, and blue over red.
+    assert alone[30, 30, 0] < alone[30, 30, 1]
+    assert filled[30, 30, 0] > filled[30, 30, 1]
+    assert alone[30, 30, 3] == filled[30, 30, 3] == 255
 
 
 def test_every_kind_of_shape_can_be_drawn() -> None:
