@@ -18,6 +18,7 @@ TIME = "computing time"
 ROBOTS = "robots as they are built"
 MEANT = "what the answer is to mean"
 TRIED = "development sessions"
+LAST = "development sessions, and the blind round below"
 ORIGINS: Mapping[str, str] = {
     "rate_hz": TIME,
     "walking_rate_hz": TRIED,
@@ -38,15 +39,15 @@ ORIGINS: Mapping[str, str] = {
     "remainder_share": TRIED,
     "other_material": TRIED,
     "later_share": TRIED,
-    "temper": TRIED,
-    "form_error": TRIED,
+    "temper": LAST,
+    "form_error": LAST,
     "outside": TRIED,
     "size_error": TRIED,
     "set_share": MEANT,
     "explained_from": MEANT,
     "unknown_below": TRIED,
-    "unknown_from": TRIED,
-    "gap_from": TRIED,
+    "unknown_from": LAST,
+    "gap_from": LAST,
 }
 """Of each setting."""
 

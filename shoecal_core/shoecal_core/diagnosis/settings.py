@@ -102,11 +102,11 @@ class DiagnosisSettings(Settings):
         0.4, "", "less than this part explained: the cause is unknown", minimum=0.0
     )
     unknown_from: float = setting(
-        1.4,
+        1.5,
         "",
         "the same for a gap of which nothing in the library explains anything",
         minimum=1.0,
     )
     gap_from: float = setting(
-        1.2, "", "errors of CoP or GRF over their floor from which there is a gap", minimum=1.0
+        1.45, "", "errors of CoP or GRF over their floor from which there is a gap", minimum=1.0
     )
