@@ -26,6 +26,7 @@ class Course:
         targets: (L, 5) pursued one after another: CoP [m], lean, height of the base [m], in the
             frame of the foot that carries (of the left one when both do).
         weights: (5,) of what is pursued; see Aim.
+        arrival: (5,) weights by which a target counts as reached; those where not given.
         foot_poses: one a state, the last one stays: how the feet are placed.
         carrying: which feet stand.
         pace: factor on all speeds.
@@ -39,6 +40,7 @@ class Course:
     carrying: Carrying = Carrying.BOTH
     pace: float = 1.0
     pause: float = 0.0
+    arrival: FloatArray | None = None
 
     def __post_init__(self) -> None:
         if not self.foot_poses:
@@ -129,4 +131,7 @@ def cop_course(
     """Places (L, 2) for the CoP [m], pursued on both feet; nothing else is (paper, Algorithm 1)."""
     targets = np.zeros((len(places), 5))
     targets[:, :2] = places
-    return Course(name, targets, settings.cop_weights, (foot_pose,), pace=pace)
+    weights = settings.cop_weights
+    # However the torso leans, a place is reached when the CoP is there.
+    arrival = weights * [1.0, 1.0, 0.0, 0.0, 0.0]
+    return Course(name, targets, weights, (foot_pose,), pace=pace, arrival=arrival)

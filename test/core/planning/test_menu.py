@@ -16,6 +16,7 @@ from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.checking.body_track import BodyTrack, track
+from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.menu import MENU, kind_named
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.planner import Planner
@@ -117,6 +118,16 @@ def torso(name: str, motion: Motion) -> FloatArray:
         sole = data.oMi[foot.joint] * foot.placement
         rows.append([*sole.rotation.T[:2, 2], sole.inverse().translation[2]])
     return np.array(rows)
+
+
+def test_a_torso_that_shall_lean_less_leans_less() -> None:
+    freely = planned("nao", "landmarks")
+    settings = dataclasses.replace(SETTINGS, cop_lean_weight=20.0)
+    upright = Planner(load_body("nao").robot, settings).plan(SUPPORTS[0])
+    most = [np.linalg.norm(torso("nao", one)[:, :2], axis=1).max() for one in (freely, upright)]
+    assert most[1] < 0.6 * most[0]
+    assert np.all(upright.path.nearest < 0.01)
+    assert check_motion(load_body("nao").legs, upright, settings).kept
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -250,7 +250,8 @@ class _Roll:
         self._begin = self._scene(0)
         self._states = [start]
         self._tasks = self._local(start[None], 0)[0]
-        self._pursuit = Pursuit(course.targets, self._tasks, self._settings, course.weights)
+        arrival = course.weights if course.arrival is None else course.arrival
+        self._pursuit = Pursuit(course.targets, self._tasks, self._settings, arrival)
         self._switches: list[int] = []
         self._statuses: list[str] = []
         self._times: list[float] = []
