@@ -83,14 +83,15 @@ def diagnose(
     scene = make_scene(samples, first_parameters(samples, train), settings, without)
     wanted = only or (lambda _effect, _place: True)
     workspace = make_workspace(scene, effects, train, test, settings, wanted)
-    if only is not None and not (workspace.catalogue.hypotheses or workspace.catalogue.rewired):
+    halted = _halted(workspace, wanted)
+    looked_at = workspace.catalogue.hypotheses or workspace.catalogue.rewired or halted
+    if only is not None and not looked_at:
         raise FileError(
             session.folder,
             "nothing of what was asked for can be looked at: there is no such place in this robot "
             "and these shoes, or the recording lacks what the effect needs",
         )
     tell("what this session can tell", 0.45)
-    halted = _halted(workspace, wanted)
     mended = workspace
     if halted is not None:
         whole = halted.mended(samples)
