@@ -27,11 +27,13 @@ def shaking(scene: Scene) -> list[str]:
         for track in samples.tracks
         if not track.walks
     }
-    if not shares or np.mean(list(shares.values())) < MUCH:
+    mean = float(np.mean(list(shares.values()))) if shares else 0.0
+    if mean < MUCH:
         return []
     most = max(shares, key=lambda run: shares[run])
-    return [
-        f"the robot shook: readings of several cells leap for {np.mean(list(shares.values())):.0%} "
-        f"of the samples (run {most}: {shares[most]:.0%}); what is said here may come of it: see "
-        "that gears and floor are firm, and record again"
-    ]
+    told = (
+        f"the robot shook: readings of several cells leap for {mean:.0%} of the samples (run {most}: "
+        f"{shares[most]:.0%}); what is said here may come of it: see that gears and floor are firm, "
+        "and record again"
+    )
+    return [told]
