@@ -32,8 +32,8 @@ def shaking(scene: Scene) -> list[str]:
         return []
     most = max(shares, key=lambda run: shares[run])
     told = (
-        f"the robot shook: readings of several cells leap for {mean:.0%} of the samples (run {most}: "
-        f"{shares[most]:.0%}); what is said here may come of it: see that gears and floor are firm, "
-        "and record again"
+        f"the robot shook: readings of several cells leap for {mean:.0%} of the samples (run "
+        f"{most}: {shares[most]:.0%}); what is said here may come of it: see that gears and floor "
+        "are firm, and record again"
     )
     return [told]
