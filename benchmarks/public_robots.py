@@ -29,6 +29,8 @@ from shoecal_core.sensing.shoe import load_shoe
 
 PAGE = ROOT / "docs" / "robots.md"
 TRAIN = 3
+PLANNING = {"cop_lean_weight": 100.0}
+"""Otherwise iCub bends down by 1.2 rad to shift its CoP."""
 
 
 class CommandError(Exception):
@@ -91,11 +93,13 @@ def run(humanoid: Humanoid, folder: Path, out: Path, supports: int, seed: int) -
     com_height = float(Kinematics(robot).states(robot.posture[None]).com[0, 0, 2])
     reality = out / "reality.yaml"
     write_yaml(reality, scaled_reality(robot, shoe, com_height))
+    planning = out / "planner.yaml"
+    write_yaml(planning, {"planner": {"ros__parameters": {"planning": PLANNING}}})
     folder_of_runs = out / "session"
     seconds["simulation"] = -_processor_seconds()
     shoecal(
         out / "simulated.json", "simulate", robot_file, shoe_file, "--reality", reality,
-        "--supports", supports, "--seed", seed, "--out", folder_of_runs,
+        "--settings", planning, "--supports", supports, "--seed", seed, "--out", folder_of_runs,
     )  # fmt: skip
     seconds["simulation"] += _processor_seconds()
     train = ",".join(str(number) for number in range(1, TRAIN + 1))

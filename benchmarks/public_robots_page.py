@@ -53,6 +53,10 @@ cells up to 30 % off with offsets; forces and stiffness grow with the weight. Si
 off by 5 %, with offsets of 0.1 % of their range, and ten times stiffer. Joints are finer than a
 NAO's: 16 bits a turn instead of 12, 1 mrad of play instead of 4.5, a third of the give.
 
+Motions are planned with the defaults but for `planning.cop_lean_weight`, 100 instead of none: the
+paper's cost knows the CoP alone, and where hips turn far enough the torso may lean by more than 1
+rad for it.
+
 ## What was not tried
 None of these robots was there, and no maker's own calibration enters. One seed, so one simulated
 robot of each kind. The robot is put into each double support, it does not step there. Nodes,
