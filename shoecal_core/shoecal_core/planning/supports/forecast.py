@@ -58,7 +58,7 @@ class Forecast:
             first, infinite where these say nothing; gains relative to one, offsets to a
             channel's even share of the weight.
         rank: how many of them are fixed.
-        possible: how many far-apart double supports of differing yaw would fix.
+        possible: how many far-apart double supports of differing yaw would fix; never below `rank`.
         weak: those that are not fixed.
         error: expected errors of GRF and CoP over the sensing polygons.
     """
@@ -150,7 +150,7 @@ def forecast(robot: Robot, shoe: Shoe, known: FloatArray, settings: PlannerSetti
         offset_std=std[len(std) // 2 :],
         uncertainties=spread,
         rank=int(fixed.sum()),
-        possible=rank(reference, settings),
+        possible=max(int(fixed.sum()), rank(reference, settings)),
         weak=tuple(
             WeakDirection(describe_direction(shoe, direction), float(uncertainty))
             for direction, uncertainty in zip(directions[~fixed], spread[~fixed], strict=True)
