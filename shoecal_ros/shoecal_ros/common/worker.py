@@ -108,6 +108,7 @@ class Worker:
         """
         self._wake = wake
         self._work: Work[Any] | None = None
+        self._lost: WorkerError | None = None
         self._connection, child = Pipe()
         self._process = subprocess.Popen(
             [sys.executable, "-c", _CHILD, str(child.fileno())],
@@ -118,6 +119,11 @@ class Worker:
         child.close()
         self._listener = threading.Thread(target=self._listen, daemon=True)
         self._listener.start()
+
+    @property
+    def lost(self) -> WorkerError | None:
+        """Why it can do nothing any more; None while it lives."""
+        return self._lost
 
     @property
     def busy(self) -> bool:
@@ -179,8 +185,9 @@ class Worker:
             else:
                 work.finish(None, value)
             self._wake()
+        self._lost = self._died()
         if self._work is not None:
-            self._work.finish(None, self._died())
+            self._work.finish(None, self._lost)
             self._wake()
 
     def _died(self) -> WorkerError:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import time
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,8 @@ _CLOCK_SET_NS = 1_000_000_000
 """Stamps that fall back further than this: a clock was set, or simulated time began anew."""
 
 
+_GONE_S = 1.0
+"""A source that has sent nothing for so long, by the wall clock, has its cells no longer."""
 _MOST_STREAMS = 64
 """Sets of cells that frames may carry: a board has one, or a few in turn."""
 
@@ -81,13 +84,20 @@ class FrameJoiner:
     give the instants.
     """
 
-    def __init__(self, channels: Sequence[str], hold_s: float) -> None:
+    def __init__(
+        self,
+        channels: Sequence[str],
+        hold_s: float,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
         """Nothing heard.
 
         Args:
             channels: n names, the shoe's.
             hold_s: for how long a reading counts [s].
+            clock: monotonic [s].
         """
+        self._clock = clock
         self._column = {name: index for index, name in enumerate(channels)}
         self._names = tuple(channels)
         self._hold_ns = round(hold_s * 1e9)
@@ -99,6 +109,7 @@ class FrameJoiner:
         count = len(self._names)
         self._streams: dict[tuple[str, tuple[str, ...]], _Stream] = {}
         self._owner: dict[str, str] = {}
+        self._heard: dict[str, float] = {}
         self._restart()
         self._status = np.full(count, NO_DATA, dtype=np.uint8)
 
@@ -119,6 +130,7 @@ class FrameJoiner:
             # A device whose channels nobody named: its driver says so.
             return None
         stream = self._stream(frame)
+        self._heard[frame.source] = self._clock()
         if stream.doubled(frame.sequence):
             raise TwoSourcesError(
                 f"two drivers named '{frame.source}' send {', '.join(frame.cells)}; stop one of "
@@ -165,12 +177,12 @@ class FrameJoiner:
                     f"voltages of cell '{cell}', which the shoe file does not have (it has: "
                     f"{', '.join(self._names)}); correct the driver's channels or the shoe file"
                 )
-            if self._owner.get(cell, frame.source) != frame.source:
+            if self._owned(cell, frame.source):
                 raise TwoSourcesError(
                     f"cell '{cell}' comes from '{self._owner[cell]}' and from "
                     f"'{frame.source}'; give each cell one source"
                 )
-        if len(self._streams) == _MOST_STREAMS:
+        if len(self._streams) >= _MOST_STREAMS:
             raise UnsteadyCellsError(
                 f"'{frame.source}' sends ever other sets of cells; let each frame of a board carry "
                 "the same ones"
@@ -179,3 +191,13 @@ class FrameJoiner:
         self._streams[key] = stream
         self._owner.update(dict.fromkeys(frame.cells, frame.source))
         return stream
+
+    def _owned(self, cell: str, source: str) -> bool:
+        """Whether somebody else sends a cell; whoever has fallen silent has none any more."""
+        owner = self._owner.get(cell, source)
+        if owner != source and self._clock() - self._heard[owner] > _GONE_S:
+            self._heard.pop(owner)
+            self._streams = {key: one for key, one in self._streams.items() if key[0] != owner}
+            self._owner = {name: one for name, one in self._owner.items() if one != owner}
+            return False
+        return owner != source

@@ -87,6 +87,10 @@ class JointInput:
             return "no joint angles yet; start the robot's driver (joint_states)"
         return f"no joint angles for {self.age_s:.0f} s; check the robot's driver"
 
+    def refuse(self, reason: str) -> None:
+        """What came last could not be used."""
+        self._mismatch = reason
+
     def take(self, messages: Sequence[Any]) -> JointBatch | None:
         """Take JointState messages in order; usable angles, None where there are none."""
         stamps: list[int] = []
@@ -96,7 +100,7 @@ class JointInput:
             try:
                 angles = self._angles(names, [message.position for message in same])
             except ShoecalError as error:
-                self._mismatch = str(error)
+                self.refuse(str(error))
                 continue
             self._mismatch = ""
             parts.append(angles)

@@ -96,6 +96,10 @@ class VoltageInput:
             )
         return ""
 
+    def refuse(self, reason: str) -> None:
+        """Something that came could not be used."""
+        self._trouble, self._troubled = reason, self._clock()
+
     def take(self, frames: Iterable[VoltageFrame]) -> list[Joined]:
         """Take frames in order; what they give."""
         instants = []
@@ -103,7 +107,7 @@ class VoltageInput:
             try:
                 joined = self._joiner.add(frame)
             except ShoecalError as error:
-                self._trouble, self._troubled = str(error), self._clock()
+                self.refuse(str(error))
                 continue
             if frame.cells:  # whoever sends none may have any name: nothing is kept of it
                 self._lost.note(frame.source, frame.sequence)

@@ -54,6 +54,7 @@ from shoecal_ros.inputs.joints import JointInput
 from shoecal_ros.inputs.last_heard import SILENT_S
 from shoecal_ros.inputs.overdue import Overdue
 from shoecal_ros.inputs.sensor_frames import frame_reader
+from shoecal_ros.inputs.serialised import understood
 from shoecal_ros.inputs.stillness import Stillness
 from shoecal_ros.inputs.voltages import VoltageInput
 
@@ -280,8 +281,11 @@ class Calibrator(ShoecalNode):
         self._recorded = []
 
     def _hear_joints(self, serialised: list[bytes]) -> None:
+        serialised, messages = understood(
+            serialised, lambda one: deserialize_message(one, JointState), self.joints.refuse
+        )
         self.recorder.take(schemas.JOINT_STATES, serialised)
-        batch = self.joints.take([deserialize_message(one, JointState) for one in serialised])
+        batch = self.joints.take(messages)
         if batch is None:
             return
         for stamp_ns, angles in zip(batch.stamp_ns.tolist(), batch.angles, strict=True):
@@ -293,7 +297,9 @@ class Calibrator(ShoecalNode):
     def _hear_readings(
         self, topic: str, kind: type[Any], read: Callable[[Any], Any], serialised: list[bytes]
     ) -> None:
-        frames = [read(deserialize_message(one, kind)) for one in serialised]
+        serialised, frames = understood(
+            serialised, lambda one: read(deserialize_message(one, kind)), self.voltages.refuse
+        )
         joined = self.voltages.take(frames)
         # Where the right foot stands is known while angles come.
         support = None if self.joints.heard.silent else self._support

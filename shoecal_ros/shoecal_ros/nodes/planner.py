@@ -139,7 +139,9 @@ class Planner(ShoecalNode):
 
     def _tell_planning(self) -> None:
         level, message = Level.OK, "at work" if self._busy else "ready"
-        if not self._compiled.done:
+        if self.worker.lost is not None:
+            level, message = Level.ERROR, str(self.worker.lost)
+        elif not self._compiled.done:
             message = "compiling the planning problem"
         else:
             try:

@@ -99,8 +99,11 @@ def test_it_stops_when_told(worker: Worker, waiter: Waiter) -> None:
 
 
 def test_a_child_that_dies_is_told(worker: Worker, waiter: Waiter) -> None:
+    assert worker.lost is None
     with pytest.raises(WorkerError, match="code -9"):
         waiter.result(worker.do(worker_tasks.die))
+    assert worker.lost is not None
+    assert "restart the node" in str(worker.lost)
     with pytest.raises(WorkerError, match="code -9"):
         waiter.result(worker.do(worker_tasks.add, 1, 1))
 

@@ -104,6 +104,18 @@ def test_two_sources_of_one_cell_are_told_apart() -> None:
         join.add(frame(0, CELLS[1:2], "two"))
 
 
+def test_a_source_that_has_gone_gives_its_cells_back() -> None:
+    clock = Clock()
+    join = FrameJoiner(CELLS, hold_s=0.025, clock=clock)
+    join.add(frame(0, CELLS[1:2], "stray"))
+    with pytest.raises(TwoSourcesError, match="from 'stray' and from 'driver'"):
+        join.add(frame(0, CELLS, "driver"))
+    clock.now += 1.1
+    assert joined(join.add(frame(1, CELLS, "driver"))).readings[1] == pytest.approx(1.1)
+    with pytest.raises(TwoSourcesError, match="from 'driver' and from 'stray'"):
+        join.add(frame(2, CELLS[1:2], "stray"))
+
+
 def test_two_drivers_of_one_name_are_found_by_their_counters() -> None:
     join = joiner()
 

@@ -1,0 +1,34 @@
+"""Messages in their bytes: what can be read of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import TypeVar
+
+from shoecal_core.errors import ShoecalError
+
+T = TypeVar("T")
+
+
+def understood(
+    serialised: Iterable[bytes], read: Callable[[bytes], T], refuse: Callable[[str], None]
+) -> tuple[list[bytes], list[T]]:
+    """Messages that can be read, as they came and as they were read.
+
+    Any peer can send what no program makes: that must neither end a node nor spoil a recording.
+
+    Args:
+        serialised: messages.
+        read: one of them.
+        refuse: told why, for each of the others.
+    """
+    whole: list[bytes] = []
+    found: list[T] = []
+    for one in serialised:
+        try:
+            found.append(read(one))
+        except (ShoecalError, RuntimeError) as error:  # what rclpy raises is a RuntimeError
+            refuse(str(error).splitlines()[0])
+            continue
+        whole.append(one)
+    return whole, found
