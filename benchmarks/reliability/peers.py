@@ -2,9 +2,9 @@
 
 Beside a real calibrator and a real planner appears a node of a drawn name: it publishes joint
 angles or voltages best effort or as another type, listens to CoP with a quality of service that
-is not offered, sends a cell that another source sends already, or is a second calibrator, a
-process of its own. The calibrator's diagnostics must name it, by node or by source, and say so no
-more when it is gone; of those who fit (the planner, the robot) they must say nothing. Simulated:
+is not offered, sends a cell that another source sends already or messages that do not hold together,
+or is a second calibrator, a process of its own. The calibrator's diagnostics must name it, by node
+or by source, or say what is wrong with its messages, and say so no more when it is gone; of those who fit (the planner, the robot) they must say nothing. Simulated:
 the robot, of which only messages exist.
 """
 
@@ -64,8 +64,18 @@ def latched_listener(node: Node, source: str) -> tuple[str, str]:
 
 def second_source(node: Node, source: str) -> tuple[str, str]:
     """One cell comes from two places."""
+    _keep_telling(node, source, ShoeVoltages(cell=[nao_shoe().names[3]], voltage=[1.0], status=[0]))
+    return "voltages", source
+
+
+def malformed(node: Node, source: str) -> tuple[str, str]:
+    """A cell without a voltage."""
+    _keep_telling(node, source, ShoeVoltages(cell=[nao_shoe().names[3]]))
+    return "voltages", "0 voltages and 0 statuses for 1 cells"
+
+
+def _keep_telling(node: Node, source: str, message: ShoeVoltages) -> None:
     publisher = node.create_publisher(ShoeVoltages, "shoe/voltages", qos.RAW)
-    message = ShoeVoltages(cell=[nao_shoe().names[3]], voltage=[1.0], status=[0])
     message.header.frame_id = source
 
     def tell() -> None:
@@ -73,11 +83,11 @@ def second_source(node: Node, source: str) -> tuple[str, str]:
         publisher.publish(message)
 
     node.create_timer(TELL_S, tell)
-    return "voltages", source
 
 
 RIVALS: tuple[Callable[[Node, str], tuple[str, str]], ...] = (
-    best_effort_joints, best_effort_voltages, other_type, latched_listener, second_source
+    best_effort_joints, best_effort_voltages, other_type, latched_listener, second_source,
+    malformed,
 )  # fmt: skip
 """What each does; the diagnostic's subject that must tell it, and the name that it must hold."""
 
@@ -170,7 +180,7 @@ ROW = Row(
     key="misfits",
     fault="QoS that does not match, two sources of one cell, a second calibrator",
     holds="a diagnostic that names the other side",
-    tries=60,
-    step=12,
+    tries=70,
+    step=14,
     run=run,
 )
