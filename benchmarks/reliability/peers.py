@@ -2,10 +2,11 @@
 
 Beside a real calibrator and a real planner appears a node of a drawn name: it publishes joint
 angles or voltages best effort or as another type, listens to CoP with a quality of service that
-is not offered, sends a cell that another source sends already or messages that do not hold together,
-or is a second calibrator, a process of its own. The calibrator's diagnostics must name it, by node
-or by source, or say what is wrong with its messages, and say so no more when it is gone; of those who fit (the planner, the robot) they must say nothing. Simulated:
-the robot, of which only messages exist.
+is not offered, sends a cell that another source sends already or messages that do not hold
+together, or is a second calibrator, a process of its own. The calibrator's diagnostics must name
+it, by node or by source, or say what is wrong with its messages, and say so no more when it is
+gone; of those who fit (the planner, the robot) they must say nothing. Simulated: the robot, of
+which only messages exist.
 """
 
 from __future__ import annotations
