@@ -253,17 +253,17 @@ of the noise, less 1:
 
 How we read this:
 - `inertia` (the angular momentum that a single mass lacks) is wanted at more than its full size, a
-  factor of 1, in the walks. No physics allows that: it stands in for something else that turns with
-  the steps, and its size is not to be believed.
-- With the sideways forces reversed the gap of the walks is smaller before anything is added, and the
-  forces' own slopes say the same of `fy`. So the sideways axes of these sensors most probably point
-  the other way: `polarity: -1` for `fx` and `fy` in the shoe file.
-- As a picture, what is left of the CoP in the walks is a comb: off to the left in every step on the
-  left foot, to the right in every step on the right foot, alike from the first step to the last.
-  Something fixed to the feet does that, not the dynamics. Which one the diagnosis leaves open: a foot
-  that stands elsewhere than its joints say, or a sensor that sits elsewhere than the shoe file says;
-  soles that are askew below the ankles, or encoders of the ankles' roll joints, would look nearly
-  the same in walking.
+  factor of 1, in the walks. No physics allows that: it stands in for something else that turns
+  with the steps, and its size is not to be believed.
+- With the sideways forces reversed the gap of the walks is smaller before anything is added, and
+  the forces' own slopes say the same of `fy`. So the sideways axes of these sensors most probably
+  point the other way: `polarity: -1` for `fx` and `fy` in the shoe file.
+- As a picture, what is left of the CoP in the walks is a comb: off to the left in every step on
+  the left foot, to the right in every step on the right foot, alike from the first step to the
+  last. Something fixed to the feet does that, not the dynamics. Which one the diagnosis leaves
+  open: a foot that stands elsewhere than its joints say, or a sensor that sits elsewhere than the
+  shoe file says; soles that are askew below the ankles, or encoders of the ankles' roll joints,
+  would look nearly the same in walking.
 - With both, the CoP of a walk that was never used comes down to about its floor.
 - GRF gains nothing: its error is the zeros' change from trial to trial, which no cause found in
   two trials foretells in the third. A moment with each foot in the air at the start of every
