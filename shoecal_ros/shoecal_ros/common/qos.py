@@ -8,7 +8,8 @@
 | `joint_trajectory`                                           | COMMAND     |
 | `shoe/cop`, `shoe/grf`, `shoe/left/…`, `shoe/right/…`        | LIVE        |
 | `shoe/model/com`, `shoe/model/cop`                           | LIVE        |
-| `shoe/state`, `shoe/calibration`, `shoe/armed`               | LATCHED     |
+| `shoe/state`, `shoe/calibration`                             | LATCHED     |
+| `shoe/armed`                                                 | ARMED       |
 | `diagnostics`                                                | DIAGNOSTICS |
 | `clock`                                                      | CLOCK       |
 | `tf`                                                         | TRANSFORMS  |
@@ -54,6 +55,13 @@ LATCHED = QoSProfile(
     durability=DurabilityPolicy.TRANSIENT_LOCAL,
 )
 """States: the last one reaches those who come later."""
+
+ARMED = QoSProfile(
+    depth=10,
+    reliability=ReliabilityPolicy.RELIABLE,
+    durability=DurabilityPolicy.TRANSIENT_LOCAL,
+)
+"""A state of which every change counts: who disarms and arms at once has disarmed."""
 
 SERVICE = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
 """Requests: none may be dropped because many come at once."""

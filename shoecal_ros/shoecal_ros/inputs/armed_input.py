@@ -27,7 +27,7 @@ class ArmedInput:
         self._disarmings = 0
         self._clock = clock
         self._heard_at = 0.0
-        self._subscription = node.subscribe(Bool, "shoe/armed", self._hear, qos.LATCHED)
+        self._subscription = node.subscribe(Bool, "shoe/armed", self._hear, qos.ARMED)
 
     @property
     def armed(self) -> bool:

@@ -67,7 +67,7 @@ class Planner(ShoecalNode):
         self._busy = False
         self._execution: Execution | None = None
         self._command = self.create_publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
-        self._armed = self.create_publisher(Bool, "shoe/armed", qos.LATCHED)
+        self._armed = self.create_publisher(Bool, "shoe/armed", qos.ARMED)
         self.peers.alone.add(self._armed.topic_name)
         self._armed.publish(Bool(data=False))
         self.subscribe(JointState, "joint_states", self._hear, qos.NEWEST)

@@ -10,6 +10,8 @@ class Arming:
 
     Attributes:
         armed: whether motions may be sent.
+        disarmings: how often that was taken back, or ended by itself: a motion that was allowed
+            before is not allowed again.
     """
 
     def __init__(self, timeout_s: float, clock: Callable[[], float]) -> None:
@@ -20,12 +22,14 @@ class Arming:
             clock: monotonic wall clock [s].
         """
         self.armed = False
+        self.disarmings = 0
         self._timeout_s = timeout_s
         self._clock = clock
         self._used = 0.0
 
     def set(self, armed: bool) -> None:
         """Arm or disarm."""
+        self.disarmings += self.armed and not armed
         self.armed = armed
         self._used = self._clock()
 
@@ -36,6 +40,6 @@ class Arming:
     def expire(self) -> bool:
         """Disarm what was not used for too long; True when that has just happened."""
         if self.armed and self._clock() - self._used > self._timeout_s:
-            self.armed = False
+            self.set(False)
             return True
         return False

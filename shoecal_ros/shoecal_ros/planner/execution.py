@@ -61,6 +61,7 @@ class Execution:
         self.following = False
         self._mover = mover
         self._order = order
+        self._disarmings = mover.arming.disarmings
         self._watch: MotionWatch | None = None
         self.names = tuple(mover.robot.joint_names[index] for index in mover.robot.moved)
 
@@ -79,7 +80,7 @@ class Execution:
         """Whether the robot may begin to move.
 
         Raises:
-            RefusedError: when it is not armed, or too hot.
+            RefusedError: when it is not armed, was disarmed meanwhile, or is too hot.
         """
         if not self._order.sends:
             return
@@ -245,7 +246,13 @@ class Execution:
 
     @property
     def _interrupted(self) -> bool:
-        return self._order.is_canceled() or (self._order.sends and not self._mover.arming.armed)
+        return self._order.is_canceled() or (self._order.sends and not self._armed)
+
+    @property
+    def _armed(self) -> bool:
+        """Armed, and never disarmed since the order came: arming anew is not meant for it."""
+        arming = self._mover.arming
+        return arming.armed and arming.disarmings == self._disarmings
 
     def _check_interrupted(self) -> None:
         if self._order.is_canceled():
@@ -253,9 +260,12 @@ class Execution:
         self._check_armed()
 
     def _check_armed(self) -> None:
-        if self._order.sends and not self._mover.arming.armed:
+        if self._order.sends and not self._armed:
             raise RefusedError(
-                Plan.Result.NOT_ARMED, "not armed: call the service shoe/arm with data true first"
+                Plan.Result.NOT_ARMED,
+                "disarmed since this was asked for: ask for it again"
+                if self._mover.arming.armed
+                else "not armed: call the service shoe/arm with data true first",
             )
 
     def _latest(self) -> JointBatch:

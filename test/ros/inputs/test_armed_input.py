@@ -44,3 +44,15 @@ def test_who_repeats_that_the_robot_is_armed_must_go_on(node: ShoecalNode) -> No
     tell(data=False)
     clock.now += 100.0
     assert (armed.armed, armed.lapsed, armed.disarmings) == (False, False, 1)
+
+
+def test_who_disarms_and_arms_at_once_is_heard_to_disarm(node: ShoecalNode) -> None:
+    armed = ArmedInput(node)
+    publisher = node.create_publisher(Bool, "shoe/armed", qos.ARMED)
+    while publisher.get_subscription_count() == 0:
+        rclpy.spin_once(node, timeout_sec=0.01)
+    for data in (True, False, True):
+        publisher.publish(Bool(data=data))
+    while not armed.armed:
+        rclpy.spin_once(node, timeout_sec=0.01)
+    assert armed.disarmings == 1

@@ -20,6 +20,7 @@ def test_it_ends_without_use() -> None:
     assert arming.expire()
     assert not arming.armed
     assert not arming.expire(), "told once"
+    assert arming.disarmings == 1
 
 
 def test_use_keeps_it() -> None:
@@ -35,6 +36,10 @@ def test_use_keeps_it() -> None:
 
 def test_disarming_wins_at_once() -> None:
     arming = Arming(10.0, Clock())
+    arming.set(False)
+    assert arming.disarmings == 0, "there was nothing to take back"
     arming.set(True)
     arming.set(False)
     assert not arming.armed
+    arming.set(True)
+    assert arming.disarmings == 1

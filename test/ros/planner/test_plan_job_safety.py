@@ -9,8 +9,10 @@ from rclpy.action.server import ServerGoalHandle
 from shoecal_msgs.action import Plan
 
 from ros.bodies import nao
+from ros.clock import Clock
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.inputs.joints import JointBatch
+from shoecal_ros.planner.arming import Arming
 from shoecal_ros.planner.order import Mover
 from shoecal_ros.planner.plan_job import PlanJob
 from shoecal_ros.planner.settings import MovingSettings
@@ -24,6 +26,7 @@ def test_a_job_that_is_ended_holds_a_moving_robot_where_it_is(following: bool) -
     mover = SimpleNamespace(
         robot=robot,
         moving=MovingSettings(),
+        arming=Arming(10.0, Clock()),
         joints=SimpleNamespace(latest=latest),
         command=sent.append,
     )
