@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.parameter import Parameter
 from shoecal_msgs.action import Calibrate
 from shoecal_msgs.msg import ShoeCalibration
@@ -19,16 +20,19 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import calibration_from_ros, calibration_to_ros, time_to_ros
 from shoecal_ros.common.health import Level
 from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.runtime import aside, until
 
 if TYPE_CHECKING:
     from shoecal_ros.nodes.calibrator import Calibrator
 
 MIRROR = "in_force."
 """Prefix of the parameters that mirror the calibration in force."""
+LONGEST_WAIT_S = 1e9
+"""For a disk; meanwhile the calibration before stays in force."""
 
 
 class CalibrationDesk:
-    """Applies calibrations whole or not at all.
+    """Applies calibrations whole or not at all, one at a time; a disk may take its time.
 
     Attributes:
         store: what is in force, and the files.
@@ -41,10 +45,19 @@ class CalibrationDesk:
         self.problem = store.load(node.now_ns, warned=node.job_settings.apply_warned)
         self._node = node
         self._mirroring = False
+        # Changes under way and waiting, in their order.
+        self._changes: list[object] = []
         self._publisher = node.create_publisher(ShoeCalibration, "shoe/calibration", qos.LATCHED)
         node.serve(GetCalibration, "shoe/get_calibration", self._get)
-        node.serve(SetCalibration, "shoe/set_calibration", self._set)
-        node.serve(Trigger, "shoe/rollback", self._rollback)
+        for kind, name, callback in (
+            (SetCalibration, "shoe/set_calibration", self._set),
+            (Trigger, "shoe/rollback", self._rollback),
+        ):
+            # While one is being saved, others are answered that they have to wait.
+            node.create_service(
+                kind, name, callback,
+                qos_profile=qos.SERVICE, callback_group=ReentrantCallbackGroup(),
+            )  # fmt: skip
         node.add_on_set_parameters_callback(self._guard)
         if store.current is not None:
             self._put_in_force(store.current)
@@ -57,8 +70,13 @@ class CalibrationDesk:
             return None
         return InForce(current, self.store.since_ns, self._node.voltages.temperature)
 
-    def apply_found(self, calibration: Calibration, *, warned: bool) -> None:
-        """Apply what a self-calibration found.
+    @property
+    def changing(self) -> bool:
+        """Whether a calibration is just being put in force."""
+        return bool(self._changes)
+
+    async def apply_found(self, calibration: Calibration, *, warned: bool) -> None:
+        """Apply what a self-calibration found, after whatever else is being put in force.
 
         Args:
             calibration: found.
@@ -68,21 +86,21 @@ class CalibrationDesk:
             RefusedError: NOT_APPLIED, with the reason.
         """
         try:
-            self._apply(calibration, warned=warned)
+            await self._apply(calibration, warned=warned)
         except ShoecalError as error:
             raise RefusedError(Calibrate.Result.NOT_APPLIED, f"not applied: {error}") from error
 
-    def apply_corrected(self, calibration: Calibration) -> None:
+    async def apply_corrected(self, calibration: Calibration) -> None:
         """Apply the one in force with corrected offsets, whatever its checks said.
 
         Raises:
             ShoecalError: with the cure.
         """
-        self._apply(calibration, force=True)
+        await self._apply(calibration, force=True)
 
     # Applying
 
-    def _apply(
+    async def _apply(
         self, calibration: Calibration, *, force: bool = False, warned: bool = False
     ) -> None:
         """Check, save, put in force; else nothing has changed.
@@ -91,9 +109,31 @@ class CalibrationDesk:
             ShoecalError: with the cure.
         """
         self.store.check(calibration, force=force, warned=warned)
-        self.store.apply(calibration, self._node.now_ns)
+        await self._change(calibration)
+
+    async def _change(self, calibration: Calibration) -> None:
+        """Save when it is this one's turn, and put in force.
+
+        Raises:
+            ShoecalError: when it cannot be saved.
+        """
+        mine, now_ns = object(), self._node.now_ns
+        self._changes.append(mine)
+        try:
+            await until(lambda: self._changes[0] is mine, LONGEST_WAIT_S)
+            if await aside(lambda: self.store.save(calibration, now_ns)):
+                self.store.take(calibration, now_ns)
+        finally:
+            self._changes.remove(mine)
         self.problem = ""
         self._put_in_force(calibration)
+
+    def _require_free(self) -> None:
+        if self.changing:
+            raise RefusedError(
+                SetCalibration.Response.BUSY,
+                "another calibration is just being put in force; call again",
+            )
 
     def _put_in_force(self, calibration: Calibration) -> None:
         node = self._node
@@ -151,27 +191,29 @@ class CalibrationDesk:
             response.message = found.sentence
         return response
 
-    def _set(
+    async def _set(
         self, request: SetCalibration.Request, response: SetCalibration.Response
     ) -> SetCalibration.Response:
         try:
+            self._require_free()
             calibration = calibration_from_ros(request.calibration)
-            self._apply(calibration, force=request.force)
+            await self._apply(calibration, force=request.force)
         except ShoecalError as error:
             response.error_code, response.message = _code(error), self._refused(error)
         else:
             response.success, response.message = True, self._accepted()
         return response
 
-    def _rollback(self, request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+    async def _rollback(
+        self, request: Trigger.Request, response: Trigger.Response
+    ) -> Trigger.Response:
         del request
         try:
-            calibration = self.store.rollback(self._node.now_ns)
+            self._require_free()
+            await self._change(self.store.one_before())
         except ShoecalError as error:
             response.message = self._refused(error)
         else:
-            self.problem = ""
-            self._put_in_force(calibration)
             response.success, response.message = True, self._accepted()
         return response
 
@@ -183,8 +225,9 @@ class CalibrationDesk:
         return f"{found.sentence}: {reasons}" if reasons else found.sentence
 
     def _refused(self, error: ShoecalError) -> str:
-        """Why not, on screen too."""
-        self._node.log(Level.WARN, f"not in force: {error}")
+        """Why not, on screen too unless it is only to be called again."""
+        if not isinstance(error, RefusedError):
+            self._node.log(Level.WARN, f"not in force: {error}")
         return str(error)
 
 
@@ -192,7 +235,9 @@ def _code(error: ShoecalError) -> int:
     """Of `SetCalibration.Response`."""
     codes = SetCalibration.Response
     found: int = codes.BAD_CALIBRATION
-    if isinstance(error, FileError):
+    if isinstance(error, RefusedError):
+        found = error.code
+    elif isinstance(error, FileError):
         found = codes.NOT_SAVED
     elif isinstance(error, NotApplicableError | WrongShoeError):
         found = codes.NOT_APPLICABLE

@@ -48,6 +48,9 @@ class Entry:
 class CalibrationStore:
     """Keeps calibrations in a folder, so that they survive a restart.
 
+    `save` may run in another thread, one at a time: it changes files only. `take` says that what
+    it has saved is in force.
+
     Attributes:
         current: in force, None while uncalibrated.
         before: to roll back to, None where there is none.
@@ -80,9 +83,9 @@ class CalibrationStore:
             problems.append(str(error))
         for name in (CURRENT, BEFORE):
             path = self._folder / name
-            if not path.is_file():
-                continue
             try:
+                if not _is_there(path):
+                    continue
                 calibration, digest = load_calibration(path), sha256(path)
                 known = self._record.get(digest)
                 accepted = known is not None and known == self._entry(known.since_ns)
@@ -137,14 +140,15 @@ class CalibrationStore:
                 "calibrate anew, or set it with force"
             )
 
-    def apply(self, calibration: Calibration, now_ns: int) -> None:
-        """Put a checked calibration in force; the one in force is kept for rollback.
-
-        One that is in force already stays so, and so does the one before it.
+    def save(self, calibration: Calibration, now_ns: int) -> bool:
+        """Save a checked calibration so that it is loaded next, and the one in force before it.
 
         Args:
-            calibration: to apply.
-            now_ns: since when it is in force [ns].
+            calibration: to be put in force.
+            now_ns: since when it will be [ns].
+
+        Returns:
+            Whether it is to be taken; not where it is in force already, which then stays so.
 
         Raises:
             FileError: when it cannot be saved; then nothing has changed.
@@ -159,13 +163,13 @@ class CalibrationStore:
         save_calibration(calibration, fresh)
         _require_readable(fresh)
         digest = sha256(fresh)
-        if self.current is not None and current.is_file() and sha256(current) == digest:
-            fresh.unlink()
-            return
+        if self.current is not None and _is_there(current) and sha256(current) == digest:
+            _remove(fresh)
+            return False
         self._note(digest, now_ns)
         if self.current is not None:
             # Somebody may have taken the file away; what it held is in force all the same.
-            if not current.is_file():
+            if not _is_there(current):
                 save_calibration(self.current, current)
             _rename(current, before)
         try:
@@ -175,25 +179,33 @@ class CalibrationStore:
             if self.current is not None:
                 save_calibration(self.current, current)
             raise
+        return True
+
+    def take(self, calibration: Calibration, now_ns: int) -> None:
+        """Have what was saved in force; the one in force is kept for rollback.
+
+        Args:
+            calibration: as `save` took it.
+            now_ns: likewise.
+        """
         if self.current is not None:
             self.before = self.current
         self.current, self.since_ns = calibration, now_ns
 
-    def rollback(self, now_ns: int) -> Calibration:
-        """Put the calibration before in force again; the one in force becomes the one before.
+    def apply(self, calibration: Calibration, now_ns: int) -> None:
+        """Save a checked calibration and take it; arguments and errors as those of `save`."""
+        if self.save(calibration, now_ns):
+            self.take(calibration, now_ns)
 
-        Args:
-            now_ns: since when it is in force [ns].
+    def one_before(self) -> Calibration:
+        """What to roll back to.
 
         Raises:
             NotApplicableError: when there is none.
-            FileError: when it cannot be saved; then nothing has changed.
         """
         if self.before is None:
             raise NotApplicableError("there is no calibration before this one to go back to")
-        calibration = self.before
-        self.apply(calibration, now_ns)
-        return calibration
+        return self.before
 
     # The record
 
@@ -203,7 +215,7 @@ class CalibrationStore:
     def _note(self, digest: str, since_ns: int) -> None:
         """Note a file that is to be in force, and forget those that are gone."""
         files = (self._folder / name for name in (CURRENT, BEFORE, NEXT))
-        present = {sha256(path) for path in files if path.is_file()}
+        present = {sha256(path) for path in files if _is_there(path)}
         kept = {known: entry for known, entry in self._record.items() if known in present}
         record = {**kept, digest: self._entry(since_ns)}
         _write_record(self._folder / RECORD, record)
@@ -212,10 +224,10 @@ class CalibrationStore:
     def _recover(self) -> None:
         """End a change that was interrupted: as if it had been made, or never begun."""
         current, fresh = self._folder / CURRENT, self._folder / NEXT
-        if not fresh.is_file():
+        if not _is_there(fresh):
             return
-        if current.is_file() or sha256(fresh) not in self._record:
-            fresh.unlink()
+        if _is_there(current) or sha256(fresh) not in self._record:
+            _remove(fresh)
         else:
             _rename(fresh, current)
 
@@ -225,8 +237,26 @@ def _require_readable(path: Path) -> None:
     try:
         load_calibration(path)
     except FileError as error:
-        path.unlink()
+        _remove(path)
         raise NotApplicableError(f"no whole calibration: {error.field} {error.problem}") from error
+
+
+def _is_there(path: Path) -> bool:
+    """Whether there is such a file."""
+    try:
+        return path.is_file()
+    except OSError as error:
+        raise FileError(path, f"cannot be read ({error.strerror}); correct its rights") from error
+
+
+def _remove(path: Path) -> None:
+    """Remove a file."""
+    try:
+        path.unlink()
+    except OSError as error:
+        raise FileError(
+            path, f"cannot be removed ({error.strerror}); remove it, or correct state_dir"
+        ) from error
 
 
 def _rename(source: Path, target: Path) -> None:
@@ -244,7 +274,7 @@ def _rename(source: Path, target: Path) -> None:
 
 def _read_record(path: Path) -> dict[str, Entry]:
     """Entries by the SHA-256 of their calibration's file."""
-    if not path.is_file():
+    if not _is_there(path):
         return {}
     fields = read_yaml(path)
     fields.format(RECORD_FORMAT)

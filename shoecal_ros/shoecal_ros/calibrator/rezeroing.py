@@ -67,12 +67,12 @@ class RezeroDesk:
             if problem := node.input_problem():
                 raise RefusedError(Codes.STALE_INPUT, problem)
             found = self._correct(current, await self._observe())
-            if node.desk.store.current is not current:
+            if node.desk.changing or node.desk.store.current is not current:
                 raise RefusedError(
                     Codes.SUPERSEDED, "another calibration came in force meanwhile; call again"
                 )
             if found.directions:
-                node.desk.apply_corrected(found.calibration)
+                await node.desk.apply_corrected(found.calibration)
             self._answer(found, await self._expected(found.calibration), response)
         except ShoecalError as error:
             response.error_code, response.message = _code(error), str(error)

@@ -94,7 +94,7 @@ class SelfCalibrationDesk:
             # Also one that is refused comes back whole, and stays in the session's folder.
             result.calibration = calibration_to_ros(calibration)
             job.tell_applying()
-            node.desk.apply_found(calibration, warned=node.job_settings.apply_warned)
+            await node.desk.apply_found(calibration, warned=node.job_settings.apply_warned)
             result.success = True
             result.message = f"'{calibration.id}' in force: {'; '.join(calibration.reasons)}"
         except RefusedError as refusal:

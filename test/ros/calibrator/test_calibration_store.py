@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import dataclasses
+import errno
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -17,6 +19,7 @@ from shoecal_core.errors import FileError
 from shoecal_ros.calibrator.calibration_store import (
     BEFORE,
     CURRENT,
+    NEXT,
     RECORD,
     CalibrationStore,
     NotApplicableError,
@@ -56,11 +59,12 @@ def test_it_survives_a_restart(tmp_path: Path) -> None:
 def test_going_back_and_forth(tmp_path: Path) -> None:
     kept = store(tmp_path)
     with pytest.raises(NotApplicableError, match="no calibration before"):
-        kept.rollback(T0)
+        kept.one_before()
     kept.apply(made("one"), T0)
     kept.apply(made("two"), T0)
-    assert kept.rollback(T0).id == "one"
-    assert kept.rollback(T0).id == "two"
+    for name in ("one", "two"):
+        kept.apply(kept.one_before(), T0)
+        assert identity(kept.current) == name
     again = store(tmp_path)
     again.load(T0)
     assert (identity(again.current), identity(again.before)) == ("two", "one")
@@ -139,7 +143,7 @@ def test_since_when_survives_restarts(tmp_path: Path) -> None:
     again = store(tmp_path)
     again.load(T0 + 50 * SECOND)
     assert again.since_ns == T0 + SECOND
-    again.rollback(T0 + 60 * SECOND)
+    again.apply(again.one_before(), T0 + 60 * SECOND)
     assert again.since_ns == T0 + 60 * SECOND
     last = store(tmp_path)
     last.load(T0 + 70 * SECOND)
@@ -214,6 +218,41 @@ def test_killed_at_any_moment_it_is_the_old_pair_or_the_new_one(tmp_path: Path) 
         steps.index(state) for state in states
     )
     assert set(states) == set(steps)
+
+
+@pytest.mark.parametrize("left", [NEXT, CURRENT, BEFORE, RECORD])
+def test_what_cannot_be_dealt_with_is_told_and_the_rest_taken(
+    tmp_path: Path, left: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A read-only disk on which a change was cut; files that nobody may look at."""
+    kept = store(tmp_path)
+    kept.apply(made("one"), T0)
+    kept.apply(made("two"), T0)
+    save_calibration(made("three"), tmp_path / NEXT)
+    denied = "unlink" if left == NEXT else "is_file"
+    original = getattr(Path, denied)
+
+    def refuse(path: Path, *rest: object, **more: object) -> object:
+        if path.name == left:
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+        return original(path, *rest, **more)
+
+    monkeypatch.setattr(Path, denied, refuse)
+    again = store(tmp_path)
+    assert left in again.load(T0)
+    assert identity(again.current) == ("" if left == CURRENT else "two")
+    assert identity(again.before) == ("" if left == BEFORE else "one")
+
+
+def test_what_is_saved_is_in_force_once_it_is_taken(tmp_path: Path) -> None:
+    kept = store(tmp_path)
+    kept.apply(made("one"), T0)
+    assert kept.save(made("two"), T0 + SECOND)
+    assert (identity(kept.current), kept.before, kept.since_ns) == ("one", None, T0)
+    kept.take(made("two"), T0 + SECOND)
+    assert (identity(kept.current), identity(kept.before)) == ("two", "one")
+    assert kept.since_ns == T0 + SECOND
+    assert not kept.save(made("two"), T0 + 2 * SECOND), "in force already"
 
 
 def test_nothing_changes_where_nothing_can_be_saved(tmp_path: Path) -> None:
