@@ -177,6 +177,7 @@ def _parameter(rng: np.random.Generator) -> Case:
             ("sessions_dir", "/"),
             ("stale_s", math.inf),
             ("robot_file", "/etc/passwd"),
+            ("use_sim_time", True),
         ),
     )
     request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])

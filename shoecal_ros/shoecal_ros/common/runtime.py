@@ -15,11 +15,12 @@ from typing import Any, TypeVar
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.service import Service
 from rclpy.signals import SignalHandlerOptions
@@ -136,6 +137,13 @@ class ShoecalNode(Node):
                     f"node {self.get_name()} has no such parameter{hint}; correct its name where "
                     "the node is given its parameters",
                 )
+
+    def seal(self) -> None:
+        """Let parameters stay as they are: this node has begun to work with them.
+
+        Those that ROS declares itself, `use_sim_time` above all, are not read-only by themselves.
+        """
+        self.add_on_set_parameters_callback(_refuse)
 
     # Subscriptions
 
@@ -268,6 +276,13 @@ class ShoecalNode(Node):
         self._diagnostics.publish(array)
 
 
+def _refuse(parameters: list[Parameter]) -> SetParametersResult:
+    names = ", ".join(parameter.name for parameter in parameters)
+    return SetParametersResult(
+        reason=f"{names}: parameters stay while a node runs; start it again with other ones"
+    )
+
+
 class _Pause:
     """Lets everything else run once: the executor resumes a job whenever it has woken up."""
 
@@ -342,6 +357,7 @@ def run(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None = None)
         asked = _EndAsked()
         node = make_node()
         node.check_overrides()
+        node.seal()
         executor = SingleThreadedExecutor()
         executor.add_node(node)
         sys.setswitchinterval(SWITCH_S)

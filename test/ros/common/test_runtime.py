@@ -1,0 +1,28 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+import rclpy
+from rclpy.parameter import Parameter
+
+from shoecal_ros.common.runtime import ShoecalNode
+
+
+@pytest.fixture
+def node() -> Iterator[ShoecalNode]:
+    rclpy.init()
+    node = ShoecalNode("sealed")
+    yield node
+    node.end()
+    rclpy.shutdown()
+
+
+def test_no_parameter_changes_while_a_node_runs(node: ShoecalNode) -> None:
+    node.seal()
+    before = node.now_ns
+    (result,) = node.set_parameters([Parameter("use_sim_time", value=True)])
+    assert not result.successful
+    assert result.reason.startswith("use_sim_time: parameters stay while a node runs")
+    assert not node.get_parameter("use_sim_time").value
+    assert node.now_ns >= before, "its clock is still the computer's"
