@@ -44,7 +44,8 @@ class DriverStatus:
         clock_resets: how often device and host clock had to be matched anew.
         clock_drift: seconds the host's clock gains on the device's in a second.
         same_clock: whether device and host count one (simulated) time.
-        before_clock: frames left out because the host's clock showed zero, not running yet.
+        before_clock: frames left out because the host's clock showed zero.
+        clock_stands: whether the latest frames were.
         unknown: channels without a cell -> how often they came.
         unseen: cells that no frame has carried.
     """
@@ -54,6 +55,7 @@ class DriverStatus:
     clock_drift: float
     same_clock: bool
     before_clock: int
+    clock_stands: bool
     unknown: dict[int, int]
     unseen: tuple[str, ...]
 
@@ -65,11 +67,10 @@ class DriverStatus:
         if self.unknown:
             names = ", ".join(map(str, self.unknown))
             return f"{self.source.name}: no cell for channel {names}; add it to 'channels'"
-        stamped = self.source.counts.frames - self.before_clock
-        if self.before_clock and not stamped:
+        if self.clock_stands:
             name = self.source.name
             return f"{name}: frames come, but the clock shows zero; start what tells /clock"
-        if self.unseen and stamped:
+        if self.unseen and self.source.counts.frames:
             return (
                 f"{self.source.name}: the device sends nothing for {', '.join(self.unseen)}; "
                 "correct 'channels'"
@@ -85,6 +86,7 @@ class ShoeDriver:
         self._source, self._channels, self._latency_ns = source, channels, latency_ns
         self._clock = DeviceClock()
         self._before_clock = 0
+        self._clock_stands = False
 
     def open(self) -> None:
         """Open the source now, to have its errors raised."""
@@ -115,6 +117,7 @@ class ShoeDriver:
             clock_drift=self._clock.drift,
             same_clock=self._clock.same_clock,
             before_clock=self._before_clock,
+            clock_stands=self._clock_stands,
             unknown=self._channels.unknown,
             unseen=self._channels.unseen,
         )
@@ -125,7 +128,10 @@ class ShoeDriver:
 
     def _readings(self, frames: list[Frame], receive_ns: int) -> list[Reading]:
         """Readings of frames received together."""
-        if receive_ns <= 0:
+        if not frames:
+            return []
+        self._clock_stands = receive_ns <= 0
+        if self._clock_stands:
             self._before_clock += len(frames)
             return []
         times = [frame.device_time_us for frame in frames if frame.device_time_us is not None]

@@ -116,14 +116,15 @@ def test_a_clock_that_does_not_run_is_told_as_such(
     device: SimulatedDevice, config: DriverConfig, open_it: Open, clock: Clock
 ) -> None:
     driver = open_it(config)
-    clock.seconds = 0.0
-    device.send(0, 10_000, [1, 2], [0, 0])
-    assert driver.read(1.0) == []
-    assert "the clock shows zero; start what tells /clock" in driver.status().problem
-    clock.seconds = 0.02
-    device.send(1, 20_000, [1, 2], [0, 0])
-    assert len(read(driver, 1)) == 1
-    assert driver.status().problem == ""
+    for sequence in (0, 2):
+        clock.seconds = 0.0
+        device.send(sequence, 10_000 + 10_000 * sequence, [1, 2], [0, 0])
+        assert driver.read(1.0) == []
+        assert "the clock shows zero; start what tells /clock" in driver.status().problem
+        clock.seconds = 0.02
+        device.send(sequence + 1, 20_000 + 10_000 * sequence, [1, 2], [0, 0])
+        assert len(read(driver, 1)) == 1
+        assert driver.status().problem == ""
 
 
 def test_lines_without_time_are_stamped_on_receipt(
