@@ -21,6 +21,7 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import VoltageFrame, time_from_ros, voltages_to_ros
 from shoecal_ros.common.health import Level
 from shoecal_ros.common.runtime import ShoecalNode, run
+from shoecal_ros.inputs.voltages import REMEMBER_S
 from shoecal_ros.serial.config import load_driver_config
 from shoecal_ros.serial.driver import DriverStatus, Reading, open_driver
 from shoecal_ros.serial.frame import FaultKind
@@ -59,6 +60,7 @@ class ShoeDriver(ShoecalNode):
         self._own: deque[int] = deque(maxlen=OWN_STAMPS)
         self._others: Subscription | None = None
         self._rival = ""
+        self._rival_at = 0.0
         self._trouble = ""
         self._error: Exception | None = None
         self._driver = open_driver(config, lambda: self.now_ns)
@@ -73,6 +75,8 @@ class ShoeDriver(ShoecalNode):
             # A node without its reader would look alive.
             raise self._error
         status = self._driver.status()
+        if time.monotonic() - self._rival_at > REMEMBER_S:
+            self._rival = ""
         problem = self._rival or self._trouble or status.problem
         figures = _figures(status)
         if not problem:
@@ -129,6 +133,7 @@ class ShoeDriver(ShoecalNode):
         for message in messages:
             common = sorted(self._cells.intersection(message.cell))
             if common and time_from_ros(message.header.stamp) not in own:
+                self._rival_at = time.monotonic()
                 self._rival = (
                     f"cell(s) {', '.join(common)} also come from '{message.header.frame_id}'; "
                     "stop one driver, or let each send its own cells"

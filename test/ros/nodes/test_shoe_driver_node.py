@@ -154,7 +154,7 @@ def test_a_port_that_sends_garbage(world: World, port: Path) -> None:
 
 def test_two_sources_of_one_cell(world: World, device: SimulatedDevice, port: Path) -> None:
     world.start("shoe_driver", {"port": port})
-    connect(world, device, world.hear(ShoeVoltages, "shoe/voltages"))
+    sequence = count(connect(world, device, world.hear(ShoeVoltages, "shoe/voltages")))
     rival = world.publisher(ShoeVoltages, "shoe/voltages")
     other = ShoeVoltages(cell=["left/rear_left"], voltage=[1.0], status=[0])
     other.header.frame_id = "rival"
@@ -167,6 +167,13 @@ def test_two_sources_of_one_cell(world: World, device: SimulatedDevice, port: Pa
 
     world.until(told)
     assert "left/rear_left" in world.diagnosis("shoe_driver", "device").message
+
+    def well_again() -> bool:
+        _send_one(device, next(sequence))
+        return bool(world.diagnosis("shoe_driver", "device").message.startswith("reading"))
+
+    # The rival stays on the topic, and sends nothing more.
+    world.until(well_again)
 
 
 def _one_foot(foot: str) -> Shoe:
