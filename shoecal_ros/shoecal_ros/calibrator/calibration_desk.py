@@ -58,6 +58,7 @@ class CalibrationDesk:
                 kind, name, callback,
                 qos_profile=qos.SERVICE, callback_group=ReentrantCallbackGroup(),
             )  # fmt: skip
+        node.mirror = MIRROR
         node.add_on_set_parameters_callback(self._guard)
         if store.current is not None:
             self._put_in_force(store.current)

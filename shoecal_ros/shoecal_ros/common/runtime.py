@@ -62,6 +62,8 @@ class ShoecalNode(Node):
         peers: who else is on the node's topics.
         turn: held by whichever thread runs a callback.
         quick: subscriptions that do not wait for the rest of the node.
+        mirror: prefix of parameters that the node changes itself, and lets nobody else change;
+            empty: it has none.
     """
 
     def __init__(self, name: str) -> None:
@@ -69,6 +71,7 @@ class ShoecalNode(Node):
         self.health = Health()
         self.turn = Turn()
         self.quick = QuickThread(self, self.turn)
+        self.mirror = ""
         self.peers = Peers(self)
         self._roll_call = RollCall(name)
         self.health.suppose("peers", self.peers.condition)
@@ -143,7 +146,7 @@ class ShoecalNode(Node):
 
         Those that ROS declares itself, `use_sim_time` above all, are not read-only by themselves.
         """
-        self.add_on_set_parameters_callback(_refuse)
+        self.add_on_set_parameters_callback(self._refuse)
 
     # Subscriptions
 
@@ -250,6 +253,13 @@ class ShoecalNode(Node):
 
     # Inside
 
+    def _refuse(self, parameters: list[Parameter]) -> SetParametersResult:
+        names = [parameter.name for parameter in parameters]
+        if self.mirror and all(name.startswith(self.mirror) for name in names):
+            return SetParametersResult(successful=True)
+        told = "parameters stay while a node runs; start it again with other ones"
+        return SetParametersResult(reason=f"{', '.join(names)}: {told}")
+
     def _log_news(self) -> None:
         news = self.health.news()
         for subject, condition in news.items():
@@ -274,13 +284,6 @@ class ShoecalNode(Node):
             for subject, condition in self.health.conditions.items()
         ]
         self._diagnostics.publish(array)
-
-
-def _refuse(parameters: list[Parameter]) -> SetParametersResult:
-    names = ", ".join(parameter.name for parameter in parameters)
-    return SetParametersResult(
-        reason=f"{names}: parameters stay while a node runs; start it again with other ones"
-    )
 
 
 class _Pause:
