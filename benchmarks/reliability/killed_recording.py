@@ -121,7 +121,8 @@ def _record(folder: Path, stop_at: float, tell: Callable[[bytes], None]) -> None
     begun_ns, begun = time.time_ns(), time.monotonic()
     recorder = Recorder(time.time_ns, _LEAD_S)
     recorder.stand_by()
-    recorder.start(Session.open(folder).new_run("landmarks", originals.SUPPORT))
+    session = Session.open(folder)
+    recorder.start(lambda: session.new_run("landmarks", originals.SUPPORT))
     index = 0
     while index == 0 or time.monotonic() < stop_at:
         wait_until(begun + index / RATE)
@@ -130,6 +131,7 @@ def _record(folder: Path, stop_at: float, tell: Callable[[bytes], None]) -> None
         tell(f"{index:{_DIGITS}d}\n".encode())
         index += 1
     recorder.stop()
+    recorder.finish()
     time.sleep(10.0 * LONGEST_S)
 
 

@@ -15,6 +15,7 @@ from shoecal_ros.calibrator import solving_work
 from shoecal_ros.calibrator.job import Job, Site
 from shoecal_ros.calibrator.run_series import RunSeries, make_session
 from shoecal_ros.common.actions import Pacing
+from shoecal_ros.common.runtime import aside
 from shoecal_ros.common.worker import Worker
 
 DRAW_SHARE, SOLVE_SHARE = 0.04, 0.06
@@ -73,13 +74,14 @@ class CalibrationJob:
         worker = Worker(site.wake)
         try:
             runs = await self._draw(worker)
-            session = make_session(site, self.request.run_id, self.request.seed)
+            session = await make_session(site, self.request.run_id, self.request.seed)
             self.session = session.folder
             await RunSeries(self._job, session, self._tell_recording).record(runs)
             return await self._solve(worker, session.folder)
         finally:
             site.recorder.abandon()
             worker.close()
+            await aside(site.recorder.settle)
 
     def tell_applying(self) -> None:
         """Tell that the calibration found is being applied."""

@@ -20,6 +20,7 @@ from shoecal_ros.calibrator.proposals import by_hand, how_to_go_on, proposal
 from shoecal_ros.calibrator.run_series import RunSeries, make_session
 from shoecal_ros.common.actions import Pacing
 from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.runtime import aside
 from shoecal_ros.common.worker import Worker
 
 DRAW_PART, DIAGNOSE_PART = 0.2, 1.0
@@ -109,6 +110,7 @@ class DiagnosisJob:
         finally:
             site.recorder.abandon()
             worker.close()
+            await aside(site.recorder.settle)
 
     def close(self) -> None:
         """End what its worker is doing: the node ends."""
@@ -162,7 +164,7 @@ class DiagnosisJob:
         )  # fmt: skip
         self._progress.next()
         if self.session is None:
-            session = make_session(site, request.run_id, request.seed)
+            session = await make_session(site, request.run_id, request.seed)
         else:
             session = self._reopened(self.session)
         self.session = session.folder

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections import deque
 from collections.abc import Callable, Sequence
 
@@ -67,14 +66,19 @@ class Recorder:
             return
         kept = self._kept
         kept.extend((now_ns, topic, message) for message in messages)
-        while kept and kept[0][0] < now_ns - self._lead_ns:
+        # What is stamped later than now was kept before the clock was set back.
+        while kept and not now_ns - self._lead_ns <= kept[0][0] <= now_ns:
             stamp_ns, old_topic, message = kept.popleft()
             if old_topic == JOINT_TRAJECTORY:
                 self._commands.append((stamp_ns, message))
 
-    def start(self, writer: RunWriter) -> None:
-        """Write to a new run."""
-        self._run = run = RunThread(writer)
+    def start(self, make: Callable[[], RunWriter]) -> None:
+        """Write to a new run.
+
+        Args:
+            make: opens it, in another thread.
+        """
+        self._run = run = RunThread(make)
         self.problem = ""
         for stamp_ns, message in self._commands:
             run.put(JOINT_TRAJECTORY, message, stamp_ns)
@@ -83,27 +87,37 @@ class Recorder:
         self._forget()
 
     def stop(self) -> None:
-        """Finish the run.
+        """End the run; `finish` waits until it is whole."""
+        self._last, self._run = self._run, None
+        if self._last is not None:
+            self._last.end(whole=True)
+
+    def finish(self) -> None:
+        """Wait until the run that was stopped is whole; in another thread, as it may take a while.
 
         Raises:
             ShoecalError: when not all of it could be written, or nothing was recorded at all.
         """
-        run, self._run = self._run, None
-        if run is not None:
-            run.finish().close()
-        if run is None or not run.counts.get(JOINT_STATES):
+        self.settle()
+        if self.problem:
+            raise ShoecalError(self.problem)
+        if not self.counts.get(JOINT_STATES):
             raise ShoecalError(
                 "the motion was done but not recorded; see that the planner's feedback and "
                 "joint_states reach the calibrator, and calibrate again"
             )
 
     def abandon(self) -> None:
-        """End an interrupted run; what was recorded stays, unfinished."""
+        """End an interrupted run; what was recorded stays, unfinished. `settle` waits for that."""
         self._forget()
-        run, self._run = self._run, None
-        if run is not None:
-            with contextlib.suppress(ShoecalError):  # why it ends is told by who ends it
-                run.finish().abandon()
+        if self._run is not None:
+            self._run.end(whole=False)
+            self._run = None
+
+    def settle(self) -> None:
+        """Wait until nothing is being written any more; likewise in another thread."""
+        if self._last is not None:
+            self._last.wait()
 
     def _forget(self) -> None:
         self._kept.clear()

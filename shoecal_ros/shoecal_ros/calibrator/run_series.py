@@ -17,7 +17,7 @@ from shoecal_ros.calibrator.job import Codes, Job, Site
 from shoecal_ros.calibrator.proposals import planned_as
 from shoecal_ros.common.conversions import support_to_ros
 from shoecal_ros.common.refusal import RefusedError
-from shoecal_ros.common.runtime import until
+from shoecal_ros.common.runtime import aside, until
 
 REACH_ACTION, PLAN_ACTION = "robot/reach_support", "shoe/plan"
 REACH_SHARE, PLAN_SHARE = 0.1, 0.3
@@ -28,18 +28,22 @@ Told = Callable[[str, int, float, str], None]
 (0 to 1), and a line for a person."""
 
 
-def make_session(site: Site, name: str, seed: int) -> Session:
+async def make_session(site: Site, name: str, seed: int) -> Session:
     """A new session's folder in `sessions_dir`.
 
     Raises:
         RefusedError: when it cannot be made.
     """
     folder = Path(site.job_settings.sessions_dir).expanduser()
-    try:
+
+    def make() -> Session:
         folder.mkdir(parents=True, exist_ok=True)
         return Session.create(
             folder / name, site.robot.path, site.robot.urdf, site.shoe.path, seed=seed
         )
+
+    try:
+        return await aside(make)
     except OSError as error:
         problem = FileError(folder, f"cannot be made ({error.strerror}); correct sessions_dir")
         raise RefusedError(Codes.RECORDING_FAILED, str(problem)) from error
@@ -109,8 +113,9 @@ class RunSeries:
             Codes.MOTION_FAILED,
         )
         _require(moved, Codes.MOTION_FAILED, f"motion {self._index} ({run.motion}) not done")
+        recorder.stop()
         try:
-            recorder.stop()
+            await aside(recorder.finish)
         except ShoecalError as error:
             raise RefusedError(Codes.RECORDING_FAILED, str(error)) from error
 
@@ -120,10 +125,7 @@ class RunSeries:
             self._tell("planning", REACH_SHARE + PLAN_SHARE * told.progress, place)
             return
         if not recorder.recording and not recorder.problem:
-            try:
-                recorder.start(self._session.new_run(run.motion, run.support, hint=run.hint))
-            except ShoecalError as error:
-                recorder.problem = str(error)
+            recorder.start(partial(self._session.new_run, run.motion, run.support, hint=run.hint))
         share = REACH_SHARE + PLAN_SHARE + (1.0 - REACH_SHARE - PLAN_SHARE) * told.progress
         self._tell("moving", share, place)
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import threading
+from collections.abc import Callable
 from queue import SimpleQueue
 
 from shoecal_core.errors import ShoecalError
@@ -13,20 +15,24 @@ MOST_WAITING = 100_000
 
 
 class RunThread:
-    """Writes what it is given, in order.
+    """Makes a run, writes what it is given, in order, and finishes it.
 
     Attributes:
-        problem: why no more can be written; empty when all is well.
+        problem: why it is not whole, or will not be; empty when all is well.
         counts: messages that were written, by topic.
     """
 
-    def __init__(self, writer: RunWriter) -> None:
-        """Begin, with a run that is open."""
+    def __init__(self, make: Callable[[], RunWriter]) -> None:
+        """Begin.
+
+        Args:
+            make: opens the run.
+        """
         self.problem = ""
         self.counts: dict[str, int] = {}
-        self._writer = writer
+        self._whole = False
         self._waiting: SimpleQueue[tuple[str, bytes, int] | None] = SimpleQueue()
-        self._thread = threading.Thread(target=self._write, daemon=True, name="run")
+        self._thread = threading.Thread(target=self._work, args=(make,), daemon=True, name="run")
         self._thread.start()
 
     def put(self, topic: str, message: bytes, stamp_ns: int) -> None:
@@ -34,24 +40,37 @@ class RunThread:
         if self.problem:
             return
         if self._waiting.qsize() >= MOST_WAITING:
-            self.problem = f"{self._writer.part}: the disk does not keep up; record to a faster one"
+            self.problem = "the disk of sessions_dir does not keep up; record to a faster one"
             return
         self._waiting.put((topic, message, stamp_ns))
 
-    def finish(self) -> RunWriter:
-        """Wait until all is written; the run, still open."""
+    def end(self, *, whole: bool) -> None:
+        """Have the run ended once all is written, finished or as an interrupted one."""
+        self._whole = whole
         self._waiting.put(None)
-        self._thread.join()
-        return self._writer
 
-    def _write(self) -> None:
-        while (waiting := self._waiting.get()) is not None:
-            if self.problem:
-                continue
-            topic, message, stamp_ns = waiting
-            try:
-                self._writer.write(topic, message, stamp_ns)
-            except ShoecalError as error:
-                self.problem = str(error)
+    def wait(self) -> None:
+        """Wait until it has ended."""
+        self._thread.join()
+
+    def _work(self, make: Callable[[], RunWriter]) -> None:
+        try:
+            writer = make()
+            while (waiting := self._waiting.get()) is not None:
+                if not self.problem:
+                    self._write(writer, *waiting)
+            if self._whole and not self.problem:
+                writer.close()
             else:
-                self.counts[topic] = self.counts.get(topic, 0) + 1
+                with contextlib.suppress(ShoecalError):  # why it ends is told by who ends it
+                    writer.abandon()
+        except Exception as error:  # noqa: BLE001 (nobody else hears of it)
+            self.problem = str(error)
+
+    def _write(self, writer: RunWriter, topic: str, message: bytes, stamp_ns: int) -> None:
+        try:
+            writer.write(topic, message, stamp_ns)
+        except ShoecalError as error:
+            self.problem = str(error)
+        else:
+            self.counts[topic] = self.counts.get(topic, 0) + 1

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import shutil
+import threading
 import time
 from pathlib import Path
 
@@ -8,10 +10,11 @@ from rclpy.serialization import serialize_message
 from shoecal_msgs.msg import ShoeVoltages
 
 from ros.bodies import NAO, NAO_SHOE, nao, nao_shoe
+from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.recording import messages, schemas
-from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.session import Session
+from shoecal_core.recording.writer import RunWriter
 from shoecal_ros.calibrator.recorder import Recorder
 from shoecal_ros.common.conversions import JointSample, header_to_ros, joints_to_ros
 
@@ -67,11 +70,12 @@ def test_a_run_holds_what_came_and_a_little_before(tmp_path: Path) -> None:
     recorder.take(schemas.JOINT_TRAJECTORY, [command()])
     feed(recorder, clock, 200)
     started_ns = clock.now_ns
-    recorder.start(made.new_run("landmarks", SUPPORT, hint="train"))
+    recorder.start(lambda: made.new_run("landmarks", SUPPORT, hint="train"))
     assert recorder.recording
     feed(recorder, clock, 100)
     recorder.stop()
     feed(recorder, clock, 20)
+    recorder.finish()
     (entry,) = made.runs
     run = made.read(entry.run)
     assert entry.hint == "train"
@@ -88,10 +92,11 @@ def test_an_interrupted_run_stays(tmp_path: Path) -> None:
     clock = Clock()
     recorder = Recorder(clock, 0.5)
     made = session(tmp_path)
-    recorder.start(made.new_run("landmarks", SUPPORT))
+    recorder.start(lambda: made.new_run("landmarks", SUPPORT))
     feed(recorder, clock, 50)
     recorder.abandon()
     assert not recorder.recording
+    recorder.settle()
     assert made.runs == ()
     assert [path.name for path in made.unfinished] == ["run_001.mcap.part"]
     recorder.abandon()  # nothing is left to abandon
@@ -102,7 +107,7 @@ def test_a_run_that_cannot_be_written_says_so_once(tmp_path: Path) -> None:
     recorder = Recorder(clock, 0.5)
     made = session(tmp_path)
     writer = made.new_run("landmarks", SUPPORT)
-    recorder.start(writer)
+    recorder.start(lambda: writer)
     feed(recorder, clock, 5)
     while recorder.counts.get(schemas.VOLTAGES) != 5:
         time.sleep(0.001)
@@ -111,8 +116,64 @@ def test_a_run_that_cannot_be_written_says_so_once(tmp_path: Path) -> None:
     while not recorder.problem:
         time.sleep(0.001)
     assert "closed already" in recorder.problem
-    with pytest.raises(RecordingError):
-        recorder.stop()
-    recorder.start(made.new_run("landmarks", SUPPORT))
+    recorder.stop()
+    with pytest.raises(ShoecalError, match="closed already"):
+        recorder.finish()
+    recorder.start(lambda: made.new_run("landmarks", SUPPORT))
     assert recorder.problem == ""
     recorder.abandon()
+    recorder.settle()
+
+
+def test_a_run_that_cannot_be_made_says_so(tmp_path: Path) -> None:
+    made = session(tmp_path)
+    shutil.rmtree(made.folder)
+    recorder = Recorder(Clock(), 0.5)
+    recorder.start(lambda: made.new_run("landmarks", SUPPORT))
+    recorder.settle()
+    assert str(made.folder) in recorder.problem
+    recorder.stop()
+    with pytest.raises(ShoecalError):
+        recorder.finish()
+
+
+def test_a_slow_disk_holds_nothing_up(tmp_path: Path) -> None:
+    """To begin a run, to end it whole or interrupted: none waits for the disk."""
+    clock, disk = Clock(), threading.Event()
+    made = session(tmp_path)
+
+    def make() -> RunWriter:
+        disk.wait()
+        return made.new_run("landmarks", SUPPORT)
+
+    recorder = Recorder(clock, 0.5)
+    for end in (recorder.stop, recorder.abandon):
+        disk.clear()
+        recorder.start(make)
+        feed(recorder, clock, 50)
+        end()
+        assert not recorder.recording
+        assert not recorder.counts
+        disk.set()
+        recorder.settle()
+        assert recorder.counts[schemas.JOINT_STATES] == 50
+    assert [entry.run for entry in made.runs] == [1]
+    assert len(made.unfinished) == 1
+
+
+def test_a_clock_that_is_set_back_lets_nothing_pile_up(tmp_path: Path) -> None:
+    clock = Clock()
+    clock.now_ns = 10**18
+    recorder = Recorder(clock, 0.5)
+    recorder.stand_by()
+    recorder.take(schemas.JOINT_TRAJECTORY, [command()])
+    for jump_s in (-3600.0, -2.0, -0.3, 0.3, 3600.0):
+        feed(recorder, clock, 100)
+        clock.now_ns += round(jump_s * 1e9)
+    feed(recorder, clock, 200)
+    recorder.start(lambda: session(tmp_path).new_run("landmarks", SUPPORT))
+    recorder.stop()
+    recorder.finish()
+    assert recorder.counts == {
+        schemas.JOINT_TRAJECTORY: 1, schemas.JOINT_STATES: 51, schemas.VOLTAGES: 51,
+    }  # fmt: skip
