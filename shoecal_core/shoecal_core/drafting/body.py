@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import FileError
 from shoecal_core.files import read_bytes
+from shoecal_core.model.native_output import caught_stderr
 from shoecal_core.model.symbolic import joint_axis
 from shoecal_core.model.urdf import ROOT_JOINTS, Mimic, read_urdf
 
@@ -145,12 +146,13 @@ def _geometry(body: Body, kind: pin.GeometryType, tag: str, wanted: set[str]) ->
             robot.append(part)
     folders = [str(folder) for folder in body.urdf.resolve().parents][:-1]
     try:
-        geometry = pin.buildGeomFromUrdfString(
-            body.model,
-            ElementTree.tostring(robot, encoding="unicode"),
-            kind,
-            package_dirs=folders,
-        )
+        with caught_stderr():
+            geometry = pin.buildGeomFromUrdfString(
+                body.model,
+                ElementTree.tostring(robot, encoding="unicode"),
+                kind,
+                package_dirs=folders,
+            )
     except (ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0] if str(error) else "rejected by the parser"
         raise FileError(

@@ -1,13 +1,14 @@
 """Reading a URDF into a Pinocchio model on a free-flying base, and refusing half of one.
 
 The URDF parser drops an inertial that it cannot read, and links that hang on nothing, with no
-more than a line on stderr. The CoM would be wrong, so the masses are counted again here.
+more than lines on stderr. The CoM would be wrong, so the masses are counted again here, and what
+is wrong is told in one line instead of the parser's many.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
@@ -17,6 +18,7 @@ import pinocchio as pin
 
 from shoecal_core.errors import FileError
 from shoecal_core.files import read_bytes
+from shoecal_core.model.native_output import caught_stderr
 from shoecal_core.model.symbolic import joint_axis
 
 ROOT_JOINTS = 2
@@ -25,6 +27,8 @@ MAX_MASS = 1e4
 """kg; no link of a robot weighs more."""
 MAX_INERTIA = 1e6
 """kg m^2, likewise."""
+NAMED = 5
+"""Links that an error names."""
 
 
 @dataclass(frozen=True)
@@ -65,21 +69,29 @@ def read_urdf(path: Path) -> Urdf:
         raise FileError(path, "not a URDF (no <robot> element)")
     reader = _Reader(path, text)
     declared = sum(reader.masses.values())
+    if declared > 0.0 and reader.unweighed:
+        raise FileError(
+            path,
+            f"no <mass> in the <inertial> of {_named(reader.unweighed)}; give it in kg, or leave "
+            "the <inertial> out of a link without mass",
+            field="inertial",
+        )
     try:
-        model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
+        with caught_stderr() as complaints:
+            model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
     except (ValueError, RuntimeError, IndexError) as error:
-        reason = str(error).splitlines()[0] if str(error) else "rejected by the parser"
-        raise FileError(path, f"not a usable URDF: {reason}") from error
+        raise FileError(path, f"not a usable URDF: {_reason(complaints, error)}") from error
     understood = sum(inertia.mass for inertia in model.inertias)
     if abs(understood - declared) > 1e-9 * declared:
         raise FileError(
             path,
             f"only {understood:g} of the links' {declared:g} kg are understood; check every "
-            "link's inertial, and that every link hangs on the base",
+            f"link's inertial, and that every link hangs on the base{_lost(reader, model)}",
             field="inertial",
         )
     if not declared > 0.0:
-        raise FileError(path, "no link has a mass; the CoM needs them", field="inertial")
+        missing = f" ({_named(reader.unweighed)})" if reader.unweighed else ""
+        raise FileError(path, f"no link has a mass{missing}; the CoM needs them", field="inertial")
     _check_joints(path, model)
     return Urdf(model, reader.mimics)
 
@@ -119,6 +131,31 @@ def _parse(
         raise FileError(path, f"not valid XML: {error}") from error
 
 
+def _reason(complaints: Sequence[str], error: Exception) -> str:
+    """The parser's first complaint; its exception seldom says more than that there is one."""
+    for line in (*complaints, *str(error).splitlines()):
+        if told := line.removeprefix("Error:").strip():
+            return told
+    return "rejected by the parser"
+
+
+def _named(links: Sequence[str]) -> str:
+    """A few of many, and how many more."""
+    more = len(links) - NAMED
+    told = ", ".join(links[:NAMED])
+    return f"link{'s' if len(links) > 1 else ''} {told}{f' and {more} more' if more > 0 else ''}"
+
+
+def _lost(reader: _Reader, model: pin.Model) -> str:
+    """The links whose mass the parser dropped, where that is known."""
+    links = [
+        link
+        for link in reader.masses
+        if link in reader.displaced or not model.existFrame(link, pin.FrameType.BODY)
+    ]
+    return f" ({_named(links)})" if links else ""
+
+
 def _check_joints(path: Path, model: pin.Model) -> None:
     lower, upper = model.lowerPositionLimit, model.upperPositionLimit
     for index in range(ROOT_JOINTS, model.njoints):
@@ -144,11 +181,15 @@ class _Reader:
 
     Attributes:
         masses: of each link as it is written down [kg].
+        unweighed: links whose <inertial> has no <mass>, which the parser leaves out.
+        displaced: links whose <inertial> is at no place, likewise.
         mimics: by the name of the joint that follows.
     """
 
     def __init__(self, path: Path, text: str) -> None:
         self.masses: dict[str, float] = {}
+        self.unweighed: list[str] = []
+        self.displaced: list[str] = []
         self.mimics: dict[str, Mimic] = {}
         self._path = path
         self._place: list[str] = []
@@ -161,11 +202,8 @@ class _Reader:
         if self._place in (["robot", "link"], ["robot", "joint"]):
             self._name = attributes.get("name", "")
             self._limitless = attributes.get("type") in ("revolute", "prismatic")
-        elif self._place == ["robot", "link", "inertial", "mass"]:
-            self.masses[self._name] = _mass(self._path, self._name, attributes.get("value", ""))
-        elif self._place == ["robot", "link", "inertial", "inertia"]:
-            for key, text in attributes.items():
-                self._check_inertia(key, text)
+        elif self._place[:-1] == ["robot", "link", "inertial"]:
+            self._start_of_inertial(tag, attributes)
         elif self._place == ["robot", "joint", "limit"]:
             self._limitless = False
             for key in ("effort", "velocity"):
@@ -179,9 +217,20 @@ class _Reader:
                 offset=self._joint_number(attributes, "offset", "0"),
             )
 
+    def _start_of_inertial(self, tag: str, attributes: dict[str, str]) -> None:
+        if tag == "mass":
+            self.masses[self._name] = _mass(self._path, self._name, attributes.get("value", ""))
+        elif tag == "origin" and not all(map(_is_vector, attributes.values())):
+            self.displaced.append(self._name)
+        elif tag == "inertia":
+            for key, text in attributes.items():
+                self._check_inertia(key, text)
+
     def _end(self, _: str) -> None:
         if self._place == ["robot", "joint"] and self._limitless:
             raise self._joint_error("has no <limit>; give lower, upper, effort and velocity")
+        if self._place == ["robot", "link", "inertial"] and self._name not in self.masses:
+            self.unweighed.append(self._name)
         self._place.pop()
 
     def _joint_number(
@@ -212,6 +261,12 @@ def _number(text: str) -> float:
         return float(text)
     except ValueError:
         return math.nan
+
+
+def _is_vector(text: str) -> bool:
+    """Three numbers."""
+    numbers = [_number(part) for part in text.split()]
+    return len(numbers) == 3 and all(map(math.isfinite, numbers))
 
 
 def _mass(path: Path, link: str, text: str) -> float:

@@ -445,11 +445,18 @@ BAD_URDF = {
     "a mass beyond reason": (CHEST, '<mass value="1e308"/>', "link chest", "is not a number"),
     "a mass of text": (CHEST, '<mass value="2,6"/>', "link chest", "'2,6' is not a number"),
     "a mass left out": (CHEST, "<mass/>", "link chest", "'' is not a number"),
+    "no mass in an inertial": (CHEST, "", "inertial", "no <mass> in the <inertial> of link chest;"),
+    "an inertial with nothing in it": (
+        r".*", "<robot name='a'><link name='b'><inertial/></link></robot>", "inertial", "(link b)"
+    ),
+    "two bodies apart": (
+        "</robot>", "<link name='odd'/></robot>", "", "Two root links found: [base_link] and [odd]"
+    ),
     "an inertia beyond reason": (
         'izz="[^"]*"', 'izz="1e308"', "link base_link", 'izz="1e308" is not a moment of inertia'
     ),
     "an inertial the parser drops": (
-        'xyz="0.01 0 0.09"', 'xyz="nan 0 0.09"', "inertial", "only 6.16 of the links' 8.76 kg"
+        'xyz="0.01 0 0.09"', 'xyz="nan 0 0.09"', "inertial", "hangs on the base (link chest)"
     ),
     "a body that hangs on itself": (
         '<parent link="base_link"/>\n    <child link="chest"/>',
