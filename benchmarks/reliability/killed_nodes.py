@@ -1,13 +1,13 @@
 """kill -9 of any node at any time of a self-calibration.
 
 All five nodes run as processes of their own, the robot and its serial device simulated. A
-self-calibration is begun and at a drawn moment (drawing supports, reaching one, planning, up to
-6 s into a motion, solving) a drawn node is killed. Then the robot must stand still within 10 s,
-long before the motion that it was sent ends by itself (with the simulator there is no robot left;
-nothing hangs on the model, so the job goes on and is ended by disarming); another node's
-diagnostics must name the one that is gone, and the job end with a reason; and when that node is
-started again, the next self-calibration must come as far as the next try needs it. A try is one
-kill with all of that.
+self-calibration is begun and at a drawn moment (drawing supports, reaching one, planning, 2 to
+6 s into a motion, which begins with 1.5 s of standing, solving) a drawn node is killed. Within 10 s
+the robot must have come to rest, long before the motion that it was sent ends by itself, and stay
+there for 2 s more (with the simulator there is no robot left; nothing hangs on the model, so the
+job goes on and is ended by disarming, from when these times count); another node's diagnostics must
+name the one that is gone, and the job end with a reason; and when that node is started again, the
+next self-calibration must come as far as the next try needs it. A try is one kill with all of that.
 """
 
 from __future__ import annotations
@@ -35,8 +35,9 @@ SOLVING_EVERY = 12
 """Of so many tries one waits for the end of the recording."""
 SPEED = 1.0
 """Of a real robot: a faster simulation waits for whoever listens, the dead too."""
-INTO_MOTION_S = 6.0
-REST_S = 10.0
+INTO_MOTION_S = (2.0, 6.0)
+"""A motion begins with 1.5 s of standing."""
+REST_S, LASTS_S = 10.0, 2.0
 BITS = 24
 LONG_S = 400.0
 
@@ -47,7 +48,7 @@ class Try:
 
     Attributes:
         node, stage: what was killed, and when.
-        rest_s: until the robot stood still [s]; 0 where it did, or is gone.
+        rest_s: until the robot stood still for good [s]; 0 where it did, or is gone.
         told_s: until another node's diagnostics named it [s].
         reason: with which the job ended.
     """
@@ -75,6 +76,7 @@ class Suite:
         self._port, self._device = world.folder / "port", world.folder / "device.yaml"
         write_device(self._device, nao_shoe(), self._port, BITS)
         self._still = Stillness(0.01, 0.5, 0.004)
+        self._moved_at = 0.0
         world.node.create_subscription(JointState, "joint_states", self._hear, qos.EITHER)
         for node in ("simulator", "shoe_driver", "model", "planner", "calibrator"):
             self.start(node)
@@ -120,28 +122,23 @@ class Suite:
         stage = goal.feedback[-1].stage
         self.world.kill(node)
         killed = time.monotonic()
-        rest_s = told_s = -1.0
         others = [name for name in NODES if name != node]
-
-        def over() -> bool:
-            nonlocal rest_s, told_s
-            now = time.monotonic() - killed
-            if rest_s < 0.0 and (self._still.still or node in {"simulator", "model"}):
-                rest_s = now if node not in {"simulator", "model"} else 0.0
-            if told_s < 0.0 and any(_names(world, name, node) for name in others):
-                told_s = now
-            ended = goal.done or node in {"calibrator", "model"}
-            return rest_s >= 0.0 and told_s >= 0.0 and ended
-
-        world.until(over)
-        reason = "killed with it" if node == "calibrator" else "disarmed"
+        world.until(lambda: any(_names(world, name, node) for name in others))
+        told_s = time.monotonic() - killed
+        ends = killed
         if node == "model":
+            ends = time.monotonic()
             self.arm(armed=False)
-        if node != "calibrator":
-            reason = str(goal.result().message)
+        reason = "killed with it" if node == "calibrator" else str(goal.result().message)
+        rest_s = 0.0 if node == "simulator" else self._rest(ends)
         self.start(node)
         world.until(lambda: not any(_names(world, name, node) for name in others))
         return Try(node, stage, rest_s, told_s, reason)
+
+    def _rest(self, since: float) -> float:
+        """After what time from a moment on the robot did not move any more [s]."""
+        self.world.until(lambda: time.monotonic() > since + REST_S + LASTS_S)
+        return max(0.0, self._moved_at - since)
 
     def _until(self, goal: Goal, condition: Callable[[], object]) -> None:
         """Wait for something in the course of a calibration."""
@@ -151,6 +148,8 @@ class Suite:
     def _hear(self, message: JointState) -> None:
         angles = np.array(message.position)
         self._still.add(time_from_ros(message.header.stamp), angles)
+        if not self._still.still:
+            self._moved_at = time.monotonic()
 
 
 def _names(world: World, listener: str, node: str) -> bool:
@@ -170,7 +169,7 @@ def draw(index: int, seed: int) -> tuple[str, str, float]:
     stage = STAGES[int(rng.integers(len(STAGES)))]
     if index % SOLVING_EVERY == SOLVING_EVERY - 1:
         stage = "solving"
-    after_s = float(rng.uniform(0.0, INTO_MOTION_S)) if stage == "moving" else 0.0
+    after_s = float(rng.uniform(*INTO_MOTION_S)) if stage == "moving" else 0.0
     return NODES[index % len(NODES)], stage, after_s
 
 
