@@ -3,10 +3,10 @@
 A real calibrator is in force beside a robot that stands and tells joints and voltages with a
 period that is drawn (5 to 100 ms). At a drawn moment one of the two stays away. From its last
 message `/shoe/state` must say so within 100 ms or three periods, whichever is longer; without joint
-angles `/shoe/cop` must end and everything else go on, without voltages nothing is published; when
-both come again, so must everything. Beside it stands how long a reading takes to
-`/shoe/left/grf`, at the worst of the same try: what the machine needs at any rate. Simulated: the
-robot, of which only messages exist.
+angles `/shoe/cop` and `/shoe/grf` must end, whose point and torques are about one sole for both
+feet, and those of each foot go on; without voltages nothing is published; when both come again, so
+must everything. Beside it stands how long a reading takes to `/shoe/left/grf`, at the worst of the
+same try: what the machine needs at any rate. Simulated: the robot, of which only messages exist.
 """
 
 from __future__ import annotations
@@ -95,6 +95,7 @@ class Scene:
         assert world.call(SetCalibration, "shoe/set_calibration", request).success
         self.state = Listener(world, ShoeState, "shoe/state", qos.LATCHED)
         self.cop = Listener(world, PointStamped, "shoe/cop")
+        self.grf = Listener(world, WrenchStamped, "shoe/grf")
         self.foot = Listener(world, WrenchStamped, "shoe/left/grf")
 
     def wait(self, seconds: float) -> None:
@@ -113,7 +114,7 @@ class Scene:
         robot, period_s = self.robot, period_ns / 1e9
         robot.tell_every(period_ns)
         self.wait(LEARN * period_s + float(rng.uniform(0.0, 0.1)))
-        for one in (self.state, self.cop, self.foot):
+        for one in (self.state, self.cop, self.grf, self.foot):
             one.heard[:] = one.heard[-1:]
         needed = self._needed()
         setattr(robot, f"tells_{what}", False)
@@ -123,10 +124,11 @@ class Scene:
         )
         self.wait(GOES_ON * period_s + 0.05)
         after = at + 0.02
-        held = not self.cop.after(after) and (self.foot.after(after) > 0) == (what == "joints")
+        stopped = not self.cop.after(after) and not self.grf.after(after)
+        held = stopped and (self.foot.after(after) > 0) == (what == "joints")
         setattr(robot, f"tells_{what}", True)
         again = time.monotonic()
-        self.world.until(lambda: self.cop.after(again) and self.foot.after(again))
+        self.world.until(lambda: all(one.after(again) for one in (self.cop, self.grf, self.foot)))
         self.told(lambda state: not state.joints_stale and state.feet[0].valid, again)
         return Try(held, what, period_s, at - last, needed)
 
@@ -164,8 +166,8 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
 ROW = Row(
     key="stale-inputs",
     fault="stale joints or voltages",
-    holds="what depends on them stops (stale joints: the combined CoP only) and the state says "
-    "stale, within 100 ms or three periods, whichever is longer",
+    holds="what depends on them stops (stale joints: the combined CoP and GRF only) and the "
+    "state says stale, within 100 ms or three periods, whichever is longer",
     tries=200,
     step=50,
     run=run,

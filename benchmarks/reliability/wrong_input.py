@@ -172,12 +172,12 @@ def _parameter(rng: np.random.Generator) -> Case:
         rng,
         (
             ("in_force.gains", [math.nan] * COUNT),
-            ("in_force.id", "mine"),
+            ("use_sim_time", True),
             ("state_dir", "/"),
             ("sessions_dir", "/"),
-            ("stale_s", math.inf),
+            ("in_force.id", "mine"),
             ("robot_file", "/etc/passwd"),
-            ("use_sim_time", True),
+            ("stale_s", math.inf),
         ),
     )
     request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])

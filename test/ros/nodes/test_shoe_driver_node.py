@@ -12,6 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rcl_interfaces.srv import SetParameters
+from rclpy.parameter import Parameter
 from rosgraph_msgs.msg import Clock
 from shoecal_msgs.msg import ShoeVoltages
 
@@ -125,6 +127,15 @@ def test_a_port_that_is_not_there(world: World, port: Path) -> None:
     status = world.until_told("shoe_driver", "device", "does not exist")
     assert status.level == b"\x02"
     assert str(port) in status.message
+
+
+def test_no_peer_changes_its_clock(world: World, port: Path) -> None:
+    world.start("shoe_driver", {"port": port})
+    wanted = [Parameter("use_sim_time", value=True).to_parameter_msg()]
+    request = SetParameters.Request(parameters=wanted)
+    (result,) = world.call(SetParameters, "shoe_driver/set_parameters", request).results
+    assert not result.successful
+    assert "use_sim_time: parameters stay while a node runs" in result.reason
 
 
 def test_a_port_that_sends_nothing(
