@@ -1,13 +1,17 @@
 """A thousand service calls a second while CoP is published.
 
 A real calibrator works on a robot that stands and tells joints and voltages at 100 Hz. Another
-program calls `shoe/self_calibrate` (8 of 10 calls), `shoe/get_calibration` and `shoe/rollback`,
-1,000 times a second. Exactly one self-calibration must begin; it waits for the double support
-that this robot never reaches. Every call must be answered within 50 ms, and `/shoe/cop` keep its
-rate of before within 5 %. A try is a call; where CoP was disturbed, every one has failed. Beside
-it a service that does nothing, of a node that does nothing, is called now and then: where that
-takes more than 50 ms, too, it is the machine, and calls within a quarter of a second are told but
-have not failed. Simulated: the robot, of which only messages exist.
+program calls `shoe/self_calibrate` (7 of 10 calls), `shoe/get_calibration`, `shoe/rollback` and
+`shoe/set_calibration` (with two calibrations in turn), 1,000 times a second. Exactly one
+self-calibration must begin; it waits for the double support that this robot never reaches. Two
+calibrations are in force, now and before, so one change after the other goes to the disk: such a
+call is answered when it is safe there, however long that takes, and the worst is told. Every other
+call must be answered within 50 ms (while a change is under way, other changes are refused as busy),
+and `/shoe/cop` keep its rate of before within 5 %. A try is a call; where CoP was disturbed, or
+nothing changed, every one has failed. Beside it a service that does nothing, of a node that does
+nothing, is called now and then: where that takes more than 50 ms, too, it is the machine, and calls
+within a quarter of a second are told but have not failed. Simulated: the robot, of which only
+messages exist.
 """
 
 from __future__ import annotations
@@ -24,13 +28,17 @@ from typing import IO
 import numpy as np
 from geometry_msgs.msg import PointStamped
 from numpy.typing import NDArray
+from rclpy.serialization import serialize_message
+from shoecal_msgs.srv import SetCalibration
 from std_msgs.msg import Bool
 
-from reliability.live_robots import WaitedForRobot, put_in_force, start_calibrator
+from reliability.live_robots import WaitedForRobot, start_calibrator
 from reliability.live_world import Heard, World, live_world
 from reliability.row import Progress, Result, Row
+from ros.bodies import calibration, nao, nao_shoe
 from shoecal_core.workspace import ros_environment
 from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import calibration_to_ros
 
 CALLER = Path(__file__).with_name("flood_caller.py")
 RATE_HZ = 1000.0
@@ -50,12 +58,14 @@ class Flood:
         jobs: self-calibrations begun.
         rates: of CoP before and during it [Hz].
         bare: (n,) the same of the service that does nothing, where it was called, too.
+        changes: (n,) which calls have put a calibration in force.
     """
 
     took: NDArray[np.float64]
     jobs: int
     rates: tuple[float, float]
     bare: NDArray[np.float64]
+    changes: NDArray[np.bool_]
 
     @property
     def unanswered(self) -> int:
@@ -68,15 +78,15 @@ class Flood:
 
     @property
     def failed(self) -> int:
-        """Calls that were not answered in time; all where one job too many began, or CoP lagged."""
-        if self.jobs != 1 or abs(self.cop_share - 1.0) > COP_SHARE:
+        """Calls that were not answered in time; all where jobs, changes or CoP are not as due."""
+        if self.jobs != 1 or not self.changes.any() or abs(self.cop_share - 1.0) > COP_SHARE:
             return len(self.took)
         return self.unanswered + int((self.late & ~self.held_up).sum())
 
     @property
     def late(self) -> NDArray[np.bool_]:
-        """(n,) Which calls were not answered in time."""
-        return self.took > ANSWER_S
+        """(n,) Which calls were not answered in time; the disk's does not count."""
+        return (self.took > ANSWER_S) & ~self.changes
 
     @property
     def held_up(self) -> NDArray[np.bool_]:
@@ -87,12 +97,14 @@ class Flood:
     @property
     def told(self) -> str:
         """The worst, in words."""
-        median, most, worst = 1e3 * np.quantile(self.took, [0.5, 0.99, 1.0])
+        median, most, worst = 1e3 * np.quantile(self.took[~self.changes], [0.5, 0.99, 1.0])
+        saved = 1e3 * self.took[self.changes].max(initial=0.0)
         return (
             f"{worst:.0f} ms to the answer (median {median:.1f}, 99 % {most:.1f}; a service that "
             f"does nothing: {1e3 * self.bare.max():.0f}; {self.late.sum()} above 50 ms, "
             f"{(self.late & ~self.held_up).sum()} of them when it was not), "
-            f"{self.unanswered} unanswered, {self.jobs} job, "
+            f"{self.unanswered} unanswered, {self.jobs} job, {self.changes.sum()} changes of the "
+            f"calibration (at most {saved:.0f} ms), "
             f"CoP at {100.0 * self.cop_share:.1f} % of its rate"
         )
 
@@ -102,20 +114,35 @@ def flood(count: int) -> Flood:
     with live_world() as world:
         robot = WaitedForRobot(world)
         start_calibrator(world)
-        put_in_force(world)
+        requests = [_request(identity) for identity in ("one", "two")]
+        for request in requests:
+            assert world.call(SetCalibration, "shoe/set_calibration", request).success
+        files = [world.folder / f"request_{number}" for number in range(len(requests))]
+        for file, request in zip(files, requests, strict=True):
+            file.write_bytes(serialize_message(request))
         cop = world.hear(PointStamped, "shoe/cop", qos.LIVE)
         world.until(lambda: len(cop) > 10)
         begin = time.monotonic()
         before = _rate(world, cop, lambda: time.monotonic() - begin >= BEFORE_S)
         out = world.folder / "flood.json"
-        with _caller("--serve") as bare, out.open("wb") as file:
-            with _caller(str(count), str(RATE_HZ), stdout=file) as caller:
+        with _caller("--serve") as bare, out.open("wb") as told_to:
+            with _caller(str(count), str(RATE_HZ), *map(str, files), stdout=told_to) as caller:
                 during = _rate(world, cop, lambda: caller.poll() is not None)
             bare.kill()
         robot.armed.publish(Bool(data=False))
         world.until_told("calibrator", "calibration", "not armed")
         told = json.loads(out.read_text())
-    return Flood(np.array(told["took"]), told["accepted"], (before, during), np.array(told["bare"]))
+    changes = np.zeros(count, dtype=bool)
+    changes[told["changes"]] = True
+    return Flood(
+        np.array(told["took"]), told["accepted"], (before, during), np.array(told["bare"]), changes
+    )
+
+
+def _request(identity: str) -> SetCalibration.Request:
+    return SetCalibration.Request(
+        calibration=calibration_to_ros(calibration(nao(), nao_shoe(), identity))
+    )
 
 
 def _rate(world: World, heard: Heard, over: Callable[[], bool]) -> float:
@@ -142,7 +169,8 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
 ROW = Row(
     key="service-flood",
     fault="1,000 service calls a second for 60 s while CoP is published",
-    holds="one job, the others answered within 50 ms, CoP rate within 5 %",
+    holds="one job and one change of the calibration at a time, the others answered within 50 ms, "
+    "CoP rate within 5 %",
     tries=60_000,
     step=60_000,
     run=run,

@@ -1,11 +1,12 @@
 """Calls services of the calibrator at a steady rate: a program of its own, for `flood`.
 
-    python flood_caller.py CALLS RATE
+    python flood_caller.py CALLS RATE REQUEST...
     python flood_caller.py --serve
 
-The first prints one line of JSON: for every call how long its answer took [s], -1 where none
-came, the same of a service that does nothing (the second form offers it), and how many
-self-calibrations were begun. No executor: this must not be what is slow.
+The first sends the serialised requests to `shoe/set_calibration` in turn, and prints one line of
+JSON: for every call how long its answer took [s], -1 where none came, the same of a service that
+does nothing (the second form offers it), how many self-calibrations were begun, and which calls put
+a calibration in force. No executor: this must not be what is slow.
 """
 
 from __future__ import annotations
@@ -13,24 +14,30 @@ from __future__ import annotations
 import json
 import sys
 import time
+from collections.abc import Iterator, Sequence
+from itertools import cycle, repeat
+from pathlib import Path
 from typing import Any
 
 import rclpy
 from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
-from shoecal_msgs.srv import GetCalibration, SelfCalibrate
+from rclpy.serialization import deserialize_message
+from shoecal_msgs.srv import GetCalibration, SelfCalibrate, SetCalibration
 from std_srvs.srv import Trigger
 
 WAIT_S = 5.0
 """For what is not answered when the last call was made."""
 MANY = QoSProfile(depth=1000)
+CHANGE = "shoe/set_calibration"
 BARE, BARE_SHARE = "bare", 20
 """A service that does nothing; called once in so many calls."""
 KINDS: tuple[tuple[type[Any], str], ...] = (
-    *((SelfCalibrate, "shoe/self_calibrate"),) * 8,
+    *((SelfCalibrate, "shoe/self_calibrate"),) * 7,
     (GetCalibration, "shoe/get_calibration"),
     (Trigger, "shoe/rollback"),
+    (SetCalibration, CHANGE),
 )
 
 
@@ -40,13 +47,15 @@ class Caller:
     def __init__(self, node: Node, kind: type[Any], name: str) -> None:
         self.client: Client = node.create_client(kind, name, qos_profile=MANY)
         self.accepted = 0
+        self.succeeded: list[int] = []
+        self.requests: Iterator[Any] = repeat(kind.Request())
         self._kind = kind
         self._sent: dict[int, tuple[int, float]] = {}
 
     def call(self, number: int) -> None:
         """Call; the call has this number."""
         with self.client.handle:
-            sequence = self.client.handle.send_request(self._kind.Request())
+            sequence = self.client.handle.send_request(next(self.requests))
         self._sent[sequence] = number, time.monotonic()
 
     def collect(self, took: list[float]) -> None:
@@ -59,12 +68,15 @@ class Caller:
             number, sent = self._sent.pop(header.request_id.sequence_number)
             took[number] = time.monotonic() - sent
             self.accepted += bool(getattr(response, "accepted", False))
+            if getattr(response, "success", False):
+                self.succeeded.append(number)
 
 
-def call(node: Node, count: int, rate: float) -> dict[str, object]:
+def call(node: Node, count: int, rate: float, requests: Sequence[Any]) -> dict[str, object]:
     """Call as often and as quickly as asked for; what came of it."""
     bare = Caller(node, Trigger, BARE)
     callers = {name: Caller(node, kind, name) for kind, name in KINDS}
+    callers[CHANGE].requests = cycle(requests)
     for caller in (bare, *callers.values()):
         if not caller.client.wait_for_service(60.0):
             sys.exit(f"nobody offers {caller.client.srv_name}")
@@ -81,8 +93,12 @@ def call(node: Node, count: int, rate: float) -> dict[str, object]:
             caller.collect(took)
         bare.collect(bare_took)
         time.sleep(5e-4)
-    accepted = callers["shoe/self_calibrate"].accepted
-    return {"took": took, "accepted": accepted, "bare": bare_took}
+    return {
+        "took": took,
+        "accepted": callers["shoe/self_calibrate"].accepted,
+        "bare": bare_took,
+        "changes": [*callers[CHANGE].succeeded, *callers["shoe/rollback"].succeeded],
+    }
 
 
 def serve(node: Node) -> None:
@@ -97,7 +113,11 @@ def main() -> None:
     if sys.argv[1] == "--serve":
         serve(Node("bare"))
         return
-    print(json.dumps(call(Node("flood"), int(sys.argv[1]), float(sys.argv[2]))))
+    count, rate, *files = sys.argv[1:]
+    requests = [
+        deserialize_message(Path(file).read_bytes(), SetCalibration.Request) for file in files
+    ]
+    print(json.dumps(call(Node("flood"), int(count), float(rate), requests)))
     rclpy.shutdown()
 
 
