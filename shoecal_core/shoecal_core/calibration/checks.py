@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from shoecal_core.calibration.calibration import VERDICTS
 from shoecal_core.calibration.initial_guess import InitialGuess
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.settings import CalibrationSettings
@@ -49,6 +50,12 @@ def judge(findings: Sequence[Finding]) -> Verdict:
         if any(finding.verdict == level for finding in findings):
             return Verdict(level, tuple(f"{f.verdict}: {f.reason}" for f in findings))
     return Verdict("PASS", ("every check passed",))
+
+
+def split_reason(reason: str, verdict: str) -> tuple[str, str]:
+    """Level and text of one of a verdict's reasons; the verdict's own where it names none."""
+    level, mark, text = reason.partition(": ")
+    return (level, text) if mark and level in VERDICTS else (verdict, reason)
 
 
 def check_gains(shoe: Shoe, guess: InitialGuess, parameters: ChannelParameters) -> list[Finding]:

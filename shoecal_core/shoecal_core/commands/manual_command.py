@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
+from shoecal_core.calibration.checks import split_reason
 from shoecal_core.calibration.manual.calibrate import (
     CellsCalibration,
     FootResult,
@@ -279,8 +280,8 @@ def _write(calibration: Calibration, out: Path, console: Console) -> None:
         raise CalibrationFailedError(f"no calibration written: {'; '.join(calibration.reasons)}")
     save_calibration(calibration, out)
     for reason in calibration.reasons:
-        told = reason.removeprefix(f"{calibration.verdict}: ")
-        console.print(verdict_line(calibration.verdict, told), soft_wrap=True)
+        told = split_reason(reason, calibration.verdict)
+        console.print(verdict_line(*told), soft_wrap=True)
     console.print(f"{out}")
 
 

@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.calibration.checks import split_reason
 from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.report.assessment_section import (
     assessment_section,
@@ -79,7 +80,7 @@ def verdict_of(calibration: Calibration) -> Verdict:
     return Verdict(
         calibration.verdict,
         MEANING[calibration.verdict],
-        tuple(_reason(text, calibration.verdict) for text in calibration.reasons),
+        tuple(Reason(*split_reason(one, calibration.verdict)) for one in calibration.reasons),
     )
 
 
@@ -98,11 +99,6 @@ def made(calibration: Calibration) -> list[str]:
         return []
     moment = datetime.fromtimestamp(calibration.made_ns // 10**9, UTC)
     return [moment.strftime("%Y-%m-%d %H:%M UTC")]
-
-
-def _reason(text: str, verdict: str) -> Reason:
-    level, mark, rest = text.partition(": ")
-    return Reason(level, rest) if mark and level in MEANING else Reason(verdict, text)
 
 
 def _key_figures(content: CalibrationReport) -> tuple[KeyFigure, ...]:

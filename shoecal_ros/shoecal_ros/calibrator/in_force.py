@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 
 from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.calibration.checks import split_reason
 from shoecal_ros.common.health import Condition, Level
 
 UNCALIBRATED = "uncalibrated: no forces are published; call shoe/self_calibrate"
@@ -46,6 +47,13 @@ class InForce:
             told += f", now {self.temperature:.1f} degC"
         return told
 
+    @property
+    def _reasons(self) -> list[str]:
+        """Without the verdict's own level, which stands before them."""
+        verdict = self.calibration.verdict
+        told = [split_reason(one, verdict) for one in self.calibration.reasons]
+        return [text if level == verdict else f"{level}: {text}" for level, text in told]
+
     def condition(self, largest_gap: float, **values: object) -> Condition:
         """For diagnostics.
 
@@ -56,7 +64,7 @@ class InForce:
         made = self.calibration
         level, message = Level.OK, f"'{made.id}' in force ({made.verdict})"
         if made.verdict != "PASS":
-            level, message = Level.WARN, f"{message}: {'; '.join(made.reasons)}"
+            level, message = Level.WARN, f"{message}: {'; '.join(self._reasons)}"
         # NaN, not known, is no gap.
         if abs(self.temperature - made.temperature) > largest_gap:
             level, message = (

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from rich.console import Console
 
 from shoecal_core.calibration.calibration import load_calibration
+from shoecal_core.calibration.checks import split_reason
 from shoecal_core.calibration.comparison import Comparison, compare, read_truths, stage_errors
 from shoecal_core.calibration.evaluate import Errors, errors
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.tolerances import Tolerances
-from shoecal_core.commands.tables import errors_table, stages_rows
+from shoecal_core.commands.tables import errors_table, stages_rows, verdict_line
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, read_bytes
 from shoecal_core.recording.session import Session
@@ -135,7 +136,9 @@ def print_table(found: Found, timing: Mapping[str, float], folder: Folder) -> No
     stages = {name: sets for name, sets in found.stages.items() if name != "modelled"}
     console.print(errors_table("Errors against the simulated truth", rows + stages_rows(stages)))
     calibration = found.outcome.calibration
-    console.print(f"{calibration.verdict}: {'; '.join(calibration.reasons)}", markup=False)
+    for reason in calibration.reasons:
+        told = split_reason(reason, calibration.verdict)
+        console.print(verdict_line(*told), soft_wrap=True)
     console.print(", ".join(f"{name} {seconds:.1f} s" for name, seconds in timing.items()))
     console.print(f"{folder.out}: result.json, report.html, calibration.yaml, session/")
 

@@ -22,6 +22,7 @@ from shoecal_core.calibration.checks import (
     check_residuals,
     check_time_offset,
     judge,
+    split_reason,
 )
 from shoecal_core.calibration.fit import self_calibrate
 from shoecal_core.calibration.initial_guess import InitialGuess
@@ -192,3 +193,6 @@ def test_the_worst_finding_decides_and_all_are_told() -> None:
     both = judge([warning, failure])
     assert both.verdict == "FAIL"
     assert both.reasons == ("WARN: b", "FAIL: a")
+    assert [split_reason(one, both.verdict) for one in (*both.reasons, "c: d")] == [
+        ("WARN", "b"), ("FAIL", "a"), ("FAIL", "c: d")
+    ]  # fmt: skip

@@ -61,4 +61,10 @@ def test_a_temperature_too_far_off_warns(then: float, now: float, level: Level) 
 def test_what_warned_goes_on_warning() -> None:
     condition = in_force(verdict="WARN", reasons=("odd", "strange")).condition(5.0)
     assert condition.level is Level.WARN
-    assert "odd; strange" in condition.message
+    assert condition.message == "'made-1' in force (WARN): odd; strange"
+
+
+def test_a_level_is_told_once() -> None:
+    changes = {"verdict": "FAIL", "reasons": ("FAIL: odd", "WARN: strange")}
+    condition = in_force(**changes).condition(5.0)
+    assert condition.message == "'made-1' in force (FAIL): odd; WARN: strange"
