@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
-from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.parameter import Parameter
 from shoecal_msgs.action import Calibrate
 from shoecal_msgs.msg import ShoeCalibration
@@ -49,15 +48,8 @@ class CalibrationDesk:
         self._changes: list[object] = []
         self._publisher = node.create_publisher(ShoeCalibration, "shoe/calibration", qos.LATCHED)
         node.serve(GetCalibration, "shoe/get_calibration", self._get)
-        for kind, name, callback in (
-            (SetCalibration, "shoe/set_calibration", self._set),
-            (Trigger, "shoe/rollback", self._rollback),
-        ):
-            # While one is being saved, others are answered that they have to wait.
-            node.create_service(
-                kind, name, callback,
-                qos_profile=qos.SERVICE, callback_group=ReentrantCallbackGroup(),
-            )  # fmt: skip
+        node.serve(SetCalibration, "shoe/set_calibration", self._set)
+        node.serve(Trigger, "shoe/rollback", self._rollback)
         node.mirror = MIRROR
         node.add_on_set_parameters_callback(self._guard)
         if store.current is not None:

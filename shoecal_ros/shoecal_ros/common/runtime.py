@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import inspect
 import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Generator, Sequence
+from collections.abc import Callable, Generator, Iterator, Sequence
 from difflib import get_close_matches
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
+from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
@@ -185,20 +188,37 @@ class ShoecalNode(Node):
         Args:
             kind: of service.
             name: relative name.
-            callback: takes request and empty response, gives the response; answers at once.
+            callback: takes request and empty response, gives the response; answers at once, or is
+                a coroutine function, of which several may be under way.
         """
 
-        def answer(first: object, response: object) -> object:
-            answered = callback(first, response)
+        def others() -> Iterator[tuple[Any, Any]]:
             for _ in range(ANSWERS):
                 with service.handle:
                     request, header = service.handle.service_take_request(kind.Request)
                 if header is None:
-                    break
+                    return
+                yield request, header
+
+        def answer(first: object, response: object) -> object:
+            answered = callback(first, response)
+            for request, header in others():
                 service.send_response(callback(request, kind.Response()), header)
             return answered
 
-        service = self.create_service(kind, name, answer, qos_profile=qos.SERVICE)
+        async def answer_later(request: object, header: object) -> None:
+            service.send_response(await callback(request, kind.Response()), header)
+
+        async def answer_meanwhile(first: object, response: object) -> object:
+            for request, header in others():
+                self.start(partial(answer_later, request, header))
+            return await callback(first, response)
+
+        later = inspect.iscoroutinefunction(callback)
+        service = self.create_service(
+            kind, name, answer_meanwhile if later else answer, qos_profile=qos.SERVICE,
+            callback_group=ReentrantCallbackGroup() if later else None,
+        )  # fmt: skip
         return service
 
     # Time
