@@ -42,14 +42,6 @@ def arm(world: World, armed: bool = True) -> None:
     assert world.call(SetBool, "shoe/arm", SetBool.Request(data=armed)).success
 
 
-def disarm_and_arm(world: World) -> None:
-    """Both at once: they are answered in one go."""
-    client = world.node.create_client(SetBool, "shoe/arm")
-    world.until(client.service_is_ready)
-    sent = [client.call_async(SetBool.Request(data=data)) for data in (False, True)]
-    world.until(lambda: all(one.done() for one in sent))
-
-
 def is_moving(goal: Goal) -> bool:
     assert not goal.done, goal.result().message
     return any(one.phase == "moving" and one.progress > 0.2 for one in goal.feedback)
@@ -199,18 +191,14 @@ def test_a_motion_is_sent_and_followed_to_its_end(simulated: World) -> None:
 
 def test_cancelling_and_disarming_stop_the_robot(simulated: World) -> None:
     commands = simulated.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
-    not_armed = Plan.Result.NOT_ARMED
-    stops = (("cancel", Plan.Result.CANCELED), ("disarm and arm", not_armed), ("disarm", not_armed))
-    for stop, code in stops:
+    for stop, code in (("cancel", Plan.Result.CANCELED), ("disarm", Plan.Result.NOT_ARMED)):
         sent = len(commands)
         goal = plan(simulated, send=True)
         simulated.until(partial(is_moving, goal))
         if stop == "cancel":
             goal.cancel()
-        elif stop == "disarm":
-            arm(simulated, False)
         else:
-            disarm_and_arm(simulated)
+            arm(simulated, False)
         result = goal.result()
         assert result.error_code == code, result.message
         simulated.until(partial(has, commands, sent + 2))
