@@ -106,19 +106,21 @@ def _key_figures(content: CalibrationReport) -> tuple[KeyFigure, ...]:
     found = content.errors["self_calibration"][judged]
     before = content.errors["initial_guess"][judged]
     where = "test runs" if judged == "test" else "training runs"
+    against, told = f"against the {content.reference}", content.told
     keys = [
-        KeyFigure(f"CoP error, {where}", mean_error(found.cop, "mm", 1e3),
-                  _before(mean_error(before.cop, "mm", 1e3), stages is not None)),
-        KeyFigure(f"GRF error, {where}", mean_error(found.grf, "N"),
-                  _before(mean_error(before.grf, "N"), stages is not None)),
+        KeyFigure(f"CoP error {against}", mean_error(found.cop, "mm", 1e3),
+                  _note(where, mean_error(before.cop, "mm", 1e3), stages is not None)),
+        KeyFigure(f"GRF error {against}", mean_error(found.grf, "N"),
+                  _note(where, mean_error(before.grf, "N"), stages is not None)),
     ]  # fmt: skip
     if content.has_truth:
-        keys += _foot_keys(found, where)
-    told = content.told
+        keys += _foot_keys(found, f"{against}, {where}")
     if told is not None:
         late = time_offset_text(told, content.calibration.time_offset)
+        expected = expected_keys(told)
+        # What to plan with comes first: against the model nearly every fit looks good.
+        keys = [*expected, *keys] if told.carried else [*keys, *expected]
         keys += [
-            *expected_keys(told),
             KeyFigure("fixed by the data", f"{told.assessment.told.rank} of {told.possible}",
                       "directions of gains and offsets"),
             KeyFigure("joints late by", late, "against the readings; 95 % interval"),
@@ -128,8 +130,8 @@ def _key_figures(content: CalibrationReport) -> tuple[KeyFigure, ...]:
     return tuple(keys)
 
 
-def _before(text: str, guessed: bool) -> str:
-    return f"initial guess: {text}" if guessed else ""
+def _note(where: str, before: str, guessed: bool) -> str:
+    return f"{where}; initial guess: {before}" if guessed else where
 
 
 def _foot_keys(found: Errors, where: str) -> list[KeyFigure]:

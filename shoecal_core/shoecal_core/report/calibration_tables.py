@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.fit import SelfCalibration
 from shoecal_core.calibration.metrics import Mae
@@ -16,6 +14,7 @@ from shoecal_core.report.quantities import (
     mean_error,
     number,
     quantity,
+    size,
     uncertain,
 )
 from shoecal_core.sensing.shoe import FEET
@@ -93,8 +92,8 @@ def channels_table(content: CalibrationReport) -> Table:
         ]
         if guess is not None:
             row += [
-                uncertain(guess.gain[index], math.nan, gain_unit),
-                uncertain(guess.offset[index], math.nan, unit),
+                size(guess.gain[index], gain_unit),
+                size(guess.offset[index], unit),
             ]
         rows.append(tuple(row))
     header = ["channel", "gain", "offset"]
@@ -120,8 +119,7 @@ def stages_table(content: CalibrationReport, stages: SelfCalibration) -> Table:
         ("initial guess, from the CoP alone", stages.guess),
         ("initial guess, from CoP and weight", stages.guess_with_weight),
     ):
-        gain = uncertain(guess.gain, math.nan, unit)
-        offset = uncertain(guess.offset, math.nan, "N")
+        gain, offset = size(guess.gain, unit), size(guess.offset, "N")
         rows.append((label, f"gain {gain}, offset {offset}"))
     rows += [
         (

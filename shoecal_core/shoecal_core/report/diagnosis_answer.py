@@ -5,8 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
+from shoecal_core.calibration.metrics import cop_mae, grf_mae
 from shoecal_core.diagnosis.result import VERDICTS, Cause, Diagnosis, Shrink
 from shoecal_core.diagnosis.result import Verdict as Finding
+from shoecal_core.diagnosis.signals import COP, GRF
 from shoecal_core.report.diagnosis_words import (
     candidate_text,
     effect_text,
@@ -17,7 +21,7 @@ from shoecal_core.report.diagnosis_words import (
 )
 from shoecal_core.report.figures.shares import percent
 from shoecal_core.report.page import KeyFigure, Verdict
-from shoecal_core.report.quantities import SPACE, number
+from shoecal_core.report.quantities import PLUS_MINUS, SPACE, number
 
 LEVELS: Mapping[Finding, str] = {
     "no_gap": "PASS",
@@ -35,6 +39,8 @@ UNKNOWN_CURE = (
 )
 SMALL_N = 0.095
 """Smaller errors of the GRF are told to the millinewton [N]."""
+LIKELY = 0.5
+"""Causes of a smaller probability are told as a surmise."""
 MOST_CAUSES = 2
 """Causes that have a key figure of their own."""
 
@@ -65,10 +71,11 @@ def key_figures(diagnosis: Diagnosis) -> tuple[KeyFigure, ...]:
     """Gap, shrink, and what is left of the gap."""
     gap, causes = diagnosis.gap, diagnosis.causes
     runs = run_text(diagnosis)
+    cop_std, grf_std = _spreads(diagnosis)
     keys = [
-        KeyFigure("CoP off the model", millimetres(gap.cop_mae_mm),
+        KeyFigure("CoP off the model", millimetres(gap.cop_mae_mm, cop_std),
                   f"noise alone: {millimetres(gap.cop_floor_mm)}; {runs}"),
-        KeyFigure("GRF off the weight", newtons(gap.grf_mae_n),
+        KeyFigure("GRF off the weight", newtons(gap.grf_mae_n, grf_std),
                   f"noise alone: {newtons(gap.grf_floor_n)}; {runs}"),
     ]  # fmt: skip
     keys += [
@@ -81,6 +88,19 @@ def key_figures(diagnosis: Diagnosis) -> tuple[KeyFigure, ...]:
             KeyFigure("the gap shrinks by", shrink_text(whole.fraction), interval_text(whole))
         )
     return tuple(keys)
+
+
+def _spreads(diagnosis: Diagnosis) -> tuple[float, float]:
+    """Standard deviations of the absolute errors of CoP [mm] and GRF [N]; NaN if not known."""
+    found = diagnosis.evidence
+    if found is None:
+        return math.nan, math.nan
+    rest = found.without.residuals[found.test if diagnosis.test else ~found.test]
+    nothing = np.zeros_like(rest)
+    return (
+        1e3 * cop_mae(rest[:, COP], nothing[:, COP]).std,
+        grf_mae(rest[:, GRF], nothing[:, GRF]).std,
+    )
 
 
 def run_text(diagnosis: Diagnosis) -> str:
@@ -104,7 +124,8 @@ def _what(diagnosis: Diagnosis) -> list[str]:
             return [f"CoP and GRF are off by {off}, where noise alone leaves {floor}."]
         return ["No effect of the library, at any place, changes the signals as they are off."]
     first, *others = diagnosis.causes
-    told = [f"Found: {cause_text(first)}.", *(f"And: {cause_text(one)}." for one in others)]
+    told = [_cause_line(first, "Found", "Perhaps")]
+    told += [_cause_line(one, "And", "Perhaps also") for one in others]
     chosen = {(one.effect, one.location) for one in diagnosis.causes}
     rivals: list[str] = []
     replaced: list[str] = []
@@ -115,6 +136,11 @@ def _what(diagnosis: Diagnosis) -> list[str]:
         place = f"In place of {listed(replaced)}" if replaced else "In place of one of these"
         told.append(f"{place} it could as well be {listed(rivals, 'or')}.")
     return told
+
+
+def _cause_line(cause: Cause, likely: str, unlikely: str) -> str:
+    begin = likely if cause.probability >= LIKELY else unlikely
+    return f"{begin} ({percent(cause.probability)} probable): {cause_text(cause)}."
 
 
 def cause_text(cause: Cause) -> str:
@@ -188,16 +214,23 @@ def interval_text(shrink: Shrink) -> str:
     return f"95{SPACE}% interval {low} to {high}{SPACE}%"
 
 
-def millimetres(value: float) -> str:
-    """An error of the CoP."""
-    return f"{number(value, 2)}{SPACE}mm"
+def millimetres(value: float, std: float = math.nan) -> str:
+    """An error of the CoP, with its standard deviation where that is known."""
+    spread = f"{PLUS_MINUS}{number(std, 2)}" if math.isfinite(std) else ""
+    return f"{number(value, 2)}{spread}{SPACE}mm"
 
 
-def newtons(value: float) -> str:
-    """An error of the GRF."""
-    return f"{force(value)}{SPACE}N"
+def newtons(value: float, std: float = math.nan) -> str:
+    """An error of the GRF, likewise."""
+    decimals = _decimals(value)
+    spread = f"{PLUS_MINUS}{number(std, decimals)}" if math.isfinite(std) else ""
+    return f"{number(value, decimals)}{spread}{SPACE}N"
 
 
 def force(value: float) -> str:
     """Its number; errors of heavy cells are small."""
-    return number(value, 2 if abs(value) >= SMALL_N else 3)
+    return number(value, _decimals(value))
+
+
+def _decimals(value: float) -> int:
+    return 2 if abs(value) >= SMALL_N else 3

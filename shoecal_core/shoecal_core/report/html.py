@@ -14,7 +14,7 @@ from shoecal_core.files import atomic_write
 from shoecal_core.report import player
 from shoecal_core.report.page import Page
 from shoecal_core.report.palette import variables
-from shoecal_core.report.quantities import PLUS_MINUS, UNKNOWN
+from shoecal_core.report.quantities import PLUS_MINUS, UNKNOWN, true_minus
 from shoecal_core.report.template import PAGE, STYLE
 
 FEWEST_KEYS, MOST_KEYS = 4, 7
@@ -29,6 +29,7 @@ def render(page: Page) -> str:
         autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters["svg"] = Markup
+    environment.filters["true_minus"] = true_minus
     style = f"{variables()}\n{STYLE}{player.STYLE if page.animated else ''}"
     # Style and hash are made from constants of this package.
     return environment.from_string(PAGE).render(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 
 from shoecal_core.calibration.metrics import Mae
 from shoecal_core.model.double_support import DoubleSupport
@@ -20,6 +21,11 @@ def number(value: float, decimals: int) -> str:
     if float(text) == 0.0:
         text = text.removeprefix("-")
     return text.replace("-", "\N{MINUS SIGN}")
+
+
+def true_minus(text: str) -> str:
+    """A sentence whose negative numbers have true minus signs."""
+    return re.sub(r"(?<![\w.\-])-(?=\d)", "\N{MINUS SIGN}", text)
 
 
 def quantity(value: float, unit: str, decimals: int = 2) -> str:
@@ -43,10 +49,10 @@ def uncertain(value: float, uncertainty: float, unit: str) -> str:
 
 
 def size(value: float, unit: str) -> str:
-    """A standard deviation or the like, to two digits."""
+    """A standard deviation, a guess or the like, to two digits."""
     if not math.isfinite(value):
         return UNKNOWN
-    decimals = 0 if value <= 0.0 else max(0, 1 - math.floor(math.log10(value)))
+    decimals = 0 if value == 0.0 else max(0, 1 - math.floor(math.log10(abs(value))))
     return _with_unit(number(value, decimals), unit)
 
 

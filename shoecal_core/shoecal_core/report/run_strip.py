@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shoecal_core.model.robot import Robot
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
@@ -11,19 +10,19 @@ from shoecal_core.report.page import Strip
 from shoecal_core.report.scene.stills import Instant, instant, stills
 from shoecal_core.sensing.shoe import FEET
 
-FloatArray = NDArray[np.float64]
-
 
 def run_strip(content: CalibrationReport) -> Strip | None:
-    """The run whose CoP travels farthest between feet that stand; None where no feet do.
+    """The first run between feet that stand; None where no feet do.
+
+    Runs are told training runs first, so it is the one that their section begins with.
 
     Raises:
         NoPictureError: where nothing can draw it.
     """
-    runs = [run for run in content.runs if run.double_support and len(run.snapshot_time)]
-    if not runs:
+    standing = (run for run in content.runs if run.double_support and len(run.snapshot_time))
+    run = next(standing, None)
+    if run is None:
         return None
-    run = max(runs, key=_travel)
     instants = [_instant(content.robot, run, index) for index in range(len(run.snapshot_time))]
     return Strip(
         f"The robot in run {run.run}",
@@ -34,12 +33,6 @@ def run_strip(content: CalibrationReport) -> Strip | None:
         f"dashed: from the CoM down. {FEET[0].capitalize()} leg blue, {FEET[1]} leg orange; "
         "the lighter floor is the hull of the sensing polygons.",
     )
-
-
-def _travel(run: RunReport) -> float:
-    cop = run.series("measured").cop
-    known = cop[np.isfinite(cop).all(axis=1)]
-    return float(np.ptp(known, axis=0).sum()) if len(known) else 0.0
 
 
 def _instant(robot: Robot, run: RunReport, index: int) -> Instant:

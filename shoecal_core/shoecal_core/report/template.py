@@ -33,7 +33,7 @@ PAGE = """\
 {% if page.verdict.reasons %}
 <ul>
 {% for reason in page.verdict.reasons %}
-<li class="{{ reason.level | lower }}"><b>{{ reason.level }}</b> {{ reason.text }}</li>
+<li class="{{ reason.level | lower }}"><b>{{ reason.level }}</b> {{ reason.text | true_minus }}</li>
 {% endfor %}
 </ul>
 {% endif %}
@@ -73,7 +73,7 @@ PAGE = """\
 <h3>{{ group.title }}</h3>
 {% endif %}
 {% if group.text %}
-<p class="text">{{ group.text }}</p>
+<p class="text">{{ group.text | true_minus }}</p>
 {% endif %}
 {% if group.strip %}
 <figure class="strip">
@@ -149,7 +149,7 @@ PAGE = """\
 <tr><th scope="row">{{ row[0] }}</th>
 {% for cell in row[1:] %}
 <td data-label="{{ table.header[loop.index] }}"{% if cell == unknown %} class="unknown"{% endif %}>
-{{- cell }}</td>
+{{- cell | true_minus }}</td>
 {% endfor %}
 </tr>
 {% endfor %}

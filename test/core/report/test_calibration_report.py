@@ -69,6 +69,14 @@ def test_the_same_content_is_the_same_bytes(small_html: str) -> None:
     assert render(calibration_page(again)) == small_html
 
 
+def test_key_figures_say_against_what(content: CalibrationReport, small: CalibrationReport) -> None:
+    for one, reference in ((content, "truth"), (small, "model")):
+        first, second, *_ = calibration_page(one).key_figures
+        assert first.label == f"CoP error against the {reference}"
+        assert second.label == f"GRF error against the {reference}"
+        assert first.note.startswith(("test runs; initial guess: ", "training runs; initial"))
+
+
 @pytest.mark.parametrize(
     ("level", "meaning"),
     [("PASS", "may be used."), ("WARN", "with care"), ("FAIL", "must not be used")],

@@ -70,12 +70,33 @@ def test_the_answer_comes_first_in_plain_words() -> None:
     text = text_of(diagnoses.diagnosis())
     answer = text[: text.index("Where the gap lies")]
     assert "One explanation accounts for the gap." in answer
-    assert "readings that bend with the load (cell left/front_left)" in answer
+    assert "Found (93 % probable): readings that bend with the load (cell left/f" in answer
     assert "quadratic 0.00410 1/N (95 %: 0.00369 to 0.00451)" in answer
     assert "CoP sideways at cell left/front_left (46 %)" in answer
     assert "shrinks by 94 % (95 % interval 88 to 97 %)" in answer
     assert "from 1.42 to 0.45 mm" in answer
     assert "Noise alone would leave 0.38 mm and 0.10 N" in answer
+
+
+def test_an_improbable_cause_is_a_surmise() -> None:
+    first = diagnoses.diagnosis().causes[0]
+    likely, unlikely = replace(first, probability=0.6), replace(first, probability=0.29)
+    text = text_of(diagnoses.diagnosis(causes=(first, likely, unlikely)))
+    assert "And (60 % probable): readings" in text
+    assert "Perhaps also (29 % probable): readings" in text
+    assert "Perhaps (29 % probable): readings" in text_of(diagnoses.diagnosis(causes=(unlikely,)))
+
+
+def test_the_gap_is_told_with_its_spread(evidence: Evidence) -> None:
+    rest = evidence.without.residuals[evidence.test]
+    spread = np.nanstd(1e3 * np.linalg.norm(rest[:, 1:3], axis=1))
+    assert f"1.42 ± {spread:.2f} mm" in text_of(diagnoses.diagnosis(evidence))
+    assert (
+        "±"
+        not in diagnosis_page(diagnoses.diagnosis(), robots.load(NAO), shoes.shoe(SHOE))
+        .key_figures[0]
+        .value
+    )
 
 
 @pytest.mark.parametrize("verdict", get_args(result.Verdict))

@@ -7,7 +7,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shoecal_core.calibration.metrics import Mae
-from shoecal_core.report.quantities import UNKNOWN, mean_error, number, quantity, uncertain
+from shoecal_core.report.quantities import (
+    UNKNOWN,
+    mean_error,
+    number,
+    quantity,
+    size,
+    true_minus,
+    uncertain,
+)
 
 
 def plain(text: str) -> str:
@@ -43,6 +51,19 @@ def test_zero_has_no_sign() -> None:
     assert number(-0.0004, 2) == "0.00"
     assert plain(quantity(-0.4, "deg", 1)) == "-0.4 deg"
     assert quantity(math.inf, "s") == UNKNOWN
+
+
+def test_a_guess_has_two_digits_whatever_its_sign() -> None:
+    assert [plain(size(value, "N")) for value in (11.353, -0.5284, 0.0, 1234.5)] == [
+        "11 N", "-0.53 N", "0 N", "1234 N"
+    ]  # fmt: skip
+
+
+def test_only_negative_numbers_get_a_minus_sign() -> None:
+    text = "dx -0.02 m (-30 deg), run-3, 2026-11-22, --test 4, low-pass, 1e-3"
+    assert true_minus(text) == text.replace(" -0", " \N{MINUS SIGN}0").replace(
+        "(-", "(\N{MINUS SIGN}"
+    )
 
 
 @given(

@@ -6,6 +6,11 @@ from core.report.pages import read
 from shoecal_core.calibration.comparison import read_truths
 from shoecal_core.calibration.pipeline import Outcome
 from shoecal_core.recording.session import Session
+from shoecal_core.report.calibration_report import calibration_page
+from shoecal_core.report.page import Strip
+from shoecal_core.report.quantities import true_minus
+from shoecal_core.report.run_strip import run_strip
+from shoecal_core.report.scene.offscreen import tried
 from shoecal_core.report.session_report import SNAPSHOTS, session_content, write_session_report
 
 
@@ -18,12 +23,31 @@ def test_a_session_is_reported_against_its_model(
     assert "Calibration of nao_shoe on nao" in text
     assert outcome.calibration.verdict in text
     for reason in outcome.calibration.reasons:
-        assert reason.removeprefix("WARN: ").removeprefix("FAIL: ") in text
+        assert true_minus(reason.removeprefix("WARN: ").removeprefix("FAIL: ")) in text
     assert "are simulated" in text
     assert "training runs: 1, 2; test runs: 3" in text
     assert "Seed 7." in text
     assert "1.5 s" in text
     assert "Errors are counted against the model" in text
+
+
+def test_what_to_plan_with_comes_first(session: Session, outcome: Outcome) -> None:
+    keys = calibration_page(session_content(session, outcome)).key_figures
+    assert [key.label for key in keys[:5]] == [
+        "expected CoP error, both feet", "expected CoP error, left foot",
+        "expected CoP error, right foot", "CoP error against the model",
+        "GRF error against the model",
+    ]  # fmt: skip
+
+
+def test_a_training_run_is_pictured_beside_the_first_of_them(
+    session: Session, outcome: Outcome
+) -> None:
+    content = session_content(session, outcome)
+    assert not content.runs[0].test
+    strip = tried(lambda: run_strip(content))
+    if isinstance(strip, Strip):
+        assert strip.title == f"The robot in run {content.runs[0].run}"
 
 
 def test_truths_are_used_only_when_given(session: Session, outcome: Outcome) -> None:

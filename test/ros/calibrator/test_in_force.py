@@ -65,6 +65,6 @@ def test_what_warned_goes_on_warning() -> None:
 
 
 def test_a_level_is_told_once() -> None:
-    changes = {"verdict": "FAIL", "reasons": ("FAIL: odd", "WARN: strange")}
-    condition = in_force(**changes).condition(5.0)
+    warned = in_force(verdict="FAIL", reasons=("FAIL: odd", "WARN: strange"))
+    condition = warned.condition(5.0)
     assert condition.message == "'made-1' in force (FAIL): odd; WARN: strange"

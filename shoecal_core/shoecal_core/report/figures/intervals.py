@@ -11,6 +11,7 @@ from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from shoecal_core.report.palette import GUESS, INK, MEASURED
+from shoecal_core.report.quantities import true_minus
 from shoecal_core.report.svg import WIDTH, canvas, readable
 
 FloatArray = NDArray[np.float64]
@@ -63,7 +64,7 @@ def intervals(names: Sequence[str], columns: Sequence[Column], start: str = "ini
             axes.set_yticks(rows, labels if index == 0 else [""] * len(rows))
             axes.tick_params(axis="y", length=0.0, labelcolor=INK.light)
             axes.locator_params(axis="x", nbins=3)
-            axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.4g}"))
+            axes.xaxis.set_major_formatter(FuncFormatter(_told))
             axes.margins(x=0.08)
             axes.set_xlabel(readable(column.label))
         told = "; ".join(
@@ -84,3 +85,7 @@ def _keys(columns: Sequence[Column], start: str) -> list[Line2D]:
                    markeredgewidth=1.6, label=start)
         )  # fmt: skip
     return keys
+
+
+def _told(value: float, _: object) -> str:
+    return true_minus(f"{value:.4g}")
