@@ -27,8 +27,8 @@ unfit() {
     "$1" - <<'END' 2>/dev/null || echo "no working Python 3; sudo apt install python3 python3-venv python3-dev"
 import os, sys, sysconfig
 version = "%d.%d" % sys.version_info[:2]
-if not (3, 11) <= sys.version_info[:2] <= (3, 14):
-    print("Python 3.11 to 3.14 is needed, %s is %s; install one and call make setup PYTHON=python3.12"
+if not (3, 11) <= sys.version_info[:2] <= (3, 13):
+    print("Python 3.11 to 3.13 is needed, %s is %s; install one and call make setup PYTHON=python3.12"
           % (sys.executable, version))
 else:
     try:

@@ -22,7 +22,7 @@ def squeezed(text: str) -> str:
 @cache
 def said() -> str:
     """Every text of the programs; what is put into one is left out."""
-    found = [(ROOT / "scripts/setup.sh").read_text()]
+    found = [(ROOT / file).read_text() for file in ("scripts/setup.sh", "firmware/Makefile")]
     for package in ("shoecal_core", "shoecal_ros"):
         for file in sorted((ROOT / package / package).rglob("*.py")):
             found += _texts(file)

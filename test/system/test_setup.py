@@ -50,6 +50,7 @@ def refusal(checkout: Path, **environment: str) -> str:
     ("otherwise", "cure"),
     [
         ("sys.version_info = (3, 8, 10)", "install one and call make setup PYTHON="),
+        ("sys.version_info = (3, 14, 0)", "Python 3.11 to 3.13 is needed"),
         ("sys.modules['ensurepip'] = None", "sudo apt install python3.11-venv"),
         (
             "import sysconfig; sysconfig.get_path = lambda name: '/nowhere'",

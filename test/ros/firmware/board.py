@@ -23,14 +23,25 @@ ONE = Converter(1.0)
 
 def make(build: Path, *words: str) -> Path:
     """Build with the Makefile; the folder that it built in."""
-    done = subprocess.run(
+    done = _made(build, *words)
+    assert done.returncode == 0, done.stderr
+    return build
+
+
+def refused(build: Path, *words: str) -> str:
+    """What the Makefile says where it cannot build."""
+    done = _made(build, *words)
+    assert done.returncode
+    return done.stderr
+
+
+def _made(build: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
         ["make", "--silent", "-C", FIRMWARE, f"BUILD={build}", *words],
         capture_output=True,
         text=True,
         check=False,
     )
-    assert done.returncode == 0, done.stderr
-    return build
 
 
 def need_avr() -> None:

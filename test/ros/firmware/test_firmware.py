@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from ros.firmware.board import Board, make, need_avr, need_emulator
+from ros.firmware.board import Board, make, need_avr, need_emulator, refused
 from shoecal_ros.serial.driver import Reading, ShoeDriver, open_driver
 from shoecal_ros.serial.frame import ChannelStatus, FaultKind
 
@@ -127,3 +127,9 @@ def test_boards_of_fewer_channels_that_begin_elsewhere(build: Path) -> None:
 def test_the_board_s_firmware_compiles(build: Path) -> None:
     need_avr()
     assert (make(build, "all") / "shoe.elf").stat().st_size > 1000
+
+
+def test_a_compiler_that_is_missing_is_named_with_its_packages(tmp_path: Path) -> None:
+    assert "no-such-gcc is missing; sudo apt install gcc-avr avr-libc" in refused(
+        tmp_path, "AVR_CC=no-such-gcc -O1"
+    )
