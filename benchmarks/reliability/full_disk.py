@@ -4,7 +4,8 @@ The disk is a small tmpfs of its own, in a mount namespace that nobody else sees
 up or mounted read-only; a folder whose rights are taken away during a recording stands for the one
 that becomes read-only. Where nothing may be mounted, the size of files is limited instead
 (RLIMIT_FSIZE), and the worst try says so. A session, a run, a log of raw bytes and a calibration
-are to be written there. Each is refused with one line that names the file, at once or when it is
+are to be written there; in the read-only tries there lies also what is left of a change of the
+calibration that was cut. Each is refused with one line that names the file, at once or when it is
 written; what was recorded before is recovered; the calibration in force is the same as before, for
 this process and for the next; and with room again, all of it works.
 """
@@ -27,10 +28,11 @@ import numpy as np
 from reliability import originals
 from reliability.row import Progress, Result, Row
 from reliability.spawning import Order, served
+from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.recording.recover import recover, recovered_path
 from shoecal_core.recording.session import Session
-from shoecal_ros.calibrator.calibration_store import CalibrationStore
+from shoecal_ros.calibrator.calibration_store import NEXT, CalibrationStore
 from shoecal_ros.serial.raw_log import RawLog
 
 KINDS = ("full before", "full during", "read-only before", "read-only during")
@@ -136,6 +138,9 @@ class _Disk:
 def _problem(disk: _Disk, kind: str, rng: np.random.Generator) -> str:
     session, store = originals.session(disk.folder / "session"), _store(disk)
     store.apply(_calibration("one"), originals.START_NS)
+    if kind.startswith("read-only"):
+        # A change was cut before: what is left of it cannot be removed.
+        save_calibration(_calibration("left"), disk.folder / "state" / NEXT)
     try:
         if kind.endswith("before"):
             disk.fill(0) if kind.startswith("full") else disk.forbid()

@@ -1,16 +1,19 @@
-"""A long day of standing.
+"""A long day of standing, in stretches of two hours.
 
 The nodes `shoe_driver` and `calibrator` run as processes and read 100 frames of a robot second, the
 first from a pseudo-terminal, the second over DDS, with joint angles and a clock that goes as fast
 as they can follow. Four frames in a thousand are lost or damaged on the line. Every whole frame
 must give one right CoP at a subscriber, and the frames that driver and calibrator count as lost
-must be those that were not sent whole. Each robot minute both processes' resident memory is noted;
-over a stretch of two hours, without its first half hour, it must grow by less than 1 MB an hour (a
-straight line through the notes). Stretches shorter than an hour are not judged by their memory.
+must be those that were not sent whole. Both processes are started anew for every stretch of two
+hours, so that a run that was cut goes on where it was: what piles up only after more than two hours
+is not seen. Each robot minute both processes' resident memory is noted; over a stretch, without its
+first half hour, it must grow by less than 1 MB an hour (a straight line through the notes).
+Stretches shorter than an hour are not judged by their memory.
 
 Bytes, terminal, processes, DDS and memory are real; robot and time are simulated. What nodes do by
 the clock on the wall, as telling diagnostics, comes more seldom in a robot hour than it will in a
-real one.
+real one. That inputs grow stale, which goes by that clock, too, is switched off (100 s): the robot
+waits for the nodes here, and another row tries it.
 """
 
 from __future__ import annotations
