@@ -10,7 +10,6 @@ from pathlib import Path
 from rich.console import Console
 
 from shoecal_core.calibration.calibration import save_calibration
-from shoecal_core.calibration.checks import split_reason
 from shoecal_core.calibration.initial_guess import InitialGuess
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.refinement.found_effects import load_found_effects
@@ -20,7 +19,7 @@ from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.commands.arguments import add_force, add_sets, require_folder
 from shoecal_core.commands.assessment_table import expected_table, trust_lines
 from shoecal_core.commands.screening_table import screening_table
-from shoecal_core.commands.tables import errors_table, new_table, stages_rows, verdict_line
+from shoecal_core.commands.tables import errors_table, new_table, reason_lines, stages_rows
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.session import Session
 from shoecal_core.report.calibration_content import channel_units
@@ -85,9 +84,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         )
     if calibration.verdict == "FAIL":
         raise CalibrationFailedError(f"no calibration written: {'; '.join(calibration.reasons)}")
-    for reason in calibration.reasons:
-        told = split_reason(reason, calibration.verdict)
-        console.print(verdict_line(*told), soft_wrap=True)
+    for line in reason_lines(calibration):
+        console.print(line, soft_wrap=True)
     console.print(f"{args.out}")
     return to_json(outcome)
 

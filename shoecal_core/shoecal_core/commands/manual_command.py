@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
-from shoecal_core.calibration.checks import split_reason
 from shoecal_core.calibration.manual.calibrate import (
     CellsCalibration,
     FootResult,
@@ -39,7 +38,7 @@ from shoecal_core.commands.manual_tables import (
     manual_to_json,
 )
 from shoecal_core.commands.simulated_manual import simulate_manual
-from shoecal_core.commands.tables import verdict_line
+from shoecal_core.commands.tables import reason_lines
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
@@ -279,9 +278,8 @@ def _write(calibration: Calibration, out: Path, console: Console) -> None:
     if calibration.verdict == "FAIL":
         raise CalibrationFailedError(f"no calibration written: {'; '.join(calibration.reasons)}")
     save_calibration(calibration, out)
-    for reason in calibration.reasons:
-        told = split_reason(reason, calibration.verdict)
-        console.print(verdict_line(*told), soft_wrap=True)
+    for line in reason_lines(calibration):
+        console.print(line, soft_wrap=True)
     console.print(f"{out}")
 
 

@@ -9,6 +9,8 @@ from rich.box import SIMPLE_HEAD
 from rich.table import Table
 from rich.text import Text
 
+from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.calibration.checks import split_reason
 from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.calibration.metrics import Mae
 from shoecal_core.calibration.run_errors import COMPARED
@@ -24,6 +26,12 @@ WRITTEN = {"grf": ("GRF", "N", 3), "cop": ("CoP", "mm", 2)}
 def verdict_line(verdict: str, text: str) -> Text:
     """A verdict and what it is for; on a terminal in the colour of its kind."""
     return Text.assemble((verdict, LEVELS[verdict]), f": {text}")
+
+
+def reason_lines(calibration: Calibration) -> list[Text]:
+    """Why its verdict is what it is, a line a reason, each with its own level."""
+    told = (split_reason(one, calibration.verdict) for one in calibration.reasons)
+    return [verdict_line(level, text) for level, text in told]
 
 
 def new_table(title: str) -> Table:

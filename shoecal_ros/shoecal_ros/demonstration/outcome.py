@@ -9,13 +9,12 @@ from dataclasses import dataclass
 from rich.console import Console
 
 from shoecal_core.calibration.calibration import load_calibration
-from shoecal_core.calibration.checks import split_reason
 from shoecal_core.calibration.comparison import Comparison, compare, read_truths, stage_errors
 from shoecal_core.calibration.evaluate import Errors, errors
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.tolerances import Tolerances
-from shoecal_core.commands.tables import errors_table, stages_rows, verdict_line
+from shoecal_core.commands.tables import errors_table, reason_lines, stages_rows
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, read_bytes
 from shoecal_core.recording.session import Session
@@ -136,9 +135,8 @@ def print_table(found: Found, timing: Mapping[str, float], folder: Folder) -> No
     stages = {name: sets for name, sets in found.stages.items() if name != "modelled"}
     console.print(errors_table("Errors against the simulated truth", rows + stages_rows(stages)))
     calibration = found.outcome.calibration
-    for reason in calibration.reasons:
-        told = split_reason(reason, calibration.verdict)
-        console.print(verdict_line(*told), soft_wrap=True)
+    for line in reason_lines(calibration):
+        console.print(line, soft_wrap=True)
     console.print(", ".join(f"{name} {seconds:.1f} s" for name, seconds in timing.items()))
     console.print(f"{folder.out}: result.json, report.html, calibration.yaml, session/")
 
