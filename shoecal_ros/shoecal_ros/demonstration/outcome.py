@@ -137,7 +137,8 @@ def print_table(found: Found, timing: Mapping[str, float], folder: Folder) -> No
     calibration = found.outcome.calibration
     for line in reason_lines(calibration):
         console.print(line, soft_wrap=True)
-    console.print(", ".join(f"{name} {seconds:.1f} s" for name, seconds in timing.items()))
+    took = ", ".join(f"{name} {seconds:.1f} s" for name, seconds in timing.items())
+    console.print(took, soft_wrap=True)
     console.print(f"{folder.out}: result.json, report.html, calibration.yaml, session/")
 
 
