@@ -47,7 +47,7 @@ def test_lines_by_run() -> None:
         RunLine("run 2 · test", time, np.full(50, np.nan), np.full(50, np.nan), (), ()),
     ]
     svg = run_lines(rows, LOOKS, "mm", 0.1, "CoP forward")
-    assert "run 1 2 → 0.5; run 2 · test –" in alt(svg)
+    assert "run 1 2.0 → 0.50; run 2 · test –" in alt(svg)
     assert ">6.0 s<" in svg
     assert "one foot lifted" in svg
     alone = run_lines([RunLine("run 1", time, np.zeros(50), np.empty(0), (), ())], LOOKS, "N", 0.1,

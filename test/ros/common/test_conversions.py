@@ -93,7 +93,7 @@ def test_voltages_that_contradict_themselves_are_refused() -> None:
         conversions.voltages_from_ros(ShoeVoltages(cell=["a", "b"], voltage=[0.0], status=[0, 0]))
 
 
-@given(PLACES, PLACES, NUMBERS)
+@given(PLACES, PLACES, st.floats(-math.tau, math.tau))
 def test_supports_come_back(dx: float, dy: float, dtheta: float) -> None:
     support = DoubleSupport(dx, dy, dtheta)
     assert conversions.support_from_ros(sent(conversions.support_to_ros(support))) == support
