@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import sys
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -60,6 +62,8 @@ from shoecal_ros.inputs.voltages import VoltageInput
 
 TOGETHER_S = 0.3
 """Stamps of what came within this wall-clock time can be compared."""
+APART_S = 2.0
+"""Stamps that stay apart for so long are of two clocks: a busy computer hears one of both late."""
 
 
 @dataclass(frozen=True)
@@ -135,6 +139,7 @@ class Calibrator(ShoecalNode):
         silent_s = settings.live_stale_s
         self.joints = JointInput(self.robot, settings.stale_s, silent_s=silent_s)
         self.cells = CellWatch(self.shoe)
+        self._apart_since = math.inf
         self.voltages = VoltageInput(
             FrameJoiner(self.shoe.names, settings.hold_s),
             settings.stale_s,
@@ -214,7 +219,12 @@ class Calibrator(ShoecalNode):
         if max(self.joints.age_s, self.voltages.age_s) > TOGETHER_S:
             return ""
         gap_s = abs(int(latest.stamp_ns[0]) - stamp_ns) / 1e9
-        if gap_s > self.node_settings.clock_gap:
+        if gap_s <= self.node_settings.clock_gap:
+            self._apart_since = math.inf
+            return ""
+        now = time.monotonic()
+        self._apart_since = min(self._apart_since, now)
+        if now - self._apart_since > APART_S:
             return (
                 f"stamps of joint angles and voltages are {gap_s:.1f} s apart; let both senders "
                 "use one clock"
