@@ -6,10 +6,10 @@ import numpy as np
 
 from shoecal_core.calibration.screening.noise import noise
 from shoecal_core.calibration.screening.spikes import find_leaps
+from shoecal_core.calibration.screening.standing import LEAST_LEAP_STDS
+from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.diagnosis.scene import Scene
 
-LEAST_N = 0.3
-"""Smaller leaps of a cell do no harm."""
 MUCH = 0.1
 """Share of the samples from which it is told."""
 
@@ -18,11 +18,10 @@ def shaking(scene: Scene) -> list[str]:
     """In words, when readings of a foot leap together for much of the time, and where most."""
     samples = scene.samples
     gain = scene.parameters.gain
+    least = LEAST_LEAP_STDS * CalibrationSettings().force_std_n
     shares = {
         track.run: float(
-            find_leaps(
-                samples.shoe, track.readings, noise(track.readings), gain, LEAST_N
-            ).hits.mean()
+            find_leaps(samples.shoe, track.readings, noise(track.readings), gain, least).hits.mean()
         )
         for track in samples.tracks
         if not track.walks
