@@ -13,7 +13,7 @@ from typing import Any, Self
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.action import ActionClient
+from rclpy.action import ActionClient, ActionServer
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
@@ -194,7 +194,14 @@ class World:
         finally:
             for process in self.processes.values():
                 process.kill()
+            for executor in list(self._companions.values()):
+                for node in executor.get_nodes():
+                    self.dismiss(node)
             self._executor.shutdown()
+            # They outlive their node: a server of a failed test would answer the next one's goals.
+            for one in list(self.node.waitables):
+                if isinstance(one, ActionClient | ActionServer):
+                    one.destroy()
             self.node.destroy_node()
             rclpy.shutdown(context=self._context)
         if kind is None:

@@ -25,6 +25,8 @@ NOMINAL_SHARE = 0.05
 """Data sheets of gains are right to this share."""
 MAX_TIME_OFFSET_S = 0.05
 """Clocks of joints and readings that are further apart need mending."""
+MOST_TOLD = 5
+"""Reasons in one message; a calibration holds them all."""
 
 
 @dataclass(frozen=True)
@@ -48,8 +50,15 @@ def judge(findings: Sequence[Finding]) -> Verdict:
     """The verdict of all findings together."""
     for level in ("FAIL", "WARN"):
         if any(finding.verdict == level for finding in findings):
-            return Verdict(level, tuple(f"{f.verdict}: {f.reason}" for f in findings))
+            worst_first = sorted(findings, key=lambda f: -VERDICTS.index(f.verdict))
+            return Verdict(level, tuple(f"{f.verdict}: {f.reason}" for f in worst_first))
     return Verdict("PASS", ("every check passed",))
+
+
+def tell_reasons(reasons: Sequence[str], most: int = MOST_TOLD) -> str:
+    """Reasons in one line: the first of them, and how many more there are."""
+    more = len(reasons) - most
+    return "; ".join([*reasons[:most], *([f"and {more} more"] if more > 0 else [])])
 
 
 def split_reason(reason: str, verdict: str) -> tuple[str, str]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from rich.console import Console
 
 from shoecal_core.calibration.calibration import save_calibration
+from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.calibration.initial_guess import InitialGuess
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.refinement.found_effects import load_found_effects
@@ -82,10 +83,11 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         write_session_report(
             args.report, session, outcome, settings=settings, tolerances=tolerances
         )
-    if calibration.verdict == "FAIL":
-        raise CalibrationFailedError(f"no calibration written: {'; '.join(calibration.reasons)}")
     for line in reason_lines(calibration):
         console.print(line, soft_wrap=True)
+    if calibration.verdict == "FAIL":
+        told = tell_reasons(calibration.reasons, 1)
+        raise CalibrationFailedError(f"no calibration written: {told}")
     console.print(f"{args.out}")
     return to_json(outcome)
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from rich.console import Console
 
 from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
+from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.calibration.manual.calibrate import (
     CellsCalibration,
     FootResult,
@@ -275,11 +276,12 @@ def _report(
 
 def _write(calibration: Calibration, out: Path, console: Console) -> None:
     """Save it; one with the verdict FAIL is not written."""
-    if calibration.verdict == "FAIL":
-        raise CalibrationFailedError(f"no calibration written: {'; '.join(calibration.reasons)}")
-    save_calibration(calibration, out)
     for line in reason_lines(calibration):
         console.print(line, soft_wrap=True)
+    if calibration.verdict == "FAIL":
+        told = tell_reasons(calibration.reasons, 1)
+        raise CalibrationFailedError(f"no calibration written: {told}")
+    save_calibration(calibration, out)
     console.print(f"{out}")
 
 

@@ -12,6 +12,7 @@ from shoecal_msgs.srv import GetCalibration, SetCalibration
 from std_srvs.srv import Trigger
 
 from shoecal_core.calibration.calibration import Calibration, WrongShoeError
+from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_ros.calibrator.calibration_store import CalibrationStore, NotApplicableError
 from shoecal_ros.calibrator.in_force import UNCALIBRATED, InForce
@@ -214,7 +215,7 @@ class CalibrationDesk:
         """What is in force now, in words."""
         found = self.in_force
         assert found is not None
-        reasons = "; ".join(found.calibration.reasons)
+        reasons = tell_reasons(found.calibration.reasons)
         return f"{found.sentence}: {reasons}" if reasons else found.sentence
 
     def _refused(self, error: ShoecalError) -> str:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
+from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.calibration.plausible import check_plausible
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.files import read_yaml, sha256, write_yaml
@@ -118,7 +119,7 @@ class CalibrationStore:
         """
         calibration.sensing(self._shoe)
         check_plausible(calibration, self._shoe, self._robot.weight)
-        reasons = "; ".join(calibration.reasons)
+        reasons = tell_reasons(calibration.reasons)
         if calibration.verdict == "FAIL":
             raise NotApplicableError(
                 f"calibration '{calibration.id}' failed its own checks ({reasons}); calibrate anew"

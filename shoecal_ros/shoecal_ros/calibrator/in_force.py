@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 
 from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.checks import split_reason
+from shoecal_core.calibration.checks import split_reason, tell_reasons
 from shoecal_ros.common.health import Condition, Level
 
 UNCALIBRATED = "uncalibrated: no forces are published; call shoe/self_calibrate"
@@ -64,7 +64,7 @@ class InForce:
         made = self.calibration
         level, message = Level.OK, f"'{made.id}' in force ({made.verdict})"
         if made.verdict != "PASS":
-            level, message = Level.WARN, f"{message}: {'; '.join(self._reasons)}"
+            level, message = Level.WARN, f"{message}: {tell_reasons(self._reasons)}"
         # NaN, not known, is no gap.
         if abs(self.temperature - made.temperature) > largest_gap:
             level, message = (

@@ -11,6 +11,7 @@ from rclpy.action.server import ServerGoalHandle
 from shoecal_msgs.action import Calibrate
 from shoecal_msgs.srv import SelfCalibrate
 
+from shoecal_core.calibration.checks import tell_reasons
 from shoecal_ros.calibrator.calibration_job import CalibrationJob, Request
 from shoecal_ros.calibrator.job import new_run_id
 from shoecal_ros.calibrator.job_settings import MOST_SUPPORTS
@@ -96,7 +97,7 @@ class SelfCalibrationDesk:
             job.tell_applying()
             await node.desk.apply_found(calibration, warned=node.job_settings.apply_warned)
             result.success = True
-            result.message = f"'{calibration.id}' in force: {'; '.join(calibration.reasons)}"
+            result.message = f"'{calibration.id}' in force: {tell_reasons(calibration.reasons)}"
         except RefusedError as refusal:
             node.log(Level.WARN, f"self-calibration ended: {refusal}")
             raise

@@ -23,6 +23,7 @@ from shoecal_core.calibration.checks import (
     check_time_offset,
     judge,
     split_reason,
+    tell_reasons,
 )
 from shoecal_core.calibration.fit import self_calibrate
 from shoecal_core.calibration.initial_guess import InitialGuess
@@ -185,14 +186,19 @@ def test_an_expected_cop_error_is_judged_by_the_width_of_the_polygon() -> None:
     assert "yaw 0.4 rad" in failed.reason
 
 
-def test_the_worst_finding_decides_and_all_are_told() -> None:
+def test_the_worst_finding_decides_and_all_are_told_worst_first() -> None:
     warning, failure = Finding("WARN", "b"), Finding("FAIL", "a")
     assert judge([]).verdict == "PASS"
     assert judge([]).reasons
     assert judge([warning]).verdict == "WARN"
     both = judge([warning, failure])
     assert both.verdict == "FAIL"
-    assert both.reasons == ("WARN: b", "FAIL: a")
+    assert both.reasons == ("FAIL: a", "WARN: b")
     assert [split_reason(one, both.verdict) for one in (*both.reasons, "c: d")] == [
-        ("WARN", "b"), ("FAIL", "a"), ("FAIL", "c: d")
+        ("FAIL", "a"), ("WARN", "b"), ("FAIL", "c: d")
     ]  # fmt: skip
+
+
+def test_many_reasons_are_counted_in_one_line() -> None:
+    assert tell_reasons(["a", "b", "c"], 3) == "a; b; c"
+    assert tell_reasons(["a", "b", "c"], 1) == "a; and 2 more"
