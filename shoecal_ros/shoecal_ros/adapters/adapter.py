@@ -44,7 +44,8 @@ class Adapter(ShoecalNode):
         self.joints = JointInput(self.robot, STALE_S)
         self.subscribe(JointState, "joint_states", self._hear, qos.NEWEST)
         self._arming = ArmedInput(self)
-        self._was_armed = self._holds = False
+        self._moves = False
+        self._disarmings = 0
         self._refused = ""
         self.trouble = ""
         self.subscribe(JointTrajectoryMsg, "joint_trajectory", self._take, qos.COMMAND)
@@ -64,9 +65,9 @@ class Adapter(ShoecalNode):
     def watch(self) -> None:
         """Stop what may move no more, and tell how things are."""
         armed = self._arming.armed
-        if self._was_armed and not armed:
+        # Armed again is not allowed to go on: who disarms and arms at once wants it stopped, too.
+        if not armed or self._arming.disarmings != self._disarmings:
             self._stop()
-        self._was_armed = armed
         problem = self._refused or self.trouble or self.joints.problem
         state = "armed" if armed else "not armed"
         self.health.tell("robot", Level.ERROR if problem else Level.OK, problem or state)
@@ -78,7 +79,8 @@ class Adapter(ShoecalNode):
 
     def _stop(self) -> None:
         """A robot that is coming to rest already is left to it."""
-        if not self._holds:
+        if self._moves:
+            self._moves = False
             self.stop()
 
     @property
@@ -112,4 +114,4 @@ class Adapter(ShoecalNode):
         # Who sends two angles for one motor, or some beyond its limits, is refused here.
         trajectory.full(self.robot, measured)
         self.follow(trajectory, measured)
-        self._holds = holds
+        self._moves, self._disarmings = not holds, self._arming.disarmings

@@ -149,16 +149,20 @@ class CalibrationDesk:
         }
         self._mirroring = True
         try:
-            for name, value in values.items():
-                if self._node.has_parameter(MIRROR + name):
-                    self._node.set_parameters([Parameter(MIRROR + name, value=value)])
-                else:
-                    descriptor = ParameterDescriptor(
-                        description="mirror of the calibration in force; cannot be set"
-                    )
-                    self._node.declare_parameter(
-                        MIRROR + name, value, descriptor, ignore_override=True
-                    )
+            if self._node.has_parameter(f"{MIRROR}id"):
+                self._node.set_parameters_atomically(
+                    [Parameter(MIRROR + name, value=value) for name, value in values.items()]
+                )
+            else:
+                told = "mirror of the calibration in force; cannot be set"
+                self._node.declare_parameters(
+                    "",
+                    [
+                        (MIRROR + name, value, ParameterDescriptor(description=told))
+                        for name, value in values.items()
+                    ],
+                    ignore_override=True,
+                )
         finally:
             self._mirroring = False
 

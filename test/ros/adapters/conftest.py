@@ -46,7 +46,7 @@ class Adapted:
         world.start("robot", {"kind": kind}, script=SCRIPT)
         world.start(adapter, parameters)
         if armed_by_test:
-            self._armed = world.publisher(Bool, "shoe/armed", qos.LATCHED)
+            self._armed = world.publisher(Bool, "shoe/armed", qos.ARMED)
             self._commands = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
         world.until_told(adapter, "robot", "not armed")
 

@@ -90,6 +90,18 @@ def test_it_follows_when_armed_and_stops_when_no_more(adapter: str, robot: Adapt
     world.until(lambda: _still(robot, knee))
 
 
+def test_armed_again_at_once_it_does_not_go_on(adapter: str, robot: Adapted) -> None:
+    knee = Knee(robot)
+    robot.arm()
+    robot.send(squat(60.0, way=-0.3))
+    robot.world.until(lambda: knee.way < 0.0)
+    robot.arm(False)
+    robot.arm()
+    robot.world.until(lambda: _still(robot, knee))
+    robot.send(squat(0.5))
+    robot.world.until(lambda: abs(knee.way - WAY) < 1e-6)
+
+
 def _still(robot: Adapted, knee: Knee) -> bool:
     """Whether nothing moves for half a second."""
     where, count = knee.way, knee.count
