@@ -25,13 +25,14 @@ MIN_SPAN_NS = 2_000_000_000
 MAX_DRIFT = 0.05
 """Between two clocks; RC oscillators miss by some per cent."""
 
-BACKWARD_JUMP_NS = 100_000_000
-"""Receipt so long before sampling: a clock was set."""
-FORWARD_JUMP_NS = 500_000_000
-"""Receipt so late, and it stays so for SETTLE_NS on both clocks: a clock was set."""
+JUMP_NS = 100_000_000
+"""Receipt so long before sampling: a clock was set. So much later than any before, and it stays so
+for SETTLE_NS on both clocks: likewise. Time services step a clock by 128 ms and more."""
+SETTLE_NS = 1_000_000_000
 LONGEST_DELAY_NS = 10_000_000_000
 """Receipt so late: a clock was set or stood still, for nothing holds bytes that long."""
-SETTLE_NS = 1_000_000_000
+LONGEST_HELD_NS = 500_000_000
+"""Frames received together may have waited so much longer than those before."""
 
 COARSE_NS = 100_000
 """A host clock that ticks in steps this long or longer is a simulated one."""
@@ -86,7 +87,7 @@ class DeviceClock:
                 last of them was delayed least, and corrects the others.
             receive_ns: host clock when they were received [ns].
         """
-        if receive_ns < self._given - BACKWARD_JUMP_NS:
+        if receive_ns < self._given - JUMP_NS:
             self._given = 0
         longest = self._longest_gap(receive_ns)
         stamps: list[int] = []
@@ -107,7 +108,7 @@ class DeviceClock:
         since, self._receipt = self._receipt, receive_ns
         if since is None:
             return WINDOW_NS
-        return round(max(0, receive_ns - since) * (1 + MAX_DRIFT)) + FORWARD_JUMP_NS
+        return round(max(0, receive_ns - since) * (1 + MAX_DRIFT)) + LONGEST_HELD_NS
 
     def _begin(self) -> None:
         self._points: list[_Point] = []
@@ -167,9 +168,9 @@ class DeviceClock:
         if self._same or not self._points:
             return False
         excess = receive_ns - device - self._origin - self._line(device)
-        if not -BACKWARD_JUMP_NS <= excess <= LONGEST_DELAY_NS:
+        if not -JUMP_NS <= excess <= LONGEST_DELAY_NS:
             return True
-        if excess < FORWARD_JUMP_NS:
+        if excess < JUMP_NS:
             self._late_since = None
             return False
         if self._late_since is None:
