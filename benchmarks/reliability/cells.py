@@ -128,7 +128,8 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
 ROW = Row(
     key="cells",
     fault="8 cells x off, stuck, saturated, NaN, spikes, slow, swapped, idle and while calibrating",
-    holds="flagged within 0.5 s where it can be seen live, and never a calibration applied from it",
+    holds="flagged within 0.5 s where it can be seen live, and no calibration applied that is a "
+    "millimetre of CoP worse for it",
     tries=TRIES,
     step=28,
     run=run,

@@ -6,7 +6,8 @@ import random
 from collections.abc import Sequence
 
 from shoecal_ros.serial.cobs import MAX_PACKET
-from shoecal_ros.serial.frame import Decoder, Event, Fault, FaultKind, Frame
+from shoecal_ros.serial.decoder import Decoder
+from shoecal_ros.serial.frame import Event, Fault, FaultKind, Frame
 from shoecal_ros.serial.protocol import BinaryDecoder
 from shoecal_ros.serial.text_protocol import MAX_LINE
 

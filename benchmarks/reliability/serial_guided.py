@@ -36,8 +36,9 @@ from shoecal_ros.common.conversions import VoltageFrame, voltages_from_ros, volt
 from shoecal_ros.inputs.joining import FrameJoiner
 from shoecal_ros.serial.channel_map import Channel, ChannelMap, Converter
 from shoecal_ros.serial.cobs import MAX_PACKET, stuff, unstuff
+from shoecal_ros.serial.decoder import Decoder
 from shoecal_ros.serial.driver import ShoeDriver
-from shoecal_ros.serial.frame import Decoder, Frame, Info
+from shoecal_ros.serial.frame import Frame, Info
 from shoecal_ros.serial.protocol import BinaryDecoder, encode_frame, encode_info
 from shoecal_ros.serial.source import Received, SourceStatus
 from shoecal_ros.serial.text_protocol import MAX_LINE, TextDecoder, TextTime

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from shoecal_core.files import Fields, read_yaml
 from shoecal_ros.serial.channel_map import MAX_BITS, Channel, ChannelMap, Converter, Encoding
-from shoecal_ros.serial.frame import MAX_CHANNELS, Decoder
+from shoecal_ros.serial.decoder import Decoder
+from shoecal_ros.serial.frame import MAX_CHANNELS
 from shoecal_ros.serial.protocol import BinaryDecoder
 from shoecal_ros.serial.text_protocol import TextDecoder, TextTime
 

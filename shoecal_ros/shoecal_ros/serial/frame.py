@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 from enum import Enum, IntEnum
-from typing import Protocol
 
 from shoecal_ros.serial.errors import FrameError
 
@@ -130,21 +129,3 @@ class LinkCounts:
     def copy(self) -> LinkCounts:
         """Totals as they are now."""
         return LinkCounts(self.bytes, self.skipped_bytes, self.frames, self.faults.copy())
-
-
-class Decoder(Protocol):
-    """Turns bytes into events, however the stream is cut; never raises on any bytes."""
-
-    @property
-    def counts(self) -> LinkCounts:
-        """Totals so far."""
-
-    @property
-    def pending(self) -> int:
-        """Bytes that wait for the rest of their frame; bounded whatever comes."""
-
-    def feed(self, data: bytes) -> list[Event]:
-        """Events that these bytes complete."""
-
-    def resume(self) -> None:
-        """Forget a half-read frame: the next bytes start anywhere in the stream."""

@@ -7,6 +7,7 @@ from zlib import crc32
 
 from shoecal_ros.serial.cobs import MAX_PACKET, stuff, unstuff
 from shoecal_ros.serial.continuity import Continuity
+from shoecal_ros.serial.decoder import Decoder
 from shoecal_ros.serial.errors import FrameError
 from shoecal_ros.serial.frame import (
     MAX_CHANNELS,
@@ -15,7 +16,6 @@ from shoecal_ros.serial.frame import (
     FaultKind,
     Frame,
     Info,
-    LinkCounts,
 )
 
 VERSION = 1
@@ -84,94 +84,39 @@ INFO_REQUEST = DELIMITER + _seal(bytes((VERSION, TYPE_INFO_REQUEST)))
 """What the driver sends to ask for an INFO; constant, so that firmware may compare bytes."""
 
 
-class BinaryDecoder:
-    """Incremental decoder; holds at most one frame's worth of bytes."""
+class BinaryDecoder(Decoder):
+    """Of stuffed packets with a checksum."""
+
+    longest = MAX_PACKET + 1
+    sealed = True
 
     def __init__(self) -> None:
-        self._counts = LinkCounts()
-        self._continuity = Continuity()
-        self._partial = b""
-        self._overlong = False
-        self._in_step = False
+        super().__init__(Continuity())
 
-    @property
-    def counts(self) -> LinkCounts:
-        """Totals so far."""
-        return self._counts
+    def split(self, data: bytes) -> list[bytes]:
+        """At zeros, which stuffed packets have none of."""
+        return data.split(DELIMITER)
 
-    @property
-    def pending(self) -> int:
-        """Bytes that wait for the rest of their frame."""
-        return len(self._partial)
-
-    def resume(self) -> None:
-        """Forget a half-read frame: the next bytes start anywhere in the stream."""
-        self._counts.skipped_bytes += len(self._partial)
-        self._partial = b""
-        self._overlong = False
-        self._in_step = False
-
-    def feed(self, data: bytes) -> list[Event]:
-        """Events that these bytes complete."""
-        self._counts.bytes += len(data)
-        *complete, rest = data.split(DELIMITER)
-        events: list[Event] = []
-        for chunk in complete:
-            self._extend(chunk)
-            self._finish(events)
-        self._extend(rest)
-        for event in events:
-            self._counts.add(event)
-        return events
-
-    def _extend(self, chunk: bytes) -> None:
-        if self._overlong or len(self._partial) + len(chunk) > MAX_PACKET + 1:
-            self._counts.skipped_bytes += len(self._partial) + len(chunk)
-            self._partial = b""
-            self._overlong = True
-        else:
-            self._partial += chunk
-
-    def _finish(self, events: list[Event]) -> None:
-        """Read what stands between two delimiters."""
-        if self._overlong:
-            event: Event = Fault(FaultKind.BAD_LENGTH, f"more than {MAX_PACKET + 1} bytes a frame")
-        elif self._partial:
-            event = _decode(self._partial)
-        else:
-            return
-        stuffed, self._partial, self._overlong = self._partial, b"", False
-        started, self._in_step = self._in_step, True
-        if isinstance(event, Fault):
-            self._counts.skipped_bytes += len(stuffed)
-            # The first bytes after opening are mostly the end of a frame: not a fault.
-            if not started:
-                return
-        elif isinstance(event, Frame):
-            events += self._continuity.check(event)
-        events.append(event)
-
-
-def _decode(stuffed: bytes) -> Event:
-    """One packet as it stood between two delimiters."""
-    packet = unstuff(stuffed)
-    if packet is None or len(packet) < _MIN_PACKET:
-        return Fault(FaultKind.BAD_LENGTH, f"{len(stuffed)} bytes are no stuffed packet")
-    if crc32(packet[: -_CRC.size]) != _CRC.unpack(packet[-_CRC.size :])[0]:
-        return Fault(FaultKind.BAD_CHECKSUM, f"checksum wrong in {len(packet)} bytes")
-    version, kind = packet[0], packet[1]
-    if version != VERSION:
-        return Fault(
-            FaultKind.FOREIGN_VERSION,
-            f"the device speaks protocol version {version}, this driver {VERSION}; "
-            f"update {'the driver' if version > VERSION else 'its firmware'}",
-        )
-    body = packet[: -_CRC.size]
-    if kind == TYPE_FRAME:
-        return _decode_frame(body)
-    if kind == TYPE_INFO:
-        return _decode_info(body)
-    return Fault(FaultKind.UNKNOWN_TYPE, f"frame type {kind} is not known here")
+    def read(self, piece: bytes) -> Event:
+        """One packet as it stood between two delimiters."""
+        packet = unstuff(piece)
+        if packet is None or len(packet) < _MIN_PACKET:
+            return Fault(FaultKind.BAD_LENGTH, f"{len(piece)} bytes are no stuffed packet")
+        if crc32(packet[: -_CRC.size]) != _CRC.unpack(packet[-_CRC.size :])[0]:
+            return Fault(FaultKind.BAD_CHECKSUM, f"checksum wrong in {len(packet)} bytes")
+        version, kind = packet[0], packet[1]
+        if version != VERSION:
+            return Fault(
+                FaultKind.FOREIGN_VERSION,
+                f"the device speaks protocol version {version}, this driver {VERSION}; "
+                f"update {'the driver' if version > VERSION else 'its firmware'}",
+            )
+        body = packet[: -_CRC.size]
+        if kind == TYPE_FRAME:
+            return _decode_frame(body)
+        if kind == TYPE_INFO:
+            return _decode_info(body)
+        return Fault(FaultKind.UNKNOWN_TYPE, f"frame type {kind} is not known here")
 
 
 def _decode_frame(body: bytes) -> Event:

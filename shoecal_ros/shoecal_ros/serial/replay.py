@@ -8,8 +8,9 @@ from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
+from shoecal_ros.serial.decoder import Decoder
 from shoecal_ros.serial.errors import ReplayError
-from shoecal_ros.serial.frame import Decoder, Event, Frame
+from shoecal_ros.serial.frame import Event, Frame
 from shoecal_ros.serial.source import Received, SourceStatus
 from shoecal_ros.serial.watch import StreamWatch
 

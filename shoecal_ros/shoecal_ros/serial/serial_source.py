@@ -11,8 +11,8 @@ from pathlib import Path
 
 import serial
 
+from shoecal_ros.serial.decoder import Decoder
 from shoecal_ros.serial.errors import PortError
-from shoecal_ros.serial.frame import Decoder
 from shoecal_ros.serial.port import PORT_TROUBLE, open_port
 from shoecal_ros.serial.protocol import INFO_REQUEST, BinaryDecoder
 from shoecal_ros.serial.raw_log import RawLog

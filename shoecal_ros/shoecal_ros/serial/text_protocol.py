@@ -7,6 +7,7 @@ import re
 from enum import Enum
 
 from shoecal_ros.serial.continuity import Continuity
+from shoecal_ros.serial.decoder import Decoder
 from shoecal_ros.serial.errors import FrameError
 from shoecal_ros.serial.frame import (
     SEQUENCE_MODULUS,
@@ -15,7 +16,6 @@ from shoecal_ros.serial.frame import (
     Fault,
     FaultKind,
     Frame,
-    LinkCounts,
 )
 
 MAX_LINE = 1024
@@ -42,78 +42,34 @@ class TextTime(Enum):
     MICROSECONDS = "us"
 
 
-class TextDecoder:
-    """Incremental decoder of lines; holds at most MAX_LINE bytes.
+class TextDecoder(Decoder):
+    """Of lines.
 
     A frame's sequence counts the lines understood, so lost lines are not seen. Nothing guards
     a line against flipped bits except its number of columns.
     """
 
+    longest = MAX_LINE
+    sealed = False
+
     def __init__(self, time: TextTime = TextTime.NONE, columns: int | None = None) -> None:
         """Columns: how many values a line must have, the time not counted; None: any number."""
-        self._counts = LinkCounts()
-        self._continuity = Continuity(numbered=False)
+        super().__init__(Continuity(numbered=False))
         self._time = time
         self._columns = columns
         self._sequence = 0
         self._ticks: int | None = None
         self._turns = 0
-        self._partial = b""
-        self._whole = False
 
-    @property
-    def counts(self) -> LinkCounts:
-        """Totals so far."""
-        return self._counts
+    def split(self, data: bytes) -> list[bytes]:
+        """At ends of lines, of whatever system."""
+        return _LINE_END.split(data)
 
-    @property
-    def pending(self) -> int:
-        """Bytes that wait for the rest of their frame."""
-        return len(self._partial)
-
-    def resume(self) -> None:
-        """Forget a half-read line: the next bytes start anywhere in the stream."""
-        self._counts.skipped_bytes += len(self._partial)
-        self._partial = b""
-        self._whole = False
-
-    def feed(self, data: bytes) -> list[Event]:
-        """Events that these bytes complete."""
-        self._counts.bytes += len(data)
-        *complete, rest = _LINE_END.split(data)
-        events: list[Event] = []
-        for piece in complete:
-            self._extend(piece)
-            self._finish(events)
-        self._extend(rest)
-        for event in events:
-            self._counts.add(event)
-        return events
-
-    def _extend(self, piece: bytes) -> None:
-        if len(self._partial) + len(piece) > MAX_LINE:
-            self._counts.skipped_bytes += len(self._partial) + len(piece)
-            self._partial = b""
-            self._whole = False
-        else:
-            self._partial += piece
-
-    def _finish(self, events: list[Event]) -> None:
-        """Read one line; one whose beginning was not seen could be a cut number."""
-        line, self._partial = self._partial, b""
-        whole, self._whole = self._whole, True
-        if not line.strip():
-            return
-        event = self._parse(line) if whole else None
-        if isinstance(event, Frame):
-            events += self._continuity.check(event)
-        else:
-            self._counts.skipped_bytes += len(line)
-        if event is not None:
-            events.append(event)
-
-    def _parse(self, line: bytes) -> Event:
-        text = line.decode("ascii", errors="replace").strip()
+    def read(self, piece: bytes) -> Event | None:
+        """One line; None for an empty one."""
+        text = piece.decode("ascii", errors="replace").strip()
+        if not text:
+            return None
         numbers = _numbers(text)
         if numbers is None:
             return Fault(FaultKind.CHATTER, f"no numbers only: {text[:60]!r}")

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from ros.serial.helpers import INFO, Clock, MakeSource, ReadUntil
+from shoecal_ros.serial.decoder import Decoder
 from shoecal_ros.serial.device import SimulatedDevice
-from shoecal_ros.serial.frame import Decoder
 from shoecal_ros.serial.protocol import BinaryDecoder
 from shoecal_ros.serial.serial_source import SerialSource
 from shoecal_ros.serial.source import Received
