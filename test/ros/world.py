@@ -66,17 +66,20 @@ class World:
         *arguments: str,
         name: str = "",
         script: Path | None = None,
+        told_to: int | None = None,
     ) -> subprocess.Popen[bytes]:
         """Start one node with parameters and ROS arguments, under its own name or another.
 
-        Where a script is given it is the program.
+        Where a script is given it is the program. What it says is told to a file of its own, or to
+        a descriptor.
         """
         name = name or node
         pairs = [f"{key}:={_yaml(value)}" for key, value in (parameters or {}).items()]
         program = ["-m", f"shoecal_ros.nodes.{node}"] if script is None else [str(script)]
         command = [sys.executable, *program, "--ros-args"]
         command += [part for pair in pairs for part in ("-p", pair)]
-        with self._log(name).open("wb") as log:
+        with self._log(name).open("wb") as file:
+            log = file if told_to is None else told_to
             process = subprocess.Popen(
                 [*command, *arguments], env=ros_environment(), stderr=log, stdout=log
             )
@@ -85,6 +88,10 @@ class World:
 
     def output(self, node: str) -> str:
         return self._log(node).read_text()
+
+    def until_said(self, node: str, text: str) -> None:
+        """Wait until a text stands in a node's output."""
+        self.until(lambda: text in self.output(node))
 
     def stop(self, node: str) -> int:
         """End a node as Ctrl-C does; its exit code."""

@@ -34,6 +34,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.settings import SettingError, Settings, describe, from_values
 from shoecal_ros.common import qos
 from shoecal_ros.common.health import Health, Level
+from shoecal_ros.common.log_pipe import log_pipe
 from shoecal_ros.common.peers import Peers
 from shoecal_ros.common.quick_thread import BATCH, QuickThread, drained
 from shoecal_ros.common.roll_call import RollCall, farewell
@@ -370,6 +371,19 @@ class _EndAsked:
 
 def run(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None = None) -> int:
     """A node's process; its exit code."""
+    try:
+        with log_pipe():
+            _live(make_node, args)
+    except ShoecalError as error:
+        print(f"{Path(sys.argv[0]).stem}: {error}", file=sys.stderr, flush=True)
+        return 1
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    return 0
+
+
+def _live(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None) -> None:
+    """Make a node and let it work until it is asked to end; whatever it ends with is raised."""
     node: ShoecalNode | None = None
     try:
         # The node ends before the middleware does: it may have to stop a robot yet.
@@ -395,13 +409,7 @@ def run(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None = None)
             handler.result()  # raises what it ended with
             if node.quick.error is not None:
                 raise node.quick.error
-    except ShoecalError as error:
-        print(f"{Path(sys.argv[0]).stem}: {error}", file=sys.stderr, flush=True)
-        return 1
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
     finally:
         if node is not None:
             node.end()
         rclpy.try_shutdown()
-    return 0

@@ -328,9 +328,8 @@ def test_one_job_at_a_time_and_an_end_when_nobody_reaches_supports(
     result = goal.result()
     assert result.error_code == Calibrate.Result.SUPPORT_FAILED
     assert "robot/reach_support" in result.message
-    log = world.output("calibrator")
-    assert f"[{result.run_id}] drawing 0: " in log
-    assert f"[{result.run_id}] self-calibration ended: " in log
+    world.until_said("calibrator", f"[{result.run_id}] drawing 0: ")
+    world.until_said("calibrator", f"[{result.run_id}] self-calibration ended: ")
     assert (Path(result.session) / "session.yaml").is_file()
     assert state(world, lambda one: one.state == ShoeState.UNCALIBRATED)
 
@@ -497,7 +496,7 @@ def test_a_refused_result_comes_back_whole(world: World) -> None:
     assert (kept.id, kept.verdict, kept.reasons) == (found.id, found.verdict, found.reasons)
     np.testing.assert_array_equal(kept.parameters.gain, found.parameters.gain)
     assert in_force(world) == ""
-    assert found.reasons[0] in world.output("calibrator")
+    world.until_said("calibrator", found.reasons[0])
     # What only a recording needs was heard while it lasted.
     session = Session.open(Path(result.session))
     assert [len(session.read(entry.run).commanded) for entry in session.runs] == [1, 1]

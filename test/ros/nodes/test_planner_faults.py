@@ -29,7 +29,7 @@ def test_the_robot_is_stopped_and_the_goal_answered(world: World) -> None:
     result = world.goal(Plan, "shoe/plan", Plan.Goal(motion="landmarks", send=True)).result()
     assert (result.success, result.error_code) == (False, Plan.Result.FAILED)
     assert "ZeroDivisionError: made up, of two lines; see the node's log" in result.message
-    assert "Traceback" in world.output("planner")
+    world.until_said("planner", "Traceback")
     world.until(lambda: len(commands.last.points) == 1)
     hold = trajectory_from_ros(commands.last).full(nao(), robot.angles)
     assert hold.positions[-1] == pytest.approx(robot.angles, abs=0.05)
