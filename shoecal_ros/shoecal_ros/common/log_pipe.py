@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import array
 import contextlib
-import fcntl
 import faulthandler
+import fcntl
 import os
 import select
 import sys

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Iterator
 
@@ -13,15 +14,20 @@ from ros.world import World
 from shoecal_core.model.double_support import DoubleSupport
 
 
+def fill(pipe: int) -> None:
+    """Until it takes nothing more."""
+    os.set_blocking(pipe, False)
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            os.write(pipe, bytes(4096))
+    os.set_blocking(pipe, True)
+
+
 @pytest.fixture
 def full_pipe() -> Iterator[tuple[int, int]]:
     """A pipe that takes nothing more, as a terminal after Ctrl-S."""
     held, into = os.pipe()
-    os.set_blocking(into, False)
-    with pytest.raises(BlockingIOError):
-        while True:
-            os.write(into, bytes(4096))
-    os.set_blocking(into, True)
+    fill(into)
     yield held, into
     os.close(held)
     os.close(into)
@@ -41,9 +47,5 @@ def test_a_node_goes_on_and_says_it_once_somebody_reads(
         said += os.read(held, 65_536)
     assert b"no joint angles yet" in said
     # Again nobody reads. It ends nevertheless.
-    os.set_blocking(into, False)
-    with pytest.raises(BlockingIOError):
-        while True:
-            os.write(into, bytes(4096))
-    os.set_blocking(into, True)
+    fill(into)
     assert world.stop("model") == 0
