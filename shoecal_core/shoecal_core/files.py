@@ -14,7 +14,7 @@ import re
 import secrets
 import stat
 from collections.abc import Hashable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from io import BufferedReader
 from pathlib import Path
 from typing import Any, cast
@@ -41,7 +41,8 @@ def atomic_write(path: Path, content: bytes | str, mode: int = 0o666) -> None:
         mode: rights of the file, less those that the process's umask takes away.
 
     Raises:
-        FileError: when the folder does not exist or cannot be written.
+        FileError: when the folder does not exist or cannot be written; also when only the folder
+            cannot be made durable: then the new file stands, for as long as there is power.
     """
     path = Path(path)
     data = content.encode() if isinstance(content, str) else content
@@ -63,8 +64,23 @@ def atomic_write(path: Path, content: bytes | str, mode: int = 0o666) -> None:
             path, f"cannot be written ({error.strerror}); the file before it is untouched"
         ) from error
     finally:
-        fresh.unlink(missing_ok=True)
-    _sync_folder(path.parent)
+        with suppress(OSError):  # a disk that refuses this has refused the file before
+            fresh.unlink(missing_ok=True)
+    sync_folder(path)
+
+
+def sync_folder(path: Path) -> None:
+    """Make durable that a file came into its folder, or left it; FileError where that fails."""
+    try:
+        handle = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+    except OSError as error:
+        raise FileError(
+            path, f"may not outlast a power cut ({error.strerror} in its folder); check the disk"
+        ) from error
 
 
 def sha256(path: Path) -> str:
@@ -366,12 +382,3 @@ def _shown(value: object) -> str:
     """A value for a message, cut where it is long."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def _sync_folder(folder: Path) -> None:
-    """Make the rename itself durable."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(handle)
-    finally:
-        os.close(handle)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import datetime
+import errno
 import math
 import os
 import pickle
 import resource
+import stat
 import subprocess
 import sys
 import tempfile
@@ -364,6 +366,37 @@ def test_a_disk_that_fills_up_leaves_the_old_file_alone(tmp_path: Path) -> None:
     assert "untouched" in problem
     assert path.read_bytes() == b"old"
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_folder_that_cannot_be_made_durable_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = os.fsync
+
+    def refuse(file: int) -> None:
+        if stat.S_ISDIR(os.fstat(file).st_mode):
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+        real(file)
+
+    path = tmp_path / "x"
+    monkeypatch.setattr(os, "fsync", refuse)
+    problem = refused(path, "", lambda: atomic_write(path, "new"))
+    assert "may not outlast a power cut" in problem
+    assert path.read_text() == "new"
+
+
+def test_what_is_left_on_a_broken_disk_is_no_second_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    path = tmp_path / "x"
+    atomic_write(path, "old")
+    for name in ("replace", "unlink"):
+        monkeypatch.setattr(os, name, refuse)
+    assert "untouched" in refused(path, "", lambda: atomic_write(path, "new"))
+    assert path.read_text() == "old"
 
 
 def test_a_folder_in_the_way_is_refused(tmp_path: Path) -> None:

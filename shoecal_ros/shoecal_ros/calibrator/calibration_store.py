@@ -1,49 +1,34 @@
 """The calibration in force, the one before it, and their files.
 
-A change is one rename: the new file is laid beside the others and noted in the record, then the
-one in force becomes the one before, then the new one takes its place. Killed at any moment, what
-is loaded next is the old pair or the new one, whole.
+A change is one rename: the new file and a copy of the one in force are laid beside the others,
+then the new one takes its place, and after that the copy its own as the one before. Killed at any
+moment, what is loaded next is the old pair or the new one, whole; the old one, too, where the disk
+refuses anything up to that rename, or to make it durable.
 """
 
 from __future__ import annotations
 
 import contextlib
-import os
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
 from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.calibration.plausible import check_plausible
 from shoecal_core.errors import FileError, ShoecalError
-from shoecal_core.files import read_yaml, sha256, write_yaml
+from shoecal_core.files import sha256, sync_folder
 from shoecal_core.model.robot import Robot
 from shoecal_core.sensing.shoe import Shoe
+from shoecal_ros.calibrator.calibration_record import Entry, read_record, write_record
 
-CURRENT, BEFORE, NEXT = "calibration.yaml", "calibration_before.yaml", "calibration_next.yaml"
+CURRENT, BEFORE = "calibration.yaml", "calibration_before.yaml"
+NEXT, BEFORE_NEXT = "calibration_next.yaml", "calibration_before_next.yaml"
+"""Laid ready for a change. While the first is there the change is not made."""
 RECORD = "in_force.yaml"
-RECORD_FORMAT = 1
-LATEST_NS = (2**31 - 1) * 10**9
-"""Messages hold no later time."""
 
 
 class NotApplicableError(ShoecalError):
     """A calibration that must not be applied here."""
-
-
-@dataclass(frozen=True)
-class Entry:
-    """When and where a calibration was put in force.
-
-    Attributes:
-        since_ns: when [ns].
-        robot_hash, shoe_hash: files of robot and shoe that were in use.
-    """
-
-    since_ns: int
-    robot_hash: str
-    shoe_hash: str
 
 
 class CalibrationStore:
@@ -77,11 +62,11 @@ class CalibrationStore:
             warned: take such a file also when its checks warn.
         """
         problems = []
-        try:
-            self._record = _read_record(self._folder / RECORD)
-            self._recover()
-        except ShoecalError as error:
-            problems.append(str(error))
+        for step in (self._read_record, self._tidy):
+            try:
+                step()
+            except ShoecalError as error:
+                problems.append(str(error))
         for name in (CURRENT, BEFORE):
             path = self._folder / name
             try:
@@ -102,7 +87,7 @@ class CalibrationStore:
             if not accepted:
                 # A folder that cannot be written is told when something is to be kept in it.
                 with contextlib.suppress(FileError):
-                    self._note(digest, self.since_ns)
+                    self._note({**self._record, digest: self._entry(self.since_ns)})
         return "; ".join(problems)
 
     def check(self, calibration: Calibration, *, force: bool = False, warned: bool = False) -> None:
@@ -154,32 +139,34 @@ class CalibrationStore:
         Raises:
             FileError: when it cannot be saved; then nothing has changed.
         """
-        current, before, fresh = (self._folder / name for name in (CURRENT, BEFORE, NEXT))
+        current, fresh, kept = (self._folder / name for name in (CURRENT, NEXT, BEFORE_NEXT))
         try:
             self._folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise FileError(
                 self._folder, f"cannot be made ({error.strerror}); correct state_dir"
             ) from error
-        save_calibration(calibration, fresh)
-        _require_readable(fresh)
-        digest = sha256(fresh)
-        if self.current is not None and _is_there(current) and sha256(current) == digest:
-            _remove(fresh)
-            return False
-        self._note(digest, now_ns)
-        if self.current is not None:
-            # Somebody may have taken the file away; what it held is in force all the same.
-            if not _is_there(current):
-                save_calibration(self.current, current)
-            _rename(current, before)
-        try:
-            _rename(fresh, current)
-        except FileError:
-            # Nothing has changed, neither here nor for the next start.
+        self._tidy()
+        with contextlib.ExitStack() as undo:
+            undo.callback(self._give_up)
+            save_calibration(calibration, fresh)
+            _require_readable(fresh)
+            digest, noted = sha256(fresh), dict(self._record)
             if self.current is not None:
-                save_calibration(self.current, current)
-            raise
+                save_calibration(self.current, kept)
+                same = sha256(kept)
+                if digest == same and _is_there(current) and sha256(current) == digest:
+                    return False
+                noted[same] = self._entry(self.since_ns)
+            undo.callback(self._note_again, noted)
+            self._note({**noted, digest: self._entry(now_ns)})
+            _rename(fresh, current)
+            undo.callback(self._go_back)
+            sync_folder(current)
+            undo.pop_all()
+        # The change is made. What cannot be tidied up now is before the next one, or at the start.
+        with contextlib.suppress(FileError):
+            self._tidy()
         return True
 
     def take(self, calibration: Calibration, now_ns: int) -> None:
@@ -208,29 +195,59 @@ class CalibrationStore:
             raise NotApplicableError("there is no calibration before this one to go back to")
         return self.before
 
+    # Steps of a change
+
+    def _tidy(self) -> None:
+        """End a change that was interrupted: as if it had been made, or never begun."""
+        fresh, kept = self._folder / NEXT, self._folder / BEFORE_NEXT
+        if not _is_there(fresh):
+            if _is_there(kept):
+                _rename(kept, self._folder / BEFORE)
+            return
+        # In this order: without the first file the second would be taken for that of a change.
+        if _is_there(kept):
+            _remove(kept)
+        _remove(fresh)
+
+    def _go_back(self) -> None:
+        """Undo the rename that is the change."""
+        current, kept = self._folder / CURRENT, self._folder / BEFORE_NEXT
+        try:
+            _rename(kept, current) if _is_there(kept) else _remove(current)
+        except FileError as error:
+            raise FileError(
+                current,
+                "holds what is not in force, as the disk refused it, and cannot be put back: mend "
+                "the disk and set a calibration again, before the next start takes this one",
+            ) from error
+
+    def _give_up(self) -> None:
+        """Remove what was laid ready; what is left of it is removed before the next change."""
+        with contextlib.suppress(FileError):
+            self._tidy()
+
     # The record
 
     def _entry(self, since_ns: int) -> Entry:
         return Entry(since_ns, self._robot.digest, self._shoe.digest)
 
-    def _note(self, digest: str, since_ns: int) -> None:
-        """Note a file that is to be in force, and forget those that are gone."""
-        files = (self._folder / name for name in (CURRENT, BEFORE, NEXT))
+    def _note(self, record: Mapping[str, Entry]) -> None:
+        """Note files that are in force, or were; forget those that are gone."""
+        files = (self._folder / name for name in (CURRENT, BEFORE, NEXT, BEFORE_NEXT))
         present = {sha256(path) for path in files if _is_there(path)}
-        kept = {known: entry for known, entry in self._record.items() if known in present}
-        record = {**kept, digest: self._entry(since_ns)}
-        _write_record(self._folder / RECORD, record)
-        self._record = record
+        kept = {digest: entry for digest, entry in record.items() if digest in present}
+        write_record(self._folder / RECORD, kept)
+        self._record = kept
 
-    def _recover(self) -> None:
-        """End a change that was interrupted: as if it had been made, or never begun."""
-        current, fresh = self._folder / CURRENT, self._folder / NEXT
-        if not _is_there(fresh):
-            return
-        if _is_there(current) or sha256(fresh) not in self._record:
-            _remove(fresh)
-        else:
-            _rename(fresh, current)
+    def _read_record(self) -> None:
+        path = self._folder / RECORD
+        self._record = read_record(path) if _is_there(path) else {}
+
+    def _note_again(self, record: dict[str, Entry]) -> None:
+        """Note what was before; left over, an entry lets nothing in but the file it is of."""
+        self._record = record
+        with contextlib.suppress(FileError):
+            self._note(record)
 
 
 def _require_readable(path: Path) -> None:
@@ -238,7 +255,8 @@ def _require_readable(path: Path) -> None:
     try:
         load_calibration(path)
     except FileError as error:
-        _remove(path)
+        if isinstance(error.__cause__, OSError):
+            raise  # it is the disk
         raise NotApplicableError(f"no whole calibration: {error.field} {error.problem}") from error
 
 
@@ -261,50 +279,10 @@ def _remove(path: Path) -> None:
 
 
 def _rename(source: Path, target: Path) -> None:
-    """Rename a file, durably."""
+    """Rename a file."""
     try:
         source.replace(target)
-        folder = os.open(target.parent, os.O_RDONLY)
-        try:
-            os.fsync(folder)
-        finally:
-            os.close(folder)
     except OSError as error:
-        raise FileError(target, f"cannot be written ({error.strerror})") from error
-
-
-def _read_record(path: Path) -> dict[str, Entry]:
-    """Entries by the SHA-256 of their calibration's file."""
-    if not _is_there(path):
-        return {}
-    fields = read_yaml(path)
-    fields.format(RECORD_FORMAT)
-    fields.only("format", "calibrations")
-    record = {}
-    for item in fields.items("calibrations"):
-        item.only("file_hash", "since_ns", "robot_hash", "shoe_hash")
-        since_ns = item.integer("since_ns", minimum=0)
-        if since_ns > LATEST_NS:
-            raise item.error("since_ns", "lies beyond what a stamp holds; delete this file")
-        record[item.text("file_hash")] = Entry(
-            since_ns, item.text("robot_hash"), item.text("shoe_hash")
-        )
-    return record
-
-
-def _write_record(path: Path, record: Mapping[str, Entry]) -> None:
-    write_yaml(
-        path,
-        {
-            "format": RECORD_FORMAT,
-            "calibrations": [
-                {
-                    "file_hash": digest,
-                    "since_ns": entry.since_ns,
-                    "robot_hash": entry.robot_hash,
-                    "shoe_hash": entry.shoe_hash,
-                }
-                for digest, entry in record.items()
-            ],
-        },
-    )
+        raise FileError(
+            target, f"cannot be written ({error.strerror}); check the disk of state_dir"
+        ) from error

@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Self
 
 import pytest
 
@@ -264,3 +265,102 @@ def test_nothing_changes_where_nothing_can_be_saved(tmp_path: Path) -> None:
     with pytest.raises(FileError):
         kept.apply(made("two"), T0)
     assert identity(kept.current) == "one"
+
+
+class Fault:
+    """A disk that refuses an operation of one kind at the k-th time, or from then on."""
+
+    def __init__(self, kind: str, at: int, *, lasting: bool) -> None:
+        self.seen = 0
+        self._kind, self._at, self._lasting = kind, at, lasting
+        self._real = getattr(os, kind)
+
+    def __enter__(self) -> Self:
+        setattr(os, self._kind, self)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        setattr(os, self._kind, self._real)
+
+    def __call__(self, *arguments: object, **more: object) -> object:
+        self.seen += 1
+        if self.seen == self._at or (self._lasting and self.seen > self._at):
+            raise OSError(errno.EIO, os.strerror(errno.EIO))
+        return self._real(*arguments, **more)
+
+    @property
+    def struck(self) -> bool:
+        """Whether it has come so far."""
+        return self.seen >= self._at
+
+
+def forced(identity: str) -> Calibration:
+    """One that is taken only with force: at the next start by the record alone."""
+    return made(identity, shoe_hash="0" * 64)
+
+
+def states(kept: CalibrationStore, folder: Path) -> list[tuple[str, str, int]]:
+    """In force, before it and since when: in memory, and as the next start would find it."""
+    again = store(folder)
+    assert again.load(T0 + 99 * SECOND) == ""
+    return [(identity(one.current), identity(one.before), one.since_ns) for one in (kept, again)]
+
+
+@pytest.mark.parametrize("lasting", [False, True])
+@pytest.mark.parametrize("kind", ["fsync", "replace", "unlink", "open"])
+@pytest.mark.parametrize("changes", [0, 1, 2])
+def test_whatever_the_disk_refuses_it_is_the_old_pair_or_the_new_one(
+    tmp_path: Path, changes: int, kind: str, lasting: bool
+) -> None:
+    """Refused and the old pair here and at the next start, or taken here and there."""
+    names = ["one", "two"][:changes]
+    at, struck = 0, True
+    while struck:
+        at += 1
+        folder = tmp_path / f"{at}"
+        kept = store(folder)
+        kept.load(T0)
+        for count, name in enumerate(names):
+            kept.apply(forced(name), T0 + count)
+        (old,) = set(states(kept, folder))
+        told = ""
+        with Fault(kind, at, lasting=lasting) as fault:
+            try:
+                kept.apply(forced("new"), T0 + SECOND)
+            except FileError as error:
+                told = str(error)
+        struck = fault.struck
+        taken = ("new", old[0], T0 + SECOND)
+        assert states(kept, folder) == 2 * [old if told else taken]
+        assert str(folder) in told or not told
+        # And with the disk mended it goes on.
+        kept.apply(forced("last"), T0 + 2 * SECOND)
+        last = ("last", old[0] if told else "new", T0 + 2 * SECOND)
+        assert states(kept, folder) == 2 * [last]
+        files = {path.name for path in folder.iterdir() if path.name[0] != "."}
+        assert files <= {CURRENT, BEFORE, RECORD}
+    assert at > 1 or kind == "unlink"
+    assert told == ""
+
+
+def test_what_cannot_be_taken_back_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The disk breaks for good just after the rename that is the change."""
+    kept = store(tmp_path)
+    kept.apply(made("one"), T0)
+
+    def refuse(*_: object) -> None:
+        raise OSError(errno.EIO, os.strerror(errno.EIO))
+
+    def broken(path: Path) -> None:
+        if path.name == CURRENT and not (tmp_path / NEXT).exists():
+            monkeypatch.setattr(os, "replace", refuse)
+            raise FileError(path, "may not outlast a power cut")
+
+    monkeypatch.setattr("shoecal_ros.calibrator.calibration_store.sync_folder", broken)
+    with pytest.raises(FileError, match=r"not in force.* before the next start"):
+        kept.apply(made("two"), T0 + SECOND)
+    assert identity(kept.current) == "one"
+    # Mended and set again, all is as it should be.
+    monkeypatch.undo()
+    kept.apply(made("two"), T0 + 2 * SECOND)
+    assert states(kept, tmp_path) == 2 * [("two", "one", T0 + 2 * SECOND)]

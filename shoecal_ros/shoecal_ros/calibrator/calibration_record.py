@@ -1,0 +1,67 @@
+"""When and where calibrations were put in force: noted by the content of their files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from shoecal_core.files import read_yaml, write_yaml
+
+FORMAT = 1
+LATEST_NS = (2**31 - 1) * 10**9
+"""Messages hold no later time."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """When and where a calibration was put in force.
+
+    Attributes:
+        since_ns: when [ns].
+        robot_hash, shoe_hash: files of robot and shoe that were in use.
+    """
+
+    since_ns: int
+    robot_hash: str
+    shoe_hash: str
+
+
+def read_record(path: Path) -> dict[str, Entry]:
+    """Entries by the SHA-256 of their calibration's file.
+
+    Raises:
+        FileError: when it is none.
+    """
+    fields = read_yaml(path)
+    fields.format(FORMAT)
+    fields.only("format", "calibrations")
+    record = {}
+    for item in fields.items("calibrations"):
+        item.only("file_hash", "since_ns", "robot_hash", "shoe_hash")
+        since_ns = item.integer("since_ns", minimum=0)
+        if since_ns > LATEST_NS:
+            raise item.error("since_ns", "lies beyond what a stamp holds; delete this file")
+        record[item.text("file_hash")] = Entry(
+            since_ns, item.text("robot_hash"), item.text("shoe_hash")
+        )
+    return record
+
+
+def write_record(path: Path, record: Mapping[str, Entry]) -> None:
+    """Write it, atomically; FileError where that fails."""
+    write_yaml(
+        path,
+        {
+            "format": FORMAT,
+            "calibrations": [
+                {
+                    "file_hash": digest,
+                    "since_ns": entry.since_ns,
+                    "robot_hash": entry.robot_hash,
+                    "shoe_hash": entry.shoe_hash,
+                }
+                for digest, entry in record.items()
+            ],
+        },
+    )
