@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
@@ -25,9 +24,9 @@ from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.runtime import until
 from shoecal_ros.common.worker import Work
 from shoecal_ros.inputs.joints import JointBatch
-from shoecal_ros.planner.concern import Concern
 from shoecal_ros.planner.following import Follower, Look, Verdict
 from shoecal_ros.planner.order import Mover, Order
+from shoecal_ros.planner.part import Part
 from shoecal_ros.planner.watch import MotionWatch, hot
 
 FloatArray = NDArray[np.float64]
@@ -53,17 +52,21 @@ class Execution:
     """One order being carried out; refusals carry codes of `Plan.Result`.
 
     Attributes:
-        following: whether the robot is on a trajectory that was sent for it.
         names: of the joints that are commanded.
     """
 
     def __init__(self, mover: Mover, order: Order) -> None:
-        self.following = False
         self._mover = mover
         self._order = order
         self._disarmings = mover.arming.disarmings
         self._watch: MotionWatch | None = None
+        self._part: Part | None = None
         self.names = tuple(mover.robot.joint_names[index] for index in mover.robot.moved)
+
+    @property
+    def following(self) -> bool:
+        """Whether the robot is on a trajectory that was sent for it."""
+        return self._part is not None
 
     # Before a motion
 
@@ -155,7 +158,7 @@ class Execution:
         seen = self._latest()
         # By the stamps of the joint angles: whose clock they follow does not matter then.
         follower = Follower(planned, int(seen.stamp_ns[0]), moving.follow_error, moving.follow_late)
-        part = _Part(motion, follower, seen)
+        part = Part(motion, follower, seen)
         if self._watch is None:
             self._watch = MotionWatch(
                 self._mover.senses,
@@ -167,64 +170,67 @@ class Execution:
         self._watch.begin(motion)
         # Whoever records the motion begins before it does.
         self._order.feed("moving", 0.0, 0)
-        self.following = True
+        self._part = part
         self._mover.command(trajectory)
         while self.following:
             await self._news(part.seen)
             look = self._look(part)
             self._order.feed("moving", look.progress, part.landmark(look.progress))
-            self.following = look.verdict is not Verdict.ARRIVED
+            if look.verdict is Verdict.ARRIVED:
+                self._part = None
 
     def hold(self, angles: FloatArray) -> None:
         """Come to rest at all joint angles (m,) [rad]."""
         self._mover.command(hold(self._mover.robot, angles, self._mover.moving.stop_time))
-        self.following = False
+        self._part = None
 
     def halt(self) -> None:
         """Stop the robot gently where it is, if it is on its way."""
         latest = self._mover.joints.latest
-        if self.following and latest is not None:
-            self.hold(latest.angles[0])
+        if self._part is not None and latest is not None:
+            self.hold(self._part.follower.at_rest(latest.angles[0]))
 
     # Inside
 
-    def _look(self, part: _Part) -> Look:
+    def _look(self, part: Part) -> Look:
         """Take new joint angles, or whatever else has come; hold where something is wrong."""
         problem = self._mover.joints.problem
         if problem:
             # Nobody knows where the robot is: it stops where it was meant to be when seen.
+            angles = part.follower.at_rest(part.expected)
             raise self._stopped(
-                part.expected, Plan.Result.NO_JOINT_STATES, f"stopped while moving: {problem}"
+                angles, Plan.Result.NO_JOINT_STATES, f"stopped while moving: {problem}"
             )
         part.seen = self._latest()
         try:
             self._check_interrupted()
         except RefusedError as refusal:
-            raise self._stopped(part.angles, refusal.code, str(refusal)) from None
+            raise self._stopped(part.at_rest, refusal.code, str(refusal)) from None
         look = part.follower.look(part.stamp_ns, part.angles)
         if look.verdict is Verdict.LOST:
             bound = self._mover.moving.follow_error
             raise self._stopped(
-                part.angles,
+                part.at_rest,
                 Plan.Result.NOT_FOLLOWED,
                 f"stopped: joint '{look.joint}' is {look.error:.3f} rad off its trajectory "
                 f"(follow_error {bound:g} rad); {CURE}",
             )
-        self._check_concerns(part)
+        if look.verdict is not Verdict.DOUBTFUL:
+            self._check_concerns(part)
         return look
 
-    def _check_concerns(self, part: _Part) -> None:
+    def _check_concerns(self, part: Part) -> None:
         """Stop at once, or where both feet carry again."""
         assert self._watch is not None
         elapsed = part.follower.elapsed(part.stamp_ns)
         concern = self._watch.look(elapsed, part.angles)
         if concern is not None and not concern.can_wait:
-            raise self._stopped(part.angles, concern.code, f"stopped: {concern.message}")
+            raise self._stopped(part.at_rest, concern.code, f"stopped: {concern.message}")
         waited = part.waiting is not None
         part.waiting = part.waiting or concern
         if part.waiting is not None and self._watch.both_carry(elapsed):
             # A foot that has just come down is held down, not where it was measured.
-            angles = part.expected if waited else part.angles
+            angles = part.expected if waited else part.at_rest
             raise self._stopped(angles, part.waiting.code, f"stopped: {part.waiting.message}")
 
     def _stopped(self, angles: FloatArray, code: int, message: str) -> RefusedError:
@@ -273,40 +279,3 @@ class Execution:
         if joints.problem or joints.latest is None:
             raise RefusedError(Plan.Result.NO_JOINT_STATES, joints.problem)
         return joints.latest
-
-
-@dataclass
-class _Part:
-    """A trajectory that the robot is on.
-
-    Attributes:
-        motion: as planned.
-        follower: compares joint angles with it.
-        seen: the newest joint angles.
-        waiting: why it stops as soon as both feet carry.
-    """
-
-    motion: Motion
-    follower: Follower
-    seen: JointBatch
-    waiting: Concern | None = None
-
-    @property
-    def stamp_ns(self) -> int:
-        return int(self.seen.stamp_ns[0])
-
-    @property
-    def angles(self) -> FloatArray:
-        """(m,) measured [rad]."""
-        angles: FloatArray = self.seen.angles[0]
-        return angles
-
-    @property
-    def expected(self) -> FloatArray:
-        """(m,) where the robot should be by then [rad]."""
-        return self.follower.expected(self.stamp_ns)
-
-    def landmark(self, progress: float) -> int:
-        """The landmark pursued at a part of the motion's time."""
-        path = self.motion.path
-        return int(np.searchsorted(path.switches, progress * len(path.states)))

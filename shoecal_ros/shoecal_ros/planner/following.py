@@ -16,6 +16,8 @@ _MOVED, _SHARE = 2e-3, 0.2
 """rad, share of the planned way: a part that moved no joint farther brought no progress."""
 _LOOKS = 9
 """Places on the trajectory that a measurement is compared with, over the span of lateness."""
+_CONFIRMED, _CONFIRMED_NS = 3, 100_000_000
+"""Measurements in a row that are far off, or the time between two of them: one alone may lie."""
 
 
 class Verdict(Enum):
@@ -23,6 +25,7 @@ class Verdict(Enum):
 
     FOLLOWS = "follows"
     ARRIVED = "arrived"
+    DOUBTFUL = "doubtful"
     LOST = "lost"
 
 
@@ -47,7 +50,8 @@ class Follower:
     """Compares measured angles with where the robot should be.
 
     A robot is late: it starts when the message arrives, and its motors trail. So a measurement
-    is compared with the trajectory over a span of time, and the nearest place counts.
+    is compared with the trajectory over a span of time, and the nearest place counts. One
+    measurement far off may be a false one, or another sender's: the next ones decide.
     """
 
     def __init__(
@@ -65,6 +69,9 @@ class Follower:
         self._start_ns = start_ns
         self._bound = error_bound
         self._late_s = late_s
+        self._seen_at = trajectory.positions[0]
+        self._far_off = 0
+        self._far_off_since_ns = 0
 
     def expected(self, stamp_ns: int) -> FloatArray:
         """(m,) where the robot should be at a time [rad]."""
@@ -74,23 +81,42 @@ class Follower:
         """Time since the trajectory was sent [s]."""
         return (stamp_ns - self._start_ns) / 1e9
 
+    def at_rest(self, angles: FloatArray) -> FloatArray:
+        """(m,) where to stop a robot that was measured at (m,) [rad].
+
+        There, but no joint farther than the bound from where the robot was last seen on its
+        trajectory: to stop must not be a motion of its own, whatever one message says.
+        """
+        way = np.nan_to_num(angles - self._seen_at, nan=0.0)
+        angles_at_rest: FloatArray = self._seen_at + np.clip(way, -self._bound, self._bound)
+        return angles_at_rest
+
     def look(self, stamp_ns: int, angles: FloatArray) -> Look:
         """Take measured angles (m,) [rad]; those that are NaN do not count."""
         trajectory = self._trajectory
         elapsed = self.elapsed(stamp_ns)
         times = np.linspace(elapsed - self._late_s, elapsed, _LOOKS)
-        errors = np.nan_to_num(np.abs(trajectory.at(times) - angles), nan=0.0)
-        nearest = errors[int(np.argmin(errors.max(axis=1)))]
-        joint = int(np.argmax(nearest))
-        error = float(nearest[joint])
+        places = trajectory.at(times)
+        errors = np.nan_to_num(np.abs(places - angles), nan=0.0)
+        nearest = int(np.argmin(errors.max(axis=1)))
+        joint = int(np.argmax(errors[nearest]))
+        error = float(errors[nearest, joint])
         if error > self._bound:
-            verdict = Verdict.LOST
-        elif elapsed - self._late_s >= trajectory.duration:
-            verdict = Verdict.ARRIVED
+            verdict = self._judge_far_off(stamp_ns)
         else:
-            verdict = Verdict.FOLLOWS
+            self._seen_at, self._far_off = places[nearest], 0
+            arrived = elapsed - self._late_s >= trajectory.duration
+            verdict = Verdict.ARRIVED if arrived else Verdict.FOLLOWS
         progress = min(1.0, max(0.0, elapsed / max(trajectory.duration, 1e-9)))
         return Look(verdict, trajectory.names[joint], error, progress)
+
+    def _judge_far_off(self, stamp_ns: int) -> Verdict:
+        self._far_off += 1
+        if self._far_off == 1:
+            self._far_off_since_ns = stamp_ns
+        lasting = abs(stamp_ns - self._far_off_since_ns) >= _CONFIRMED_NS
+        confirmed = self._far_off >= _CONFIRMED or lasting
+        return Verdict.LOST if confirmed else Verdict.DOUBTFUL
 
 
 class Give:

@@ -122,7 +122,8 @@ def test_each_cause_stops_the_robot_where_it_is(
     result = goal.result()
     assert result.error_code == code, result.message
     assert told in result.message
-    assert scene.held() == pytest.approx(scene.robot.angles, abs=0.05)
+    # No stop moves a joint far: that which slipped is held `follow_error` off its trajectory.
+    assert scene.held() == pytest.approx(scene.robot.angles, abs=0.05 if cause != slip else 0.1)
 
 
 def test_joint_angles_that_stop_stop_the_motion(scene: Scene) -> None:

@@ -5,6 +5,7 @@ from typing import cast
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from shoecal_msgs.action import Plan
 
 from ros.bodies import nao
@@ -29,8 +30,11 @@ from shoecal_ros.planner.order import Mover, Order
 from shoecal_ros.planner.settings import MovingSettings
 from shoecal_ros.planner.watch import Senses
 
+FloatArray = NDArray[np.float64]
 SUPPORT = DoubleSupport(0.0, -0.11, 0.0)
 ANGLES = nao().from_legs(stance(nao(), SUPPORT))
+KNEE = nao().joint("LKneePitch")
+PERIOD_S = 0.01
 
 
 def standing() -> Motion:
@@ -48,36 +52,143 @@ def standing() -> Motion:
     )  # fmt: skip
 
 
-def test_who_disarms_and_arms_at_once_stops_the_robot_for_good() -> None:
-    clock, sent = Clock(), list[JointTrajectory]()
-    arming = Arming(10.0, clock)
-    arming.set(True)
-    mover = SimpleNamespace(
-        robot=nao(),
-        kinematics=Kinematics(nao()),
-        planning=PlannerSettings(),
-        moving=MovingSettings(),
-        arming=arming,
-        joints=SimpleNamespace(latest=JointBatch(np.array([1]), ANGLES[None]), problem=""),
-        senses=Senses(
-            ImuInput(nao(), clock), ShoeReports(clock=clock), TemperatureInput(nao(), clock)
-        ),
-        command=sent.append,
-    )
-    order = Order(True, lambda: False, lambda *_: None)
-    execution = Execution(cast(Mover, mover), order)
-    execution.check_ready()
-    following = execution.follow(execution.commanded(standing()), standing())
-    following.send(None)
-    assert execution.following
-    assert len(sent) == 1
-    arming.set(False)
-    arming.set(True)
+class Scene:
+    """An armed robot that has just been sent a motion, and an execution that watches it."""
+
+    def __init__(self) -> None:
+        clock = Clock()
+        self.sent: list[JointTrajectory] = []
+        self.arming = Arming(10.0, clock)
+        self.arming.set(True)
+        self.told_s = 0.0
+        self._joints = SimpleNamespace(latest=self._batch(ANGLES), problem="")
+        self.mover = cast(
+            Mover,
+            SimpleNamespace(
+                robot=nao(),
+                kinematics=Kinematics(nao()),
+                planning=PlannerSettings(),
+                moving=MovingSettings(),
+                arming=self.arming,
+                joints=self._joints,
+                senses=Senses(
+                    ImuInput(nao(), clock), ShoeReports(clock=clock), TemperatureInput(nao(), clock)
+                ),
+                command=self.sent.append,
+            ),
+        )
+        self.order = Order(True, lambda: False, lambda *_: None)
+        self.execution = Execution(self.mover, self.order)
+        self.execution.check_ready()
+        motion = standing()
+        self._following = self.execution.follow(self.execution.commanded(motion), motion)
+        self._following.send(None)
+        assert self.execution.following
+        assert len(self.sent) == 1
+
+    def tell(self, angles: FloatArray, times: int = 1, *, stamp_ns: int | None = None) -> None:
+        """Joint angles come, of the next period or of another time."""
+        for _ in range(times):
+            self.told_s += PERIOD_S
+            self._joints.latest = self._batch(angles, stamp_ns)
+            self._following.send(None)
+
+    def fall_silent(self) -> None:
+        self._joints.problem = "no joint angles for 1 s"
+        self._following.send(None)
+
+    def look(self) -> None:
+        self._following.send(None)
+
+    @property
+    def ways(self) -> FloatArray:
+        """(k,) by which the stop moves joints from where they were to be [rad]."""
+        assert len(self.sent) == 2, "one command, to stop"
+        ways: FloatArray = np.abs(self.sent[1].positions[0] - ANGLES[nao().moved])
+        return ways
+
+    def _batch(self, angles: FloatArray, stamp_ns: int | None = None) -> JointBatch:
+        at_ns = 1 + round(self.told_s * 1e9) if stamp_ns is None else stamp_ns
+        return JointBatch(np.array([at_ns]), angles[None])
+
+
+@pytest.fixture
+def scene() -> Scene:
+    return Scene()
+
+
+def off(way: float) -> FloatArray:
+    """The knee is so much off."""
+    angles = ANGLES.copy()
+    angles[KNEE] += way
+    return angles
+
+
+def test_who_disarms_and_arms_at_once_stops_the_robot_for_good(scene: Scene) -> None:
+    scene.arming.set(False)
+    scene.arming.set(True)
     with pytest.raises(RefusedError, match="disarmed since") as refusal:
-        following.send(None)
+        scene.look()
     assert refusal.value.code == Plan.Result.NOT_ARMED
-    assert not execution.following
-    np.testing.assert_allclose(sent[1].positions[0], ANGLES[nao().moved])
+    assert not scene.execution.following
+    np.testing.assert_allclose(scene.ways, 0.0, atol=1e-9)
     with pytest.raises(RefusedError, match="disarmed since"):
-        execution.check_ready()
-    Execution(cast(Mover, mover), order).check_ready()
+        scene.execution.check_ready()
+    Execution(scene.mover, scene.order).check_ready()
+
+
+def test_what_is_ended_holds_a_moving_robot_where_it_is_once(scene: Scene) -> None:
+    scene.tell(off(0.05))
+    scene.execution.halt()
+    scene.execution.halt()
+    assert scene.ways.max() == pytest.approx(0.05)
+    Execution(scene.mover, scene.order).halt()
+    assert len(scene.sent) == 2, "nothing to stop"
+
+
+ZEROS = np.clip(np.zeros(len(ANGLES)), nao().lower, nao().upper)
+"""As another node tells them that knows no robot."""
+
+
+@pytest.mark.parametrize("false", [off(0.8), ZEROS], ids=["one encoder", "another sender"])
+def test_one_false_message_stops_nothing(scene: Scene, false: FloatArray) -> None:
+    for _ in range(10):
+        scene.tell(false, 2)
+        scene.tell(off(0.01))
+    assert scene.execution.following
+    assert len(scene.sent) == 1
+
+
+@pytest.mark.parametrize("false", [off(0.8), ZEROS], ids=["one encoder", "another sender"])
+def test_what_stays_false_stops_the_robot_where_it_was_seen(
+    scene: Scene, false: FloatArray
+) -> None:
+    scene.tell(off(0.01))
+    with pytest.raises(RefusedError, match="off its trajectory") as refusal:
+        scene.tell(false, 3)
+    assert refusal.value.code == Plan.Result.NOT_FOLLOWED
+    bound = scene.mover.moving.follow_error
+    assert scene.ways.max() == pytest.approx(bound), "no joint moves farther to stop"
+
+
+@pytest.mark.parametrize("late_s", [0.0, 86400.0])
+def test_a_stop_for_another_cause_believes_no_single_message_either(
+    scene: Scene, late_s: float
+) -> None:
+    scene.tell(off(0.01))
+    scene.tell(ZEROS, stamp_ns=1 - round(late_s * 1e9))
+    with pytest.raises(RefusedError, match="no joint angles"):
+        scene.fall_silent()
+    assert scene.ways.max() < 0.02
+    other = Scene()
+    other.tell(ZEROS)
+    other.arming.set(False)
+    with pytest.raises(RefusedError, match="not armed"):
+        other.look()
+    assert other.ways.max() == pytest.approx(other.mover.moving.follow_error)
+
+
+def test_a_robot_that_is_blocked_is_stopped_within_a_tenth_of_a_second(scene: Scene) -> None:
+    with pytest.raises(RefusedError, match=r"'LKneePitch' is 0\.150 rad off"):
+        scene.tell(off(0.15), 10)
+    assert scene.told_s < 0.1

@@ -33,17 +33,47 @@ def test_a_late_robot_follows(time: float, late: float) -> None:
 
 @given(st.floats(0.0, 6.0), st.sampled_from([0, 1]), st.sampled_from([-1, 1]))
 def test_a_joint_far_off_is_lost_and_named(time: float, joint: int, side: int) -> None:
-    angles = at(time).copy()
+    one, angles = follower(), at(time).copy()
     angles[joint] += side * 0.2
-    look = follower().look(START_NS + round(time * 1e9), angles)
-    assert look.verdict is Verdict.LOST
-    assert look.joint == TRAJECTORY.names[joint]
+    looks = [one.look(START_NS + round((time + late) * 1e9), angles) for late in (0.0, 0.01, 0.02)]
+    assert [look.verdict for look in looks] == [Verdict.DOUBTFUL, Verdict.DOUBTFUL, Verdict.LOST]
+    assert looks[-1].joint == TRAJECTORY.names[joint]
+
+
+@given(st.floats(0.0, 4.4), st.lists(st.integers(0, 2), max_size=20))
+def test_one_or_two_false_measurements_in_a_row_are_doubtful(time: float, runs: list[int]) -> None:
+    one = follower()
+    for number, false in enumerate(runs):
+        for index in range(3):
+            stamp_ns = START_NS + round(time * 1e9) + 1_000_000 * (3 * number + index)
+            is_false = index < false
+            look = one.look(stamp_ns, at(time) + 0.9 * is_false)
+            assert look.verdict is (Verdict.DOUBTFUL if is_false else Verdict.FOLLOWS)
+
+
+def test_measurements_that_come_seldom_need_fewer() -> None:
+    one = follower()
+    times = (1.0, 1.1)
+    looks = [one.look(START_NS + round(time * 1e9), at(1.0) + 0.9) for time in times]
+    assert [look.verdict for look in looks] == [Verdict.DOUBTFUL, Verdict.LOST]
+
+
+@given(st.floats(0.0, 4.4), st.floats(-2.0, 2.0))
+def test_it_stops_where_it_is_and_not_far_from_where_it_was_seen(time: float, way: float) -> None:
+    one = follower()
+    stamp_ns = START_NS + round(time * 1e9)
+    np.testing.assert_array_equal(one.at_rest(at(0.0)), at(0.0))
+    one.look(stamp_ns, at(time))
+    rest = one.at_rest(at(time) + way)
+    assert np.abs(rest - at(time)).max() <= 0.05 + 1e-6
+    if abs(way) < 0.04:
+        np.testing.assert_allclose(rest, at(time) + way)
 
 
 def test_a_robot_that_never_starts_is_lost() -> None:
+    one = follower()
     verdicts = [
-        follower().look(START_NS + round(time * 1e9), at(0.0)).verdict
-        for time in np.arange(0.0, 3.0, 0.1)
+        one.look(START_NS + round(time * 1e9), at(0.0)).verdict for time in np.arange(0.0, 3.0, 0.1)
     ]
     assert verdicts[0] is Verdict.FOLLOWS
     assert verdicts[-1] is Verdict.LOST
@@ -57,7 +87,9 @@ def test_it_has_arrived_when_even_a_late_robot_must_have() -> None:
 
 
 def test_a_robot_that_stopped_on_the_way_has_not_arrived() -> None:
-    assert follower().look(START_NS + 9_000_000_000, at(2.0)).verdict is Verdict.LOST
+    one = follower()
+    verdicts = [one.look(START_NS + stamp_ns, at(2.0)).verdict for stamp_ns in (9 * 10**9, 10**10)]
+    assert verdicts == [Verdict.DOUBTFUL, Verdict.LOST]
 
 
 def test_a_joint_that_tells_nothing_does_not_count() -> None:
