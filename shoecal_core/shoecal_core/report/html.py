@@ -17,8 +17,8 @@ from shoecal_core.report.palette import variables
 from shoecal_core.report.quantities import PLUS_MINUS, UNKNOWN, true_minus
 from shoecal_core.report.template import PAGE, STYLE
 
-FEWEST_KEYS, MOST_KEYS = 4, 7
-"""Columns of key figures on a wide page."""
+FEWEST_KEYS, MOST_KEYS, MOST_PRINTED_KEYS = 4, 7, 5
+"""Columns of key figures on a wide page, and on paper."""
 SIGNS = {"PASS": "✓", "WARN": "!", "FAIL": "✕"}
 """Beside the colours, for those who do not see them."""
 
@@ -34,15 +34,15 @@ def render(page: Page) -> str:
     # Style and hash are made from constants of this package.
     return environment.from_string(PAGE).render(
         page=page, style=Markup(style), signs=SIGNS, plus_minus=PLUS_MINUS,  # noqa: S704
-        unknown=UNKNOWN, columns=key_columns,
+        unknown=UNKNOWN, columns=key_columns, most_printed=MOST_PRINTED_KEYS,
         script=player.SCRIPT, script_hash=Markup(player.script_hash()),  # noqa: S704
         speeds=player.SPEEDS, usual_speed=player.USUAL_SPEED,
     )  # fmt: skip
 
 
-def key_columns(count: int) -> int:
+def key_columns(count: int, most: int = MOST_KEYS) -> int:
     """Columns in which key figures fill rows of equal length, as far as can be."""
-    rows = max(1, -(-count // MOST_KEYS))
+    rows = max(1, -(-count // most))
     return max(FEWEST_KEYS, -(-count // rows))
 
 

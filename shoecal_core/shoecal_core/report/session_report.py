@@ -96,7 +96,10 @@ def _run(
 
 def _origin(session: Session, outcome: Outcome) -> list[str]:
     told = origin(session, outcome.data.stances)
-    return [told, f"Session folder {session.folder.name}; {_listed(outcome)}."]
+    lines = [told, f"Session folder {session.folder.name}; {_listed(outcome)}."]
+    if outcome.refined is not None and (choice := outcome.refined.choice.told):
+        lines.append(f"{choice[0].upper()}{choice[1:]}.")
+    return lines
 
 
 def _listed(outcome: Outcome) -> str:

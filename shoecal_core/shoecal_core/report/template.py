@@ -46,7 +46,8 @@ PAGE = """\
 {% endfor %}
 </ul>
 {% endif %}
-<dl class="keys" style="--columns:{{ columns(page.key_figures | length) }}">
+<dl class="keys" style="--columns:{{ columns(page.key_figures | length) }};
+--printed:{{ columns(page.key_figures | length, most_printed) }}">
 {% for key in page.key_figures %}
 {% set value, mark, spread = key.value.partition(plus_minus) %}
 <div><dt>{{ key.label }}</dt>
@@ -279,7 +280,7 @@ h2{margin-top:20px}
 h3{margin-top:12px}
 .text{break-inside:avoid;margin:2px 0 6px}
 .pictures{grid-template-columns:repeat(3,1fr);gap:8px}
-.keys{grid-template-columns:repeat(var(--columns),minmax(0,1fr))}
+.keys{grid-template-columns:repeat(var(--printed),minmax(0,1fr))}
 .beside{display:grid;grid-template-columns:minmax(0,1fr) minmax(0,2fr);gap:8px;align-items:start}
 .beside>.pictures,.beside>.tables{margin-top:0}
 .beside .pictures{grid-template-columns:minmax(0,1fr)}

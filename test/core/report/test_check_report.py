@@ -105,3 +105,7 @@ def test_the_command_writes_it(tmp_path: Path, capsys: pytest.CaptureFixture[str
 @pytest.mark.parametrize(("count", "columns"), [(0, 4), (2, 4), (5, 5), (7, 7), (8, 4), (9, 5)])
 def test_key_figures_fill_their_rows(count: int, columns: int) -> None:
     assert key_columns(count) == columns
+
+
+def test_fewer_key_figures_fit_beside_each_other_on_paper() -> None:
+    assert [key_columns(count, 5) for count in (3, 5, 6, 7, 9)] == [4, 5, 4, 4, 5]
