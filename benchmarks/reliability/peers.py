@@ -2,11 +2,11 @@
 
 Beside a real calibrator and a real planner appears a node of a drawn name: it publishes joint
 angles or voltages best effort or as another type, listens to CoP with a quality of service that
-is not offered, sends a cell that another source sends already or messages that do not hold
-together, or is a second calibrator, a process of its own. The calibrator's diagnostics must name
-it, by node or by source, or say what is wrong with its messages, and say so no more when it is
-gone; of those who fit (the planner, the robot) they must say nothing. Simulated: the robot, of
-which only messages exist.
+is not offered, sends a cell that another source sends already, the robot's joints in another
+posture, a CoP of its own or messages that do not hold together, or is a second calibrator, a
+process of its own. The calibrator's diagnostics must name it, by node or by source, or say what is
+wrong with its messages, and say so no more when it is gone; of those who fit (the planner, the
+robot) they must say nothing. Simulated: the robot, of which only messages exist.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 from geometry_msgs.msg import PointStamped
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import JointState
 from shoecal_msgs.msg import ShoeVoltages
@@ -27,8 +28,9 @@ from std_msgs.msg import String
 from reliability.live_robots import WaitedForRobot, put_in_force, start_calibrator
 from reliability.live_world import COMPILE_S, World, live_world
 from reliability.row import Progress, Result, Row
-from ros.bodies import nao_shoe
+from ros.bodies import nao, nao_shoe
 from shoecal_ros.common import qos
+from shoecal_ros.common.conversions import JointSample, joints_to_ros
 
 BEST_EFFORT = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)
 LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
@@ -69,6 +71,24 @@ def second_source(node: Node, source: str) -> tuple[str, str]:
     return "voltages", source
 
 
+def second_joints(node: Node, source: str) -> tuple[str, str]:
+    """Another program tells the same joints otherwise, as one that replays a recording does."""
+    del source
+    publisher = node.create_publisher(JointState, "joint_states", qos.RAW)
+    robot = nao()
+    other = np.clip(np.zeros_like(robot.posture), robot.lower, robot.upper)
+    message = joints_to_ros(JointSample(10**9, robot.joint_names, other))
+    _repeat(node, publisher, message)
+    return "joints", node.get_name()
+
+
+def other_cop(node: Node, source: str) -> tuple[str, str]:
+    """Another program's CoP where controllers hear the calibrator's."""
+    del source
+    node.create_publisher(PointStamped, "shoe/cop", qos.LIVE)
+    return "peers", f"'/{node.get_name()}' publishes /shoe/cop, too"
+
+
 def malformed(node: Node, source: str) -> tuple[str, str]:
     """A cell without a voltage."""
     _keep_telling(node, source, ShoeVoltages(cell=[nao_shoe().names[3]]))
@@ -78,7 +98,10 @@ def malformed(node: Node, source: str) -> tuple[str, str]:
 def _keep_telling(node: Node, source: str, message: ShoeVoltages) -> None:
     publisher = node.create_publisher(ShoeVoltages, "shoe/voltages", qos.RAW)
     message.header.frame_id = source
+    _repeat(node, publisher, message)
 
+
+def _repeat(node: Node, publisher: Publisher, message: Any) -> None:
     def tell() -> None:
         message.header.stamp.sec += 1
         publisher.publish(message)
@@ -88,7 +111,7 @@ def _keep_telling(node: Node, source: str, message: ShoeVoltages) -> None:
 
 RIVALS: tuple[Callable[[Node, str], tuple[str, str]], ...] = (
     best_effort_joints, best_effort_voltages, other_type, latched_listener, second_source,
-    malformed,
+    malformed, second_joints, other_cop,
 )  # fmt: skip
 """What each does; the diagnostic's subject that must tell it, and the name that it must hold."""
 
@@ -111,7 +134,7 @@ class Scene:
         put_in_force(world)
         world.start("planner", {"stale_s": 5.0})
         world.until_told("planner", "planning", "ready", COMPILE_S)
-        for subject in ("peers", "voltages"):
+        for subject in ("peers", "voltages", "joints"):
             self._well(subject)
 
     def try_one(self, index: int, rng: np.random.Generator) -> Try:
@@ -179,9 +202,9 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
 
 ROW = Row(
     key="misfits",
-    fault="QoS that does not match, two sources of one cell, a second calibrator",
+    fault="QoS that does not match, two sources of one cell or joint, a second calibrator",
     holds="a diagnostic that names the other side",
-    tries=70,
-    step=14,
+    tries=72,
+    step=18,
     run=run,
 )

@@ -191,15 +191,16 @@ def wrench_of(foot: FootInstant) -> Wrench:
 def _together(
     feet: tuple[FootInstant, FootInstant], loaded: tuple[bool, bool], turn: _Turn | None
 ) -> Wrench | None:
-    """Wrench of both feet in the sole frame of the left one while it carries load."""
+    """Wrench of both feet in the sole frame of the left one while it carries load.
+
+    None without joint angles, on one foot, too: a robot that may step any moment is not told so.
+    """
     left, right = feet
-    if math.isnan(left.force) or math.isnan(right.force):
+    if turn is None or math.isnan(left.force) or math.isnan(right.force):
         return None
     if any(load and foot.cop is None for load, foot in zip(loaded, feet, strict=True)):
         return None
     if all(loaded):
-        if turn is None:
-            return None
         ours, theirs = wrench_of(left), turn(wrench_of(right))
         return ours[0] + theirs[0], ours[1] + theirs[1], ours[2] + theirs[2]
     total = left.force + right.force

@@ -28,6 +28,12 @@ class LivePublishers:
             [name for name in shoe.names if name.startswith(f"{foot}/")] for foot in FEET
         ]
 
+    @property
+    def topics(self) -> set[str]:
+        """Resolved names of all that is published here."""
+        pairs = [(self._cop, self._grf), *self._feet]
+        return {one.topic_name for one in (self._state, *(each for pair in pairs for each in pair))}
+
     def publish(self, lives: Sequence[Live]) -> None:
         """Publish instants in order."""
         for publisher, each in (

@@ -22,36 +22,46 @@ class Peers:
 
     Attributes:
         alone: resolved names of topics on which nobody else may publish.
+        one_sender: of topics that this node hears and one other node alone should publish.
     """
 
     def __init__(self, node: Node) -> None:
         self.alone: set[str] = set()
+        self.one_sender: set[str] = set()
         self._node = node
         self._turn = 0
         self._found: dict[tuple[str, bool], list[str]] = {}
+        self._doubtful: dict[tuple[str, bool], str] = {}
 
     @property
     def condition(self) -> Condition:
         """For diagnostics: everybody who does not fit, and the cure."""
-        told = "; ".join(line for lines in self._found.values() for line in lines)
+        found = [line for lines in self._found.values() for line in lines]
+        told = "; ".join([*found, *self._doubtful.values()])
         if told:
-            return Condition(Level.ERROR, told)
+            return Condition(Level.ERROR if found else Level.WARN, told)
         return Condition(Level.OK, "nobody on this node's topics stands in its way")
 
     def watch(self) -> None:
         """Look at the next topic."""
         ends = self._ends()
         keys = [(end.topic_name, isinstance(end, Publisher)) for end in ends]
-        for gone in self._found.keys() - set(keys):
-            del self._found[gone]
+        for kept in (self._found, self._doubtful):
+            for gone in kept.keys() - set(keys):
+                del kept[gone]
         if not ends:
             return
         self._turn = (self._turn + 1) % len(ends)
-        found = self._look(ends[self._turn])
-        if found:
-            self._found[keys[self._turn]] = found
-        else:
-            self._found.pop(keys[self._turn], None)
+        key, end = keys[self._turn], ends[self._turn]
+        self._found[key] = self._look(end)
+        self._doubtful.pop(key, None)
+        if doubtful := self._doubles(end):
+            self._doubtful[key] = doubtful
+
+    def senders(self, topic: str) -> list[str]:
+        """Full names of the nodes that publish a topic of this name."""
+        infos = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(topic))
+        return sorted(_name(info) for info in infos)
 
     def _ends(self) -> list[Publisher | Subscription]:
         ends: Sequence[Any] = (*self._node.publishers, *self._node.subscriptions)
@@ -71,6 +81,18 @@ class Peers:
             return []
         found = [line for info in theirs if (line := _misfit(own, info, topic, sends=sends))]
         return found + (self._rivals(topic) if sends and topic in self.alone else [])
+
+    def _doubles(self, end: Publisher | Subscription) -> str:
+        """Several senders of a topic that one should send; empty where there are none."""
+        if isinstance(end, Publisher) or end.topic_name not in self.one_sender:
+            return ""
+        names = [f"'{name}'" for name in self.senders(end.topic_name)]
+        if len(names) < 2:
+            return ""
+        return (
+            f"{' and '.join(names)} publish {end.topic_name}; where they tell the same joints, "
+            "stop all but one"
+        )
 
     def _rivals(self, topic: str) -> list[str]:
         """Other publishers of a topic that is this node's alone."""

@@ -15,11 +15,9 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import Robot
 from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard
+from shoecal_ros.inputs.one_sender import OneSender
 
 FloatArray = NDArray[np.float64]
-
-CLOCK_SET_NS = 1_000_000_000
-"""Stamps that fall back further than this: a clock was set, or simulated time began anew."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +49,7 @@ class JointInput:
         clock: Callable[[], float] = time.monotonic,
         *,
         silent_s: float = SILENT_S,
+        senders: Callable[[], Sequence[str]] = tuple,
     ) -> None:
         """Nothing heard.
 
@@ -59,12 +58,15 @@ class JointInput:
             stale_s: without usable angles for that long there is a problem, by the wall clock [s].
             clock: monotonic [s].
             silent_s: for that long at least, they are silent [s].
+            senders: names of the nodes that send joint angles, to be told.
         """
         self.robot = robot
         self.latest: JointBatch | None = None
         self._stale_s = stale_s
         self.heard = LastHeard(clock, silent_s)
-        self._mismatch = ""
+        self._senders = senders
+        self._sender = OneSender(robot)
+        self._mismatch = self._contradiction = ""
 
     @property
     def age_s(self) -> float:
@@ -74,15 +76,20 @@ class JointInput:
     @property
     def fresh(self) -> bool:
         """Whether usable angles have come lately enough to go on."""
-        return self.age_s <= self._stale_s
+        return self.age_s <= self._stale_s and not self._contradiction
+
+    @property
+    def silent(self) -> bool:
+        """Whether nothing may be made of the last angles any more: none come, or two tell them."""
+        return bool(self._contradiction) or self.heard.silent
 
     @property
     def problem(self) -> str:
         """What is wrong; of messages that cannot be used only once angles are stale."""
         if self.fresh:
             return ""
-        if self._mismatch:
-            return self._mismatch
+        if self._contradiction or self._mismatch:
+            return self._contradiction or self._mismatch
         if self.latest is None:
             return "no joint angles yet; start the robot's driver (joint_states)"
         return f"no joint angles for {self.age_s:.0f} s; check the robot's driver"
@@ -107,23 +114,38 @@ class JointInput:
             stamps += [time_from_ros(message.header.stamp) for message in same]
         if not parts:
             return None
-        batch = self._later(np.array(stamps, dtype=np.int64), np.concatenate(parts))
+        batch = self._usable(np.array(stamps, dtype=np.int64), np.concatenate(parts))
         if batch is None:
             return None
         self.latest = JointBatch(batch.stamp_ns[-1:], batch.angles[-1:])
         self.heard.note(len(batch.stamp_ns))
         return batch
 
-    def _later(self, stamps: NDArray[np.int64], angles: FloatArray) -> JointBatch | None:
-        """What was sampled later than all before it; a clock may have been set back."""
+    def _usable(self, stamps: NDArray[np.int64], angles: FloatArray) -> JointBatch | None:
+        """What one sender told, each later than all before it; a clock may have been set back."""
         if not stamps.any():
             self._mismatch = "joint_states carries no stamps of time; mend its sender"
             return None
-        last = -1 if self.latest is None else int(self.latest.stamp_ns[0])
-        if last - int(stamps[-1]) > CLOCK_SET_NS:
-            last = -1
-        keep = stamps > np.maximum.accumulate(np.concatenate([[last], stamps[:-1]]))
-        return JointBatch(stamps[keep], angles[keep]) if keep.any() else None
+        keep = self._sender.follows(stamps, angles)
+        if not self._sender.doubled:
+            self._contradiction = ""
+        elif not self._contradiction:
+            self._contradiction = self._who_contradicts()
+        if self._contradiction or not keep.any():
+            return None
+        return JointBatch(stamps[keep], angles[keep])
+
+    def _who_contradicts(self) -> str:
+        names = [f"'{name}'" for name in self._senders()]
+        if len(names) > 1:
+            return (
+                f"joint angles run to and fro between {' and '.join(names)}; stop all but one "
+                "sender of joint_states"
+            )
+        return (
+            f"joint angles run to and fro{f', all from {names[0]}' if names else ''}; let one node "
+            "alone send joint_states, and check the robot's encoders"
+        )
 
     def _angles(self, names: list[str], positions: Sequence[Sequence[float]]) -> FloatArray:
         for row in positions:

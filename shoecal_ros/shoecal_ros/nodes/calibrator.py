@@ -137,7 +137,14 @@ class Calibrator(ShoecalNode):
         self.robot, self.shoe = self.files.load_robot(), self.files.load_shoe()
         self.kinematics = Kinematics(self.robot)
         silent_s = settings.live_stale_s
-        self.joints = JointInput(self.robot, settings.stale_s, silent_s=silent_s)
+        joints = relative(schemas.JOINT_STATES)
+        self.joints = JointInput(
+            self.robot,
+            settings.stale_s,
+            silent_s=silent_s,
+            senders=partial(self.peers.senders, joints),
+        )
+        self.peers.one_sender.add(self.resolve_topic_name(joints))
         self.cells = CellWatch(self.shoe)
         self._apart_since = math.inf
         self.voltages = VoltageInput(
@@ -158,7 +165,7 @@ class Calibrator(ShoecalNode):
             self.shoe.foot, LoadSwitch(settings.load_on_n, settings.load_off_n), self._low_pass
         )
         self._out = LivePublishers(self, self.shoe)
-        self.peers.alone.add(self.resolve_topic_name("shoe/state"))
+        self.peers.alone |= self._out.topics
         self.tolerance = ModelTolerance.of(self.robot, self.fit_settings)
         self.drift = DriftDesk(self)
         store = CalibrationStore(Path(settings.state_dir).expanduser(), self.robot, self.shoe)
@@ -312,7 +319,7 @@ class Calibrator(ShoecalNode):
         )
         joined = self.voltages.take(frames)
         # Where the right foot stands is known while angles come.
-        support = None if self.joints.heard.silent else self._support
+        support = None if self.joints.silent else self._support
         self._out.publish(self.live.take(joined, support))
         self.cells.learn()
         self.recorder.take(topic, serialised)
@@ -328,7 +335,7 @@ class Calibrator(ShoecalNode):
             ShoeState.CALIBRATING if self.calibrating else state,
             "" if current is None else current.id,
             self.live.flags(stale=self.voltages.heard.silent),
-            joints_stale=self.joints.heard.silent,
+            joints_stale=self.joints.silent,
         )
 
     def _tell_calibration(self) -> None:

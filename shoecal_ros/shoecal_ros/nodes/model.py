@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import PointStamped, TransformStamped
@@ -45,10 +46,13 @@ class Model(ShoecalNode):
         robot = files.load_robot()
         self._markers = MarkerDesk(self, robot, files.load_shoe())
         self._kinematics = Kinematics(robot)
-        self._joints = JointInput(robot, settings.stale_s)
+        self._joints = JointInput(
+            robot, settings.stale_s, senders=partial(self.peers.senders, "joint_states")
+        )
         self._com = self.create_publisher(PointStamped, "shoe/model/com", qos.LIVE)
         self._cop = self.create_publisher(PointStamped, "shoe/model/cop", qos.LIVE)
-        self.peers.alone.add(self._cop.topic_name)
+        self.peers.alone |= {self._com.topic_name, self._cop.topic_name}
+        self.peers.one_sender.add(self.resolve_topic_name("joint_states"))
         self._tf = TFMessage and self.create_publisher(TFMessage, "/tf", qos.TRANSFORMS)
         self.subscribe(JointState, "joint_states", self._hear, qos.RAW)
 
@@ -61,7 +65,7 @@ class Model(ShoecalNode):
             problem or "joint angles come",
             **self._joints.heard.figures(),
         )
-        self._markers.watch(None if self._joints.heard.silent else self._joints.latest)
+        self._markers.watch(None if self._joints.silent else self._joints.latest)
         super().watch()
 
     def _hear(self, messages: list[Any]) -> None:

@@ -81,7 +81,7 @@ def test_a_foot_in_the_air_has_no_cop() -> None:
 
 
 def test_on_the_right_foot_alone_the_frame_is_the_right_soles() -> None:
-    found = one(sensing(), instant((0.2, 0.0, 0.0), (50.0, 0.03, -0.01)), None)
+    found = one(sensing(), instant((0.2, 0.0, 0.0), (50.0, 0.03, -0.01)))
     assert found.frame == 1
     assert found.cop is not None
     np.testing.assert_allclose(found.cop, [0.03, -0.01], atol=1e-9)
@@ -94,11 +94,15 @@ def test_a_hanging_robot_has_no_cop_at_all() -> None:
     assert found.wrench == pytest.approx((0.1, 0.0, 0.0))
 
 
-def test_without_joint_angles_feet_go_on_alone() -> None:
-    found = one(sensing(), instant((20.0, 0.0, 0.0), (30.0, 0.0, 0.0)), None)
+@pytest.mark.parametrize("forces", [(20.0, 30.0), (50.0, 1.0), (1.0, 50.0)])
+def test_without_joint_angles_feet_go_on_alone(forces: tuple[float, float]) -> None:
+    left, right = forces
+    found = one(sensing(), instant((left, 0.0, 0.0), (right, 0.0, 0.0)), None)
     assert found.cop is None
     assert found.wrench is None
-    assert all(foot.cop is not None for foot in found.feet)
+    assert [foot.cop is not None for foot in found.feet] == list(found.loaded)
+    assert any(found.loaded)
+    assert [foot.force for foot in found.feet] == pytest.approx(forces)
 
 
 @pytest.mark.parametrize("state", [NO_DATA, SATURATED])

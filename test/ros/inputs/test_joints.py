@@ -20,20 +20,22 @@ def message(stamp_ns: int, changes: dict[str, float] | None = None) -> JointStat
 
 def test_batches_come_in_the_robots_order() -> None:
     joints = JointInput(nao(), 0.5)
-    shuffled = message(20, {"LKneePitch": 0.9})
+    ms = 10**6
+    knee = float(nao().posture[nao().joint("LKneePitch")]) + 0.05
+    shuffled = message(20 * ms, {"LKneePitch": knee})
     order = np.random.default_rng(1).permutation(len(shuffled.name))
     shuffled.name, shuffled.position = (
         [shuffled.name[index] for index in order],
         [shuffled.position[index] for index in order],
     )
-    batch = joints.take([message(10), message(15), shuffled])
+    batch = joints.take([message(10 * ms), message(15 * ms), shuffled])
     assert batch is not None
-    assert batch.stamp_ns.tolist() == [10, 15, 20]
+    assert batch.stamp_ns.tolist() == [10 * ms, 15 * ms, 20 * ms]
     expected = np.tile(nao().posture, (3, 1))
-    expected[2, nao().joint("LKneePitch")] = 0.9
+    expected[2, nao().joint("LKneePitch")] = knee
     np.testing.assert_array_equal(batch.angles, expected)
     assert joints.latest is not None
-    assert joints.latest.stamp_ns.tolist() == [20]
+    assert joints.latest.stamp_ns.tolist() == [20 * ms]
 
 
 def test_what_is_wrong_is_told_in_turn() -> None:
@@ -111,13 +113,86 @@ def test_stamps_that_stand_still_are_no_news() -> None:
 def test_time_may_begin_anew() -> None:
     joints = JointInput(nao(), 0.5)
     joints.take([message(10**10)])
-    batch = joints.take([message(10**9)])
+    assert joints.take([message(10**9)]) is None, "once is no evidence"
+    batch = joints.take([message(10**9 + 10**7)])
     assert batch is not None
     assert joints.latest is not None
-    assert joints.latest.stamp_ns.tolist() == [10**9]
+    assert joints.latest.stamp_ns.tolist() == [10**9 + 10**7]
 
 
 def test_angles_without_stamps_cannot_be_used() -> None:
     joints = JointInput(nao(), 0.5)
     assert joints.take([message(0)]) is None
     assert "no stamps" in joints.problem
+
+
+STEP_NS = 10_000_000
+AWAY = {"LKneePitch": 1.0, "RAnklePitch": -0.5}
+
+
+def taken(joints: JointInput, messages: list[JointState]) -> list[float]:
+    """Knee angles that were believed, message by message."""
+    knee = nao().joint("LKneePitch")
+    batches = [joints.take([one]) for one in messages]
+    return [float(batch.angles[-1, knee]) for batch in batches if batch is not None]
+
+
+@pytest.mark.parametrize("behind_ns", [0, 300_000_000, 86_400 * 10**9])
+def test_two_senders_of_the_same_joints_are_told_by_name_and_neither_is_used(
+    behind_ns: int,
+) -> None:
+    clock = Clock()
+    joints = JointInput(nao(), 0.5, clock, senders=lambda: ["/bag", "/robot"])
+    begin = 10**14
+    for index in range(100):
+        clock.now += 0.01
+        own = begin + index * STEP_NS
+        heard = taken(joints, [message(own), message(own + STEP_NS // 2 - behind_ns, AWAY)])
+        assert 1.0 not in heard, "the other sender's angles are never taken"
+        assert not heard or index < 10
+    assert not joints.fresh
+    assert joints.silent
+    told = "joint angles run to and fro between '/bag' and '/robot'; stop all but one"
+    assert joints.problem.startswith(told)
+    own = begin + 100 * STEP_NS
+    heard = taken(joints, [message(own + index * STEP_NS) for index in range(60)])
+    assert heard, "the one that stays is used again"
+    assert joints.problem == ""
+
+
+def test_a_sample_that_leaps_and_comes_back_is_left_out() -> None:
+    joints = JointInput(nao(), 0.5)
+    for index in range(100):
+        changes = AWAY if index % 40 == 20 else None
+        heard = taken(joints, [message((100 + index) * STEP_NS, changes)])
+        assert bool(heard) == (changes is None)
+        assert joints.problem == ""
+
+
+def test_a_robot_that_was_put_elsewhere_is_believed_at_the_second_sample() -> None:
+    joints = JointInput(nao(), 0.5)
+    messages = [message((100 + i) * STEP_NS, AWAY if i >= 10 else None) for i in range(20)]
+    heard = taken(joints, messages)
+    assert len(heard) == 19
+    assert heard[10:] == [1.0] * 9
+
+
+@pytest.mark.parametrize("batch", [1, 7])
+def test_motion_as_fast_as_joints_can_is_followed(batch: int) -> None:
+    joints = JointInput(nao(), 0.5)
+    speed = float(nao().velocity_limit[nao().joint("LKneePitch")])
+    rng = np.random.default_rng(1)
+    count = 0
+    for first in range(0, 210, batch):
+        messages = [
+            message(
+                (100 + index) * STEP_NS + round(2e6 * rng.standard_normal()),
+                {"LKneePitch": 0.5 * np.sin(speed / 0.5 * index * STEP_NS / 1e9)},
+            )
+            for index in range(first, first + batch)
+        ]
+        found = joints.take(messages)
+        assert found is not None
+        count += len(found.stamp_ns)
+    assert count == 210
+    assert joints.problem == ""
