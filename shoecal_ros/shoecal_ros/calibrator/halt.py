@@ -2,54 +2,92 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections import deque
+from typing import Protocol
 
+import numpy as np
+from numpy.typing import NDArray
 from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
 from trajectory_msgs.msg import JointTrajectory
 
+from shoecal_core.model.robot import Robot
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_to_ros
-from shoecal_ros.common.hold import hold
+from shoecal_ros.common.health import Level
+from shoecal_ros.common.hold import STOP_TIME_S, hold
+from shoecal_ros.inputs.armed_input import ArmedInput
+from shoecal_ros.inputs.joints import JointBatch, JointInput
 
-if TYPE_CHECKING:
-    from shoecal_ros.nodes.calibrator import Calibrator
+HEARD = 5
+"""Messages of joint angles whose median is held: two of them may be false."""
 
-STOP_TIME_S = 0.5
+
+class Site(Protocol):
+    """What it needs of its node."""
+
+    robot: Robot
+    joints: JointInput
+
+    @property
+    def run_id(self) -> str:
+        """Of the job under way."""
+
+    def create_publisher(self, kind: type, topic: str, profile: QoSProfile, /) -> Publisher:
+        """Of the middleware."""
+
+    def destroy_publisher(self, publisher: Publisher, /) -> bool:
+        """Of the middleware."""
+
+    def log(self, level: Level, line: str) -> None:
+        """Write a line."""
 
 
 class Halt:
-    """Sends one command, at the moment at which arming lapses in the course of a job.
+    """Sends one command, at the moment at which whoever armed the robot is gone, job or not.
 
     A planner that is there stops the robot itself, gently and knowing where it is to be.
     """
 
-    def __init__(self, node: Calibrator) -> None:
-        self._node = node
+    def __init__(self, site: Site, arming: ArmedInput) -> None:
+        self._site = site
+        self._arming = arming
         self._publisher: Publisher | None = None
-        self._lapsed = False
+        self._angles: deque[NDArray[np.float64]] = deque(maxlen=HEARD)
+        self._sent = False
+        self._run_id = ""
 
-    def begin(self) -> None:
-        """A job begins: be ready, for a robot has to know of a sender before it hears it."""
+    def hear(self, batch: JointBatch) -> None:
+        """Joint angles have come."""
+        self._angles.extend(batch.angles)
+
+    def watch(self) -> None:
+        """Hold the robot where whoever armed it has just gone."""
+        if not self._arming.told:
+            self._leave()
+            return
         if self._publisher is None:
-            self._publisher = self._node.create_publisher(
+            # Already now: a robot has to know of a sender before it hears it.
+            self._publisher = self._site.create_publisher(
                 JointTrajectory, "joint_trajectory", qos.COMMAND
             )
+        if not self._arming.lapsed:
+            self._sent, self._run_id = False, self._site.run_id
+        elif self._angles and not self._sent:
+            self._stop(self._publisher)
 
-    def end(self) -> None:
-        """The job is over: leave commands to the planner alone."""
-        if self._publisher is not None and not self._lapsed:
-            self._node.destroy_publisher(self._publisher)
+    def _stop(self, publisher: Publisher) -> None:
+        angles = np.median(np.stack(self._angles), axis=0)
+        # Back to where the robot was when it last told so, no faster than it went on meanwhile.
+        command = hold(self._site.robot, angles, STOP_TIME_S + self._site.joints.age_s)
+        publisher.publish(trajectory_to_ros(command))
+        self._sent = True
+        course = f" in the course of {self._run_id}" if self._run_id else ""
+        self._site.log(Level.ERROR, f"the planner is gone{course}: told the robot to stop")
+
+    def _leave(self) -> None:
+        """Leave commands to the planner alone."""
+        self._sent = False
+        if self._publisher is not None:
+            self._site.destroy_publisher(self._publisher)
             self._publisher = None
-
-    def watch(self, *, lapsed: bool) -> None:
-        """Hold the robot where arming has just lapsed.
-
-        Args:
-            lapsed: whether who armed the robot has fallen silent.
-        """
-        latest = self._node.joints.latest
-        if lapsed and not self._lapsed and self._publisher is not None and latest is not None:
-            command = hold(self._node.robot, latest.angles[0], STOP_TIME_S)
-            self._publisher.publish(trajectory_to_ros(command))
-            self._node.get_logger().error("the planner is gone: told the robot to stop")
-        self._lapsed = lapsed

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.robot import Robot
 
+STOP_TIME_S = 0.5
+"""In which a robot comes to rest that nobody plans for."""
 HOLD_WAY = 0.2
 """rad; a command of one point that leads no joint farther stops the robot."""
 

@@ -32,13 +32,20 @@ class ArmedInput:
     @property
     def armed(self) -> bool:
         """Whether the robot may be moved at this moment."""
-        there = self._subscription.get_publisher_count() > 0
-        return self._told and there and not self.lapsed
+        return self._told and not self.lapsed
+
+    @property
+    def told(self) -> bool:
+        """Whether the last word was that it may, be who said it still there or not."""
+        return self._told
 
     @property
     def lapsed(self) -> bool:
-        """Whether who armed the robot, and repeated it, has fallen silent."""
-        return self._told and self._repeats and self._clock() - self._heard_at > LEASE_S
+        """Whether who armed the robot is gone: left, or fallen silent after repeating it."""
+        if not self._told:
+            return False
+        silent = self._repeats and self._clock() - self._heard_at > LEASE_S
+        return silent or self._subscription.get_publisher_count() == 0
 
     @property
     def disarmings(self) -> int:

@@ -178,7 +178,7 @@ class Calibrator(ShoecalNode):
         self.plan_client = ActionClient(self, Plan, PLAN_ACTION)
         self._self_calibration = SelfCalibrationDesk(self)
         self._diagnoses = DiagnosisDesk(self)
-        self._halt = Halt(self)
+        self._halt = Halt(self, self._arming)
 
     @property
     def armed(self) -> bool:
@@ -192,7 +192,7 @@ class Calibrator(ShoecalNode):
 
     @property
     def lapsed(self) -> bool:
-        """Whether who armed the robot has fallen silent."""
+        """Whether who armed the robot is gone."""
         return self._arming.lapsed
 
     @property
@@ -255,7 +255,7 @@ class Calibrator(ShoecalNode):
         self.health.note("diagnosis", self._diagnoses.condition)
         self.drift.watch()
         self._publish_state()
-        self._halt.watch(lapsed=self.lapsed)
+        self._halt.watch()
         super().watch()
 
     def close(self) -> None:
@@ -280,8 +280,7 @@ class Calibrator(ShoecalNode):
         self.quick.subscribe(JointState, joints, self._hear_joints, qos.RAW, raw=True)
 
     def listen_for_recording(self) -> None:
-        """Hear also what only a recording needs, and be ready to stop the robot."""
-        self._halt.begin()
+        """Hear also what only a recording needs."""
         self._recorded = [
             self.subscribe(
                 kind, relative(topic), partial(self.recorder.take, topic), qos.RAW, raw=True
@@ -292,7 +291,6 @@ class Calibrator(ShoecalNode):
 
     def listen_live(self) -> None:
         """Hear only what the live side needs: every message that comes wakes the node."""
-        self._halt.end()
         for subscription in self._recorded:
             self.destroy_subscription(subscription)
         self._recorded = []
@@ -308,6 +306,7 @@ class Calibrator(ShoecalNode):
         for stamp_ns, angles in zip(batch.stamp_ns.tolist(), batch.angles, strict=True):
             self.stillness.add(stamp_ns, angles)
         self.rezeroing.take_joints(batch)
+        self._halt.hear(batch)
         # Here, so that readings need not wait for it.
         self._support = self.kinematics.states(batch.angles[-1:]).support()
 

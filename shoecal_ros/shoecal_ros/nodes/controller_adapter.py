@@ -18,10 +18,8 @@ from shoecal_ros.adapters.adapter import Adapter, FloatArray
 from shoecal_ros.adapters.foreign import foreign
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_to_ros
-from shoecal_ros.common.hold import hold
+from shoecal_ros.common.hold import STOP_TIME_S, hold
 from shoecal_ros.common.runtime import run
-
-STOP_TIME_S = 0.5
 
 
 @dataclass(frozen=True)

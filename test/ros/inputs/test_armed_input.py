@@ -46,6 +46,19 @@ def test_who_repeats_that_the_robot_is_armed_must_go_on(node: ShoecalNode) -> No
     assert (armed.armed, armed.lapsed, armed.disarmings) == (False, False, 1)
 
 
+def test_who_armed_and_left_without_a_word_is_gone_at_once(node: ShoecalNode) -> None:
+    armed = ArmedInput(node)
+    (publisher,) = [one for one in node.publishers if one.topic_name == "/shoe/armed"]
+    publisher.publish(Bool(data=True))
+    while not armed.armed:
+        rclpy.spin_once(node, timeout_sec=0.01)
+    assert (armed.told, armed.lapsed) == (True, False)
+    node.destroy_publisher(publisher)
+    while armed.armed:
+        rclpy.spin_once(node, timeout_sec=0.01)
+    assert (armed.told, armed.lapsed, armed.disarmings) == (True, True, 0)
+
+
 def test_who_disarms_and_arms_at_once_is_heard_to_disarm(node: ShoecalNode) -> None:
     armed = ArmedInput(node)
     publisher = node.create_publisher(Bool, "shoe/armed", qos.ARMED)
