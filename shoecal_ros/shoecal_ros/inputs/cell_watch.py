@@ -1,8 +1,9 @@
 """Tells broken cells from their readings alone, while they come.
 
 A cell gives nothing, stands at an end of its converter's range, gives one value all the time
-although converters never do (their noise is more than a count), or leaps all by itself: what
-happens to a foot is felt by more than one of its cells. Readings of such cells are marked as the
+although the others' change, or although its own noise never let it rest before (`own_noise.py`: a
+whole board may hang), or leaps all by itself: what happens to a foot is felt by more than one of
+its cells. Readings of such cells are marked as the
 device marks them, so that no force is made of them. What looks like a cell in order cannot be told
 here: two cells that are swapped, one that follows late, or one that is jammed but still noisy. A
 calibration and the watch for drift tell those, by weight and CoM.
@@ -21,6 +22,7 @@ from shoecal_msgs.msg import ShoeVoltages
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.inputs.joining import Joined
+from shoecal_ros.inputs.own_noise import OwnNoise
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -44,8 +46,8 @@ LEAP_PERIOD_S = 0.05
 """Frames further apart tell no leaps."""
 SPIKE_S = 0.3
 """For so long after a spike its cell counts as broken."""
-LEARN_S = 0.04
-"""Readings of so long a time are learnt from at once."""
+LEARN_S, LEARN_FRAMES = 0.04, 1000
+"""Readings of so long a time, or so many, are learnt from at once."""
 RESTART_S = 1.0
 """After a gap in the stamps all begins anew."""
 
@@ -121,10 +123,12 @@ class CellWatch:
         if len(self._taken) < 2:
             return
         elapsed_s = (self._taken[-1].stamp_ns - self._taken[0].stamp_ns) / 1e9
-        if elapsed_s < LEARN_S:
+        if elapsed_s < LEARN_S and len(self._taken) < LEARN_FRAMES:
             return
         with np.errstate(invalid="ignore"):
-            change = np.abs(np.diff([one.readings for one in self._taken], axis=0))
+            steps = np.diff([one.readings for one in self._taken], axis=0)
+        change = np.abs(steps)
+        self._own_noise.take(steps, elapsed_s)
         self._look_for_frozen(np.mean(change != 0.0, axis=0), elapsed_s, len(change))
         usual = np.minimum(np.nan_to_num(change).mean(axis=0), 3.0 * self._noise + self._least)
         self._noise += (1.0 - math.exp(-elapsed_s / NOISE_S)) * (usual - self._noise)
@@ -137,6 +141,7 @@ class CellWatch:
         self._changing = np.ones(count)
         self._usual = np.zeros(count)
         self._usual_weight = 0.0
+        self._own_noise = OwnNoise(count)
         self._noise = np.zeros(count)
         self._bound = self._least
         self._frozen = np.zeros(count, dtype=bool)
@@ -178,7 +183,7 @@ class CellWatch:
         return replace(one, readings=np.where(known, one.readings, np.nan), status=status)
 
     def _look_for_frozen(self, changing: FloatArray, elapsed_s: float, frames: int) -> None:
-        """Against what the cell itself and the others usually do.
+        """Against what the others do, or what the cell itself always did.
 
         Args:
             changing: (n,) share of the last readings that differ from the ones before.
@@ -194,7 +199,8 @@ class CellWatch:
         strange = (self._usual > THAWED * self._usual_weight) | (self._usual == 0.0)
         bound = np.where(self._frozen, THAWED, FROZEN)
         others_change = float(np.median(self._changing)) > LIVELY
-        self._frozen = strange & (self._changing < bound) & others_change
+        beside_others = strange & (self._changing < bound) & others_change
+        self._frozen = beside_others | self._own_noise.ended
         self._calm = self._calm and not self._frozen.any()
 
     def _look_for_leaps(self, one: Joined, leaving: FloatArray, elapsed_s: float) -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -88,6 +89,60 @@ def test_a_cell_that_becomes_slow_is_told() -> None:
     )
     assert found
     assert took <= 0.4
+
+
+@pytest.mark.parametrize("rate", [80.0, 100.0, 1000.0])
+@pytest.mark.parametrize("frozen", [[0, 1, 2, 3], list(range(COUNT))])
+def test_a_board_that_hangs_is_told(rate: float, frozen: list[int]) -> None:
+    """One foot's board, or the only one, repeats what it gave last; its counter goes on."""
+    watch = CellWatch(nao_shoe())
+    readings = resting(rate, 8.0)
+    half = len(readings) // 2
+    held = readings[half].readings.copy()
+    for one in readings[half:]:
+        one.readings[frozen] = held[frozen]
+    assert not any(one.status.any() for one in taken(watch, readings[:half]))
+    marked = taken(watch, readings[half:])
+    broken = [one for one in marked if one.status.any()]
+    assert (broken[0].stamp_ns - readings[half].stamp_ns) / 1e9 <= 0.4
+    assert set(watch.findings) == {nao_shoe().names[index] for index in frozen}
+    assert set(watch.findings.values()) == {"gives one value all the time"}
+    for one in taken(watch, shifted(resting(rate, 3.0), 8.0))[int(0.2 * rate) :]:
+        assert not one.status.any(), "told no more once it changes"
+
+
+def resting(rate: float, seconds: float) -> list[Joined]:
+    """A robot that stands still, with a converter's noise."""
+    readings = stream(rate, seconds)
+    rng = np.random.default_rng(2)
+    for one in readings:
+        one.readings[:] = 1.0 + 1e-3 * rng.standard_normal(COUNT)
+    return readings
+
+
+def shifted(readings: list[Joined], by_s: float) -> list[Joined]:
+    return [replace(one, stamp_ns=one.stamp_ns + round(1e9 * by_s)) for one in readings]
+
+
+@pytest.mark.parametrize("bits", [8, 10, 12, 14, 24])
+@pytest.mark.parametrize("noise", [0.0, 3e-4, 1e-3])
+def test_a_robot_that_swayed_may_stand_quite_still(bits: int, noise: float) -> None:
+    step = 10.0 / 2**bits
+    readings = stream(seconds=20.0, noise=min(noise, 0.4 * step))
+    for one in readings[1000:]:
+        one.readings[:] = readings[1000].readings
+    for one in readings:
+        one.readings[:] = np.rint(one.readings / step) * step
+    watch = CellWatch(nao_shoe())
+    assert not any(one.status.any() for one in taken(watch, readings))
+
+
+def test_stamps_that_creep_fill_no_memory() -> None:
+    watch = CellWatch(nao_shoe())
+    for index in range(5000):
+        status = np.zeros(COUNT, dtype=np.uint8)
+        taken(watch, [Joined(10**9 + index, np.full(COUNT, 1.0 + index % 2), status)])
+        assert len(watch._taken) <= 1000
 
 
 @pytest.mark.parametrize("bits", [8, 10, 12, 14, 24])
