@@ -19,7 +19,7 @@ from shoecal_ros.calibrator.in_force import UNCALIBRATED, InForce
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import calibration_from_ros, calibration_to_ros, time_to_ros
 from shoecal_ros.common.health import Level
-from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.refusal import RefusedError, faults_refused
 from shoecal_ros.common.runtime import aside, until
 
 if TYPE_CHECKING:
@@ -193,9 +193,10 @@ class CalibrationDesk:
         self, request: SetCalibration.Request, response: SetCalibration.Response
     ) -> SetCalibration.Response:
         try:
-            self._require_free()
-            calibration = calibration_from_ros(request.calibration)
-            await self._apply(calibration, force=request.force)
+            with faults_refused(self._node, SetCalibration.Response.FAILED, ShoecalError):
+                self._require_free()
+                calibration = calibration_from_ros(request.calibration)
+                await self._apply(calibration, force=request.force)
         except ShoecalError as error:
             response.error_code, response.message = _code(error), self._refused(error)
         else:
@@ -207,8 +208,9 @@ class CalibrationDesk:
     ) -> Trigger.Response:
         del request
         try:
-            self._require_free()
-            await self._change(self.store.one_before())
+            with faults_refused(self._node, SetCalibration.Response.FAILED, ShoecalError):
+                self._require_free()
+                await self._change(self.store.one_before())
         except ShoecalError as error:
             response.message = self._refused(error)
         else:

@@ -13,7 +13,7 @@ from shoecal_ros.calibrator.diagnosis_job import DiagnosisJob, Request
 from shoecal_ros.calibrator.job import new_run_id
 from shoecal_ros.common.actions import finish, logged
 from shoecal_ros.common.health import Condition, Level
-from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.refusal import RefusedError, faults_refused
 
 LONGEST_NAME = 255
 MOST_MOTIONS = 100
@@ -66,7 +66,8 @@ class DiagnosisDesk:
     async def _execute(self, goal: ServerGoalHandle) -> Diagnose.Result:
         result = Diagnose.Result()
         try:
-            await self._do(goal, result)
+            with faults_refused(self._node, Diagnose.Result.FAILED):
+                await self._do(goal, result)
         except RefusedError as refusal:
             result.error_code, result.message = refusal.code, str(refusal)
             if not result.run_id:
@@ -89,7 +90,8 @@ class DiagnosisDesk:
         if request.moves:
             node.listen_for_recording()
         try:
-            result.message = await job.run()
+            with faults_refused(node, Diagnose.Result.FAILED):
+                result.message = await job.run()
             result.success = True
             self._last = Condition(Level.OK, result.message)
         except RefusedError as refusal:

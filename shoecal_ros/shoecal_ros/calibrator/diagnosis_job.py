@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import cast
 
@@ -91,7 +92,7 @@ class DiagnosisJob:
             RefusedError: with a code of Diagnose.Result, when it ends otherwise.
         """
         request, site = self.request, self._site
-        self._check_goal()
+        await self._check_goal()
         site.recorder.problem = ""
         if request.moves:
             self._job.check()
@@ -119,20 +120,24 @@ class DiagnosisJob:
 
     # Steps
 
-    def _check_goal(self) -> None:
+    async def _check_goal(self) -> None:
         """Refuse what cannot be done before anything is.
 
         Raises:
             RefusedError: BAD_GOAL, with the cure.
         """
         request = self.request
+
+        def check(folder: Path) -> None:
+            session = Session.open(folder)
+            if request.moves:
+                self._require_own(session)
+
         try:
             for name in request.motions:
                 proposal(name)
             if request.session is not None:
-                session = Session.open(request.session)
-                if request.moves:
-                    self._require_own(session)
+                await aside(partial(check, request.session))
         except ShoecalError as error:
             raise RefusedError(Diagnose.Result.BAD_GOAL, str(error)) from error
 
@@ -166,15 +171,15 @@ class DiagnosisJob:
         if self.session is None:
             session = await make_session(site, request.run_id, request.seed)
         else:
-            session = self._reopened(self.session)
+            session = await self._reopened(self.session)
         self.session = session.folder
         self.state.runs = len(runs)
         await RunSeries(self._job, session, self._tell_recording).record(runs)
         self._progress.next()
 
-    def _reopened(self, folder: Path) -> Session:
+    async def _reopened(self, folder: Path) -> Session:
         try:
-            return Session.open(folder)
+            return await aside(partial(Session.open, folder))
         except ShoecalError as error:
             raise RefusedError(Diagnose.Result.RECORDING_FAILED, str(error)) from error
 

@@ -12,7 +12,7 @@ from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.rezero import Rezeroed, rezero
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.planning.supports.polygon_error import PolygonError, polygon_error
-from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.refusal import RefusedError, faults_refused
 from shoecal_ros.common.runtime import aside, until
 from shoecal_ros.inputs.joining import Joined
 from shoecal_ros.inputs.joints import JointBatch
@@ -55,28 +55,33 @@ class RezeroDesk:
 
     async def _rezero(self, request: Rezero.Request, response: Rezero.Response) -> Rezero.Response:
         del request
-        node, current = self._node, self._node.desk.store.current
         try:
-            if current is None:
-                raise RefusedError(
-                    Codes.UNCALIBRATED, "uncalibrated: there are no offsets; calibrate first"
-                )
-            if node.job_under_way or self.busy:
-                told = node.job_under_way or "a correction"
-                raise RefusedError(Codes.BUSY, f"{told} is under way; wait for it")
-            if problem := node.input_problem():
-                raise RefusedError(Codes.STALE_INPUT, problem)
-            found = self._correct(current, await self._observe())
-            if node.desk.changing or node.desk.store.current is not current:
-                raise RefusedError(
-                    Codes.SUPERSEDED, "another calibration came in force meanwhile; call again"
-                )
-            if found.directions:
-                await node.desk.apply_corrected(found.calibration)
-            self._answer(found, await self._expected(found.calibration), response)
+            with faults_refused(self._node, Codes.FAILED, ShoecalError):
+                await self._do(response)
         except ShoecalError as error:
             response.error_code, response.message = _code(error), str(error)
         return response
+
+    async def _do(self, response: Rezero.Response) -> None:
+        """Observe, correct, apply, answer; ShoecalError where that cannot be done."""
+        node, current = self._node, self._node.desk.store.current
+        if current is None:
+            raise RefusedError(
+                Codes.UNCALIBRATED, "uncalibrated: there are no offsets; calibrate first"
+            )
+        if node.job_under_way or self.busy:
+            told = node.job_under_way or "a correction"
+            raise RefusedError(Codes.BUSY, f"{told} is under way; wait for it")
+        if problem := node.input_problem():
+            raise RefusedError(Codes.STALE_INPUT, problem)
+        found = self._correct(current, await self._observe())
+        if node.desk.changing or node.desk.store.current is not current:
+            raise RefusedError(
+                Codes.SUPERSEDED, "another calibration came in force meanwhile; call again"
+            )
+        if found.directions:
+            await node.desk.apply_corrected(found.calibration)
+        self._answer(found, await self._expected(found.calibration), response)
 
     async def _observe(self) -> Standstill:
         """A standstill; begun again whenever the robot moves."""

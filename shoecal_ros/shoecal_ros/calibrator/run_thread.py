@@ -9,6 +9,7 @@ from queue import SimpleQueue
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.writer import RunWriter
+from shoecal_ros.common.refusal import worded
 
 MOST_WAITING = 100_000
 """Messages that a disk may be behind: more than a minute of them."""
@@ -65,7 +66,7 @@ class RunThread:
                 with contextlib.suppress(ShoecalError):  # why it ends is told by who ends it
                     writer.abandon()
         except Exception as error:  # noqa: BLE001 (nobody else hears of it)
-            self.problem = str(error)
+            self.problem = worded(error)
 
     def _write(self, writer: RunWriter, topic: str, message: bytes, stamp_ns: int) -> None:
         try:

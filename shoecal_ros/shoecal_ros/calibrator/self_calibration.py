@@ -18,7 +18,7 @@ from shoecal_ros.calibrator.job_settings import MOST_SUPPORTS
 from shoecal_ros.common.actions import finish, logged
 from shoecal_ros.common.conversions import calibration_to_ros
 from shoecal_ros.common.health import Condition, Level
-from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.refusal import RefusedError, faults_refused
 
 if TYPE_CHECKING:
     from shoecal_ros.nodes.calibrator import Calibrator
@@ -91,11 +91,12 @@ class SelfCalibrationDesk:
         """Run a job to its end, and apply what it found where that may be applied."""
         node = self._node
         try:
-            calibration = await job.run()
-            # Also one that is refused comes back whole, and stays in the session's folder.
-            result.calibration = calibration_to_ros(calibration)
-            job.tell_applying()
-            await node.desk.apply_found(calibration, warned=node.job_settings.apply_warned)
+            with faults_refused(node, Calibrate.Result.FAILED):
+                calibration = await job.run()
+                # Also one that is refused comes back whole, and stays in the session's folder.
+                result.calibration = calibration_to_ros(calibration)
+                job.tell_applying()
+                await node.desk.apply_found(calibration, warned=node.job_settings.apply_warned)
             result.success = True
             result.message = f"'{calibration.id}' in force: {tell_reasons(calibration.reasons)}"
         except RefusedError as refusal:
@@ -109,9 +110,12 @@ class SelfCalibrationDesk:
     async def _execute(self, goal: ServerGoalHandle) -> Calibrate.Result:
         result = Calibrate.Result()
         try:
-            job = self._begin(goal.request, goal.publish_feedback, lambda: goal.is_cancel_requested)
-            result.run_id = job.request.run_id
-            await self._do(job, result)
+            with faults_refused(self._node, Calibrate.Result.FAILED):
+                job = self._begin(
+                    goal.request, goal.publish_feedback, lambda: goal.is_cancel_requested
+                )
+                result.run_id = job.request.run_id
+                await self._do(job, result)
         except RefusedError as refusal:
             result.error_code, result.message = refusal.code, str(refusal)
             if not result.run_id:
@@ -123,7 +127,8 @@ class SelfCalibrationDesk:
         self, request: SelfCalibrate.Request, response: SelfCalibrate.Response
     ) -> SelfCalibrate.Response:
         try:
-            job = self._begin(request, lambda _: None, None)
+            with faults_refused(self._node, Calibrate.Result.FAILED):
+                job = self._begin(request, lambda _: None, None)
         except RefusedError as refusal:
             response.error_code, response.message = refusal.code, str(refusal)
             return response
@@ -137,8 +142,7 @@ class SelfCalibrationDesk:
     async def _do_alone(self, job: CalibrationJob) -> None:
         desk = self._node.desk
         try:
-            await self._do(job, Calibrate.Result())
+            with faults_refused(self._node, Calibrate.Result.FAILED):
+                await self._do(job, Calibrate.Result())
         except RefusedError as refusal:
             desk.problem = f"self-calibration {job.request.run_id} ended: {refusal}"
-        except Exception as error:  # noqa: BLE001 (live forces go on whatever happens here)
-            desk.problem = f"self-calibration ended by an internal error: {error!r}"

@@ -2,7 +2,16 @@
 
 from __future__ import annotations
 
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
 from shoecal_core.errors import ShoecalError
+from shoecal_ros.common.health import Level
+
+if TYPE_CHECKING:
+    from shoecal_ros.common.runtime import ShoecalNode
 
 
 class RefusedError(ShoecalError):
@@ -15,3 +24,35 @@ class RefusedError(ShoecalError):
     def __init__(self, code: int, message: str) -> None:
         self.code = code
         super().__init__(message)
+
+
+@contextmanager
+def faults_refused(
+    node: ShoecalNode, code: int, foreseen: type[ShoecalError] = RefusedError
+) -> Iterator[None]:
+    """Whatever else goes wrong ends as a refusal, too: who asked is answered, the node lives on.
+
+    Args:
+        node: whose log gets the traceback.
+        code: of the answer.
+        foreseen: what is passed on as it is.
+
+    Raises:
+        RefusedError: with the code, for everything that nobody foresaw.
+    """
+    try:
+        yield
+    except foreseen:
+        raise
+    except Exception as error:
+        node.log(Level.ERROR, traceback.format_exc())
+        told = f"ended by a fault: {worded(error)}; see the node's log, and report it"
+        raise RefusedError(code, told) from error
+
+
+def worded(error: BaseException) -> str:
+    """An error for a person; one that is nobody's on purpose with its kind."""
+    told = str(error)
+    if isinstance(error, ShoecalError):
+        return told
+    return f"{type(error).__name__}: {told}" if told else type(error).__name__

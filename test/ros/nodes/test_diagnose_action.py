@@ -50,7 +50,7 @@ def robot(world: World) -> StandingRobot:
 def test_codes_are_those_of_calibrate() -> None:
     for name in (
         "OK", "BUSY", "NOT_ARMED", "CANCELED", "SUPPORT_FAILED", "MOTION_FAILED",
-        "RECORDING_FAILED", "STALE_INPUT", "BAD_GOAL",
+        "RECORDING_FAILED", "STALE_INPUT", "BAD_GOAL", "FAILED",
     ):  # fmt: skip
         assert getattr(CODES, name) == getattr(Calibrate.Result, name), name
 
