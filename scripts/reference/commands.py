@@ -4,15 +4,25 @@ from __future__ import annotations
 
 import argparse
 import importlib
+import inspect
+import pkgutil
 from collections.abc import Iterator
 
+import shoecal_core
 from reference.markdown import code, fenced, page, table
 from shoecal_core.commands.parsers import COMMANDS
+from shoecal_core.errors import ShoecalError, error_code
 
 _LEAD = (
     "`shoecal COMMAND --help` tells the same. Results go to standard output, progress and errors "
     "to standard error; the exit code is 0 only on success, 1 for an error that is told in one "
     "line, 2 for a wrong argument."
+)
+
+_ERRORS = (
+    "Where a command ends with 1, the file of `--json` holds, beside the figures of what was done, "
+    "`error`: its `code`, the `message` that was told, and of an error with a file `file` and "
+    "`field` (empty: the file as a whole)."
 )
 
 
@@ -26,6 +36,7 @@ def commands_page() -> str:
             if one is not parser:
                 parts.append(f"### {one.prog}")
             parts += [fenced(_usage(one)), _arguments(one)]
+    parts += ["## Errors for programs", _ERRORS, table(("code", "what it is"), _codes())]
     return page("Commands", _LEAD, parts)
 
 
@@ -35,6 +46,23 @@ def command_parser(name: str) -> argparse.ArgumentParser:
     importlib.import_module(f"shoecal_core.commands.{name}_command").add_arguments(parser)
     parser.add_argument("--json", metavar="FILE", help="also write the figures as JSON")
     return parser
+
+
+def _codes() -> list[tuple[str, str]]:
+    """Code and meaning of every error of the library, in the codes' order."""
+    for module in pkgutil.walk_packages(shoecal_core.__path__, f"{shoecal_core.__name__}."):
+        importlib.import_module(module.name)
+    rows: dict[str, list[str]] = {}
+    waiting = [ShoecalError]
+    while waiting:
+        kind = waiting.pop()
+        waiting += kind.__subclasses__()
+        if not kind.__module__.startswith(f"{shoecal_core.__name__}."):
+            continue
+        about = (inspect.getdoc(kind) or "").splitlines()[0]
+        rows.setdefault(code(error_code(kind)), []).append(about)
+    rows[code(error_code(ShoecalError))] = ["Anything else; the message tells what."]
+    return [(name, " Or: ".join(sorted(set(about)))) for name, about in sorted(rows.items())]
 
 
 def _with_inner(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]:

@@ -1,6 +1,7 @@
 """The command line: `shoecal COMMAND …`.
 
-Every command returns its figures as a mapping; `--json FILE` writes them for machines.
+Every command returns its figures as a mapping; `--json FILE` writes them for machines, and why it
+could not be done.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ import json
 import os
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 
 from rich.console import Console
@@ -17,7 +19,7 @@ from rich.markup import escape
 
 from shoecal_core.commands.parsers import COMMANDS, command_line
 from shoecal_core.commands.suggestions import nearest_file
-from shoecal_core.errors import FileError, PartialError, ShoecalError, ToldError
+from shoecal_core.errors import FileError, PartialError, ShoecalError, ToldError, error_code
 from shoecal_core.files import atomic_write
 
 NO_FILE = os.strerror(errno.ENOENT)
@@ -37,8 +39,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         try:
             _write(args.json, args.command.run(args, _output()))
-        except PartialError as error:
-            _write(args.json, error.figures)
+        except ShoecalError as error:
+            with suppress(FileError):  # where the file itself is at fault, that is told below
+                _write(args.json, _why(error))
             raise
     except ToldError:
         return 1
@@ -55,6 +58,15 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _write(file: Path | None, figures: Mapping[str, object]) -> None:
     if file is not None:
         atomic_write(file, json.dumps(figures, indent=1, allow_nan=False) + "\n")
+
+
+def _why(error: ShoecalError) -> dict[str, object]:
+    """An error for a program, beside the figures of what was done."""
+    figures = error.figures if isinstance(error, PartialError) else {}
+    told = {"code": error_code(type(error)), "message": str(error)}
+    if isinstance(error, FileError):
+        told |= {"file": str(error.path), "field": error.field}
+    return {**figures, "error": told}
 
 
 def _output() -> Console:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from pathlib import Path
@@ -78,6 +79,13 @@ class ShapeError(ShoecalError):
         self.expected = expected
         self.got = got
         super().__init__(f"{name}: expected shape {expected}, got {got}")
+
+
+def error_code(kind: type[ShoecalError]) -> str:
+    """What a program knows an error by: `NameNotFoundError` is `name-not-found`."""
+    if kind is ShoecalError:
+        return "refused"
+    return re.sub(r"(?<!^)(?=[A-Z])", "-", kind.__name__.removesuffix("Error")).lower()
 
 
 def _one_line(message: str) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import subprocess
 import sys
@@ -16,10 +17,12 @@ from shoecal_core.commands.completion_command import SHELLS, completion_script
 from shoecal_core.commands.parsers import COMMANDS
 from shoecal_core.commands.suggestions import nearest, nearest_file
 from shoecal_core.diagnosis.effects.known import EFFECTS
+from shoecal_core.errors import FileError, NameNotFoundError, ShoecalError, error_code
 from shoecal_core.planning.menu import MENU
 from shoecal_core.workspace import config_dir
 
 NAO = str(config_dir() / "robots" / "nao.yaml")
+SHOE = str(config_dir() / "shoes" / "nao_shoe.yaml")
 
 
 def told(capsys: pytest.CaptureFixture[str], *words: str) -> str:
@@ -184,3 +187,29 @@ def test_colours_only_on_a_terminal_that_wants_them(monkeypatch: pytest.MonkeyPa
     )  # fmt: skip
     assert b"\x1b" not in piped.stdout + piped.stderr
     assert piped.stdout == b""
+
+
+def test_a_program_is_told_why(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    figures, robot = tmp_path / "figures.json", tmp_path / "robot.yaml"
+    robot.write_text("format: 99\n")
+    for name, code, file, field in (
+        (str(robot), "version", str(robot), "format"),
+        (str(tmp_path / "none.yaml"), "file", str(tmp_path / "none.yaml"), ""),
+    ):
+        words = ("plan", name, "--shoe", SHOE, "--out", str(tmp_path / "out"))
+        line = told(capsys, *words, "--json", str(figures))
+        error = json.loads(figures.read_text())["error"]
+        assert (error["code"], error["file"], error["field"]) == (code, file, field)
+        assert error["message"] in line
+
+
+def test_a_file_for_programs_that_cannot_be_written_is_told_once(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    line = told(capsys, "plan", "none.yaml", "--out", "x", "--json", str(tmp_path / "no" / "file"))
+    assert "none.yaml" in line
+
+
+def test_codes_of_errors() -> None:
+    kinds = {FileError: "file", NameNotFoundError: "name-not-found", ShoecalError: "refused"}
+    assert {kind: error_code(kind) for kind in kinds} == kinds
