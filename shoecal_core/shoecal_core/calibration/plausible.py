@@ -65,6 +65,8 @@ def _check_texts(calibration: Calibration) -> None:
     for text in (*names.values(), *hashes, *calibration.reasons, *calibration.fitted_runs):
         if len(text) > LONGEST_TEXT:
             raise _refused(calibration, f"has a text of more than {LONGEST_TEXT} letters")
+        if not text.isprintable():
+            raise _refused(calibration, "has a reason, a run or a hash that is not one line of text")
 
 
 def _check_numbers(calibration: Calibration, weight: float) -> None:
