@@ -66,7 +66,9 @@ def _check_texts(calibration: Calibration) -> None:
         if len(text) > LONGEST_TEXT:
             raise _refused(calibration, f"has a text of more than {LONGEST_TEXT} letters")
         if not text.isprintable():
-            raise _refused(calibration, "has a reason, a run or a hash that is not one line of text")
+            raise _refused(
+                calibration, "has a reason, a run or a hash that is not one line of text"
+            )
 
 
 def _check_numbers(calibration: Calibration, weight: float) -> None:
