@@ -41,6 +41,8 @@ _JITTER_S = 0.0004
 _SAME_NS = 2_000_000
 """Two stamps may differ so much from what the device counted between them."""
 _AT_HOST_NS = 20_000_000
+_SET_NS = 10**9
+"""A step back by more begins a new order; after a smaller one frames are left out."""
 _LIKE_LATE_NS = 600_000_000
 """A jump forward by less could be frames that are late."""
 _LED_ON_NS = 150_000_000
@@ -88,7 +90,7 @@ def _try(session: Session, kind: str, rng: np.random.Generator) -> float:
         resets.append(clock.resets)
     stamped = np.array(stamps, dtype=np.int64)
     _check_stretches(device_us, stamped, np.array(resets), _like_late(jumps))
-    _check_joined(stamped)
+    _check_joined(device_us, stamped)
     if rate <= 100.0:
         _check_recorded(session, stamped, received)
     return max(
@@ -157,8 +159,8 @@ def _until_back(at: float, device_us: Ints, off_ns: Ints, jumps: list[tuple[floa
     return 0.0 if not len(wrong) else float(device_us[wrong[-1]] / 1e6 - at)
 
 
-def _check_joined(stamps: Ints) -> None:
-    """What the calibrator makes of the frames keeps their order; little is left out."""
+def _check_joined(device_us: Ints, stamps: Ints) -> None:
+    """What the calibrator makes of the frames keeps their order; what is left out is counted."""
     names = originals.shoe().names
     joiner = FrameJoiner(names, 0.03)
     good = np.zeros(len(names), dtype=np.uint8)
@@ -170,9 +172,14 @@ def _check_joined(stamps: Ints) -> None:
             if joined.stamp_ns != stamp or (joined.readings != sequence).any():
                 raise WrongTimeError("readings of another frame under this stamp")
             seen.append(sequence)
-    back = sum(0 <= one - two < 10**9 for one, two in pairwise(stamps.tolist()))
-    if back == 0 and len(seen) != len(stamps):
-        raise WrongTimeError(f"{len(stamps) - len(seen)} frames are not joined")
+    if len(seen) + joiner.left_out != len(stamps):
+        missing = len(stamps) - len(seen) - joiner.left_out
+        raise WrongTimeError(f"{missing} frames are neither joined nor counted as left out")
+    back = [one - two for one, two in pairwise(stamps.tolist()) if 0 <= one - two < _SET_NS]
+    gap_us = int(np.diff(device_us[seen]).max())
+    period_us = int(np.diff(device_us).max())
+    if gap_us > period_us + 2 * max(back, default=0) / 1000 + _SAME_NS / 1000:
+        raise WrongTimeError(f"frames of {gap_us / 1e6:.2f} s are left out")
 
 
 def _check_recorded(session: Session, stamps: Ints, received: Ints) -> None:

@@ -82,6 +82,9 @@ class FrameJoiner:
 
     A cell's last reading counts for a little while. The frames that carry the cell heard first
     give the instants.
+
+    Attributes:
+        left_out: frames whose stamps were not later than those before them.
     """
 
     def __init__(
@@ -102,6 +105,7 @@ class FrameJoiner:
         self._names = tuple(channels)
         self._hold_ns = round(hold_s * 1e9)
         self._reference = 0
+        self.left_out = 0
         self.forget()
 
     def forget(self) -> None:
@@ -139,6 +143,7 @@ class FrameJoiner:
         stamp = frame.stamp_ns
         if stamp <= stream.stamp_ns:
             if stream.stamp_ns - stamp < _CLOCK_SET_NS:
+                self.left_out += 1
                 return None
             self._restart()
         stream.stamp_ns = stamp

@@ -69,6 +69,11 @@ class VoltageInput:
         return self._lost.count
 
     @property
+    def left_out(self) -> int:
+        """Frames that came, but with stamps before those of others: a clock was set back."""
+        return self._joiner.left_out
+
+    @property
     def age_s(self) -> float:
         """Wall-clock time since readings have come; infinite before [s]."""
         return self.heard.age_s

@@ -245,7 +245,11 @@ class Calibrator(ShoecalNode):
             (
                 "voltages",
                 self.voltages.problem,
-                {**self.voltages.heard.figures(), "lost_frames": str(self.voltages.lost)},
+                {
+                    **self.voltages.heard.figures(),
+                    "lost_frames": str(self.voltages.lost),
+                    "left_out_frames": str(self.voltages.left_out),
+                },
             ),
         ):
             level = Level.ERROR if problem else Level.OK

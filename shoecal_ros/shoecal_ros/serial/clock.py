@@ -25,7 +25,7 @@ MIN_SPAN_NS = 2_000_000_000
 MAX_DRIFT = 0.05
 """Between two clocks; RC oscillators miss by some per cent."""
 
-JUMP_NS = 100_000_000
+JUMP_BACK_NS, JUMP_NS = 80_000_000, 100_000_000
 """Receipt so long before sampling: a clock was set. So much later than any before, and it stays so
 for SETTLE_NS on both clocks: likewise. Time services step a clock by 128 ms and more."""
 SETTLE_NS = 1_000_000_000
@@ -33,6 +33,8 @@ LONGEST_DELAY_NS = 10_000_000_000
 """Receipt so late: a clock was set or stood still, for nothing holds bytes that long."""
 LONGEST_HELD_NS = 500_000_000
 """Frames received together may have waited so much longer than those before."""
+TINY_BACK_NS = 1_000_000
+"""A device time that goes back by so little is that of a clock read unevenly, of no new one."""
 
 COARSE_NS = 100_000
 """A host clock that ticks in steps this long or longer is a simulated one."""
@@ -87,13 +89,13 @@ class DeviceClock:
                 last of them was delayed least, and corrects the others.
             receive_ns: host clock when they were received [ns].
         """
-        if receive_ns < self._given - JUMP_NS:
+        if receive_ns < self._given - JUMP_BACK_NS:
             self._given = 0
         longest = self._longest_gap(receive_ns)
         stamps: list[int] = []
         batch: list[int] = []
         for device in (time * 1000 for time in device_us):
-            if batch and not 0 <= device - batch[-1] <= longest:
+            if batch and not -TINY_BACK_NS <= device - batch[-1] <= longest:
                 stamps += self._batch(batch, receive_ns)
                 batch = []
             batch.append(device)
@@ -122,11 +124,11 @@ class DeviceClock:
         self._same_until = 0
 
     def _batch(self, devices: list[int], receive_ns: int) -> list[int]:
-        """Stamps of growing device times [ns], received together."""
+        """Stamps of device times [ns] that grow but for tiny steps back, received together."""
         if not devices:
             return []
         newest = devices[-1]
-        restarted = self._last is not None and devices[0] < self._last[0]
+        restarted = self._last is not None and devices[0] < self._last[0] - TINY_BACK_NS
         if restarted or self._jumped(newest, receive_ns):
             self.restart()
         self._recognise(newest, receive_ns)
@@ -168,7 +170,7 @@ class DeviceClock:
         if self._same or not self._points:
             return False
         excess = receive_ns - device - self._origin - self._line(device)
-        if not -JUMP_NS <= excess <= LONGEST_DELAY_NS:
+        if not -JUMP_BACK_NS <= excess <= LONGEST_DELAY_NS:
             return True
         if excess < JUMP_NS:
             self._late_since = None
@@ -180,7 +182,10 @@ class DeviceClock:
     def _add(self, point: _Point) -> None:
         """Take a point into its bucket; fit anew whenever a bucket is complete."""
         points = self._points
-        if points and point.device // BUCKET_NS == points[-1].device // BUCKET_NS:
+        ahead = point.device // BUCKET_NS - points[-1].device // BUCKET_NS if points else 1
+        if ahead < 0:
+            return
+        if not ahead:
             if self._line_excess(point) < self._line_excess(points[-1]):
                 points[-1] = point
         else:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from shoecal_ros.serial.clock import TINY_BACK_NS
 from shoecal_ros.serial.frame import SEQUENCE_MODULUS, Fault, FaultKind, Frame
+
+TINY_BACK_US = TINY_BACK_NS // 1000
 
 
 class Continuity:
@@ -16,8 +19,10 @@ class Continuity:
     def check(self, frame: Frame) -> list[Fault]:
         """What is wrong between the frame before and this one, if anything.
 
-        A device time or a sequence that goes back means a restart; the sequence may wrap
-        around, so it goes back when it is nearer behind than ahead, modulo 2^32. A device that
+        A device time or a sequence that goes back means a restart, but for a time that goes back
+        by next to nothing in the very next frame: clocks are read at slightly other moments. The
+        sequence may wrap around, so it goes back when it is nearer behind than ahead, modulo
+        2^32. A device that
         restarts counts from 0, so its sequence tells how many frames were lost since then.
         """
         last, self._last = self._last, frame
@@ -25,7 +30,8 @@ class Continuity:
             return []
         step = (frame.sequence - last.sequence) % SEQUENCE_MODULUS
         now, before = frame.device_time_us, last.device_time_us
-        time_back = now is not None and before is not None and now < before
+        slack = TINY_BACK_US if step == 1 else 0
+        time_back = now is not None and before is not None and now < before - slack
         if time_back or step >= SEQUENCE_MODULUS // 2:
             numbered = self._numbered and frame.sequence < SEQUENCE_MODULUS // 2
             return [_restart(last, frame), *_lost(frame.sequence if numbered else 0, frame)]

@@ -169,7 +169,9 @@ def test_stamps_that_go_back_a_little_are_left_out() -> None:
     join = joiner()
     join.add(frame(5))
     assert join.add(frame(4, sequence=6)) is None
+    assert join.left_out == 1, "nothing is left out uncounted"
     assert join.add(frame(6, sequence=7)) is not None
+    assert join.left_out == 1
 
 
 def test_a_frame_of_channels_that_nobody_named_gives_nothing() -> None:

@@ -203,6 +203,30 @@ def test_host_clock_that_is_set(seconds: float) -> None:
     assert max(map(abs, settled)) <= 1
 
 
+@pytest.mark.parametrize("back_us", [1, 999])
+def test_a_device_clock_that_is_read_unevenly_is_not_begun_anew(back_us: int) -> None:
+    clock = DeviceClock()
+    last = 0
+    for index in range(1000):
+        device_us = index * 10_000 - (10_000 + back_us) * (index % 50 == 49)
+        for stamp in clock.stamps([device_us], EPOCH + index * 10 * MS):
+            assert stamp > last
+            last = stamp
+    assert clock.resets == 0
+    assert abs(last - (EPOCH + 999 * 10 * MS)) < 20 * MS
+
+
+@pytest.mark.parametrize("back_ms", [81, 100, 128])
+def test_a_host_clock_that_is_set_back_a_little_is_followed_at_once(back_ms: int) -> None:
+    clock = DeviceClock()
+    for index in range(2000):
+        receipt = EPOCH + (index * 10 - (back_ms if index >= 1000 else 0)) * MS
+        (stamp,) = clock.stamps([index * 10_000], receipt)
+        if not 1000 <= index < 1000 + back_ms:
+            assert abs(stamp - receipt) < MS
+    assert clock.resets == 1
+
+
 def test_simulation_that_starts_over() -> None:
     clock = DeviceClock()
     for _ in range(2):

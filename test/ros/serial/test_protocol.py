@@ -261,6 +261,17 @@ def test_restart_is_seen_in_time_or_sequence(sequence: int, time: int, lost: int
     assert decoder.counts.faults[FaultKind.LOST_FRAMES] == lost
 
 
+def test_a_clock_that_is_read_unevenly_is_no_restart() -> None:
+    decoder = BinaryDecoder()
+    hour = 3_600_000_000
+    for sequence, time in ((360_000, hour), (360_001, hour - 1), (360_002, hour + 9_999)):
+        sent = frame(sequence, time)
+        assert decoder.feed(encode_frame(sent)) == [sent]
+    assert not decoder.counts.faults
+    events = decoder.feed(encode_frame(frame(360_003, 30_000)))
+    assert kinds(events) == [FaultKind.RESTART, FaultKind.LOST_FRAMES]
+
+
 def test_sequence_that_stands_still_is_named() -> None:
     decoder = BinaryDecoder()
     decoder.feed(encode_frame(frame(1, 1)))
