@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +25,7 @@ Spoil = Callable[[int, FloatArray, Bytes], None]
 NOISE_V = 1e-3
 NEWTONS_PER_VOLT = 12.0
 RAIL_V = 5.0
+BOARD = "hangs with its board"
 SPIKE_FRAMES, SLOW_FRAMES = 15, 15
 WAIT_S = 60.0
 
@@ -54,6 +55,26 @@ def stuck(rng: np.random.Generator, cell: int) -> Spoil:
         del frame, statuses
         held.append(float(voltage[cell]))
         voltage[cell] = held[0]
+
+    return spoil
+
+
+def board_of(cell: int) -> list[int]:
+    """Cells of the board that a cell hangs on: every other time one for its foot, or for all."""
+    foot = nao_shoe().foot
+    return np.flatnonzero((foot == foot[cell]) | bool(cell % 2)).tolist()
+
+
+def hung_board(rng: np.random.Generator, cell: int) -> Spoil:
+    """All cells of a board as they were, again and again; its counter goes on."""
+    del rng
+    board = board_of(cell)
+    held: list[FloatArray] = []
+
+    def spoil(frame: int, voltage: FloatArray, statuses: Bytes) -> None:
+        del frame, statuses
+        held.append(voltage[board])
+        voltage[board] = held[0]
 
     return spoil
 
@@ -115,6 +136,7 @@ LIVE: Mapping[str, Callable[[np.random.Generator, int], Spoil]] = {
     "NaN": not_a_number,
     "spikes": spikes,
     "slow": slow,
+    BOARD: hung_board,
 }
 """Faults that show while they happen."""
 
@@ -154,8 +176,8 @@ class Told:
     """What the calibrator said of a broken cell.
 
     Attributes:
-        after: from the first spoilt frame to the state that names it [s].
-        alone: that cell and no other.
+        after: from the first spoilt frame to the state that names it, and its board's others [s].
+        alone: no others.
     """
 
     after: float
@@ -191,15 +213,16 @@ class LiveCells:
         self._until(_well)
         self._wait(float(rng.uniform(0.8, 1.2)))
         self._states.clear()
+        broken = board_of(cell) if fault == BOARD else [cell]
         self.robot.spoil(LIVE[fault](rng, cell))
         try:
-            at, _ = self._until(lambda one: _broken(one, cell))
+            at, _ = self._until(lambda one: _broken(one, broken))
             self._wait(0.3)
             everything = [one for _, one in self._states]
         finally:
             self.robot.spoil(None)
-        others = any(sum(_statuses(one)) - _statuses(one)[cell] for one in everything)
-        return Told(at - self.robot.broken_at, alone=not others)
+        others = [set(np.flatnonzero(_statuses(one))) - set(broken) for one in everything]
+        return Told(at - self.robot.broken_at, alone=not any(others))
 
     def in_force(self) -> str:
         """Id of the calibration in force."""
@@ -221,9 +244,10 @@ def _statuses(state: ShoeState) -> list[int]:
     return [int(status) for foot in state.feet for status in foot.status]
 
 
-def _broken(state: ShoeState, cell: int) -> bool:
-    foot = state.feet[int(nao_shoe().foot[cell])]
-    return not foot.valid and not foot.stale and _statuses(state)[cell] != 0
+def _broken(state: ShoeState, cells: Sequence[int]) -> bool:
+    feet = [state.feet[foot] for foot in set(nao_shoe().foot[cells].tolist())]
+    told = all(_statuses(state)[cell] for cell in cells)
+    return told and not any(foot.valid or foot.stale for foot in feet)
 
 
 def _well(state: ShoeState) -> bool:

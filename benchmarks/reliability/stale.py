@@ -1,12 +1,13 @@
 """Joint angles or voltages stay away.
 
-A real calibrator is in force beside a robot that stands and tells joints and voltages with a
-period that is drawn (5 to 100 ms). At a drawn moment one of the two stays away. From its last
-message `/shoe/state` must say so within 100 ms or three periods, whichever is longer; without joint
-angles `/shoe/cop` and `/shoe/grf` must end, whose point and torques are about one sole for both
-feet, and those of each foot go on; without voltages nothing is published; when both come again, so
-must everything. Beside it stands how long a reading takes to `/shoe/left/grf`, at the worst of the
-same try: what the machine needs at any rate. Simulated: the robot, of which only messages exist.
+A real calibrator is in force beside a robot that stands on both feet or on one of them and tells
+joints and voltages with a period that is drawn (5 to 100 ms). At a drawn moment one of the two
+stays away. From its last message `/shoe/state` must say so within 100 ms or three periods,
+whichever is longer; without joint angles `/shoe/cop` and `/shoe/grf` must end, whose point and
+torques are about one sole for both feet (on one foot, too), and those of each foot go on; without
+voltages nothing is published; when both come again, so must everything. Beside it stands how long a
+reading takes to `/shoe/left/grf`, at the worst of the same try: what the machine needs at any rate.
+Simulated: the robot, of which only messages exist.
 """
 
 from __future__ import annotations
@@ -31,6 +32,8 @@ from shoecal_ros.common.conversions import calibration_to_ros
 
 PERIODS_NS = tuple(round(1e6 * ms) for ms in (5, 10, 20, 33, 50, 100))
 WITHIN_S, WITHIN_PERIODS = 0.1, 3.0
+LOADS_N = (25.0, 0.5, nao().weight - 0.5)
+"""On the left foot: both carry, or one alone."""
 LEARN = 12
 """Messages after which the period is known."""
 GOES_ON = 5
@@ -110,6 +113,8 @@ class Scene:
     def try_one(self, rng: np.random.Generator) -> Try:
         """Let one of the two stay away, and come again."""
         what = str(rng.choice(["joints", "voltages"]))
+        on_left = float(rng.choice(LOADS_N))
+        self.robot.forces = (on_left, nao().weight - on_left)
         period_ns = int(rng.choice(PERIODS_NS))
         robot, period_s = self.robot, period_ns / 1e9
         robot.tell_every(period_ns)
