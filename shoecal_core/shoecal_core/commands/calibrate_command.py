@@ -53,7 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--effects",
         type=Path,
         metavar="DIAGNOSIS.json",
-        help="of `shoecal diagnose --json`: fit what it found, too, and all tolerances",
+        help="of `shoecal diagnose --json`: fit all tolerances, too, and of what it found what it "
+        "is sure of or training runs bear out",
     )
     add_sets(parser)
     add_force(parser)
@@ -118,6 +119,7 @@ def to_json(outcome: Outcome) -> dict[str, object]:
         "screening": outcome.screening.to_json(),
         "time_offset_s": calibration.time_offset,
         "effects": [] if outcome.refined is None else outcome.refined.to_json(),
+        "effects_choice": None if outcome.refined is None else outcome.refined.choice.to_json(),
         "initial_guess": {
             "cop_rows": _guess(outcome.stages.guess),
             "cop_and_weight_rows": _guess(outcome.stages.guess_with_weight),
@@ -156,6 +158,8 @@ def _print_refined(outcome: Outcome, console: Console) -> None:
             for one in sure
         )
         console.print(f"  {title}: {told or 'nothing sure'}", markup=False, soft_wrap=True)
+    if told := outcome.refined.choice.told:
+        console.print(f"  {told}", markup=False, soft_wrap=True)
 
 
 def _print_trust(outcome: Outcome, console: Console) -> None:

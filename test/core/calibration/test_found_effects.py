@@ -41,6 +41,8 @@ def test_a_cause_with_its_interval(tmp_path: Path) -> None:
     assert (effect.effect, effect.location) == (CAUSE.effect, CAUSE.location)
     assert effect.label == CAUSE.label
     mean, std = effect.size["x"]
+    assert effect.probability == CAUSE.probability
+    assert found.sure(effect)
     assert mean == 0.003
     assert std == pytest.approx(1e-4)
 

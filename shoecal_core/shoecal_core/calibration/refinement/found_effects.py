@@ -13,7 +13,8 @@ from shoecal_core.files import Fields, read_bytes
 FORMAT = 1
 STD_95 = 1.96
 """Half the width of a 95 % interval, in standard deviations."""
-NOTHING_FOUND = ("no_gap", "unknown")
+SURE_FROM = 0.9
+"""A cause of this probability on is taken for sure where the gap is explained."""
 
 
 @dataclass(frozen=True)
@@ -24,11 +25,13 @@ class FoundEffect:
         effect: identifier.
         location: cells, feet, joints or links; `all`; empty.
         size: mean and standard deviation by component, in SI units.
+        probability: that it is there.
     """
 
     effect: str
     location: tuple[str, ...]
     size: Mapping[str, tuple[float, float]]
+    probability: float = 1.0
 
     @property
     def label(self) -> str:
@@ -50,6 +53,10 @@ class FoundEffects:
     shoe: str
     verdict: str
     effects: tuple[FoundEffect, ...]
+
+    def sure(self, effect: FoundEffect) -> bool:
+        """Whether the diagnosis leaves no doubt of one of its causes."""
+        return self.verdict == "explained" and effect.probability >= SURE_FROM
 
 
 def load_found_effects(path: Path) -> FoundEffects:
@@ -86,4 +93,9 @@ def _effect(fields: Fields) -> FoundEffect:
         if not high >= low:
             raise one.error("ci95", "must be the lower end first")
         size[name] = (one.number("value"), float(high - low) / 2.0 / STD_95)
-    return FoundEffect(fields.text("effect"), tuple(fields.texts("location")), size)
+    return FoundEffect(
+        effect=fields.text("effect"),
+        location=tuple(fields.texts("location")),
+        size=size,
+        probability=fields.number("probability"),
+    )

@@ -44,6 +44,21 @@ class Fitted:
 
 
 @dataclass(frozen=True)
+class Evidence:
+    """How probable the readings are with some unknowns, whatever their sizes.
+
+    Attributes:
+        log: natural logarithm, less what is the same for all unknowns (Laplace's approximation:
+            MacKay, Neural Computation 4, 1992: 415-447).
+        misfit: sum of squares over the number of independent residuals: about 1, if models are
+            off by as much as the settings say.
+    """
+
+    log: float
+    misfit: float
+
+
+@dataclass(frozen=True)
 class Refinement:
     """A corrected shoe, and how the reference is corrected.
 
@@ -51,11 +66,13 @@ class Refinement:
         shoe: with the fitted columns.
         fitted: every unknown.
         correct: gives a stance the corrected reference, and the columns of that shoe.
+        evidence: for just these unknowns.
     """
 
     shoe: Shoe
     fitted: tuple[Fitted, ...]
     correct: Callable[[Stance], Stance]
+    evidence: Evidence
 
 
 def refine(
@@ -109,7 +126,8 @@ def refine(
     def correct(stance: Stance) -> Stance:
         return _corrected(stance, corrected, reference, body, sizes)
 
-    return Refinement(corrected, _fitted((*body, *shoes), fit, 2 * count), correct)
+    fitted = _fitted((*body, *shoes), fit, 2 * count)
+    return Refinement(corrected, fitted, correct, _evidence(fit, terms))
 
 
 def _fitted(unknowns: Sequence[Unknown], fit: Fit, first: int) -> tuple[Fitted, ...]:
@@ -118,6 +136,12 @@ def _fitted(unknowns: Sequence[Unknown], fit: Fit, first: int) -> tuple[Fitted, 
         Fitted(unknown, float(value), float(std))
         for unknown, value, std in zip(unknowns, fit.vector[first:], stds, strict=True)
     )
+
+
+def _evidence(fit: Fit, terms: Sequence[_Term]) -> Evidence:
+    independent = sum(3.0 * term.share * len(term.readings) for term in terms)
+    volume = float(np.log1p(fit.singular_values**2).sum())
+    return Evidence(-0.5 * (fit.cost + volume), fit.cost / max(independent, 1.0))
 
 
 @dataclass(frozen=True)

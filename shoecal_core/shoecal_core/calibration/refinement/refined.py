@@ -6,13 +6,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from shoecal_core.calibration.checks import Finding
-from shoecal_core.calibration.refinement.found_effects import FoundEffects
+from shoecal_core.calibration.refinement.choice import Choice, choose
+from shoecal_core.calibration.refinement.found_effects import FoundEffect, FoundEffects
 from shoecal_core.calibration.refinement.reference import Reference
-from shoecal_core.calibration.refinement.refine import Refinement, refine
+from shoecal_core.calibration.refinement.refine import Evidence, Refinement, refine
 from shoecal_core.calibration.refinement.unknowns import (
     BODY,
     GEARS,
     MEASURING,
+    as_if_unseen,
     can_be_fitted,
     tolerated,
     with_found,
@@ -38,11 +40,13 @@ class Refined:
         settings: of the fit that follows: the reference is better, and no polynomial may swallow
             what is left.
         findings: effects that could not be fitted.
+        choice: which of the others are fitted.
     """
 
     refinement: Refinement
     settings: CalibrationSettings
     findings: tuple[Finding, ...]
+    choice: Choice
 
     def to_json(self) -> list[dict[str, object]]:
         """Every unknown as it was fitted, SI units."""
@@ -67,7 +71,9 @@ def refined(
     settings: CalibrationSettings,
     tolerances: Tolerances,
 ) -> Refined:
-    """Fit what a diagnosis found, and what files of robot and shoes may be wrong by.
+    """Fit what files of robot and shoes may be wrong by, and what a diagnosis found.
+
+    Of what it was not sure of, only as much as the stances bear out: see `choice`.
 
     Args:
         robot, shoe: as their files say.
@@ -78,6 +84,27 @@ def refined(
     Raises:
         ShoecalError: a diagnosis of another robot or shoe, or a walk.
     """
+    _require(robot, shoe, stances, effects)
+    efforts = all(stance.efforts is not None for stance in stances)
+    fitting, findings = _that_can_be_fitted(effects, efforts=efforts)
+    reference = Reference(robot)
+    usual = tolerated(robot, shoe, reference.body.links, tolerances, efforts=efforts)
+    lifted = {stance.hanging for stance in stances} - {None}
+    trusted = min(settings.cop_std_m, COP_STD_M) if len(lifted) == 2 else settings.cop_std_m
+    settings = replace(settings, cop_std_m=trusted, correction_std_m=0.0)
+
+    def evidence(some: Sequence[FoundEffect]) -> Evidence:
+        unknowns = with_found(usual, [as_if_unseen(one) for one in some])
+        return refine(shoe, stances, reference, unknowns, settings).evidence
+
+    choice = choose(fitting, effects.sure, evidence)
+    unknowns = with_found(usual, choice.fitted)
+    refinement = refine(shoe, stances, reference, unknowns, settings)
+    return Refined(refinement, settings, findings, choice)
+
+
+def _require(robot: Robot, shoe: Shoe, stances: Sequence[Stance], effects: FoundEffects) -> None:
+    """Refuse a diagnosis of another robot or shoe, and walks."""
     for kind, told, own in (
         ("robot", effects.robot, robot.name),
         ("shoe", effects.shoe, shoe.name),
@@ -91,7 +118,12 @@ def refined(
         raise ShoecalError(
             "effects are fitted to runs in double support, or that lift one foot; leave walks out"
         )
-    efforts = all(stance.efforts is not None for stance in stances)
+
+
+def _that_can_be_fitted(
+    effects: FoundEffects, *, efforts: bool
+) -> tuple[list[FoundEffect], tuple[Finding, ...]]:
+    """Those that can be, and a warning of each other one."""
     fitting = [
         one
         for one in effects.effects
@@ -107,11 +139,4 @@ def refined(
         for one in effects.effects
         if one not in fitting
     )
-    reference = Reference(robot)
-    unknowns = with_found(
-        tolerated(robot, shoe, reference.body.links, tolerances, efforts=efforts), fitting
-    )
-    lifted = {stance.hanging for stance in stances} - {None}
-    trusted = min(settings.cop_std_m, COP_STD_M) if len(lifted) == 2 else settings.cop_std_m
-    settings = replace(settings, cop_std_m=trusted, correction_std_m=0.0)
-    return Refined(refine(shoe, stances, reference, unknowns, settings), settings, findings)
+    return fitting, findings

@@ -108,6 +108,15 @@ def with_found(unknowns: Sequence[Unknown], found: Sequence[FoundEffect]) -> lis
     return list(believed.values())
 
 
+def as_if_unseen(effect: FoundEffect) -> FoundEffect:
+    """The same, its size zero give or take what was found.
+
+    For asking readings whether it is there at all, when they are those that it was found in.
+    """
+    size = {name: (0.0, max(std, abs(mean))) for name, (mean, std) in effect.size.items()}
+    return replace(effect, size=size)
+
+
 def can_be_fitted(effect: FoundEffect) -> bool:
     """Whether an effect is among those that a refinement knows."""
     return effect.effect in BODY | MEASURING and not (
