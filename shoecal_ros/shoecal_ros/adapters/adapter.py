@@ -29,9 +29,9 @@ STALE_S = 0.5
 class Adapter(ShoecalNode):
     """Between `joint_trajectory` and a robot's driver.
 
-    Nothing is sent before somebody has armed the robot. Afterwards a command that holds the joints
-    where they are is let through, for whoever disarms a moving robot stops it just after that; and
-    where no such command comes, the adapter stops the robot itself.
+    Nothing is sent before somebody has armed the robot. A robot on its way that is armed no more is
+    stopped by the adapter itself, once; a command to hold, which whoever disarms a moving robot
+    sends just after that, only lets it do so at once: where it says to hold does not count then.
 
     Attributes:
         robot: whose joints are told.
@@ -106,11 +106,13 @@ class Adapter(ShoecalNode):
         measured: FloatArray = latest.angles[0]
         # A robot that tells nothing more may still be stopped, and so may one that is not armed.
         holds = is_hold(trajectory, self.robot, measured)
-        if not holds:
-            if self.joints.problem:
-                raise ShoecalError(self.joints.problem)
-            if not self._arming.armed:
+        if not holds and self.joints.problem:
+            raise ShoecalError(self.joints.problem)
+        if not self._arming.armed:
+            if not holds:
                 raise ShoecalError("not armed: call the service shoe/arm first")
+            self._stop()
+            return
         # Who sends two angles for one motor, or some beyond its limits, is refused here.
         trajectory.full(self.robot, measured)
         self.follow(trajectory, measured)

@@ -17,6 +17,7 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import write_yaml
+from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.legs import Legs
 from shoecal_core.planning.posture import StanceSolver, UnreachableError
 from shoecal_core.planning.settings import PlannerSettings
@@ -35,7 +36,7 @@ from shoecal_ros.common.conversions import (
     trajectory_from_ros,
 )
 from shoecal_ros.common.health import Level
-from shoecal_ros.common.hold import is_hold
+from shoecal_ros.common.hold import STOP_TIME_S, hold, is_hold
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.runtime import ShoecalNode, run, until
@@ -106,7 +107,7 @@ class Simulator(ShoecalNode):
         )
         self._sequence = 0
         self._arming = ArmedInput(self)
-        self._reaching = False
+        self._reaching = self._moves = False
         self._refused = ""
         self._clock_publisher = self.create_publisher(Clock, "/clock", qos.CLOCK)
         self._body_publishers = BodyPublishers(self, self._robot, waits=settings.speed > REAL_TIME)
@@ -186,16 +187,28 @@ class Simulator(ShoecalNode):
             try:
                 if self._reaching:
                     raise ShoecalError("the robot is being placed; send the trajectory afterwards")
-                trajectory, robot = trajectory_from_ros(message), self._body.robot
-                # Whoever disarms a moving robot stops it just after that.
-                if not self._is_armed and not is_hold(
-                    trajectory, self._robot, robot.joints().angles
-                ):
-                    raise ShoecalError("not armed: call the service shoe/arm first")
-                robot.command(trajectory)
+                trajectory = trajectory_from_ros(message)
+                if self._is_armed:
+                    self._body.robot.command(trajectory)
+                    self._moves = True
+                else:
+                    self._stop(trajectory)
                 self._refused = ""
             except ShoecalError as error:
                 self._refused = f"trajectory refused: {error}"
+
+    def _stop(self, trajectory: JointTrajectory) -> None:
+        """Come to rest once, where the robot is: who disarms a moving robot tells it to just after.
+
+        The positions of such a command do not count. Nor does the robot stop without it, though
+        nobody arms it any more: robots there are that do not.
+        """
+        measured = self._body.robot.joints().angles
+        if not is_hold(trajectory, self._robot, measured):
+            raise ShoecalError("not armed: call the service shoe/arm first")
+        if self._moves:
+            self._body.robot.command(hold(self._robot, measured, STOP_TIME_S))
+            self._moves = False
 
     async def _execute(self, goal: ServerGoalHandle) -> ReachSupport.Result:
         result = ReachSupport.Result()

@@ -10,6 +10,7 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from sensor_msgs.msg import JointState, Temperature
 
 from ros.adapters.conftest import Adapted, Begin
@@ -20,6 +21,7 @@ from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.common import qos
 from shoecal_ros.common.hold import hold
 
+FloatArray = NDArray[np.float64]
 OTHERS = "LShoulderPitch, RShoulderPitch"
 KINDS: dict[str, tuple[str, str, dict[str, object]]] = {
     "nao_lola": ("nao_lola", "nao_lola_adapter", {}),
@@ -109,17 +111,45 @@ def _still(robot: Adapted, knee: Knee) -> bool:
     return abs(knee.way - where) < 1e-9
 
 
-def test_a_command_to_hold_is_let_through(adapter: str, robot: Adapted) -> None:
-    """Whoever disarms a moving robot stops it just after that."""
+def test_a_command_to_hold_is_followed_to_its_end(adapter: str, robot: Adapted) -> None:
+    """Whoever disarms a robot that is coming to rest lets it do so."""
     world, knee = robot.world, Knee(robot)
     robot.arm()
     robot.send(squat(30.0, way=0.3))
     world.until(lambda: knee.way > 0.02)
+    robot.send(hold(nao(), bent(0.01), 2.0))
+    count = knee.count
+    world.until(lambda: knee.count > count + 10)
     robot.arm(False)
-    angles = nao().posture.copy()
-    angles[nao().joint(KNEE)] += 0.01
-    robot.send(hold(nao(), angles, 0.3))
     world.until(lambda: abs(knee.way - 0.01) < 1e-6)
+
+
+def test_not_armed_a_command_to_hold_stops_the_robot_and_never_moves_it(
+    adapter: str, robot: Adapted
+) -> None:
+    """Whoever disarms a moving robot stops it just after that; nobody walks it by such commands."""
+    world, knee = robot.world, Knee(robot)
+    robot.send(hold(nao(), bent(0.19), 0.01))
+    assert _still(robot, knee)
+    robot.arm()
+    robot.send(squat(30.0, way=0.3))
+    world.until(lambda: knee.way > 0.02)
+    robot.arm(False)
+    robot.send(hold(nao(), bent(0.19), 0.01))
+    world.until(lambda: _still(robot, knee))
+    rest = knee.way
+    assert 0.0 < rest < 0.1
+    for _ in range(5):
+        robot.send(hold(nao(), bent(knee.way + 0.19), 0.01))
+        assert _still(robot, knee)
+    assert knee.way == pytest.approx(rest, abs=1e-9)
+
+
+def bent(way: float) -> FloatArray:
+    """(m,) joint angles with the knee so much farther bent than at the beginning [rad]."""
+    angles = nao().posture.copy()
+    angles[nao().joint(KNEE)] += way
+    return angles
 
 
 def test_lola_s_motors_tell_their_heat(begin: Begin) -> None:

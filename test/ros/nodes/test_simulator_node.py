@@ -156,6 +156,42 @@ def test_trajectories_are_refused_unless_armed(world: World) -> None:
     world.until_told("simulator", "robot", "not armed")
 
 
+def test_disarmed_a_command_to_hold_stops_it_and_never_moves_it(world: World) -> None:
+    start(world)
+    joints = world.hear(JointState, "joint_states")
+    armed = world.publisher(Bool, "shoe/armed", qos.ARMED)
+    command = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    world.until(lambda: len(joints))
+    column = nao().joint_names.index("HeadYaw")
+
+    def tell(way: float, duration: float) -> None:
+        motion = JointTrajectory(("HeadYaw",), np.array([duration]), np.array([[where() + way]]))
+        command.publish(trajectory_to_ros(motion))
+
+    def where() -> float:
+        return float(joints.last.position[column])
+
+    def settle(samples: int = 200) -> None:
+        seen = len(joints)
+        world.until(lambda: len(joints) > seen + samples)
+
+    armed.publish(Bool(data=True))
+    begin = where()
+    # The command may come before the simulator has heard that it is armed.
+    while abs(where() - begin) < 0.05:
+        tell(1.0, 20.0)
+        settle(500)
+    armed.publish(Bool(data=False))
+    settle()
+    tell(0.19, 0.01)
+    settle()
+    rest = where()
+    for _ in range(5):
+        tell(0.19, 0.01)
+        settle()
+    assert where() == pytest.approx(rest, abs=0.02)
+
+
 def test_nothing_moves_when_whoever_armed_is_gone(world: World) -> None:
     start(world)
     publisher = world.publisher(Bool, "shoe/armed", qos.LATCHED)
