@@ -28,6 +28,8 @@ RAIL_V = 5.0
 BOARD = "hangs with its board"
 SPIKE_FRAMES, SLOW_FRAMES = 15, 15
 WAIT_S = 60.0
+LEARN_S = 5.0
+"""In so long a time a cell's own noise is known."""
 
 
 def off(rng: np.random.Generator, cell: int) -> Spoil:
@@ -211,7 +213,7 @@ class LiveCells:
     def break_cell(self, fault: str, cell: int, rng: np.random.Generator) -> Told:
         """Break a cell, hear what is said, mend it."""
         self._until(_well)
-        self._wait(float(rng.uniform(0.8, 1.2)))
+        self._wait(float(rng.uniform(0.8, 1.2)) + (LEARN_S if fault == BOARD else 0.0))
         self._states.clear()
         broken = board_of(cell) if fault == BOARD else [cell]
         self.robot.spoil(LIVE[fault](rng, cell))
