@@ -9,7 +9,8 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from shoecal_ros.common.health import Condition, Level
 
-SUITE = frozenset({"shoe_driver", "model", "planner", "calibrator", "simulator"})
+ADAPTERS = ("nao_lola_adapter", "naoqi_adapter", "controller_adapter")
+SUITE = frozenset({"shoe_driver", "model", "planner", "calibrator", "simulator", *ADAPTERS})
 SILENT_S = 3.5
 """Every node tells once a second how it fares."""
 ENDED = "ended"

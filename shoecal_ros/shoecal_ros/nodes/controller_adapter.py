@@ -21,6 +21,9 @@ from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.hold import STOP_TIME_S, hold
 from shoecal_ros.common.runtime import run
 
+LATE_S = 1.0
+"""For so long after its time a motion may go on: a topic does not tell when it has ended."""
+
 
 @dataclass(frozen=True)
 class ControllerSettings(Settings):
@@ -79,19 +82,18 @@ class ControllerAdapter(Adapter):
             sent = self._client.send_goal_async(self._kind.Goal(trajectory=message))
             sent.add_done_callback(lambda future: self._accepted(number, future))
         self.trouble = ""
-        self._until_s = self.now_s + trajectory.duration
+        self._until_s = self.now_s + trajectory.duration + LATE_S
 
     def stop(self) -> None:
         """Cancel the goal, or hold: a controller that is cancelled holds by itself."""
-        if self.now_s >= self._until_s:
-            return
-        self._until_s = self.now_s
         if self._client is not None:
             # A goal that is still on its way there is cancelled when it has been accepted.
             self._newest += 1
             if self._goal is not None:
                 self._goal.cancel_goal_async()
-        elif self.joints.latest is not None:
+                self._goal = None
+        elif self.joints.latest is not None and self.now_s < self._until_s:
+            self._until_s = self.now_s
             measured = self.joints.latest.angles[0]
             command = hold(self.robot, measured, STOP_TIME_S)
             self._publisher.publish(trajectory_to_ros(self._with_others(command, measured)))
@@ -120,13 +122,14 @@ class ControllerAdapter(Adapter):
             goal.cancel_goal_async()
             return
         self._goal = goal
-        goal.get_result_async().add_done_callback(lambda done: self._ended(number, done))
+        goal.get_result_async().add_done_callback(lambda done: self._ended(number, goal, done))
 
-    def _ended(self, number: int, future: Future) -> None:
+    def _ended(self, number: int, goal: Any, future: Future) -> None:
         result = future.result().result
+        if self._goal is goal:
+            self._goal = None
         if number != self._newest:
             return
-        self._goal = None
         if result.error_code != self._kind.Result.SUCCESSFUL:
             self.trouble = (
                 f"{self._settings.controller} gave up with code {result.error_code}: "

@@ -24,6 +24,7 @@ PACKAGES = {
     "nao_lola": ("nao_lola_command_msgs", "nao_lola_sensor_msgs"),
     "naoqi": ("naoqi_bridge_msgs",),
     "action": ("control_msgs",),
+    "slow_action": ("control_msgs",),
     "topic": (),
 }
 

@@ -101,11 +101,13 @@ def naoqi() -> StandIn:
     return robot
 
 
-def _followed(robot: StandIn, message: JointTrajectory, stopped: Callable[[], bool]) -> bool:
-    """Go from point to point; whether the end was reached."""
+def _followed(
+    robot: StandIn, message: JointTrajectory, stopped: Callable[[], bool], pace: float = 1.0
+) -> bool:
+    """Go from point to point, in so many times what is due; whether the end was reached."""
     begun = time.monotonic()
     for point in message.points:
-        due = point.time_from_start.sec + point.time_from_start.nanosec * 1e-9
+        due = pace * (point.time_from_start.sec + point.time_from_start.nanosec * 1e-9)
         while time.monotonic() - begun < due:
             if stopped():
                 return False
@@ -129,7 +131,7 @@ def topic_controller() -> StandIn:
     return robot
 
 
-def action_controller() -> StandIn:
+def action_controller(pace: float = 1.0) -> StandIn:
     """Refuses goals without the arms, as a controller of all joints does."""
     robot = StandIn()
     kind = foreign("control_msgs", "action", "FollowJointTrajectory")
@@ -150,6 +152,7 @@ def action_controller() -> StandIn:
             robot,
             goal.request.trajectory,
             lambda: goal.is_cancel_requested or newest[0] is not goal,
+            pace,
         ):
             goal.succeed()
         elif goal.is_cancel_requested:
@@ -176,6 +179,7 @@ KINDS = {
     "naoqi": naoqi,
     "topic": topic_controller,
     "action": action_controller,
+    "slow_action": lambda: action_controller(10.0),
 }
 
 

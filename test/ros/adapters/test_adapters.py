@@ -171,6 +171,18 @@ def test_a_controller_that_refuses_is_told(begin: Begin) -> None:
     robot.world.until_told("controller_adapter", "robot", "legs refused the trajectory")
 
 
+def test_a_controller_that_takes_longer_is_stopped_all_the_same(begin: Begin) -> None:
+    robot = begin("slow_action", "controller_adapter", controller="legs", others=OTHERS)
+    knee = Knee(robot)
+    robot.arm()
+    robot.send(squat(0.5))
+    # Long after the time that the motion should have taken.
+    robot.world.until(lambda: knee.way > 0.4 * WAY)
+    robot.arm(False)
+    robot.world.until(lambda: _still(robot, knee))
+    assert knee.way < 0.9 * WAY
+
+
 def test_a_controller_that_is_not_there_is_told(begin: Begin) -> None:
     robot = begin("topic", "controller_adapter", controller="arms", interface="topic")
     robot.arm()

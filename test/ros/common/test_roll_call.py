@@ -1,10 +1,12 @@
 from __future__ import annotations
 
+import importlib
+
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from ros.clock import Clock
 from shoecal_ros.common.health import Level
-from shoecal_ros.common.roll_call import RollCall, farewell
+from shoecal_ros.common.roll_call import ADAPTERS, RollCall, farewell
 
 
 def told(name: str, subject: str = "joints") -> DiagnosticArray:
@@ -27,6 +29,16 @@ def test_who_falls_silent_is_named_until_he_is_back() -> None:
     assert call.condition.message.startswith("planner told nothing for 3.5 s")
     call.take([told("planner")])
     assert level(call) is Level.OK
+
+
+def test_who_moves_a_real_robot_is_missed_too() -> None:
+    clock = Clock()
+    call = RollCall("planner", clock)
+    for name in ADAPTERS:
+        importlib.import_module(f"shoecal_ros.nodes.{name}")
+    call.take([told(name, "robot") for name in ADAPTERS])
+    clock.now += 4.0
+    assert all(name in call.condition.message for name in ADAPTERS)
 
 
 def test_who_says_that_he_ends_is_not_missed() -> None:
