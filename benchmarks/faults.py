@@ -1,6 +1,6 @@
 """Faults, tried very often: does the suite keep working, or say at once that it does not?
 
-    .venv/bin/python benchmarks/faults.py [--share 0.1] [--only ROW ...] [--fresh] [--table]
+    .venv/bin/python benchmarks/faults.py [--share 0.1] [--only ROW ...] [--renew] [--table]
 
 Every row runs in a process of its own. Finished steps are kept in out/faults/, so a run that was
 stopped or killed is taken up where it was. Writes out/faults.json and docs/reliability.md; ends
@@ -35,6 +35,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--only", nargs="+", metavar="ROW", help="these rows")
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--fresh", action="store_true", help="forget what these rows have kept")
+    parser.add_argument(
+        "--renew", action="store_true", help="do again what was tried with other code than this"
+    )
     parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
     parser.add_argument("--page", type=Path, default=PAGE, help="Markdown page with the table")
     parser.add_argument(
@@ -48,7 +51,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if args.alone:
             found = find_row(args.alone)
             assert found is not None
-            run_row(found.row, args.out, args.share, args.seed, fresh=args.fresh)
+            kept = Kept(found.row, args.out / "faults", args.seed, found.code)
+            run_row(found.row, kept, args.share, fresh=args.fresh, renew=args.renew)
             return 0
         rows = find_rows()
         wanted = args.only or list(rows)
@@ -66,18 +70,18 @@ def run_apart(found: Found, args: argparse.Namespace) -> bool:
     """Run a row in a process of its own; whether that came to its end."""
     command = [sys.executable, __file__, "--alone", found.module, "--share", str(args.share)]
     command += ["--seed", str(args.seed), "--out", str(args.out)]
-    done = subprocess.run([*command, *(["--fresh"] if args.fresh else [])], check=False)
+    command += [f"--{word}" for word in ("fresh", "renew") if getattr(args, word)]
+    done = subprocess.run(command, check=False)
     if done.returncode:
         print(f"{found.row.key}: its process ended with {done.returncode}", file=sys.stderr)
     return done.returncode == 0
 
 
-def run_row(row: Row, out: Path, share: float, seed: int, *, fresh: bool) -> None:
+def run_row(row: Row, kept: Kept, share: float, *, fresh: bool, renew: bool = False) -> None:
     """Do what is missing of a row, step by step."""
-    kept = Kept(row, out / "faults", seed)
     if fresh:
         kept.forget()
-    steps = list(kept.missing(share))
+    steps = list(kept.missing(share, renew=renew))
     tries = sum(count for _, count in steps)
     done, began = 0, time.monotonic()
     for first, count in steps:
@@ -85,7 +89,7 @@ def run_row(row: Row, out: Path, share: float, seed: int, *, fresh: bool) -> Non
         done += count
         told = f"{result.failed} failed, " if result.failed else ""
         seconds = time.monotonic() - began
-        line = f"{row.key}: {done:,} of {tries:,} in {seconds:.0f} s; {told}{result.worst}"
+        line = f"{row.key}: {done:,} of {tries:,} in {seconds:.0f} s; {told}{result.told}"
         print(line, flush=True)
     print(f"{row.key}: {kept.result}", flush=True)
 
@@ -106,9 +110,10 @@ class Teller:
 
 def write(rows: Mapping[str, Found], out: Path, page: Path, seed: int) -> set[str]:
     """Write table and figures of all that is kept; rows that failed."""
-    results = {key: Kept(found.row, out / "faults", seed).result for key, found in rows.items()}
+    kept = {key: Kept(found.row, out / "faults", seed, found.code) for key, found in rows.items()}
+    results = {key: one.result for key, one in kept.items()}
     write_json(rows, results, out / "faults.json")
-    write_page(rows, results, page)
+    write_page(rows, results, {key: one.present for key, one in kept.items()}, page)
     return {key for key, result in results.items() if result.failed}
 
 

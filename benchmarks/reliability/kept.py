@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from reliability.row import Progress, Result, Row, merge
@@ -13,24 +13,43 @@ from shoecal_core.errors import FileError
 from shoecal_core.files import atomic_write
 
 
+@dataclass(frozen=True)
+class Piece:
+    """Tries done at once.
+
+    Attributes:
+        result: what came of them.
+        code: digest of the sources that they ran with; empty: nobody knows.
+    """
+
+    result: Result
+    code: str
+
+
 class Kept:
     """Finished steps of a row: a file that is whole at any moment."""
 
-    def __init__(self, row: Row, folder: Path, seed: int) -> None:
+    def __init__(self, row: Row, folder: Path, seed: int, code: str = "") -> None:
         """What the folder holds of the row.
+
+        Args:
+            row: it.
+            folder: of the files.
+            seed: that tries are drawn from.
+            code: digest of the sources at hand.
 
         Raises:
             FileError: when the file cannot be read, or was made with another seed.
         """
-        self._row, self._seed = row, seed
+        self._row, self._seed, self._code = row, seed, code
         self._path = folder / f"{row.key}.json"
-        self._steps: dict[int, Result] = {}
+        self._pieces: dict[int, Piece] = {}
         if not self._path.is_file():
             return
         try:
             held = json.loads(self._path.read_text())
             same_seed, same_step = held["seed"] == seed, held["step"] == row.step
-            steps = {int(first): Result(**step) for first, step in held["steps"].items()}
+            pieces = {int(first): _piece(piece) for first, piece in held["steps"].items()}
         except (ValueError, KeyError, TypeError) as error:
             raise FileError(self._path, "is no file of results; remove it") from error
         if not same_seed:
@@ -38,37 +57,63 @@ class Kept:
                 self._path, f"was made with seed {held['seed']}, not {seed}; begin with --fresh"
             )
         if same_step:
-            self._steps = steps
+            self._pieces = pieces
 
     @property
     def result(self) -> Result:
         """All that was tried so far."""
-        return merge(self._steps.values())
+        return merge(piece.result for piece in self._pieces.values())
+
+    @property
+    def present(self) -> int:
+        """Tries that ran with the code at hand."""
+        return sum(
+            piece.result.tried for piece in self._pieces.values() if piece.code == self._code
+        )
 
     def forget(self) -> None:
         """Begin anew."""
-        self._steps = {}
+        self._pieces = {}
         self._path.unlink(missing_ok=True)
 
-    def missing(self, share: float) -> Iterator[tuple[int, int]]:
-        """First try and number of tries of each step that a share of the row still needs."""
+    def missing(self, share: float, *, renew: bool = False) -> Iterator[tuple[int, int]]:
+        """First try and number of tries of each step that a share of the row still needs.
+
+        Args:
+            share: of all tries.
+            renew: also of those that ran with other code.
+        """
         tries = min(self._row.tries, max(1, math.ceil(share * self._row.tries)))
         for first in range(0, tries, self._row.step):
-            count = min(self._row.step, tries - first)
-            if first not in self._steps or self._steps[first].tried < count:
-                yield first, count
+            begin, end = first, min(first + self._row.step, tries)
+            while (piece := self._pieces.get(begin)) is not None and piece.result.tried:
+                if renew and piece.code != self._code:
+                    break
+                begin += piece.result.tried
+            if begin < end:
+                yield begin, end - begin
 
     def run(self, first: int, count: int, progress: Progress) -> Result:
         """Do a step and keep it."""
         result = self._row.run(first, count, self._seed, progress)
-        if result.tried != count:
+        if not (result.tried == count or (result.tried < count and result.failed)):
             raise ValueError(f"{self._row.key}: {result.tried} tries were done, not {count}")
-        self._steps[first] = result
+        for begin in [begin for begin in self._pieces if first <= begin < first + count]:
+            del self._pieces[begin]
+        self._pieces[first] = Piece(result, self._code)
         held = {
             "seed": self._seed,
             "step": self._row.step,
-            "steps": {str(begin): asdict(self._steps[begin]) for begin in sorted(self._steps)},
+            "steps": {
+                str(begin): {**asdict(piece.result), "code": piece.code}
+                for begin, piece in sorted(self._pieces.items())
+            },
         }
         self._path.parent.mkdir(parents=True, exist_ok=True)
         atomic_write(self._path, json.dumps(held, indent=1, allow_nan=False) + "\n")
         return result
+
+
+def _piece(held: dict[str, object]) -> Piece:
+    code = held.pop("code", "")
+    return Piece(Result(**held), str(code))  # type: ignore[arg-type]

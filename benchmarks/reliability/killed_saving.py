@@ -44,7 +44,8 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
         fresh += one["fresh"]
         worst = worst or one["problem"]
         progress(done)
-    return Result(count, failed, worst or f"{count - fresh} times the old one, {fresh} the new one")
+    counts = {"times the old one": count - fresh, "times the new one": fresh}
+    return Result(count, failed, worst, counts=counts)
 
 
 def serve(order: Order) -> Iterator[dict[str, Any]]:

@@ -111,8 +111,8 @@ def try_mutants(module: str, first: int, count: int, seed: int, progress: Progre
         figure, most = max(figure, one.seconds), max(most, one.mebibytes)
         progress(done)
     if not failed:
-        worst = f"{figure:.2f} s, {most:.0f} MiB ({refused} of {count} refused)"
-    return Result(count, failed, worst, figure)
+        worst = f"{figure:.2f} s, {most:.0f} MiB"
+    return Result(count, failed, worst, figure, {"refused": refused})
 
 
 def tries(module: str, first: int, count: int, seed: int) -> Iterator[Try]:

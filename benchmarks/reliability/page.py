@@ -15,7 +15,10 @@ SECTION = "faults"
 HEAD = "# Under load and faults\n"
 
 BODY = """\
-Made by `make faults`; *tried* beside *full size* says how much of it has been run.
+Made by `make faults`; *tried* beside *full size* says how much of it has been run, *this code* how
+many of these tries ran with the very sources that stand beside this page (those of `shoecal_core`,
+`shoecal_ros` and the row); the others ran with earlier ones. *worst* is what came of the worst try;
+where it counts some out of a round number (4 of 500), they are those of one step of the row.
 
 {table}
 
@@ -30,7 +33,7 @@ def write_json(rows: Mapping[str, Found], results: Mapping[str, Result], file: P
             "fault": found.row.fault,
             "tried": results[key].tried,
             "failed": results[key].failed,
-            "worst": results[key].worst,
+            "worst": results[key].told,
         }
         for key, found in rows.items()
         if results[key].tried
@@ -39,15 +42,24 @@ def write_json(rows: Mapping[str, Found], results: Mapping[str, Result], file: P
     atomic_write(file, json.dumps(told, indent=1, ensure_ascii=False) + "\n")
 
 
-def write_page(rows: Mapping[str, Found], results: Mapping[str, Result], page: Path) -> None:
-    """The table, and what each row does."""
-    lines = [("row", "fault", "must hold", "full size", "tried", "failed", "worst")]
+def write_page(
+    rows: Mapping[str, Found], results: Mapping[str, Result], present: Mapping[str, int], page: Path
+) -> None:
+    """The table, and what each row does.
+
+    Args:
+        rows: by their keys.
+        results: of each.
+        present: how many of its tries ran with the code at hand.
+        page: Markdown.
+    """
+    lines = [("row", "fault", "must hold", "full size", "tried", "this code", "failed", "worst")]
     for key, found in rows.items():
         row, result = found.row, results[key]
         lines.append(
             (
                 f"`{key}`", row.fault, row.holds, f"{row.tries:,}", f"{result.tried:,}",
-                _failed(result), result.worst,
+                f"{present[key]:,}" if result.tried else "", _failed(result), result.told,
             )
         )  # fmt: skip
     cells = [[cell.replace("|", r"\|").replace("\n", " ") for cell in line] for line in lines]

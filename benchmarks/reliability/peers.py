@@ -184,7 +184,7 @@ def tried(first: int, count: int, seed: int, progress: Progress) -> list[Try]:
 
 
 def run(first: int, count: int, seed: int, progress: Progress) -> Result:
-    """Those that were not told by name within a minute ended the tries."""
+    """One that was not told by name within a minute ends the tries, and is the last of them."""
     done = 0
 
     def note(number: int) -> None:
@@ -195,7 +195,8 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
     try:
         found = tried(first, count, seed, note)
     except AssertionError as error:
-        return Result(count, count - done, f"not told: {' '.join(str(error).split())[:200]}", 60.0)
+        why = f"not told: {' '.join(str(error).split())[:200]}"
+        return Result(min(done + 1, count), 1, why, 60.0)
     worst = max(found, key=lambda one: one.took)
     return Result(count, 0, f"{worst.took:.1f} s until told ({worst.what})", worst.took)
 

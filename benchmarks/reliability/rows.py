@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import reliability
 from reliability.row import Row
+from reliability.sources import digest
 
 
 @dataclass(frozen=True)
@@ -18,6 +19,11 @@ class Found:
     row: Row
     about: str
     module: str
+
+    @property
+    def code(self) -> str:
+        """Digest of the sources that the row would run with now."""
+        return digest(self.module)
 
 
 def find_rows() -> dict[str, Found]:

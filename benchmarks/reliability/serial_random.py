@@ -23,7 +23,7 @@ import numpy as np
 from reliability.row import Progress, Result, Row
 from reliability.serial_bytes import (
     CELLS,
-    ESCAPE,
+    CHECKED,
     BrokenError,
     check_frames,
     checksums_failed,
@@ -66,9 +66,7 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
         most = max(most, binary.pending)
         progress(begin + size - first)
     reached = checksums_failed(binary)
-    chance = f"chance of a wrong frame {reached * ESCAPE:.0e}"
-    worst = told or f"{reached} packets came as far as the checksum: {chance}"
-    return Result(count, failed, worst, float(reached))
+    return Result(count, failed, told, counts={CHECKED: reached})
 
 
 def _block(binary: BinaryDecoder, text: TextDecoder, data: bytes, rng: random.Random) -> None:

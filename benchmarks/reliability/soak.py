@@ -37,6 +37,7 @@ WARM, LONG = 30 * MINUTE, 60 * MINUTE
 """Seconds that are not looked at for memory, and from which on it is judged."""
 LOOK = 10 * MINUTE
 """From one look at the lost frames to the next."""
+LOST = "frames lost"
 
 
 def run(first: int, count: int, seed: int, progress: Progress) -> Result:
@@ -56,14 +57,14 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
                     memory.setdefault(name, []).append(resident_mb(process.pid))
             progress(second)
     if count < LONG:
-        return Result(count, failed, told or f"{robot.lost:,} frames lost, all counted")
+        return Result(count, failed, told, counts={LOST: robot.lost})
     growth = {name: an_hour(notes[WARM // MINUTE :]) for name, notes in memory.items()}
     most = max(growth.values())
     if most >= MOST_MB:
         failed, told = count, told or "memory grows"
     grown = ", ".join(f"{name} {mb:+.2f} MB" for name, mb in growth.items())
-    told = told or f"{robot.lost:,} frames lost, all counted"
-    return Result(count, failed, f"{told}; an hour: {grown}", most)
+    told = "; ".join(filter(None, (told, f"an hour: {grown}")))
+    return Result(count, failed, told, most, {LOST: robot.lost})
 
 
 def _miscounted(robot: SoakRobot) -> str:

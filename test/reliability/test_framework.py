@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 import faults
-from reliability import serial_counter
+from reliability import serial_counter, sources
 from reliability.kept import Kept
 from reliability.page import write_json, write_page
 from reliability.row import Progress, Result, Row, Run, merge
@@ -26,6 +26,10 @@ def row(run: Run, tries: int = 25, step: int = 10) -> Row:
     return Row("odd", "odd | numbers", "all even", tries, step, run)
 
 
+def kept(folder: Path, one: Row | None = None, code: str = "now") -> Kept:
+    return Kept(one or row(odd), folder / "faults", 0, code)
+
+
 def odd(first: int, count: int, seed: int, progress: Progress) -> Result:
     """Tries whose number is odd fail; the largest is the worst."""
     progress(count)
@@ -36,6 +40,14 @@ def odd(first: int, count: int, seed: int, progress: Progress) -> Result:
 def test_the_worst_of_several_results_is_one_that_failed() -> None:
     merged = merge([Result(5, 0, "9 s", 9.0), Result(5, 1, "3 s", 3.0), Result(2, 0, "1 s", 1.0)])
     assert merged == Result(12, 1, "3 s", 3.0)
+
+
+def test_what_is_counted_is_that_of_all_tries() -> None:
+    some = [Result(5, 0, "9 s", 9.0, {"old": 3, "new": 2}), Result(2, 0, "", 1.0, {"old": 1_000})]
+    assert merge([some[0], some[0]]).told == "9 s; 6 old, 4 new"
+    # Where some have not counted, there is no sum.
+    assert merge(some).told == "9 s; 1,003 old"
+    assert merge([*some, Result(1, 0, "")]).told == "9 s"
 
 
 def test_nothing_tried_is_said() -> None:
@@ -57,10 +69,10 @@ def test_a_killed_run_is_taken_up_where_it_was(tmp_path: Path) -> None:
         return odd(first, count, seed, progress)
 
     with pytest.raises(KilledError):
-        faults.run_row(row(killed_once), tmp_path, 1.0, 0, fresh=False)
-    faults.run_row(row(killed_once), tmp_path, 1.0, 0, fresh=False)
+        faults.run_row(row(killed_once), kept(tmp_path, row(killed_once)), 1.0, fresh=False)
+    faults.run_row(row(killed_once), kept(tmp_path, row(killed_once)), 1.0, fresh=False)
     assert begun == [0, 10, 10, 20]
-    whole = Kept(row(odd), tmp_path / "faults", 0).result
+    whole = kept(tmp_path).result
     assert whole == Result(25, 12, "at 24", 24.0)
 
 
@@ -71,37 +83,95 @@ def test_a_process_that_was_killed_leaves_whole_results(tmp_path: Path) -> None:
         assert killed.stdout is not None
         assert killed.stdout.readline().startswith(b"serial-counter: 500 of 10,000")
         killed.kill()
-    kept = Kept(serial_counter.ROW, tmp_path / "faults", 0)
-    assert kept.result.tried >= 500
-    assert next(kept.missing(1.0))[0] == kept.result.tried
+    left = kept(tmp_path, serial_counter.ROW, find_rows()["serial-counter"].code)
+    assert left.result.tried >= 500
+    assert left.present == left.result.tried
+    assert next(left.missing(1.0))[0] == left.result.tried
 
 
 def test_a_share_is_filled_up_to_the_full_size(tmp_path: Path) -> None:
     def missing(share: float) -> list[tuple[int, int]]:
-        return list(Kept(row(odd), tmp_path / "faults", 0).missing(share))
+        return list(kept(tmp_path).missing(share))
 
     assert missing(0.5) == [(0, 10), (10, 3)]
-    faults.run_row(row(odd), tmp_path, 0.5, 0, fresh=False)
+    faults.run_row(row(odd), kept(tmp_path, row(odd)), 0.5, fresh=False)
     assert missing(0.5) == []
-    assert missing(1.0) == [(10, 10), (20, 5)]
-    faults.run_row(row(odd), tmp_path, 1.0, 0, fresh=False)
-    assert Kept(row(odd), tmp_path / "faults", 0).result.tried == 25
-    faults.run_row(row(odd), tmp_path, 0.1, 0, fresh=True)
-    assert Kept(row(odd), tmp_path / "faults", 0).result.tried == 3
+    assert missing(1.0) == [(13, 7), (20, 5)]
+    faults.run_row(row(odd), kept(tmp_path, row(odd)), 1.0, fresh=False)
+    assert kept(tmp_path).result.tried == 25
+    faults.run_row(row(odd), kept(tmp_path, row(odd)), 0.1, fresh=True)
+    assert kept(tmp_path).result.tried == 3
+
+
+def test_tries_after_one_that_ended_a_step_are_done_by_the_next_call(tmp_path: Path) -> None:
+    """One that fails in a way that nothing can go on from."""
+    begun = []
+
+    def ends_at_12(first: int, count: int, seed: int, progress: Progress) -> Result:
+        begun.append((first, count))
+        last = first + count
+        return Result(3, 1, "broken") if first <= 12 < last else odd(first, count, seed, progress)
+
+    def even(first: int, count: int, seed: int, progress: Progress) -> Result:
+        begun.append((first, count))
+        return Result(count, 0, "")
+
+    faults.run_row(row(ends_at_12), kept(tmp_path, row(ends_at_12)), 1.0, fresh=False)
+    found = kept(tmp_path).result
+    assert (found.tried, found.failed) == (10 + 3 + 5, 5 + 1 + 2)
+    faults.run_row(row(even), kept(tmp_path, row(even)), 1.0, fresh=False)
+    assert begun == [(0, 10), (10, 10), (20, 5), (13, 7)]
+    found = kept(tmp_path).result
+    assert (found.tried, found.failed) == (25, 5 + 1 + 2), "what has failed once stays"
+
+
+def test_tries_that_are_missing_without_a_reason_are_a_fault(tmp_path: Path) -> None:
+    def lazy(first: int, count: int, seed: int, progress: Progress) -> Result:
+        return Result(count - 1, 0, "")
+
+    with pytest.raises(ValueError, match="9 tries were done, not 10"):
+        faults.run_row(row(lazy), kept(tmp_path, row(lazy)), 1.0, fresh=False)
+
+
+def test_what_ran_with_other_code_is_told_and_done_anew_where_asked(tmp_path: Path) -> None:
+    faults.run_row(row(odd), kept(tmp_path, code="before"), 0.4, fresh=False)
+    faults.run_row(row(odd), kept(tmp_path), 1.0, fresh=False)
+    assert (kept(tmp_path).result.tried, kept(tmp_path).present) == (25, 15)
+    assert kept(tmp_path, code="later").present == 0
+    faults.run_row(row(odd), kept(tmp_path), 1.0, fresh=False, renew=True)
+    assert (kept(tmp_path).result, kept(tmp_path).present) == (Result(25, 12, "at 24", 24.0), 25)
+
+
+def test_results_from_before_codes_were_kept_count_as_other_code(tmp_path: Path) -> None:
+    (tmp_path / "faults").mkdir()
+    piece = {"tried": 10, "failed": 0, "worst": "fine", "figure": 1.0}
+    held = {"seed": 0, "step": 10, "steps": {"0": piece}}
+    (tmp_path / "faults" / "odd.json").write_text(json.dumps(held))
+    assert (kept(tmp_path).result.tried, kept(tmp_path).present) == (10, 0)
+    faults.run_row(row(odd), kept(tmp_path), 1.0, fresh=False)
+    assert (kept(tmp_path).result.tried, kept(tmp_path).present) == (25, 15)
+
+
+def test_a_digest_is_of_the_suite_and_of_what_a_row_imports() -> None:
+    codes = {found.code for found in find_rows().values()}
+    assert len(codes) == len(find_rows()), "each has a module of its own"
+    used = {path.name for path in sources.used("mutated_calibrations")}
+    assert {"mutated_calibrations.py", "loading.py", "row.py"} <= used
+    assert "soak.py" not in used
 
 
 def test_results_of_another_seed_or_no_results_are_refused(tmp_path: Path) -> None:
-    faults.run_row(row(odd), tmp_path, 0.1, 0, fresh=False)
+    faults.run_row(row(odd), kept(tmp_path, row(odd)), 0.1, fresh=False)
     with pytest.raises(FileError, match="seed 0, not 1; begin with --fresh"):
         Kept(row(odd), tmp_path / "faults", 1)
     (tmp_path / "faults" / "odd.json").write_text("[]")
     with pytest.raises(FileError, match="no file of results"):
-        Kept(row(odd), tmp_path / "faults", 0)
+        kept(tmp_path)
 
 
 def test_other_steps_begin_anew(tmp_path: Path) -> None:
-    faults.run_row(row(odd), tmp_path, 1.0, 0, fresh=False)
-    assert Kept(row(odd, step=5), tmp_path / "faults", 0).result.tried == 0
+    faults.run_row(row(odd), kept(tmp_path, row(odd)), 1.0, fresh=False)
+    assert kept(tmp_path, row(odd, step=5)).result.tried == 0
 
 
 def test_page_and_figures(tmp_path: Path) -> None:
@@ -111,10 +181,10 @@ def test_page_and_figures(tmp_path: Path) -> None:
     }
     results = {"odd": odd(0, 4, 0, lambda _: None), "none": merge([])}
     page = tmp_path / "page.md"
-    write_page(rows, results, page)
-    write_page(rows, results, page)
+    for _ in range(2):
+        write_page(rows, results, {"odd": 3, "none": 0}, page)
     text = page.read_text()
-    assert text.count("| `odd` | odd \\| numbers | all even | 25 | 4 | **2** | at 3 |") == 1
+    assert text.count("| `odd` | odd \\| numbers | all even | 25 | 4 | 3 | **2** | at 3 |") == 1
     assert "### `odd`\n\nWhat it does." in text
     write_json(rows, results, tmp_path / "faults.json")
     assert json.loads((tmp_path / "faults.json").read_text()) == [
