@@ -33,6 +33,18 @@ class Condition:
     values: Mapping[str, str] = field(default_factory=dict)
 
 
+MOST_LETTERS = 2000
+"""Of one text: what a peer sends goes into some."""
+_CUT = " ... (cut)"
+
+
+def one_line(text: str) -> str:
+    """A text as one line without control characters, and of bounded length."""
+    if len(text) > MOST_LETTERS:
+        text = text[: MOST_LETTERS - len(_CUT)] + _CUT
+    return "".join(letter if letter.isprintable() else " " for letter in text)
+
+
 class Health:
     """The conditions of a node, by subject."""
 
@@ -67,10 +79,11 @@ class Health:
 
     def suppose(self, subject: str, condition: Condition) -> None:
         """How a subject fares unless something else is told: that is no news."""
-        self._conditions[subject] = condition
+        self._conditions[subject] = _clean(condition)
 
     def note(self, subject: str, condition: Condition) -> None:
         """The same; other figures in the same words are no news."""
+        condition = _clean(condition)
         before = self._conditions.get(subject)
         self._conditions[subject] = condition
         if condition.level is not Level.OK:
@@ -86,6 +99,14 @@ class Health:
         """Conditions that have changed since the last call."""
         fresh, self._fresh = self._fresh, {}
         return fresh
+
+
+def _clean(condition: Condition) -> Condition:
+    return Condition(
+        condition.level,
+        one_line(condition.message),
+        {one_line(key): one_line(value) for key, value in condition.values.items()},
+    )
 
 
 def _words(condition: Condition) -> tuple[Level, str]:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import Robot
 from shoecal_ros.common.conversions import time_from_ros
+from shoecal_ros.common.health import one_line
 from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard
 from shoecal_ros.inputs.one_sender import OneSender
 
@@ -96,7 +97,7 @@ class JointInput:
 
     def refuse(self, reason: str) -> None:
         """What came last could not be used."""
-        self._mismatch = reason
+        self._mismatch = one_line(reason)
 
     def take(self, messages: Sequence[Any]) -> JointBatch | None:
         """Take JointState messages in order; usable angles, None where there are none."""

@@ -10,6 +10,10 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 
 
+SAMPLES = 2000
+"""Samples closer together than the while over so many tell nothing more."""
+
+
 class Stillness:
     """Still: over the last while no joint moved faster than allowed, steps of encoders aside."""
 
@@ -34,6 +38,8 @@ class Stillness:
         samples = self._samples
         if samples and (stamp_ns <= samples[-1][0] or angles.shape != samples[-1][1].shape):
             self.restart()
+        elif samples and stamp_ns - samples[-1][0] < self._duration_ns // SAMPLES:
+            return
         samples.append((stamp_ns, angles))
         while len(samples) > 1 and stamp_ns - samples[1][0] >= self._duration_ns:
             samples.popleft()

@@ -10,6 +10,7 @@ import numpy as np
 
 from shoecal_core.errors import ShoecalError
 from shoecal_ros.common.conversions import VoltageFrame
+from shoecal_ros.common.health import one_line
 from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import FrameJoiner, Joined
 from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard
@@ -103,7 +104,7 @@ class VoltageInput:
 
     def refuse(self, reason: str) -> None:
         """Something that came could not be used."""
-        self._trouble, self._troubled = reason, self._clock()
+        self._trouble, self._troubled = one_line(reason), self._clock()
 
     def take(self, frames: Iterable[VoltageFrame]) -> list[Joined]:
         """Take frames in order; what they give."""

@@ -19,7 +19,7 @@ from shoecal_core.settings import Settings, setting
 from shoecal_core.workspace import config_dir
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import VoltageFrame, time_from_ros, voltages_to_ros
-from shoecal_ros.common.health import Level
+from shoecal_ros.common.health import Level, one_line
 from shoecal_ros.common.runtime import ShoecalNode, run
 from shoecal_ros.inputs.voltages import REMEMBER_S
 from shoecal_ros.serial.config import load_driver_config
@@ -29,6 +29,8 @@ from shoecal_ros.serial.frame import FaultKind
 READ_S = 0.1
 """Longest wait for bytes: bounds how long closing takes."""
 OWN_STAMPS = 1000
+MOST_NAME = 100
+"""Letters of another source's name that are told."""
 START_S = 2.0
 """In the beginning nothing is a problem for so long."""
 
@@ -135,9 +137,15 @@ class ShoeDriver(ShoecalNode):
             if common and time_from_ros(message.header.stamp) not in own:
                 self._rival_at = time.monotonic()
                 self._rival = (
-                    f"cell(s) {', '.join(common)} also come from '{message.header.frame_id}'; "
+                    f"cell(s) {', '.join(common)} also come from '{_name(message)}'; "
                     "stop one driver, or let each send its own cells"
                 )
+
+
+def _name(message: ShoeVoltages) -> str:
+    """Of a message's source, whatever somebody wrote there."""
+    name = one_line(message.header.frame_id[:MOST_NAME])
+    return name if len(message.header.frame_id) <= MOST_NAME else f"{name}..."
 
 
 def _figures(status: DriverStatus) -> dict[str, object]:

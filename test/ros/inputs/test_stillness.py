@@ -62,3 +62,16 @@ def test_angles_that_nobody_knows_are_not_still() -> None:
     for index in range(100):
         still.add(index * STEP_NS, np.array([np.nan]))
     assert not still.still
+
+
+def test_stamps_that_creep_fill_no_memory() -> None:
+    still = Stillness(0.01, 0.5, 0.004)
+    for index in range(20_000):
+        still.add(index + 1, np.zeros(3))
+    assert len(still._samples) == 1
+    assert not still.still
+    fast = Stillness(0.01, 0.5, 0.004)
+    for index in range(20_000):
+        fast.add(index * 50_000, np.zeros(3))
+    assert len(fast._samples) <= 2001
+    assert fast.still
