@@ -26,7 +26,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_ros.common import qos
 from shoecal_ros.common.actions import finish
 from shoecal_ros.common.conversions import trajectory_to_ros
-from shoecal_ros.common.health import Condition, Level
+from shoecal_ros.common.health import Level
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.runtime import ShoecalNode, run
@@ -41,7 +41,8 @@ from shoecal_ros.planner.execution import Execution
 from shoecal_ros.planner.plan_job import PlanJob
 from shoecal_ros.planner.reach_job import ReachJob
 from shoecal_ros.planner.settings import MovingSettings
-from shoecal_ros.planner.watch import Senses, hot, tilt_now
+from shoecal_ros.planner.watch import Senses
+from shoecal_ros.planner.watched import watched
 
 R = TypeVar("R", Plan.Result, ReachSupport.Result)
 
@@ -125,7 +126,11 @@ class Planner(ShoecalNode):
         )
         self.health.tell("arming", Level.OK, "armed" if self.arming.armed else "not armed")
         self._tell_planning()
-        self._tell_senses()
+        latest = self.joints.latest
+        angles = None if latest is None else latest.angles[0]
+        told = watched(self.senses, self.kinematics, self.moving, angles)
+        for subject, condition in told.items():
+            self.health.note(subject, condition)
         if self.moving.steps:
             self._tell_steps()
         super().watch()
@@ -166,39 +171,6 @@ class Planner(ShoecalNode):
             )
         else:
             self.health.tell("steps", Level.OK, f"this node offers {REACH}")
-
-    def _tell_senses(self) -> None:
-        """What is watched during a motion, and what is not because it does not come."""
-        self.health.note("tilt", self._tilt_condition())
-        heard = self.senses.shoes.heard
-        comes = heard.age_s <= self.moving.stale_s
-        told = "shoe/voltages comes" if comes else "no shoe/voltages: not watched"
-        self.health.tell("shoes", Level.OK, told, **heard.figures())
-        degc = self.senses.temperatures.degc
-        found = heat.hottest(degc)
-        values = {} if found is None else {"joint": found[0], "degc": f"{found[1]:.1f}"}
-        concern = hot(self.senses, self.moving.hot_degc)
-        if concern is None:
-            self.health.tell("heat", Level.OK, heat.margin(degc, self.moving.hot_degc), **values)
-        else:
-            self.health.tell("heat", Level.WARN, concern.message, **values)
-
-    def _tilt_condition(self) -> Condition:
-        latest = self.joints.latest
-        tilt = None
-        if latest is not None:
-            tilt = tilt_now(self.senses, self.kinematics, self.moving, latest.angles[0])
-        figures = self.senses.imu.heard.figures()
-        if tilt is None:
-            return Condition(Level.OK, "no imu: not watched", figures)
-        if not tilt.usable:
-            return Condition(
-                Level.WARN,
-                f"imu and joints disagree by {tilt.offset:.1f} rad: not watched; let its frame_id "
-                "name a link of the URDF on the torso, or the robot stand",
-                figures,
-            )
-        return Condition(Level.OK, "imu comes", {**figures, "offset_rad": f"{tilt.offset:.3f}"})
 
     def _arm(self, request: SetBool.Request, response: SetBool.Response) -> SetBool.Response:
         self.arming.set(request.data)

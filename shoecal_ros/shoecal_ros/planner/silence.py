@@ -9,6 +9,22 @@ _NAMED = 3
 """Sources that are told by name; of motors there may be two dozen."""
 
 
+def silent(ages: Mapping[str, float], stale_s: float) -> str:
+    """The sources that tell nothing, and for how long, in a few words; empty when all do.
+
+    Args:
+        ages: by source, since when it has told nothing [s].
+        stale_s: for how long it may [s].
+    """
+    gone = [
+        f"{name} ({age:.1f} s)" if math.isfinite(age) else name
+        for name, age in ages.items()
+        if age > stale_s
+    ]
+    more = len(gone) - _NAMED
+    return ", ".join([*gone[:_NAMED], *([f"{more} more"] if more > 0 else [])])
+
+
 class Silence:
     """Remembers who told something at the begin."""
 
@@ -24,11 +40,4 @@ class Silence:
 
     def look(self, ages: Mapping[str, float]) -> str:
         """The sources that fell silent, and for how long; empty when all go on."""
-        now = {name: ages.get(name, math.inf) for name in self._sources}
-        gone = [
-            f"{name} ({age:.1f} s)" if math.isfinite(age) else name
-            for name, age in now.items()
-            if age > self._stale_s
-        ]
-        more = len(gone) - _NAMED
-        return ", ".join([*gone[:_NAMED], *([f"{more} more"] if more > 0 else [])])
+        return silent({name: ages.get(name, math.inf) for name in self._sources}, self._stale_s)

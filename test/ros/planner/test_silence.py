@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import math
 
-from shoecal_ros.planner.silence import Silence
+from shoecal_ros.planner.silence import Silence, silent
 
 
 def test_who_told_something_must_go_on() -> None:
@@ -24,3 +24,7 @@ def test_a_source_that_is_gone_altogether() -> None:
 def test_many_sources_are_told_in_one_short_line() -> None:
     silence = Silence({f"motor {number}": 0.0 for number in range(5)}, 0.5)
     assert silence.look({}) == "motor 0, motor 1, motor 2, 2 more"
+
+
+def test_all_well_is_told_by_nothing() -> None:
+    assert silent({"imu": 0.1}, 0.5) == ""

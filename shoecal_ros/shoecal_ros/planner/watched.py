@@ -1,0 +1,91 @@
+"""What would be watched in a motion by now, and what not, for diagnostics."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_ros.common.health import Condition, Level
+from shoecal_ros.planner import heat
+from shoecal_ros.planner.settings import MovingSettings
+from shoecal_ros.planner.silence import silent
+from shoecal_ros.planner.watch import Senses, hot, tilt_now
+
+FloatArray = NDArray[np.float64]
+
+
+def watched(
+    senses: Senses,
+    kinematics: Kinematics,
+    settings: MovingSettings,
+    joint_angles: FloatArray | None,
+) -> dict[str, Condition]:
+    """Tilt, shoes and heat; what never came is missing, what came and comes no more has failed.
+
+    Args:
+        senses: what is heard.
+        kinematics: of the robot.
+        settings: how motions are watched.
+        joint_angles: (m,) the last ones [rad]; None before there were any.
+    """
+    return {
+        "tilt": _tilt(senses, kinematics, settings, joint_angles),
+        "shoes": _shoes(senses, settings),
+        "heat": _heat(senses, settings),
+    }
+
+
+def _tilt(
+    senses: Senses,
+    kinematics: Kinematics,
+    settings: MovingSettings,
+    joint_angles: FloatArray | None,
+) -> Condition:
+    figures = senses.imu.heard.figures()
+    age_s = senses.imu.age_s
+    if math.isinf(age_s):
+        return Condition(Level.OK, "no imu: not watched", figures)
+    if age_s > settings.stale_s:
+        told = f"no imu for {age_s:.0f} s: not watched; check its driver"
+        return Condition(Level.WARN, told, figures)
+    tilt = None
+    if joint_angles is not None:
+        tilt = tilt_now(senses, kinematics, settings, joint_angles)
+    if tilt is None:
+        return Condition(Level.OK, "imu comes", figures)
+    if not tilt.usable:
+        return Condition(
+            Level.WARN,
+            f"imu and joints disagree by {tilt.offset:.1f} rad: not watched; let its frame_id "
+            "name a link of the URDF on the torso, or the robot stand",
+            figures,
+        )
+    return Condition(Level.OK, "imu comes", {**figures, "offset_rad": f"{tilt.offset:.3f}"})
+
+
+def _shoes(senses: Senses, settings: MovingSettings) -> Condition:
+    heard = senses.shoes.heard
+    figures = heard.figures()
+    if math.isinf(heard.age_s):
+        return Condition(Level.OK, "no shoe/voltages: not watched", figures)
+    if heard.age_s > settings.stale_s:
+        told = f"no shoe/voltages for {heard.age_s:.0f} s: not watched; check the shoes' driver"
+        return Condition(Level.WARN, told, figures)
+    return Condition(Level.OK, "shoe/voltages comes", figures)
+
+
+def _heat(senses: Senses, settings: MovingSettings) -> Condition:
+    degc = senses.temperatures.degc
+    found = heat.hottest(degc)
+    figures = {} if found is None else {"joint": found[0], "degc": f"{found[1]:.1f}"}
+    concern = hot(senses, settings.hot_degc)
+    if concern is not None:
+        return Condition(Level.WARN, concern.message, figures)
+    gone = silent(senses.motor_ages, settings.heat_stale_s)
+    if gone:
+        told = f"nothing comes any more from {gone}: not watched; check the robot's driver"
+        return Condition(Level.WARN, told, figures)
+    return Condition(Level.OK, heat.margin(degc, settings.hot_degc), figures)
