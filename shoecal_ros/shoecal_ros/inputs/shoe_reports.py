@@ -40,7 +40,7 @@ class ShoeReports:
         self.heard = LastHeard(clock)
         self._state_times: deque[float] = deque(maxlen=BEATS)
         self._state: ShoeState | None = None
-        self._stale_since: dict[str, float] = {}
+        self._useless_since: dict[str, float] = {}
 
     def take_readings(self, messages: Sequence[Any]) -> None:
         """Take messages of `shoe/voltages`, serialised or not."""
@@ -53,20 +53,25 @@ class ShoeReports:
             self._state = message
             self._state_times.append(self._clock())
             for foot in message.feet:
-                if foot.stale:
-                    self._stale_since.setdefault(foot.foot, self._clock())
-                else:
-                    self._stale_since.pop(foot.foot, None)
+                if foot.valid and not foot.stale:
+                    self._useless_since[foot.foot] = np.inf
+                    continue
+                # Who never told anything of use does not fall silent.
+                since = self._useless_since.setdefault(foot.foot, -np.inf)
+                self._useless_since[foot.foot] = min(since, self._clock())
 
     @property
     def ages(self) -> dict[str, float]:
-        """By source, since when it has told nothing; infinite where it never did [s]."""
+        """By source, since when it has told nothing of use; infinite where it never did [s].
+
+        Readings of a foot of which a cell is broken are of no use: whether it carries is not known.
+        """
         now = self._clock()
         ages = {"shoe/voltages": self.heard.age_s}
         if self._state is not None:
             ages["shoe/state"] = self._state_age if self._reported() else np.inf
             for foot in self._state.feet:
-                since = self._stale_since.get(foot.foot, now)
+                since = min(self._useless_since[foot.foot], now)
                 ages[f"readings of the {foot.foot} foot"] = now - since
         return ages
 

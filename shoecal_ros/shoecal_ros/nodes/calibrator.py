@@ -219,10 +219,13 @@ class Calibrator(ShoecalNode):
 
     def input_problem(self) -> str:
         """What is wrong with joint angles or voltages, and its cure; empty when all is well."""
-        problem = self.joints.problem or self.voltages.problem
+        return self.joints.problem or self.voltages.problem or self._clocks_apart()
+
+    def _clocks_apart(self) -> str:
+        """Whether joint angles and voltages are stamped by two clocks, and the cure."""
         latest, stamp_ns = self.joints.latest, self.voltages.latest_ns
-        if problem or latest is None or stamp_ns is None:
-            return problem
+        if latest is None or stamp_ns is None:
+            return ""
         if max(self.joints.age_s, self.voltages.age_s) > TOGETHER_S:
             return ""
         gap_s = abs(int(latest.stamp_ns[0]) - stamp_ns) / 1e9
@@ -241,7 +244,11 @@ class Calibrator(ShoecalNode):
     def watch(self) -> None:
         """Tell how everything fares."""
         for subject, problem, figures in (
-            ("joints", self.joints.problem, self.joints.heard.figures()),
+            (
+                "joints",
+                self.joints.problem or self._clocks_apart(),
+                self.joints.heard.figures(),
+            ),
             (
                 "voltages",
                 self.voltages.problem,

@@ -83,3 +83,22 @@ def test_a_state_that_nobody_would_change_any_more_says_nothing() -> None:
     there[0] = False
     assert reports.ages["shoe/state"] == math.inf
     assert reports.loaded == (None, None)
+
+
+def test_a_foot_of_which_a_cell_breaks_tells_nothing_of_use_since_then() -> None:
+    clock = Clock()
+    reports = ShoeReports(clock=clock)
+    reports.take_states([state()])
+    assert reports.ages["readings of the left foot"] == 0.0
+    for _ in range(8):
+        clock.now += 0.25
+        reports.take_states([state(valid=False)])
+    assert reports.ages["readings of the left foot"] == 1.75
+    reports.take_states([state()])
+    assert reports.ages["readings of the left foot"] == 0.0
+
+
+def test_feet_that_were_never_valid_do_not_fall_silent() -> None:
+    reports = ShoeReports()
+    reports.take_states([state(valid=False), state(valid=False, stale=True)])
+    assert reports.ages["readings of the left foot"] == math.inf

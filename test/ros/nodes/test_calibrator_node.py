@@ -358,6 +358,9 @@ def test_two_clocks_are_told(world: World, robot: StandingRobot) -> None:
     result = calibrate(world).result()
     assert result.error_code == Calibrate.Result.STALE_INPUT
     assert "one clock" in result.message
+    world.until_told("calibrator", "joints", "one clock")
+    robot.ahead_ns = 0
+    world.until_told("calibrator", "joints", "joints come")
 
 
 def test_joints_of_another_robot_are_named(world: World) -> None:
