@@ -1,13 +1,15 @@
-"""A disk that is full, or a folder that is read-only, before and while a run is recorded.
+"""A disk that is full, read-only or broken, before and while a run is recorded.
 
 The disk is a small tmpfs of its own, in a mount namespace that nobody else sees (`unshare`), filled
 up or mounted read-only; a folder whose rights are taken away during a recording stands for the one
-that becomes read-only. Where nothing may be mounted, the size of files is limited instead
-(RLIMIT_FSIZE), and the worst try says so. A session, a run, a log of raw bytes and a calibration
-are to be written there; in the read-only tries there lies also what is left of a change of the
-calibration that was cut. Each is refused with one line that names the file, at once or when it is
-written; what was recorded before is recovered; the calibration in force is the same as before, for
-this process and for the next; and with room again, all of it works.
+that becomes read-only. A broken one refuses a drawn fsync or rename, or all from then on (the calls
+of the operating system are made to fail), while a calibration is applied and a run recorded; that
+change may come about, then it is in force for good. Where nothing may be mounted, the size of files
+is limited instead (RLIMIT_FSIZE), and the worst try says so. A session, a run, a log of raw bytes
+and a calibration are to be written there; in the read-only tries there lies also what is left of a
+change of the calibration that was cut. Each is refused with one line that names the file, at once
+or when it is written; what was recorded before is recovered; the calibration in force is the same
+as before, for this process and for the next; and with room again, all of it works.
 """
 
 from __future__ import annotations
@@ -28,6 +30,7 @@ import numpy as np
 from reliability import originals
 from reliability.row import Progress, Result, Row
 from reliability.spawning import Order, served
+from ros.broken_disk import BrokenDisk
 from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.recording.recover import recover, recovered_path
@@ -35,7 +38,10 @@ from shoecal_core.recording.session import Session
 from shoecal_ros.calibrator.calibration_store import NEXT, CalibrationStore
 from shoecal_ros.serial.raw_log import RawLog
 
-KINDS = ("full before", "full during", "read-only before", "read-only during")
+KINDS = ("full before", "full during", "read-only before", "read-only during", "broken")
+BROKEN = ("fsync", "replace")
+MOST_CALLS = 14
+"""Of one of these kinds while a calibration is applied, and some more."""
 _NOBODY = 65534
 _DISK_KIB = 1024
 _LONGEST = 20_000
@@ -142,6 +148,8 @@ def _problem(disk: _Disk, kind: str, rng: np.random.Generator) -> str:
         # A change was cut before: what is left of it cannot be removed.
         save_calibration(_calibration("left"), disk.folder / "state" / NEXT)
     try:
+        if kind == "broken":
+            return _broken(disk, session, store, rng)
         if kind.endswith("before"):
             disk.fill(0) if kind.startswith("full") else disk.forbid()
             refusal = _refused(lambda: _record(session, _LONGEST))
@@ -183,6 +191,32 @@ def _interrupted(disk: _Disk, kind: str, session: Session, rng: np.random.Genera
     return refusal
 
 
+def _broken(
+    disk: _Disk, session: Session, store: CalibrationStore, rng: np.random.Generator
+) -> str:
+    """Apply and record while the disk refuses something; then it is mended."""
+    breaks = BrokenDisk(
+        str(rng.choice(BROKEN)), int(rng.integers(1, MOST_CALLS)), lasting=bool(rng.integers(2))
+    )
+    told, names = [], ["one", ""]
+    with breaks:
+        try:
+            store.apply(_calibration("two"), originals.START_NS)
+        except ShoecalError as error:
+            told.append(str(error))
+        else:
+            names = ["two", "one"]
+        try:
+            _record(session, 20)
+        except ShoecalError as error:
+            told.append(str(error))
+    if unnamed := [one for one in told if str(disk.folder) not in one]:
+        raise BadlyTakenError(f"no file is named: {unnamed[0]}")
+    _check_in_force(store, disk, *names)
+    _check_afterwards(disk, session, store)
+    return ""
+
+
 def _record(session: Session, samples: int, last: Callable[[], None] = lambda: None) -> None:
     """Record a run; do something before it is finished."""
     writer = session.new_run("landmarks", originals.SUPPORT)
@@ -206,11 +240,13 @@ def _refused(what: Callable[[], object]) -> str:
     raise BadlyTakenError("nothing was refused")
 
 
-def _check_in_force(store: CalibrationStore, disk: _Disk) -> None:
+def _check_in_force(
+    store: CalibrationStore, disk: _Disk, current: str = "one", before: str = ""
+) -> None:
     for each in (store, _store(disk)):
         if each is not store:
             each.load(originals.START_NS)
-        if each.current is None or each.current.id != "one" or each.before is not None:
+        if [one and one.id for one in (each.current, each.before)] != [current, before or None]:
             raise BadlyTakenError("another calibration is in force than before")
 
 
@@ -251,7 +287,7 @@ def _namespace() -> tuple[str, ...]:
 
 ROW = Row(
     key="full-disk",
-    fault="disk full or folder read-only, before and during a recording",
+    fault="disk full, read-only or broken, before and during a recording",
     holds="refused before, or a clean failure; what was recorded recovers; the calibration in "
     "force stays",
     tries=200,

@@ -9,7 +9,7 @@ from reliability.row import Row
 
 
 @pytest.mark.parametrize(
-    ("row", "count"), [(full_disk.ROW, 12), (clock_jumps.ROW, 9), (other_robot.ROW, 30)]
+    ("row", "count"), [(full_disk.ROW, 25), (clock_jumps.ROW, 9), (other_robot.ROW, 30)]
 )
 def test_it_holds(row: Row, count: int) -> None:
     found = row.run(0, count, 1, lambda _: None)

@@ -6,11 +6,11 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import Self
 
 import pytest
 
 from ros.bodies import calibration, nao, nao_shoe
+from ros.broken_disk import BrokenDisk
 from shoecal_core.calibration.calibration import (
     Calibration,
     WrongShoeError,
@@ -267,33 +267,6 @@ def test_nothing_changes_where_nothing_can_be_saved(tmp_path: Path) -> None:
     assert identity(kept.current) == "one"
 
 
-class Fault:
-    """A disk that refuses an operation of one kind at the k-th time, or from then on."""
-
-    def __init__(self, kind: str, at: int, *, lasting: bool) -> None:
-        self.seen = 0
-        self._kind, self._at, self._lasting = kind, at, lasting
-        self._real = getattr(os, kind)
-
-    def __enter__(self) -> Self:
-        setattr(os, self._kind, self)
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        setattr(os, self._kind, self._real)
-
-    def __call__(self, *arguments: object, **more: object) -> object:
-        self.seen += 1
-        if self.seen == self._at or (self._lasting and self.seen > self._at):
-            raise OSError(errno.EIO, os.strerror(errno.EIO))
-        return self._real(*arguments, **more)
-
-    @property
-    def struck(self) -> bool:
-        """Whether it has come so far."""
-        return self.seen >= self._at
-
-
 def forced(identity: str) -> Calibration:
     """One that is taken only with force: at the next start by the record alone."""
     return made(identity, shoe_hash="0" * 64)
@@ -324,12 +297,12 @@ def test_whatever_the_disk_refuses_it_is_the_old_pair_or_the_new_one(
             kept.apply(forced(name), T0 + count)
         (old,) = set(states(kept, folder))
         told = ""
-        with Fault(kind, at, lasting=lasting) as fault:
+        with BrokenDisk(kind, at, lasting=lasting) as disk:
             try:
                 kept.apply(forced("new"), T0 + SECOND)
             except FileError as error:
                 told = str(error)
-        struck = fault.struck
+        struck = disk.struck
         taken = ("new", old[0], T0 + SECOND)
         assert states(kept, folder) == 2 * [old if told else taken]
         assert str(folder) in told or not told
