@@ -21,7 +21,7 @@ import bench_json
 from live import session
 from live.activity import UNDER_WAY
 from live.chains import CHAINS, SESSIONS, Chains
-from live.latency import Turn, latencies_ms, summary
+from live.latency import Turn, disturbance, latencies_ms, summary
 from live.page import write_page
 from live.robot import RATE
 from shoecal_core.errors import ShoecalError
@@ -109,18 +109,17 @@ def figures_of(turns: Sequence[Turn], rates: Sequence[float]) -> dict[str, Any]:
     }
     quiet = found["nothing"]
 
-    def disturbed(activity: str) -> float:
-        """Median with an activity over the one without."""
-        return max(
-            one["shoecal_median_ms"] / quiet[rate]["shoecal_median_ms"]
-            for rate, one in found[activity].items()
-        )
+    def disturbed(activity: str, figure: str) -> float:
+        """With an activity over without it."""
+        return max(disturbance(one, quiet[rate], figure) for rate, one in found[activity].items())
 
     every = [one for rates_of in found.values() for one in rates_of.values()]
     return {
         "vs_relay_median": max(one["vs_relay_median"] for one in quiet.values()),
         "vs_relay_p99": max(one["vs_relay_p99"] for one in quiet.values()),
-        **{f"while_{activity}": disturbed(activity) for activity in ACTIVITIES[1:]},
+        **{f"while_{one}": disturbed(one, "shoecal_median") for one in ACTIVITIES[1:]},
+        **{f"while_{one}_p99": disturbed(one, "shoecal_p99") for one in ACTIVITIES[1:]},
+        **{f"bare_while_{one}_p99": disturbed(one, "bare_p99") for one in ACTIVITIES[1:]},
         "frames": sum(len(turn.sent) for turn in turns if turn.chain == CHAINS[0]),
         "lost": sum(one["shoecal_lost"] for one in every),
         "bare_lost": sum(one["bare_lost"] for one in every),

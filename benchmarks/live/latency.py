@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -75,3 +75,13 @@ def summary(turns: Sequence[Turn], activity: str, rate: float) -> dict[str, floa
     for name in ("median", "p99"):
         found[f"vs_relay_{name}"] = found[f"shoecal_{name}_ms"] / found[f"bare_{name}_ms"]
     return found
+
+
+def disturbance(busy: Mapping[str, float], quiet: Mapping[str, float], figure: str) -> float:
+    """A figure while something goes on over the same while nothing does.
+
+    Args:
+        busy, quiet: summaries.
+        figure: for example shoecal_p99.
+    """
+    return busy[f"{figure}_ms"] / quiet[f"{figure}_ms"]

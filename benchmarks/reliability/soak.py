@@ -13,7 +13,8 @@ Stretches shorter than an hour are not judged by their memory.
 Bytes, terminal, processes, DDS and memory are real; robot and time are simulated. What nodes do by
 the clock on the wall, as telling diagnostics, comes more seldom in a robot hour than it will in a
 real one. That inputs grow stale, which goes by that clock, too, is switched off (100 s): the robot
-waits for the nodes here, and another row tries it.
+waits for the nodes here, and another row tries it. Planner, model and simulator do not run, nothing
+is planned or recorded: how memory grows with that is not seen.
 """
 
 from __future__ import annotations

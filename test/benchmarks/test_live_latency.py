@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live import bodies
-from live.latency import LONGEST_NS, Turn, latencies_ms, summary
+from live.latency import LONGEST_NS, Turn, disturbance, latencies_ms, summary
 from live.line import Sent
 from shoecal_core.errors import ShoecalError
 
@@ -38,5 +38,10 @@ def test_ratios_are_of_the_same_rate_and_activity() -> None:
     found = summary(turns, "nothing", 100.0)
     assert found["vs_relay_median"] == found["vs_relay_p99"] == 1.5
     assert (found["shoecal_lost"], found["bare_lost"]) == (1.0, 0.0)
+    slow = summary(
+        [turn("shoecal", "solving", 4.5), turn("bare", "solving", 2.0)], "solving", 100.0
+    )
+    assert disturbance(slow, found, "shoecal_p99") == 1.5
+    assert disturbance(slow, found, "bare_p99") == 1.0
     with pytest.raises(ShoecalError, match="nothing was heard of the chain shoecal"):
         summary(turns, "solving", 100.0)
