@@ -38,6 +38,7 @@ from shoecal_ros.inputs.temperatures import TemperatureInput
 from shoecal_ros.planner import heat, planning_work
 from shoecal_ros.planner.arming import Arming
 from shoecal_ros.planner.execution import Execution
+from shoecal_ros.planner.listeners import Listeners
 from shoecal_ros.planner.plan_job import PlanJob
 from shoecal_ros.planner.reach_job import ReachJob
 from shoecal_ros.planner.settings import MovingSettings
@@ -72,6 +73,7 @@ class Planner(ShoecalNode):
         self._busy = False
         self._execution: Execution | None = None
         self._command = self.create_publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+        self.listeners = Listeners(self, self._command)
         self._armed = self.create_publisher(Bool, "shoe/armed", qos.ARMED)
         self.peers.alone.add(self._armed.topic_name)
         self._armed.publish(Bool(data=False))
@@ -125,6 +127,8 @@ class Planner(ShoecalNode):
             **self.joints.heard.figures(),
         )
         self.health.tell("arming", Level.OK, "armed" if self.arming.armed else "not armed")
+        self.listeners.look()
+        self.health.note("commands", self.listeners.condition(armed=self.arming.armed))
         self._tell_planning()
         latest = self.joints.latest
         angles = None if latest is None else latest.angles[0]

@@ -83,11 +83,15 @@ class Execution:
         """Whether the robot may begin to move.
 
         Raises:
-            RefusedError: when it is not armed, was disarmed meanwhile, or is too hot.
+            RefusedError: when it is not armed, was disarmed meanwhile, has nobody that listens, or
+                is too hot.
         """
         if not self._order.sends:
             return
         self._check_armed()
+        missing = self._mover.listeners.missing
+        if missing:
+            raise RefusedError(Plan.Result.NOT_FOLLOWED, f"not begun: {missing}")
         moving = self._mover.moving
         concern = hot(self._mover.senses, moving.hot_degc - moving.cool_by)
         if concern is not None:
@@ -206,6 +210,9 @@ class Execution:
             self._check_interrupted()
         except RefusedError as refusal:
             raise self._stopped(part.at_rest, refusal.code, str(refusal)) from None
+        missing = self._mover.listeners.missing
+        if missing:
+            raise self._stopped(part.at_rest, Plan.Result.NOT_FOLLOWED, f"stopped: {missing}")
         look = part.follower.look(part.stamp_ns, part.angles)
         if look.verdict is Verdict.LOST:
             bound = self._mover.moving.follow_error

@@ -14,6 +14,7 @@ from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Worker
 from shoecal_ros.inputs.joints import JointInput
 from shoecal_ros.planner.arming import Arming
+from shoecal_ros.planner.listeners import Listeners
 from shoecal_ros.planner.settings import MovingSettings
 from shoecal_ros.planner.watch import Senses
 
@@ -27,6 +28,7 @@ class Mover(Protocol):
     planning: PlannerSettings
     moving: MovingSettings
     joints: JointInput
+    listeners: Listeners
     senses: Senses
     arming: Arming
     worker: Worker

@@ -138,6 +138,26 @@ def test_a_robot_that_does_not_follow_is_told_to_hold(still: World) -> None:
     np.testing.assert_allclose(point.positions, start[columns], atol=1e-6)
 
 
+def test_nothing_is_sent_while_nobody_listens(still: World) -> None:
+    arm(still)
+    still.until_told("planner", "commands", "nobody listens to /joint_trajectory")
+    recorder = still.companion("calibrator")
+    recorder.create_subscription(JointTrajectoryMsg, "joint_trajectory", print, qos.COMMAND)
+    still.until(lambda: still.node.count_subscribers("joint_trajectory") == 1)
+    result = plan(still, send=True).result()
+    assert result.error_code == Plan.Result.NOT_FOLLOWED
+    assert "not begun: nobody listens to /joint_trajectory" in result.message
+    robot = still.companion("robot")
+    robot.create_subscription(JointTrajectoryMsg, "joint_trajectory", print, qos.COMMAND)
+    still.until_told("planner", "commands", "goes to 'robot'")
+    goal = plan(still, send=True)
+    still.until(lambda: goal.done or any(one.phase == "moving" for one in goal.feedback))
+    still.dismiss(robot)
+    result = goal.result()
+    assert result.error_code == Plan.Result.NOT_FOLLOWED
+    assert "stopped: nobody listens to /joint_trajectory" in result.message
+
+
 def test_one_motion_at_a_time_and_cancelling_while_planning(world: World) -> None:
     # The slow solver, far ahead and in tiny steps: a motion takes it minutes, so it is surely still
     # being planned when something comes, on a busy machine too.

@@ -61,6 +61,7 @@ class Scene:
         self.arming = Arming(10.0, clock)
         self.arming.set(True)
         self.told_s = 0.0
+        self.listeners = SimpleNamespace(missing="")
         self._joints = SimpleNamespace(latest=self._batch(ANGLES), problem="")
         self.mover = cast(
             Mover,
@@ -71,6 +72,7 @@ class Scene:
                 moving=MovingSettings(),
                 arming=self.arming,
                 joints=self._joints,
+                listeners=self.listeners,
                 senses=Senses(
                     ImuInput(nao(), clock), ShoeReports(clock=clock), TemperatureInput(nao(), clock)
                 ),
@@ -186,6 +188,16 @@ def test_a_stop_for_another_cause_believes_no_single_message_either(
     with pytest.raises(RefusedError, match="not armed"):
         other.look()
     assert other.ways.max() == pytest.approx(other.mover.moving.follow_error)
+
+
+def test_nothing_is_sent_to_nobody(scene: Scene) -> None:
+    scene.listeners.missing = "nobody listens"
+    with pytest.raises(RefusedError, match="stopped: nobody listens") as refusal:
+        scene.tell(off(0.01))
+    assert refusal.value.code == Plan.Result.NOT_FOLLOWED
+    assert scene.ways.max() == pytest.approx(0.01)
+    with pytest.raises(RefusedError, match="not begun: nobody listens"):
+        scene.execution.check_ready()
 
 
 def test_a_robot_that_is_blocked_is_stopped_within_a_tenth_of_a_second(scene: Scene) -> None:
