@@ -12,13 +12,13 @@ from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.model.robot import Robot
 from shoecal_core.recording.align import interpolate_joints
 from shoecal_core.recording.run import Run
+from shoecal_core.recording.schemas import GOOD
 from shoecal_core.sensing.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 MAX_JOINT_GAP_S = 0.1
 """Readings between joint angles further apart than this have no model value."""
 MIN_SAMPLES = 50
-GOOD = 0
 
 
 @dataclass(frozen=True)

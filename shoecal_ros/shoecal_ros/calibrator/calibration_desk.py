@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
 
 MIRROR = "in_force."
 """Prefix of the parameters that mirror the calibration in force."""
-LONGEST_WAIT_S = 1e9
-"""For a disk; meanwhile the calibration before stays in force."""
 
 
 class CalibrationDesk:
@@ -114,7 +113,8 @@ class CalibrationDesk:
         mine, now_ns = object(), self._node.now_ns
         self._changes.append(mine)
         try:
-            await until(lambda: self._changes[0] is mine, LONGEST_WAIT_S)
+            # For a disk, however long: meanwhile the calibration before stays in force.
+            await until(lambda: self._changes[0] is mine, math.inf)
             if await aside(lambda: self.store.save(calibration, now_ns)):
                 self.store.take(calibration, now_ns)
         finally:

@@ -5,6 +5,7 @@ Reasons to end carry the codes of `Calibrate.Result`; those of `Diagnose.Result`
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import Any, Protocol, TypeVar
@@ -173,7 +174,7 @@ class Job:
         def stopped() -> bool:
             return self._canceled() or (self._alone and self._disarmed)
 
-        await until(over, _FOREVER_S)
+        await until(over, math.inf)
         self.check_canceled()
         if moving or stopped():
             self.check()
@@ -214,6 +215,3 @@ class Job:
             raise RefusedError(code, str(error)) from error
         self.check()
         return result
-
-
-_FOREVER_S = 1e9

@@ -18,6 +18,7 @@ from shoecal_msgs.msg import ShoeState
 from visualization_msgs.msg import MarkerArray
 
 from shoecal_core.model.robot import Robot
+from shoecal_core.recording.schemas import GOOD
 from shoecal_core.sensing.shoe import FEET, Shoe
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import SOLES, point_from_ros
@@ -30,8 +31,6 @@ if TYPE_CHECKING:
 TOPIC = "shoe/markers"
 FRESH_S = 0.5
 """Older than this by the wall clock, a measurement is shown no more."""
-GOOD = 0
-"""Status of a cell that is well."""
 
 
 @dataclass(frozen=True)

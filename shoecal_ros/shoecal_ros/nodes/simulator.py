@@ -29,7 +29,7 @@ from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import RobotFellError, SimulatedRobot
 from shoecal_core.workspace import config_dir
 from shoecal_ros.common import qos
-from shoecal_ros.common.actions import finish
+from shoecal_ros.common.actions import FEEDBACK_S, finish
 from shoecal_ros.common.conversions import (
     support_from_ros,
     time_to_ros,
@@ -49,7 +49,6 @@ from shoecal_ros.simulator.simulated_body import Pacer, Samples, SimulatedBody
 REAL_TIME = 1.0
 """Speed up to which it waits for no listener, as a real robot."""
 TICK_S = 0.02
-FEEDBACK_S = 0.2
 BATCH_S = 0.2
 """Most simulated time in one go: bounds how late commands are heard."""
 
