@@ -15,6 +15,9 @@ from shoecal_ros.serial.replay import ReplaySource
 from shoecal_ros.serial.serial_source import SerialSource
 from shoecal_ros.serial.source import Source, SourceStatus
 
+STANDS_S = 2.0
+"""A host clock that shows one time for so long stands; a simulation may be slow."""
+
 
 @dataclass(frozen=True)
 class Reading:
@@ -45,7 +48,7 @@ class DriverStatus:
         clock_drift: seconds the host's clock gains on the device's in a second.
         same_clock: whether device and host count one (simulated) time.
         before_clock: frames left out because the host's clock showed zero.
-        clock_stands: whether the latest frames were.
+        clock_stands: whether they were just now, or the clock has shown one time for long.
         unknown: channels without a cell -> how often they came.
         unseen: cells that no frame has carried.
     """
@@ -69,7 +72,7 @@ class DriverStatus:
             return f"{self.source.name}: no cell for channel {names}; add it to 'channels'"
         if self.clock_stands:
             name = self.source.name
-            return f"{name}: frames come, but the clock shows zero; start what tells /clock"
+            return f"{name}: frames come, but the clock stands still; start what tells /clock"
         if self.unseen and self.source.counts.frames:
             return (
                 f"{self.source.name}: the device sends nothing for {', '.join(self.unseen)}; "
@@ -87,6 +90,7 @@ class ShoeDriver:
         self._clock = DeviceClock()
         self._before_clock = 0
         self._clock_stands = False
+        self._stands_at = (0, 0)
 
     def open(self) -> None:
         """Open the source now, to have its errors raised."""
@@ -126,15 +130,25 @@ class ShoeDriver:
         """Close the source."""
         self._source.close()
 
+    def _stood_s(self, device_us: list[int], receive_ns: int) -> float:
+        """For how long the host's clock has shown the same, by the device's [s]."""
+        if not device_us:
+            return 0.0
+        at, since_us = self._stands_at
+        if receive_ns != at or device_us[-1] < since_us:
+            self._stands_at = receive_ns, device_us[-1]
+            return 0.0
+        return (device_us[-1] - since_us) / 1e6
+
     def _readings(self, frames: list[Frame], receive_ns: int) -> list[Reading]:
         """Readings of frames received together."""
         if not frames:
             return []
-        self._clock_stands = receive_ns <= 0
-        if self._clock_stands:
+        times = [frame.device_time_us for frame in frames if frame.device_time_us is not None]
+        self._clock_stands = receive_ns <= 0 or self._stood_s(times, receive_ns) > STANDS_S
+        if receive_ns <= 0:
             self._before_clock += len(frames)
             return []
-        times = [frame.device_time_us for frame in frames if frame.device_time_us is not None]
         if len(times) == len(frames):
             stamps = self._clock.stamps(times, receive_ns)
         else:

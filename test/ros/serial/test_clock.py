@@ -227,6 +227,19 @@ def test_a_host_clock_that_is_set_back_a_little_is_followed_at_once(back_ms: int
     assert clock.resets == 1
 
 
+@pytest.mark.parametrize("seconds", [1, 30])
+def test_a_host_clock_that_stands_leads_stamps_astray_by_little_and_not_for_long(
+    seconds: int,
+) -> None:
+    clock, rng = DeviceClock(), random.Random(5)
+    host = EPOCH
+    for index in range(100 * (20 + seconds + 5)):
+        stands = 2000 <= index < 2000 + 100 * seconds
+        host += 0 if stands else 10 * MS
+        (stamp,) = clock.stamps([index * 10_000], host + int(rng.expovariate(2.5) * MS))
+        assert abs(stamp - host) < (100 if stands or index < 2020 + 100 * seconds else 20) * MS
+
+
 def test_simulation_that_starts_over() -> None:
     clock = DeviceClock()
     for _ in range(2):

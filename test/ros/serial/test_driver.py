@@ -120,11 +120,27 @@ def test_a_clock_that_does_not_run_is_told_as_such(
         clock.seconds = 0.0
         device.send(sequence, 10_000 + 10_000 * sequence, [1, 2], [0, 0])
         assert driver.read(1.0) == []
-        assert "the clock shows zero; start what tells /clock" in driver.status().problem
+        assert "the clock stands still; start what tells /clock" in driver.status().problem
         clock.seconds = 0.02
         device.send(sequence + 1, 20_000 + 10_000 * sequence, [1, 2], [0, 0])
         assert len(read(driver, 1)) == 1
         assert driver.status().problem == ""
+
+
+def test_a_clock_that_stands_is_told_until_it_runs_again(
+    device: SimulatedDevice, config: DriverConfig, open_it: Open, clock: Clock
+) -> None:
+    driver = open_it(config)
+    clock.seconds = 50.0
+    for sequence in range(25):
+        device.send(sequence, 100_000 * sequence, [1, 2], [0, 0])
+        assert len(read(driver, 1)) == 1
+        told = driver.status().problem
+        assert ("the clock stands still" in told) == (sequence > 20)
+    clock.seconds = 50.1
+    device.send(25, 2_500_000, [1, 2], [0, 0])
+    assert len(read(driver, 1)) == 1
+    assert driver.status().problem == ""
 
 
 def test_lines_without_time_are_stamped_on_receipt(
