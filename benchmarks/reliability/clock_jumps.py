@@ -5,11 +5,13 @@ tries) several of 0.1 to 10 s, at random moments of fifteen seconds, at 20 to 10
 that arrive with jitter. The parts that a clock goes through are tried in one process, without
 nodes: the driver's mapping of the device's time, the calibrator's joining of frames, and a run's
 file. Nothing may raise; frames keep their order; within a stretch between two jumps the stamps
-differ as the device's counter does, not as the frames arrived; some time after a jump (the worst is
-told) they are the host's again. A jump forward of less than about half a second looks like frames
-that are late: stamps keep to the device's time and follow some seconds later, by the jump and for a
-while as if the device's clock drifted; how late is not judged then. A run that was recorded
-meanwhile is read with its times growing, and says what was left out.
+differ as the device's counter does, not as the frames arrived; every frame is joined or counted as
+left out, which only those are whose stamps a step back of less than a second puts behind others;
+some time after a jump (the worst is told) they are the host's again. A jump forward of less than
+about half a second looks like frames that are late: stamps keep to the device's time and follow
+some seconds later, by the jump and for a while as if the device's clock drifted; how late is not
+judged then. A run that was recorded meanwhile is read with its times growing, and says what was
+left out.
 """
 
 from __future__ import annotations
