@@ -48,16 +48,14 @@ class Kept:
             return
         try:
             held = json.loads(self._path.read_text())
-            same_seed, same_step = held["seed"] == seed, held["step"] == row.step
-            pieces = {int(first): _piece(piece) for first, piece in held["steps"].items()}
+            same_seed = held["seed"] == seed
+            self._pieces = {int(first): _piece(piece) for first, piece in held["steps"].items()}
         except (ValueError, KeyError, TypeError) as error:
             raise FileError(self._path, "is no file of results; remove it") from error
         if not same_seed:
             raise FileError(
                 self._path, f"was made with seed {held['seed']}, not {seed}; begin with --fresh"
             )
-        if same_step:
-            self._pieces = pieces
 
     @property
     def result(self) -> Result:
@@ -86,10 +84,12 @@ class Kept:
         tries = min(self._row.tries, max(1, math.ceil(share * self._row.tries)))
         for first in range(0, tries, self._row.step):
             begin, end = first, min(first + self._row.step, tries)
-            while (piece := self._pieces.get(begin)) is not None and piece.result.tried:
+            for done, piece in sorted(self._pieces.items()):
                 if renew and piece.code != self._code:
-                    break
-                begin += piece.result.tried
+                    continue
+                if begin < (until := min(done, end)):
+                    yield begin, until - begin
+                begin = max(begin, done + piece.result.tried)
             if begin < end:
                 yield begin, end - begin
 
@@ -98,8 +98,12 @@ class Kept:
         result = self._row.run(first, count, self._seed, progress)
         if not (result.tried == count or (result.tried < count and result.failed)):
             raise ValueError(f"{self._row.key}: {result.tried} tries were done, not {count}")
-        for begin in [begin for begin in self._pieces if first <= begin < first + count]:
-            del self._pieces[begin]
+        end = first + result.tried
+        self._pieces = {
+            begin: piece
+            for begin, piece in self._pieces.items()
+            if begin >= end or begin + piece.result.tried <= first
+        }
         self._pieces[first] = Piece(result, self._code)
         held = {
             "seed": self._seed,

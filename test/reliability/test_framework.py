@@ -169,9 +169,16 @@ def test_results_of_another_seed_or_no_results_are_refused(tmp_path: Path) -> No
         kept(tmp_path)
 
 
-def test_other_steps_begin_anew(tmp_path: Path) -> None:
-    faults.run_row(row(odd), kept(tmp_path, row(odd)), 1.0, fresh=False)
-    assert kept(tmp_path, row(odd, step=5)).result.tried == 0
+def test_steps_of_another_size_are_filled_up(tmp_path: Path) -> None:
+    faults.run_row(row(odd), kept(tmp_path), 0.5, fresh=False)
+    other = row(odd, step=4)
+    assert list(kept(tmp_path, other).missing(1.0)) == [(13, 3), (16, 4), (20, 4), (24, 1)]
+    faults.run_row(other, kept(tmp_path, other), 1.0, fresh=False)
+    assert kept(tmp_path).result == Result(25, 12, "at 23", 23.0)
+    # Done anew, each is done once, however it was cut before.
+    faults.run_row(row(odd), kept(tmp_path, code="later"), 1.0, fresh=False, renew=True)
+    assert kept(tmp_path, code="later").present == 25
+    assert kept(tmp_path).result == Result(25, 12, "at 24", 24.0)
 
 
 def test_page_and_figures(tmp_path: Path) -> None:
