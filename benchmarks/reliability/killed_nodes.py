@@ -9,9 +9,9 @@ job goes on and is ended by disarming, from when these times count); another nod
 name the one that is gone, and the job end with a reason; and when that node is started again, the
 next self-calibration must come as far as the next try needs it. A try is one kill with all of that.
 
-As all of it shares two cores here with whatever else they do, inputs count as stale after 2 s
-(`stale_s`; default 0.5) and the robot as not following after 4 s (`follow_late`; default 1): how
-soon a silence is told at the defaults is the row `stale-inputs`', not this one's.
+As all of it may share two cores with whatever else they do, inputs count as stale after 2 s
+(`stale_s`; default 0.5) and the robot as not following after 4 s (`follow_late`; default 1). How
+soon a silence is told with the defaults is shown by `stale-inputs`, not here.
 """
 
 from __future__ import annotations
