@@ -63,7 +63,8 @@ class Halt:
 
     def watch(self) -> None:
         """Hold the robot where whoever armed it has just gone."""
-        if not self._arming.told:
+        gone = self._arming.lapsed or self._arming.taken_over
+        if not self._arming.told and not gone:
             self._leave()
             return
         if self._publisher is None:
@@ -71,7 +72,7 @@ class Halt:
             self._publisher = self._site.create_publisher(
                 JointTrajectory, "joint_trajectory", qos.COMMAND
             )
-        if not self._arming.lapsed:
+        if not gone:
             self._sent, self._run_id = False, self._site.run_id
         elif self._angles and not self._sent:
             self._stop(self._publisher)

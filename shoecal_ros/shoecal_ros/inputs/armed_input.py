@@ -13,6 +13,8 @@ from shoecal_ros.common.runtime import ShoecalNode
 
 LEASE_S = 2.0
 """Who says again and again that the robot is armed has gone when it does not for that long."""
+QUIET_S = 0.5
+"""Who takes that back after so long without a word of it is another one, started meanwhile."""
 
 
 class ArmedInput:
@@ -23,7 +25,7 @@ class ArmedInput:
     """
 
     def __init__(self, node: ShoecalNode, clock: Callable[[], float] = time.monotonic) -> None:
-        self._told = self._repeats = False
+        self._told = self._repeats = self._taken_over = False
         self._disarmings = 0
         self._clock = clock
         self._heard_at = 0.0
@@ -48,6 +50,11 @@ class ArmedInput:
         return silent or self._subscription.get_publisher_count() == 0
 
     @property
+    def taken_over(self) -> bool:
+        """Whether somebody else took it back, who knows of no motion that is under way."""
+        return self._taken_over
+
+    @property
     def disarmings(self) -> int:
         """How often it was taken back: who was allowed to move before is not allowed again."""
         return self._disarmings
@@ -55,6 +62,9 @@ class ArmedInput:
     def _hear(self, messages: list[Any]) -> None:
         for message in messages:
             self._disarmings += self._told and not message.data
+            now = self._clock()
+            quiet = self._repeats and now - self._heard_at > QUIET_S
+            self._taken_over = not message.data and (quiet or self._taken_over)
             self._repeats = message.data and (self._told or self._repeats)
             self._told = message.data
-            self._heard_at = self._clock()
+            self._heard_at = now

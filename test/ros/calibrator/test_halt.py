@@ -125,12 +125,25 @@ def test_a_planner_whose_end_the_middleware_tells_is_noticed_at_once(scene: Scen
     assert len(scene.sent) == 1
     assert scene.offered == 1
     scene.planners = 1
-    scene.arm(False)
-    assert scene.offered == 0, "another planner is there"
     scene.arm()
+    assert len(scene.sent) == 1, "another planner is there"
     scene.planners = 0
     scene.halt.watch()
     assert len(scene.sent) == 2, "and stops the robot for the next one, too"
+
+
+def test_a_planner_that_was_started_anew_knows_of_no_motion(scene: Scene) -> None:
+    scene.arm()
+    scene.go_on(5.0, armed=True)
+    scene.go_on(1.0)
+    scene.arm(False)
+    assert len(scene.sent) == 1
+    scene.go_on(10.0)
+    scene.arm(False)
+    assert len(scene.sent) == 1
+    scene.arm()
+    scene.arm(False)
+    assert (len(scene.sent), scene.offered) == (1, 0)
 
 
 @pytest.mark.parametrize("false", [1, 2])
