@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
 import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
 from geometry_msgs.msg import PointStamped
+from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 
 from ros.bodies import ODD, ODD_SHOE, nao
@@ -59,6 +62,56 @@ def test_joints_that_do_not_match_are_told_once(world: World) -> None:
     assert status.level == b"\x02"
     world.stop("model")
     assert world.output("model").count("needs joint(s)") == 1
+
+
+def test_a_second_sender_is_a_warning_until_it_contradicts(world: World) -> None:
+    world.start("model")
+    com = world.hear(PointStamped, "shoe/model/com", qos.LIVE)
+    own = world.publisher(JointState, "joint_states")
+    other = world.companion("player").create_publisher(JointState, "joint_states", qos.RAW)
+    same, away = message(0).position, [0.5 * angle for angle in nao().upper]
+    stamp, count = [10**9], 0
+
+    def tell(publisher: Publisher, angles: Sequence[float]) -> None:
+        stamp[0] += 5_000_000
+        names = nao().joint_names
+        publisher.publish(joints_to_ros(JointSample(stamp[0], names, np.array(angles))))
+
+    def told(subject: str, text: str, angles: Sequence[float]) -> DiagnosticStatus:
+        def hear() -> bool:
+            tell(own, same)
+            tell(other, angles)
+            status = world.diagnosis("model", subject)
+            return status is not None and text in status.message
+
+        world.until(hear)
+        return world.diagnosis("model", subject)
+
+    def used() -> None:
+        count = len(com)
+
+        def comes() -> bool:
+            tell(own, same)
+            return len(com) > count
+
+        world.until(comes)
+
+    status = told("peers", "publish /joint_states; where they tell the same joints", same)
+    assert "'/player'" in status.message
+    assert status.level == b"\x01"
+    assert told("joints", "joint angles come", same).level == b"\x00"
+    used()
+    status = told("joints", "joint angles run to and fro", away)
+    assert "'/player'" in status.message
+    assert status.level == b"\x02"
+    for index in range(60):
+        tell(own, same)
+        tell(other, away)
+        world.until(lambda: True)
+        # What was under way comes first.
+        count = len(com) if index < 10 else count
+    assert len(com) == count, "nothing is made of either"
+    used()
 
 
 def test_names_follow_namespaces_and_remapping(world: World) -> None:
