@@ -17,7 +17,7 @@ soon a silence is told with the defaults is shown by `stale-inputs`, not here.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -192,15 +192,24 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
             suite.calibrate(first).cancel()
     except AssertionError as error:
         why = f"{node} killed while {stage}: {' '.join(str(error).split())[:150]}"
+    return judged(found, count, why)
+
+
+def judged(found: Sequence[Try], count: int, why: str) -> Result:
+    """What some tries came to.
+
+    Args:
+        found: those that came to their end.
+        count: tries that were asked for.
+        why: what ended the next one, or else the calibration after the last; empty: nothing.
+    """
     failed = {number for number, one in enumerate(found) if one.rest_s > REST_S}
-    tried = len(found)
-    if why:
-        # Where only the calibration after the last kill did not come about, that one has failed.
-        failed.add(min(tried, count - 1))
-        tried += 1
     worst = max(found, key=lambda one: one.rest_s, default=None)
-    told = why or ("" if worst is None else worst.told)
-    return Result(min(tried, count), len(failed), told, worst.rest_s if worst and not why else 60.0)
+    if why or worst is None:
+        # Where all came to their end, no new start worked after the last.
+        last = min(len(found), count - 1)
+        return Result(last + 1, len(failed | {last}), why, LONG_S)
+    return Result(len(found), len(failed), worst.told, worst.rest_s)
 
 
 ROW = Row(
