@@ -102,7 +102,7 @@ def _set_calibration(rng: np.random.Generator) -> Case:
         "no cells": lambda: setattr(made, "channel", []),
         "id": lambda: setattr(made, "id", _pick(rng, (*TEXTS[:2], *TEXTS[3:5]))),
         "source": lambda: setattr(made, "source", _pick(rng, (*TEXTS[:2], *TEXTS[3:5]))),
-        "reasons": lambda: setattr(made, "reasons", ["x"] * 100_000),
+        "reasons": lambda: setattr(made, "reasons", _pick(rng, (["x"] * 100_000, [TEXTS[4]]))),
         "fitted_runs": lambda: setattr(made, "fitted_runs", [TEXTS[1]]),
         "verdict": lambda: setattr(made, "verdict", _pick(rng, ("", "FAIL", "pass", TEXTS[1]))),
         "format": lambda: setattr(made, "format", _pick(rng, (0, 2, 2**32 - 1))),
