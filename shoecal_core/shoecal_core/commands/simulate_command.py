@@ -73,6 +73,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             seed=args.seed,
             robot_seed=args.seed if args.robot_seed is None else args.robot_seed,
             own_steps=args.own_steps,
+            drawn=args.stance is None,
         )
         session = simulate_session(plan, args.out, progress)
     runs = [

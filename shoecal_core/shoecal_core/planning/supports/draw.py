@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,8 @@ _TRIES = 25
 """Double supports tried for each one wanted; a robot that stands in fewer is hardly fit for it."""
 _TOLD = 20
 """Tries from word to word."""
+_OTHERS = 10
+"""Double supports that may stand in for one in which a motion cannot be done."""
 _POOLS = 3
 """How often the pool of double supports is enlarged before the range is given up."""
 
@@ -115,6 +117,29 @@ def draw_supports(
     if settings.support_choice == "spread":
         return _draw_spread(shoe, search, count, generator)
     return _draw_design(shoe, search, count, generator)
+
+
+def other_supports(
+    robot: Robot, settings: PlannerSettings, taken: Collection[DoubleSupport], seed: int
+) -> Iterator[DoubleSupport]:
+    """Further double supports, for what cannot be done in one that was drawn.
+
+    The same ones in the same order for the same seed; a few, and fewer where the range holds
+    hardly any.
+
+    Args:
+        robot, settings: who visits them.
+        taken: double supports that are none of them.
+        seed: of the draw.
+    """
+    feasible = Feasible(robot, settings)
+    untried = feasible.shuffled(np.random.default_rng([seed, 1]))
+    usable = (
+        support
+        for support in itertools.islice(untried, _TRIES * _OTHERS)
+        if support not in taken and feasible.can_stand(support)
+    )
+    yield from itertools.islice(usable, _OTHERS)
 
 
 def _draw_spread(

@@ -15,8 +15,8 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.posture import StanceSolver, UnreachableError
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports.draw import UnobservableError, draw_supports
-from shoecal_core.planning.supports.feasible import SupportRangeError
+from shoecal_core.planning.supports.draw import UnobservableError, draw_supports, other_supports
+from shoecal_core.planning.supports.feasible import Feasible, SupportRangeError
 from shoecal_core.planning.supports.observability import Visit, best_rank, information, rank
 
 SETTINGS = PlannerSettings()
@@ -127,3 +127,21 @@ def test_ranges_too_small_are_refused(nao: Body) -> None:
         draw_supports(colliding, nao.shoe, SETTINGS, 1, 0)
     with pytest.raises(ShoecalError, match="at least one"):
         draw_supports(nao.robot, nao.shoe, SETTINGS, 0, 0)
+
+
+def test_others_are_usable_few_and_the_same_for_a_seed(nao: Body) -> None:
+    taken = draw_supports(nao.robot, nao.shoe, QUICK, 1, 5)
+    first, second = (
+        list(itertools.islice(other_supports(nao.robot, QUICK, taken, 5), 2)) for _ in range(2)
+    )
+    assert first == second
+    assert len({*first, *taken}) == 3
+    feasible = Feasible(nao.robot, QUICK)
+    assert all(feasible.can_stand(support) for support in first)
+    assert first[1:] == list(itertools.islice(other_supports(nao.robot, QUICK, first[:1], 5), 1))
+
+
+def test_where_there_are_no_others_the_search_ends(nao: Body) -> None:
+    place = (0.08, -0.16, 0.416)
+    tight = narrowed(nao.robot, lower=place, upper=place)
+    assert list(other_supports(tight, SETTINGS, (), 1)) == []
