@@ -5,9 +5,9 @@ It moves at once to where it is told to be, and tells so as that driver does.
 
 from __future__ import annotations
 
-import contextlib
 import importlib
 import math
+import signal
 import sys
 import threading
 import time
@@ -17,8 +17,9 @@ from typing import Any
 import rclpy
 from rclpy.action import ActionServer, CancelResponse, GoalResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
+from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
@@ -184,13 +185,19 @@ KINDS = {
 
 
 def main() -> None:
-    rclpy.init()
+    # The threads leave before the middleware does.
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    asked_to_end = threading.Event()
+    signal.signal(signal.SIGINT, lambda *_: asked_to_end.set())
     kind = next(word for word in sys.argv if word.startswith("kind:="))
     robot = KINDS[kind.removeprefix("kind:=").strip('"')]()
     executor = MultiThreadedExecutor(4)
     executor.add_node(robot)
-    with contextlib.suppress(KeyboardInterrupt, ExternalShutdownException):
-        executor.spin()
+    while not asked_to_end.is_set():
+        executor.spin_once(timeout_sec=0.1)
+    executor.shutdown()
+    robot.destroy_node()
+    rclpy.shutdown()
 
 
 if __name__ == "__main__":
