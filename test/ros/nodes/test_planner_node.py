@@ -226,6 +226,20 @@ def test_cancelling_and_disarming_stop_the_robot(simulated: World) -> None:
         assert len(commands.last.points) == 1, "a hold"
 
 
+def test_without_a_job_too_a_robot_whose_planner_is_killed_comes_to_rest(simulated: World) -> None:
+    folders = {name: simulated.folder / name for name in ("state_dir", "sessions_dir")}
+    simulated.start("calibrator", {"use_sim_time": True, **folders})
+    simulated.until_told("calibrator", "joints", "joints come")
+    commands = simulated.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    goal = plan(simulated, send=True)
+    simulated.until(partial(is_moving, goal))
+    simulated.kill("planner")
+    simulated.until(lambda: len(commands.last.points) == 1)
+    until_still(simulated)
+    assert len(commands) == 2
+    simulated.until(lambda: "the planner is gone" in simulated.output("calibrator"))
+
+
 def test_a_streamed_motion_is_planned_from_where_the_robot_is(simulated: World) -> None:
     commands = simulated.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
     result = plan(simulated, send=True, stream=True).result(200.0)
