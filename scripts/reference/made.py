@@ -25,7 +25,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPo
 
 from shoecal_core.settings import Settings
 from shoecal_ros import nodes
-from shoecal_ros.common.runtime import ShoecalNode
+from shoecal_ros.common.node import ShoecalNode
 
 NOT_SHOWN = ("/rosout", "/parameter_events", "/tf")
 """What every node of ROS has, and what is there only where tf2_msgs is installed."""

@@ -26,8 +26,9 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.settings import Settings, setting
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import voltages_from_ros
+from shoecal_ros.common.node import ShoecalNode
+from shoecal_ros.common.process import run
 from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.common.runtime import ShoecalNode, run
 from shoecal_ros.inputs.joining import FrameJoiner, Joined
 from shoecal_ros.inputs.voltages import VoltageInput
 

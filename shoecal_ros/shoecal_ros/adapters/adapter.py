@@ -17,8 +17,8 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_from_ros
 from shoecal_ros.common.health import Level
 from shoecal_ros.common.hold import is_hold
+from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.common.runtime import ShoecalNode
 from shoecal_ros.inputs.armed_input import ArmedInput
 from shoecal_ros.inputs.joints import JointInput
 

@@ -21,7 +21,7 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import calibration_from_ros, calibration_to_ros, time_to_ros
 from shoecal_ros.common.health import Level
 from shoecal_ros.common.refusal import RefusedError, faults_refused
-from shoecal_ros.common.runtime import aside, until
+from shoecal_ros.common.waiting import aside, until
 
 if TYPE_CHECKING:
     from shoecal_ros.nodes.calibrator import Calibrator

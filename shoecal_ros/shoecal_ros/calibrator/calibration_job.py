@@ -15,7 +15,7 @@ from shoecal_ros.calibrator import solving_work
 from shoecal_ros.calibrator.job import Job, Site
 from shoecal_ros.calibrator.run_series import RunSeries, make_session
 from shoecal_ros.common.actions import Pacing
-from shoecal_ros.common.runtime import aside
+from shoecal_ros.common.waiting import aside
 from shoecal_ros.common.worker import Worker
 
 DRAW_SHARE, SOLVE_SHARE = 0.04, 0.06

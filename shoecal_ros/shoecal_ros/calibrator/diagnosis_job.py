@@ -21,7 +21,7 @@ from shoecal_ros.calibrator.proposals import by_hand, how_to_go_on, proposal
 from shoecal_ros.calibrator.run_series import RunSeries, make_session
 from shoecal_ros.common.actions import Pacing
 from shoecal_ros.common.refusal import RefusedError
-from shoecal_ros.common.runtime import aside
+from shoecal_ros.common.waiting import aside
 from shoecal_ros.common.worker import Worker
 
 DRAW_PART, DIAGNOSE_PART = 0.2, 1.0

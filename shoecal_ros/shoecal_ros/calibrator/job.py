@@ -24,7 +24,7 @@ from shoecal_ros.calibrator.recorder import Recorder
 from shoecal_ros.common.actions import NotSentError, do_action
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.common.runtime import until
+from shoecal_ros.common.waiting import until
 from shoecal_ros.common.worker import Work
 from shoecal_ros.inputs.stillness import Stillness
 

@@ -13,7 +13,7 @@ from shoecal_core.calibration.rezero import Rezeroed, rezero
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.planning.supports.polygon_error import PolygonError, polygon_error
 from shoecal_ros.common.refusal import RefusedError, faults_refused
-from shoecal_ros.common.runtime import aside, until
+from shoecal_ros.common.waiting import aside, until
 from shoecal_ros.inputs.joining import Joined
 from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.inputs.standstill import UNREST_N, Standstill

@@ -17,7 +17,7 @@ from shoecal_ros.calibrator.job import Codes, Job, Site
 from shoecal_ros.calibrator.proposals import planned_as
 from shoecal_ros.common.conversions import support_to_ros
 from shoecal_ros.common.refusal import RefusedError
-from shoecal_ros.common.runtime import aside, until
+from shoecal_ros.common.waiting import aside, until
 
 REACH_ACTION, PLAN_ACTION = "robot/reach_support", "shoe/plan"
 REACH_SHARE, PLAN_SHARE = 0.1, 0.3

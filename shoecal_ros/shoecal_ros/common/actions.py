@@ -13,7 +13,8 @@ from rclpy.task import Future
 
 from shoecal_core.errors import ShoecalError
 from shoecal_ros.common.health import Level
-from shoecal_ros.common.runtime import ShoecalNode, until
+from shoecal_ros.common.node import ShoecalNode
+from shoecal_ros.common.waiting import until
 
 ANSWER_S = 10.0
 """Wall-clock time in which a server must answer a request, or end what it was told to stop."""

@@ -11,7 +11,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_ros.common.health import Level
 
 if TYPE_CHECKING:
-    from shoecal_ros.common.runtime import ShoecalNode
+    from shoecal_ros.common.node import ShoecalNode
 
 
 class RefusedError(ShoecalError):

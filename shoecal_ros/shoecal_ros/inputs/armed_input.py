@@ -9,7 +9,7 @@ from typing import Any
 from std_msgs.msg import Bool
 
 from shoecal_ros.common import qos
-from shoecal_ros.common.runtime import ShoecalNode
+from shoecal_ros.common.node import ShoecalNode
 
 LEASE_S = 2.0
 """Who says again and again that the robot is armed has gone when it does not for that long."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from shoecal_ros.common.runtime import ShoecalNode
+from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.inputs.last_heard import LastHeard
 
 LEAST_S = 1e-3

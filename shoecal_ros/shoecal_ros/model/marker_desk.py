@@ -26,7 +26,7 @@ from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.model.scene_markers import FootSeen, SceneMarkers, Seen
 
 if TYPE_CHECKING:
-    from shoecal_ros.common.runtime import ShoecalNode
+    from shoecal_ros.common.node import ShoecalNode
 
 TOPIC = "shoe/markers"
 FRESH_S = 0.5

@@ -46,9 +46,10 @@ from shoecal_ros.calibrator.run_series import PLAN_ACTION, REACH_ACTION
 from shoecal_ros.calibrator.self_calibration import SelfCalibrationDesk
 from shoecal_ros.common import qos
 from shoecal_ros.common.health import Condition, Level
+from shoecal_ros.common.node import ShoecalNode
+from shoecal_ros.common.process import run
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.common.runtime import ShoecalNode, run
 from shoecal_ros.inputs.armed_input import ArmedInput
 from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import FrameJoiner

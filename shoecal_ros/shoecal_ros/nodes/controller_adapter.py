@@ -19,7 +19,7 @@ from shoecal_ros.adapters.foreign import foreign
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.hold import STOP_TIME_S, hold
-from shoecal_ros.common.runtime import run
+from shoecal_ros.common.process import run
 
 LATE_S = 1.0
 """For so long after its time a motion may go on: a topic does not tell when it has ended."""

@@ -16,8 +16,9 @@ from shoecal_core.settings import Settings, setting
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import BASE_LINK, SOLES, header_to_ros, point_to_ros
 from shoecal_ros.common.health import Level
+from shoecal_ros.common.node import ShoecalNode
+from shoecal_ros.common.process import run
 from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.common.runtime import ShoecalNode, run
 from shoecal_ros.inputs.joints import JointInput
 from shoecal_ros.model.marker_desk import MarkerDesk
 

@@ -16,7 +16,7 @@ from shoecal_ros.adapters.lola import NUMBERS, numbered
 from shoecal_ros.adapters.streaming_adapter import StreamingAdapter
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import header_to_ros
-from shoecal_ros.common.runtime import run
+from shoecal_ros.common.process import run
 
 
 @dataclass(frozen=True)

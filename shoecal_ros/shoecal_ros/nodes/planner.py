@@ -27,9 +27,10 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.actions import finish
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.health import Level
+from shoecal_ros.common.node import ShoecalNode
+from shoecal_ros.common.process import run
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.common.runtime import ShoecalNode, run
 from shoecal_ros.common.worker import Worker
 from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.joints import JointInput

@@ -37,9 +37,11 @@ from shoecal_ros.common.conversions import (
 )
 from shoecal_ros.common.health import Level
 from shoecal_ros.common.hold import STOP_TIME_S, hold, is_hold
+from shoecal_ros.common.node import ShoecalNode
+from shoecal_ros.common.process import run
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.common.runtime import ShoecalNode, run, until
+from shoecal_ros.common.waiting import until
 from shoecal_ros.inputs.armed_input import ArmedInput
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info

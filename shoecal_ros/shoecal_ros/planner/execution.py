@@ -21,7 +21,7 @@ from shoecal_core.planning.posture import UnreachableError
 from shoecal_core.planning.timing import TimingError
 from shoecal_ros.common.hold import hold
 from shoecal_ros.common.refusal import RefusedError
-from shoecal_ros.common.runtime import until
+from shoecal_ros.common.waiting import until
 from shoecal_ros.common.worker import Work
 from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.planner.following import Follower, Look, Verdict

@@ -8,7 +8,7 @@ from std_msgs.msg import Bool
 
 from ros.clock import Clock
 from shoecal_ros.common import qos
-from shoecal_ros.common.runtime import ShoecalNode
+from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.inputs.armed_input import LEASE_S, ArmedInput
 
 

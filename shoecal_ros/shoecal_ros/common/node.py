@@ -1,54 +1,40 @@
-"""What every node shares: its process, parameters, health, waiting and lean subscriptions."""
+"""What every node shares: parameters, health, its log and lean subscriptions."""
 
 from __future__ import annotations
 
 import contextlib
-import gc
 import inspect
-import signal
-import sys
-import threading
-import time
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from difflib import get_close_matches
 from functools import partial
-from pathlib import Path
 from typing import Any, TypeVar
 
-import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.clock import Clock, ClockType
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.service import Service
-from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 
-from shoecal_core.errors import ShoecalError
 from shoecal_core.settings import SettingError, Settings, describe, from_values
 from shoecal_ros.common import qos
 from shoecal_ros.common.health import Health, Level
-from shoecal_ros.common.log_pipe import log_pipe
 from shoecal_ros.common.peers import Peers
 from shoecal_ros.common.quick_thread import BATCH, QuickThread, drained
 from shoecal_ros.common.roll_call import RollCall, farewell
 from shoecal_ros.common.turn import Turn
 
 S = TypeVar("S", bound=Settings)
-T = TypeVar("T")
 
 WATCH_S = 0.1
 """Period of the wall-clock watch: bounds how late a time-out is noticed."""
 REPORT_S = 1.0
 """Period of diagnostics."""
-SWITCH_S = 5e-4
-"""For so long one thread may keep Python from another that waits."""
 ANSWERS = 30
 """Requests that one service answers likewise."""
 _BY_ROS = "qos_overrides."
@@ -305,111 +291,3 @@ class ShoecalNode(Node):
             for subject, condition in self.health.conditions.items()
         ]
         self._diagnostics.publish(array)
-
-
-class _Pause:
-    """Lets everything else run once: the executor resumes a job whenever it has woken up."""
-
-    def __await__(self) -> Generator[None, None, None]:
-        yield
-
-
-async def until(condition: Callable[[], bool], timeout_s: float) -> bool:
-    """Wait for a condition that callbacks of this node bring about; whether it came in time.
-
-    It is looked at whenever the node wakes up: at every message, and every WATCH_S.
-
-    Args:
-        condition: cheap.
-        timeout_s: wall-clock time.
-    """
-    deadline = time.monotonic() + timeout_s
-    while not condition():
-        if time.monotonic() > deadline:
-            return False
-        await _Pause()
-    return True
-
-
-async def aside(work: Callable[[], T]) -> T:
-    """What a pure function gives that takes up to a second: everything else goes on meanwhile."""
-    found: list[T] = []
-    errors: list[Exception] = []
-
-    def do() -> None:
-        try:
-            found.append(work())
-        except Exception as error:  # noqa: BLE001 (raised again for who waits)
-            errors.append(error)
-
-    thread = threading.Thread(target=do, daemon=True, name="aside")
-    thread.start()
-    while not await until(lambda: not thread.is_alive(), REPORT_S):
-        pass
-    if errors:
-        raise errors[0]
-    return found[0]
-
-
-class _EndAsked:
-    """Whether Ctrl-C was pressed or the process told to end; at the second time it does at once.
-
-    Nothing is interrupted in its middle: every node wakes up each WATCH_S and then ends.
-    """
-
-    def __init__(self) -> None:
-        self.to_end = False
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._ask)
-
-    def _ask(self, number: int, frame: object) -> None:
-        del number, frame
-        if self.to_end:
-            raise KeyboardInterrupt
-        self.to_end = True
-
-
-def run(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None = None) -> int:
-    """A node's process; its exit code."""
-    try:
-        with log_pipe():
-            _live(make_node, args)
-    except ShoecalError as error:
-        print(f"{Path(sys.argv[0]).stem}: {error}", file=sys.stderr, flush=True)
-        return 1
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    return 0
-
-
-def _live(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None) -> None:
-    """Make a node and let it work until it is asked to end; whatever it ends with is raised."""
-    node: ShoecalNode | None = None
-    try:
-        # The node ends before the middleware does: it may have to stop a robot yet.
-        rclpy.init(
-            args=None if args is None else list(args),
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
-        asked = _EndAsked()
-        node = make_node()
-        node.check_overrides()
-        node.seal()
-        executor = SingleThreadedExecutor()
-        executor.add_node(node)
-        sys.setswitchinterval(SWITCH_S)
-        # What stands by now stays: looking through it again and again would hold messages up.
-        gc.collect()
-        gc.freeze()
-        node.quick.start()
-        while rclpy.ok() and not asked.to_end:
-            handler, _, _ = executor.wait_for_ready_callbacks()
-            with node.turn:
-                handler()
-            handler.result()  # raises what it ended with
-            if node.quick.error is not None:
-                raise node.quick.error
-    finally:
-        if node is not None:
-            node.end()
-        rclpy.try_shutdown()

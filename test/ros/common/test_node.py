@@ -6,7 +6,7 @@ import pytest
 import rclpy
 from rclpy.parameter import Parameter
 
-from shoecal_ros.common.runtime import ShoecalNode
+from shoecal_ros.common.node import ShoecalNode
 
 
 @pytest.fixture
