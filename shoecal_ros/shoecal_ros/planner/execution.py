@@ -89,9 +89,10 @@ class Execution:
         if not self._order.sends:
             return
         self._check_armed()
-        missing = self._mover.listeners.missing
-        if missing:
-            raise RefusedError(Plan.Result.NOT_FOLLOWED, f"not begun: {missing}")
+        listeners = self._mover.listeners
+        listeners.look()
+        if listeners.missing:
+            raise RefusedError(Plan.Result.NOT_FOLLOWED, f"not begun: {listeners.missing}")
         moving = self._mover.moving
         concern = hot(self._mover.senses, moving.hot_degc - moving.cool_by)
         if concern is not None:

@@ -127,6 +127,7 @@ def test_bad_goals(still: World, goal: dict[str, object], problem: str) -> None:
 
 def test_a_robot_that_does_not_follow_is_told_to_hold(still: World) -> None:
     commands = still.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    still.until_told("planner", "commands", "goes to 'tester'")
     arm(still)
     result = plan(still, send=True).result()
     assert result.error_code == Plan.Result.NOT_FOLLOWED
