@@ -1,7 +1,7 @@
 """Long work in a process of its own: the node goes on answering, and can stop it.
 
 The child is started by module name, so nothing of the node's program is imported again; it
-ends by itself when the node is gone.
+ends by itself, at once, when the node is gone.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
+import select
 import signal
 import subprocess
 import sys
@@ -230,6 +231,17 @@ def _answer(
         )
 
 
+def _end_with(node: int) -> None:
+    """Once the node has ended, killed perhaps, end amid any work, with all that it has started."""
+    node_ends = os.pidfd_open(node)
+
+    def wait() -> None:
+        select.select([node_ends], [], [])
+        os.killpg(0, signal.SIGKILL)
+
+    threading.Thread(target=wait, daemon=True, name="node").start()
+
+
 def main() -> None:
     """The child process."""
     # An interrupt from the terminal is for the node, which ends this process.
@@ -238,4 +250,5 @@ def main() -> None:
     # does it share the priority of a node that runs in real time.
     os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
     os.nice(NICE)
+    _end_with(os.getppid())
     _serve(Connection(int(sys.argv[1])))

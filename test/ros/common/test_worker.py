@@ -130,12 +130,13 @@ def test_closing_ends_what_its_work_has_started(
     wait_for_end(work.progress)
 
 
-def test_the_child_ends_when_its_node_is_killed() -> None:
+@pytest.mark.parametrize("task", ["wait_for_end", "hang", "hang_together"])
+def test_the_child_ends_when_its_node_is_killed(task: str) -> None:
     program = (
         "import sys, time\n"
         "from ros.common import worker_tasks\n"
         "from shoecal_ros.common.worker import Worker\n"
-        "work = Worker(lambda: None).do(worker_tasks.wait_for_end)\n"
+        f"work = Worker(lambda: None).do(worker_tasks.{task})\n"
         "while not work.progress: time.sleep(0.01)\n"
         "print(work.progress, flush=True)\n"
         "time.sleep(1000)\n"

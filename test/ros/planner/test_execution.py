@@ -61,7 +61,7 @@ class Scene:
         self.arming = Arming(10.0, clock)
         self.arming.set(True)
         self.told_s = 0.0
-        self.listeners = SimpleNamespace(missing="")
+        self.listeners = SimpleNamespace(missing="", look=lambda: None)
         self._joints = SimpleNamespace(latest=self._batch(ANGLES), problem="")
         self.mover = cast(
             Mover,
