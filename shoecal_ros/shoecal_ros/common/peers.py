@@ -16,6 +16,9 @@ from shoecal_ros.common.health import Condition, Level
 OTHERS_TOPICS = ("/rosout", "/parameter_events", "/diagnostics")
 """Of all nodes there are."""
 
+_NO_NAME = "_NODE_NAME_UNKNOWN_"
+"""What the middleware says of an end of a topic whose node it does not know."""
+
 
 class Peers:
     """Looks at one topic at a time: at a high rate that would hold messages up.
@@ -126,4 +129,7 @@ def _misfit(own: TopicEndpointInfo, other: TopicEndpointInfo, topic: str, *, sen
 
 
 def _name(info: TopicEndpointInfo) -> str:
+    """Of a node; whoever starts has none yet, and a program that is no ROS node never has."""
+    if info.node_name == _NO_NAME:
+        return "somebody without a node's name"
     return f"{info.node_namespace.rstrip('/')}/{info.node_name}"

@@ -96,8 +96,9 @@ def test_a_second_sender_is_a_warning_until_it_contradicts(world: World) -> None
 
         world.until(comes)
 
-    status = told("peers", "publish /joint_states; where they tell the same joints", same)
-    assert "'/player'" in status.message
+    # Its name is known a little later than it itself.
+    status = told("peers", "'/player'", same)
+    assert "publish /joint_states; where they tell the same joints" in status.message
     assert status.level == b"\x01"
     assert told("joints", "joint angles come", same).level == b"\x00"
     used()

@@ -13,7 +13,7 @@ from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.bodies import ODD, ODD_SHOE, nao, nao_shoe
-from ros.world import World
+from ros.world import Goal, World
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.truth import read_truth
@@ -34,6 +34,10 @@ def start(world: World, **parameters: object) -> Path:
 
 def arm(world: World) -> None:
     world.publisher(Bool, "shoe/armed", qos.LATCHED).publish(Bool(data=True))
+
+
+def reach(world: World) -> Goal:
+    return world.goal(ReachSupport, "robot/reach_support", ReachSupport.Goal(support=NEAR))
 
 
 def test_joints_readings_clock_and_truth_are_of_one_time(world: World, tmp_path: Path) -> None:
@@ -63,7 +67,9 @@ def test_a_support_is_reached(world: World) -> None:
     joints = world.hear(JointState, "joint_states")
     world.until(lambda: len(joints))
     arm(world)
-    goal = world.goal(ReachSupport, "robot/reach_support", ReachSupport.Goal(support=NEAR))
+    goal = reach(world)
+    while goal.result().error_code == ReachSupport.Result.NOT_ARMED:
+        goal = reach(world)  # it may come before the simulator has heard that it is armed
     result = goal.result()
     assert (result.success, result.error_code) == (True, ReachSupport.Result.OK)
     assert goal.feedback
