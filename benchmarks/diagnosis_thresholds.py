@@ -18,7 +18,7 @@ TIME = "computing time"
 ROBOTS = "robots as they are built"
 MEANT = "what the answer is to mean"
 TRIED = "development sessions"
-LAST = "development sessions, and the blind round below"
+LAST = "development sessions, and the blind round before"
 ORIGINS: Mapping[str, str] = {
     "rate_hz": TIME,
     "walking_rate_hz": TRIED,
