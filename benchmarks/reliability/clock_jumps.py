@@ -7,10 +7,10 @@ nodes: the driver's mapping of the device's time, the calibrator's joining of fr
 file. Nothing may raise; frames keep their order; within a stretch between two jumps the stamps
 differ as the device's counter does, not as the frames arrived; every frame is joined or counted as
 left out, which only those are whose stamps a step back of less than a second puts behind others;
-some time after a jump (the worst is told) they are the host's again. A jump forward of less than
-about half a second looks like frames that are late: stamps keep to the device's time and follow
-some seconds later, by the jump and for a while as if the device's clock drifted; how late is not
-judged then. A run that was recorded meanwhile is read with its times growing, and says what was
+some time after a jump (the worst is told) they are the host's again. A jump forward of little more
+than a tenth of a second may look like frames that are late: stamps keep to the device's time and
+follow some seconds later, by the jump and for a while as if the device's clock drifted; how late is
+not judged then. A run that was recorded meanwhile is read with its times growing, and says what was
 left out.
 """
 
@@ -45,7 +45,7 @@ _SAME_NS = 2_000_000
 _AT_HOST_NS = 20_000_000
 _SET_NS = 10**9
 """A step back by more begins a new order; after a smaller one frames are left out."""
-_LIKE_LATE_NS = 600_000_000
+_LIKE_LATE_NS = 150_000_000
 """A jump forward by less could be frames that are late."""
 _LED_ON_NS = 150_000_000
 """Where one was taken for that, stamps may be corrected so far, or be led on by so much with the
