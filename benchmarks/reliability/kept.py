@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from reliability.row import Progress, Result, Row, merge
 from shoecal_core.errors import FileError
@@ -118,6 +119,6 @@ class Kept:
         return result
 
 
-def _piece(held: dict[str, object]) -> Piece:
+def _piece(held: dict[str, Any]) -> Piece:
     code = held.pop("code", "")
-    return Piece(Result(**held), str(code))  # type: ignore[arg-type]
+    return Piece(Result(**held), str(code))

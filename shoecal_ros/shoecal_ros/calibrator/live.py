@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.recording import schemas
+from shoecal_core.recording.schemas import GOOD
 from shoecal_core.sensing.instant import FootInstant, InstantSensing, Place
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import FEET
@@ -19,7 +19,6 @@ from shoecal_ros.inputs.joining import NO_DATA, Joined
 
 FloatArray = NDArray[np.float64]
 Wrench = tuple[float, float, float]
-GOOD = schemas.GOOD
 
 
 @dataclass(frozen=True)

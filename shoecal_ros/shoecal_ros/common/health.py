@@ -42,6 +42,8 @@ def one_line(text: str) -> str:
     """A text as one line without control characters, and of bounded length."""
     if len(text) > MOST_LETTERS:
         text = text[: MOST_LETTERS - len(_CUT)] + _CUT
+    if text.isprintable():
+        return text
     return "".join(letter if letter.isprintable() else " " for letter in text)
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from rclpy.node import Node
@@ -25,12 +26,11 @@ class Peers:
 
     Attributes:
         alone: resolved names of topics on which nobody else may publish.
-        one_sender: of topics that this node hears and one other node alone should publish.
     """
 
     def __init__(self, node: Node) -> None:
         self.alone: set[str] = set()
-        self.one_sender: set[str] = set()
+        self._one_sender: set[str] = set()
         self._node = node
         self._turn = 0
         self._found: dict[tuple[str, bool], list[str]] = {}
@@ -61,9 +61,18 @@ class Peers:
         if doubtful := self._doubles(end):
             self._doubtful[key] = doubtful
 
-    def senders(self, topic: str) -> list[str]:
-        """Full names of the nodes that publish a topic of this name."""
-        infos = self._node.get_publishers_info_by_topic(self._node.resolve_topic_name(topic))
+    def expect_one_sender(self, topic: str) -> Callable[[], list[str]]:
+        """Tell where several nodes publish what this one hears; gives who does, by full names.
+
+        Args:
+            topic: relative name.
+        """
+        resolved = self._node.resolve_topic_name(topic)
+        self._one_sender.add(resolved)
+        return partial(self._senders, resolved)
+
+    def _senders(self, topic: str) -> list[str]:
+        infos = self._node.get_publishers_info_by_topic(topic)
         return sorted(_name(info) for info in infos)
 
     def _ends(self) -> list[Publisher | Subscription]:
@@ -87,9 +96,9 @@ class Peers:
 
     def _doubles(self, end: Publisher | Subscription) -> str:
         """Several senders of a topic that one should send; empty where there are none."""
-        if isinstance(end, Publisher) or end.topic_name not in self.one_sender:
+        if isinstance(end, Publisher) or end.topic_name not in self._one_sender:
             return ""
-        names = [f"'{name}'" for name in self.senders(end.topic_name)]
+        names = [f"'{name}'" for name in self._senders(end.topic_name)]
         if len(names) < 2:
             return ""
         return (

@@ -23,7 +23,7 @@ SWITCH_S = 5e-4
 class _EndAsked:
     """Whether Ctrl-C was pressed or the process told to end; at the second time it does at once.
 
-    Nothing is interrupted in its middle: every node wakes up each WATCH_S and then ends.
+    Nothing is interrupted in its middle: every node wakes up each `node.WATCH_S` and then ends.
     """
 
     def __init__(self) -> None:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Callable, Generator
 from typing import TypeVar
 
 T = TypeVar("T")
-
-LOOK_S = 1.0
-"""How long one wait for a thread lasts at most; another follows."""
 
 
 class _Pause:
@@ -50,8 +48,7 @@ async def aside(work: Callable[[], T]) -> T:
 
     thread = threading.Thread(target=do, daemon=True, name="aside")
     thread.start()
-    while not await until(lambda: not thread.is_alive(), LOOK_S):
-        pass
+    await until(lambda: not thread.is_alive(), math.inf)
     if errors:
         raise errors[0]
     return found[0]

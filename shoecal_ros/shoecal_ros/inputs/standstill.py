@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.recording.schemas import GOOD
 from shoecal_core.sensing.sensing import Sensing
-from shoecal_ros.calibrator.live import GOOD
 from shoecal_ros.inputs.joining import Joined
 from shoecal_ros.inputs.joints import JointBatch
 

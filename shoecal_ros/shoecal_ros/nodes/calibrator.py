@@ -138,14 +138,8 @@ class Calibrator(ShoecalNode):
         self.robot, self.shoe = self.files.load_robot(), self.files.load_shoe()
         self.kinematics = Kinematics(self.robot)
         silent_s = settings.live_stale_s
-        joints = relative(schemas.JOINT_STATES)
-        self.joints = JointInput(
-            self.robot,
-            settings.stale_s,
-            silent_s=silent_s,
-            senders=partial(self.peers.senders, joints),
-        )
-        self.peers.one_sender.add(self.resolve_topic_name(joints))
+        senders = self.peers.expect_one_sender(relative(schemas.JOINT_STATES))
+        self.joints = JointInput(self.robot, settings.stale_s, silent_s=silent_s, senders=senders)
         self.cells = CellWatch(self.shoe)
         self._apart_since = math.inf
         self.voltages = VoltageInput(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from dataclasses import dataclass
-from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import PointStamped, TransformStamped
@@ -47,13 +46,11 @@ class Model(ShoecalNode):
         robot = files.load_robot()
         self._markers = MarkerDesk(self, robot, files.load_shoe())
         self._kinematics = Kinematics(robot)
-        self._joints = JointInput(
-            robot, settings.stale_s, senders=partial(self.peers.senders, "joint_states")
-        )
+        senders = self.peers.expect_one_sender("joint_states")
+        self._joints = JointInput(robot, settings.stale_s, senders=senders)
         self._com = self.create_publisher(PointStamped, "shoe/model/com", qos.LIVE)
         self._cop = self.create_publisher(PointStamped, "shoe/model/cop", qos.LIVE)
         self.peers.alone |= {self._com.topic_name, self._cop.topic_name}
-        self.peers.one_sender.add(self.resolve_topic_name("joint_states"))
         self._tf = TFMessage and self.create_publisher(TFMessage, "/tf", qos.TRANSFORMS)
         self.subscribe(JointState, "joint_states", self._hear, qos.RAW)
 

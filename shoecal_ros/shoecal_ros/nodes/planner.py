@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import time
 import traceback
-from functools import partial
 from typing import Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -64,10 +63,8 @@ class Planner(ShoecalNode):
         self.moving = self.settings(MovingSettings)
         self.robot = self.files.load_robot()
         self.kinematics = Kinematics(self.robot)
-        self.joints = JointInput(
-            self.robot, self.moving.stale_s, senders=partial(self.peers.senders, "joint_states")
-        )
-        self.peers.one_sender.add(self.resolve_topic_name("joint_states"))
+        senders = self.peers.expect_one_sender("joint_states")
+        self.joints = JointInput(self.robot, self.moving.stale_s, senders=senders)
         self.arming = Arming(self.moving.arm_timeout_s, time.monotonic)
         self.worker = Worker(self.wake)
         self._compiled = self.worker.do(planning_work.prepare, self.files, self.planning)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -19,6 +20,7 @@ from shoecal_core.planning.menu import PUT_DOWN
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.posture import UnreachableError
 from shoecal_core.planning.timing import TimingError
+from shoecal_ros.common.actions import FEEDBACK_S
 from shoecal_ros.common.hold import hold
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.waiting import until
@@ -34,9 +36,7 @@ R = TypeVar("R")
 
 ANSWER_S = 30.0
 """Wall-clock time in which cancelled planning must end."""
-FEEDBACK_S = 0.2
 CURE = "see that the robot's motors are on and that it listens to joint_trajectory"
-_FOREVER_S = 1e9
 
 _CODES: tuple[tuple[type[ShoecalError], int], ...] = (
     (PlanningCanceledError, Plan.Result.CANCELED),
@@ -105,7 +105,7 @@ class Execution:
             RefusedError: when nothing comes out.
         """
         worker = self._mover.worker
-        await until(lambda: self._interrupted or not worker.busy, _FOREVER_S)
+        await until(lambda: self._interrupted or not worker.busy, math.inf)
         self._check_interrupted()
         work = start()
         while not work.done and not self._interrupted:
@@ -255,7 +255,7 @@ class Execution:
         joints = self._mover.joints
         await until(
             lambda: self._interrupted or bool(joints.problem) or joints.latest is not seen,
-            _FOREVER_S,
+            math.inf,
         )
 
     @property

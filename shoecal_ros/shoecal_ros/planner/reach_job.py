@@ -12,10 +12,11 @@ from shoecal_msgs.action import Plan, ReachSupport
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.steps import StepError, require_steps_left
+from shoecal_ros.common.actions import FEEDBACK_S
 from shoecal_ros.common.conversions import support_from_ros
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.planner import planning_work
-from shoecal_ros.planner.execution import FEEDBACK_S, Execution
+from shoecal_ros.planner.execution import Execution
 from shoecal_ros.planner.order import Mover, Order
 
 _CODES: Mapping[int, int] = {

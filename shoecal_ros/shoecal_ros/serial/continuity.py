@@ -21,9 +21,8 @@ class Continuity:
 
         A device time or a sequence that goes back means a restart, but for a time that goes back
         by next to nothing in the very next frame: clocks are read at slightly other moments. The
-        sequence may wrap around, so it goes back when it is nearer behind than ahead, modulo
-        2^32. A device that
-        restarts counts from 0, so its sequence tells how many frames were lost since then.
+        sequence may wrap around, so it goes back when it is nearer behind than ahead, modulo 2^32.
+        A device that restarts counts from 0, so its sequence tells how many frames were lost since.
         """
         last, self._last = self._last, frame
         if last is None:
