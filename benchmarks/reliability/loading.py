@@ -9,7 +9,6 @@ outside the folder that is opened, a child or a connection.
 from __future__ import annotations
 
 import contextlib
-import importlib
 import json
 import os
 import resource
@@ -20,7 +19,7 @@ import sys
 import tempfile
 import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Protocol, TextIO
@@ -48,9 +47,12 @@ _NEVER = {
 }  # fmt: skip
 """Events of the interpreter that no file may cause."""
 
-_WORKER = (
-    "import sys; sys.path[:0] = {path!r}; from reliability import loading; loading.work({order!r})"
-)
+_WORKER = """\
+import sys
+sys.path[:0] = {path!r}
+from reliability import loading, {module}
+loading.work({module}.target, {order!r})
+"""
 
 
 class WrongLoadError(Exception):
@@ -122,19 +124,19 @@ def tries(module: str, first: int, count: int, seed: int) -> Iterator[Try]:
         begun = at
         # What one process leaves behind is nothing for the next.
         with tempfile.TemporaryDirectory(prefix="shoecal-mutants-") as folder:
-            order = {"module": module, "first": at, "last": last, "seed": seed, "folder": folder}
-            for one in _watched(order):
+            order = {"first": at, "last": last, "seed": seed, "folder": folder}
+            for one in _watched(module, order):
                 yield one
                 at = one.index + 1
         if at == begun:
             raise RuntimeError(f"{module}: the process of the mutants tried none")
 
 
-def _watched(order: dict[str, Any]) -> Iterator[Try]:
+def _watched(module: str, order: dict[str, Any]) -> Iterator[Try]:
     """Mutants of one process, to the one that it dies of."""
     paths = [str(Path(__file__).parents[1]), *sys.path]
     process = subprocess.Popen(
-        [sys.executable, "-c", _WORKER.format(path=paths, order=order)],
+        [sys.executable, "-c", _WORKER.format(path=paths, module=module, order=order)],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         stdin=subprocess.DEVNULL,
@@ -186,15 +188,15 @@ def _death(status: int) -> str:
 # In the process of the mutants
 
 
-def work(order: dict[str, Any]) -> None:
-    """Try the mutants of an order; tell of each before and after."""
+def work(make: Callable[[Path], Target], order: dict[str, Any]) -> None:
+    """Try the mutants of an order, of a target that is made here; tell of each before and after."""
     lines = os.fdopen(os.dup(1), "w")
     # Parsers tell their trouble on both; nobody reads it.
     silent = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silent, 1)
     folder = Path(order["folder"])
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    target: Target = importlib.import_module(f"reliability.{order['module']}").target(folder)
+    target = make(folder)
     target.load()
     # What Python says of an exception here is still told; nobody empties the rest.
     sys.stderr = os.fdopen(os.dup(2), "w")

@@ -1,48 +1,106 @@
-"""Which code was tried: a digest of the sources of the suite and of what tries them."""
+"""Which code was tried: a digest of the sources that a row's tries can reach.
+
+Those are the row's module and all that it imports, directly or not, of the suite, of the tests'
+helpers and of this package, and the programs beside them that they start. What starts or loads
+modules by their names may reach anything: it brings the whole suite.
+"""
 
 from __future__ import annotations
 
 import ast
 import hashlib
+import re
+from collections.abc import Iterator
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
-import shoecal_core
-import shoecal_ros
+from pages import ROOT
 
-HERE = Path(__file__).parent
-SUITE = tuple(Path(package.__path__[0]) for package in (shoecal_core, shoecal_ros))
+SUITE = ("shoecal_core", "shoecal_ros")
+PACKAGES = (*SUITE, "ros", "reliability")
+"""Packages whose imports are followed; `ros` is that of the tests, which starts nodes."""
+
+_BY_NAME = re.compile(r'importlib\.import_module|"-m"')
+_BESIDE = re.compile(r'with_name\("(\w+\.py)"\)')
 
 
 def digest(module: str) -> str:
-    """SHA-256 of the sources that a row's module runs with: the suite's, its own, its helpers'."""
-    own = {path.name: hashlib.sha256(path.read_bytes()).hexdigest() for path in used(module)}
-    return hashlib.sha256(repr((_suite(), sorted(own.items()))).encode()).hexdigest()
-
-
-@cache
-def _suite() -> str:
+    """SHA-256 of the sources that a module of this package can reach."""
+    folders = {name: _folder(name) for name in PACKAGES}
     whole = hashlib.sha256()
-    for folder in SUITE:
-        for path in sorted(folder.rglob("*.py")):
-            content = hashlib.sha256(path.read_bytes()).hexdigest()
-            whole.update(f"{folder.name}/{path.relative_to(folder)} {content}\n".encode())
+    for path in sorted(used(f"reliability.{module}")):
+        name = next(name for name, folder in folders.items() if path.is_relative_to(folder))
+        content = hashlib.sha256(path.read_bytes()).hexdigest()
+        whole.update(f"{name}/{path.relative_to(folders[name])} {content}\n".encode())
     return whole.hexdigest()
 
 
 def used(module: str) -> set[Path]:
-    """A module of this package, and those that it imports from it, directly or not."""
+    """Files of a module, by its full name, and of all that it can reach."""
     found: set[Path] = set()
     waiting = {module}
     while waiting:
-        path = HERE / f"{waiting.pop()}.py"
-        if not path.is_file() or path in found:
+        path = _file(waiting.pop())
+        if path is None or path in found:
             continue
         found.add(path)
-        for node in ast.walk(ast.parse(path.read_bytes())):
-            if not isinstance(node, ast.ImportFrom) or node.module is None:
-                continue
-            package, _, inner = node.module.partition(".")
-            if package == HERE.name:
-                waiting |= {inner} if inner else {name.name for name in node.names}
+        waiting |= _reached(path)
+        found |= {path.with_name(program) for program in _BESIDE.findall(path.read_text())}
     return found
+
+
+@cache
+def _reached(path: Path) -> frozenset[str]:
+    """Full names of what a file imports; some are of no module, but of things inside."""
+    text = path.read_text()
+    names = set(_imported(ast.parse(text)))
+    if _BY_NAME.search(text):
+        names |= _suite()
+    inside = {name for name in names if name.partition(".")[0] in PACKAGES}
+    # Whoever imports a module runs the packages around it.
+    return frozenset(around for name in inside for around in _lineage(name))
+
+
+def _imported(tree: ast.Module) -> Iterator[str]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            yield from (f"{node.module}.{name.name}" for name in node.names)
+
+
+def _lineage(name: str) -> Iterator[str]:
+    """`a.b.c`, `a.b` and `a`."""
+    while name:
+        yield name
+        name = name.rpartition(".")[0]
+
+
+def _file(name: str) -> Path | None:
+    """Of a module or a package; None for what is neither."""
+    package, *inner = name.split(".")
+    path = _folder(package).joinpath(*inner)
+    files = (path / "__init__.py", path.with_suffix(".py"))
+    return next((file for file in files if file.is_file()), None)
+
+
+@cache
+def _suite() -> frozenset[str]:
+    """Full names of all modules of the suite."""
+    names = set()
+    for package in SUITE:
+        folder = _folder(package)
+        for path in folder.rglob("*.py"):
+            names.add(".".join((package, *path.relative_to(folder).with_suffix("").parts)))
+    return frozenset(name.removesuffix(".__init__") for name in names)
+
+
+@cache
+def _folder(package: str) -> Path:
+    if package == "ros":  # has no __init__, and not every row has it on its path
+        return ROOT / "test" / "ros"
+    spec = find_spec(package)
+    assert spec is not None
+    assert spec.submodule_search_locations is not None
+    return Path(next(iter(spec.submodule_search_locations)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -10,12 +11,16 @@ from pathlib import Path
 import pytest
 
 import faults
+import shoecal_core
+import shoecal_ros
 from reliability import serial_counter, sources
 from reliability.kept import Kept
 from reliability.page import write_json, write_page
 from reliability.row import Progress, Result, Row, Run, merge
 from reliability.rows import Found, find_rows
 from shoecal_core.errors import FileError
+
+SUITE = [Path(package.__path__[0]) for package in (shoecal_core, shoecal_ros)]
 
 
 class KilledError(Exception):
@@ -152,12 +157,37 @@ def test_results_from_before_codes_were_kept_count_as_other_code(tmp_path: Path)
     assert (kept(tmp_path).result.tried, kept(tmp_path).present) == (25, 15)
 
 
-def test_a_digest_is_of_the_suite_and_of_what_a_row_imports() -> None:
+def test_a_digest_is_of_what_a_row_can_reach() -> None:
     codes = {found.code for found in find_rows().values()}
     assert len(codes) == len(find_rows()), "each has a module of its own"
-    used = {path.name for path in sources.used("mutated_calibrations")}
+    used = {path.name for path in sources.used("reliability.mutated_calibrations")}
     assert {"mutated_calibrations.py", "loading.py", "row.py"} <= used
-    assert "soak.py" not in used
+    assert {"calibration.py", "files.py", "errors.py"} <= used
+    assert used.isdisjoint({"soak.py", "planner.py", "cobs.py"})
+
+
+def test_what_starts_nodes_reaches_the_whole_suite() -> None:
+    used = sources.used("reliability.flood")
+    assert {path for folder in SUITE for path in folder.rglob("*.py")} < used
+    assert {"world.py", "bodies.py", "flood_caller.py"} <= {path.name for path in used}
+
+
+def test_a_row_reaches_what_it_loads() -> None:
+    """Whatever of the suite is loaded when a row is has been counted."""
+    for module in ("serial_random", "killed_saving", "clock_jumps"):
+        program = (
+            f"import sys; from reliability import {module}; "
+            "print(*[m.__file__ for m in sys.modules.values() if getattr(m, '__file__', None)])"
+        )
+        told = subprocess.run(
+            [sys.executable, "-c", program],
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)},
+            capture_output=True, text=True, check=True,
+        )  # fmt: skip
+        loaded = {Path(file) for file in told.stdout.split()}
+        suite = {path for path in loaded for folder in SUITE if path.is_relative_to(folder)}
+        assert suite
+        assert suite <= sources.used(f"reliability.{module}"), module
 
 
 def test_results_of_another_seed_or_no_results_are_refused(tmp_path: Path) -> None:
