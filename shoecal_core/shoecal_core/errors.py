@@ -11,6 +11,20 @@ LONGEST = 2000
 """Letters of a message; what is put into it may be anybody's."""
 
 
+def one_line(text: str) -> str:
+    """A text without line breaks and control characters, its middle left out where too long.
+
+    The end stays: it tells the cure.
+    """
+    if len(text) > LONGEST:
+        half = LONGEST // 2 - 2
+        text = f"{text[:half]} … {text[-half:]}"
+    if text.isprintable():
+        return text
+    line = " ".join(text.splitlines())
+    return "".join(letter if letter.isprintable() else "\ufffd" for letter in line)
+
+
 class ShoecalError(Exception):
     """Root of every error this project raises on purpose.
 
@@ -19,7 +33,7 @@ class ShoecalError(Exception):
     """
 
     def __init__(self, message: str) -> None:
-        super().__init__(_one_line(message))
+        super().__init__(one_line(message))
 
     def __reduce__(self) -> tuple[object, ...]:
         return _revive, (type(self), self.args), self.__dict__
@@ -86,15 +100,6 @@ def error_code(kind: type[ShoecalError]) -> str:
     if kind is ShoecalError:
         return "refused"
     return re.sub(r"(?<!^)(?=[A-Z])", "-", kind.__name__.removesuffix("Error")).lower()
-
-
-def _one_line(message: str) -> str:
-    """A message without line breaks and control characters, its middle left out where too long."""
-    if len(message) > LONGEST:
-        half = LONGEST // 2 - 2
-        message = f"{message[:half]} … {message[-half:]}"
-    line = " ".join(message.splitlines())
-    return line if line.isprintable() else "".join(c if c.isprintable() else "\ufffd" for c in line)
 
 
 def _revive(kind: type[ShoecalError], args: tuple[object, ...]) -> ShoecalError:

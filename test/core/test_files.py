@@ -23,11 +23,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shoecal_core.errors import (
+    LONGEST,
     FileError,
     NameNotFoundError,
     ShapeError,
     ShoecalError,
     VersionError,
+    one_line,
 )
 from shoecal_core.files import (
     MAX_YAML_BYTES,
@@ -472,6 +474,14 @@ def test_an_error_is_one_line_and_crosses_processes_whole(error: ShoecalError) -
     assert type(copy) is type(error)
     assert str(copy) == str(error)
     assert copy.__dict__ == error.__dict__
+
+
+def test_a_text_of_anybody_becomes_one_line_of_bounded_length() -> None:
+    assert one_line("of two\r\nlines, \x1b[2J") == "of two lines, \ufffd[2J"
+    long = one_line("\x00" * 10**6 + "; plug it in again")
+    assert len(long) <= LONGEST
+    assert long.isprintable()
+    assert long.endswith("; plug it in again"), "the cure stays"
 
 
 def test_messages_tell_what_was_expected_and_what_there_is() -> None:

@@ -8,6 +8,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 
+from shoecal_core.errors import one_line
+
 
 class Level(IntEnum):
     """As in diagnostic_msgs/msg/DiagnosticStatus."""
@@ -31,20 +33,6 @@ class Condition:
     level: Level
     message: str
     values: Mapping[str, str] = field(default_factory=dict)
-
-
-MOST_LETTERS = 2000
-"""Of one text: what a peer sends goes into some."""
-_CUT = " ... (cut)"
-
-
-def one_line(text: str) -> str:
-    """A text as one line without control characters, and of bounded length."""
-    if len(text) > MOST_LETTERS:
-        text = text[: MOST_LETTERS - len(_CUT)] + _CUT
-    if text.isprintable():
-        return text
-    return "".join(letter if letter.isprintable() else " " for letter in text)
 
 
 class Health:

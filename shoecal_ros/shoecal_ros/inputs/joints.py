@@ -11,10 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.errors import ShoecalError
+from shoecal_core.errors import ShoecalError, one_line
 from shoecal_core.model.robot import Robot
 from shoecal_ros.common.conversions import time_from_ros
-from shoecal_ros.common.health import one_line
 from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard
 from shoecal_ros.inputs.one_sender import OneSender
 

@@ -8,9 +8,8 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from shoecal_core.errors import ShoecalError
+from shoecal_core.errors import ShoecalError, one_line
 from shoecal_ros.common.conversions import VoltageFrame
-from shoecal_ros.common.health import one_line
 from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import FrameJoiner, Joined
 from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard

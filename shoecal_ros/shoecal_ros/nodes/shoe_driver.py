@@ -14,12 +14,12 @@ import numpy as np
 from rclpy.subscription import Subscription
 from shoecal_msgs.msg import ShoeVoltages
 
-from shoecal_core.errors import ShoecalError
+from shoecal_core.errors import ShoecalError, one_line
 from shoecal_core.settings import Settings, setting
 from shoecal_core.workspace import config_dir
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import VoltageFrame, time_from_ros, voltages_to_ros
-from shoecal_ros.common.health import Level, one_line
+from shoecal_ros.common.health import Level
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
 from shoecal_ros.inputs.voltages import REMEMBER_S
