@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
 from shoecal_ros.common.conversions import VoltageFrame
+from shoecal_ros.inputs.stamps import CLOCK_SET_NS
 
 FloatArray = NDArray[np.float64]
 
@@ -21,10 +22,6 @@ NO_DATA = 2
 _STEPS = 50
 _BACK = 3
 """More steps back of a counter than this in so many: two devices send the same cells."""
-_CLOCK_SET_NS = 1_000_000_000
-"""Stamps that fall back further than this: a clock was set, or simulated time began anew."""
-
-
 _GONE_S = 1.0
 """A source that has sent nothing for so long, by the wall clock, has its cells no longer."""
 _MOST_STREAMS = 64
@@ -142,7 +139,7 @@ class FrameJoiner:
             )
         stamp = frame.stamp_ns
         if stamp <= stream.stamp_ns:
-            if stream.stamp_ns - stamp < _CLOCK_SET_NS:
+            if stream.stamp_ns - stamp < CLOCK_SET_NS:
                 self.left_out += 1
                 return None
             self._restart()

@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.model.robot import Robot
+from shoecal_ros.inputs.stamps import CLOCK_SET_NS
 
 FloatArray = NDArray[np.float64]
 
-CLOCK_SET_NS = 1_000_000_000
-"""Stamps that fall back further than this: a clock was set, or simulated time began anew."""
 SLACK_RAD, SLACK_SPEED = 0.05, 2.0
 """Between two samples a joint moves by no more than this, beside so many times its fastest."""
 UNLIMITED_RAD_S = 10.0
