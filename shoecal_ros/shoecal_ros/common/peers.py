@@ -73,7 +73,7 @@ class Peers:
 
     def _senders(self, topic: str) -> list[str]:
         infos = self._node.get_publishers_info_by_topic(topic)
-        return sorted(_name(info) for info in infos)
+        return sorted(node_name(info) for info in infos)
 
     def _ends(self) -> list[Publisher | Subscription]:
         ends: Sequence[Any] = (*self._node.publishers, *self._node.subscriptions)
@@ -88,7 +88,7 @@ class Peers:
         ours, theirs = (senders, hearers) if sends else (hearers, senders)
         own_name = node.get_fully_qualified_name()
         # As the others see it, too: what a node asks for itself leaves out what is not asked for.
-        own = next((info for info in ours if _name(info) == own_name), None)
+        own = next((info for info in ours if node_name(info) == own_name), None)
         if own is None:
             return []
         found = [line for info in theirs if (line := _misfit(own, info, topic, sends=sends))]
@@ -108,7 +108,7 @@ class Peers:
 
     def _rivals(self, topic: str) -> list[str]:
         """Other publishers of a topic that is this node's alone."""
-        names = [_name(info) for info in self._node.get_publishers_info_by_topic(topic)]
+        names = [node_name(info) for info in self._node.get_publishers_info_by_topic(topic)]
         own = self._node.get_fully_qualified_name()
         if own in names:
             names.remove(own)
@@ -125,19 +125,19 @@ def _misfit(own: TopicEndpointInfo, other: TopicEndpointInfo, topic: str, *, sen
     """Why two ends of a topic hear nothing of each other; empty where they fit."""
     verb = "listens to" if sends else "publishes"
     if other.topic_type != own.topic_type:
-        return f"'{_name(other)}' {verb} {topic} as {other.topic_type}; it is {own.topic_type}"
+        return f"'{node_name(other)}' {verb} {topic} as {other.topic_type}; it is {own.topic_type}"
     offered, requested = (own, other) if sends else (other, own)
     compatible, reason = qos_check_compatible(offered.qos_profile, requested.qos_profile)
     if compatible != QoSCompatibility.ERROR:
         return ""
     why = reason.strip().rstrip(";").removeprefix("ERROR: ")
     return (
-        f"'{_name(other)}' {verb} {topic} with another quality of service ({why}): "
+        f"'{node_name(other)}' {verb} {topic} with another quality of service ({why}): "
         "nothing gets through; give it that of docs/nodes.md"
     )
 
 
-def _name(info: TopicEndpointInfo) -> str:
+def node_name(info: TopicEndpointInfo) -> str:
     """Of a node; whoever starts has none yet, and a program that is no ROS node never has."""
     if info.node_name == _NO_NAME:
         return "somebody without a node's name"

@@ -6,6 +6,7 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from shoecal_ros.common.health import Condition, Level
+from shoecal_ros.common.peers import node_name
 
 RECORDER = "calibrator"
 """Node that listens only to record what is sent."""
@@ -30,7 +31,7 @@ class Listeners:
         """Look who is there: once in a while, for it takes longer than a message."""
         topic = self._publisher.topic_name
         infos = self._node.get_subscriptions_info_by_topic(topic)
-        names = {info.node_name for info in infos} - {RECORDER}
+        names = {node_name(info) for info in infos if info.node_name != RECORDER}
         heard = self._publisher.get_subscription_count() > 0
         self._names = sorted(names) if heard else []
         self.missing = (

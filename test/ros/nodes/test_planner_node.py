@@ -127,7 +127,7 @@ def test_bad_goals(still: World, goal: dict[str, object], problem: str) -> None:
 
 def test_a_robot_that_does_not_follow_is_told_to_hold(still: World) -> None:
     commands = still.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
-    still.until_told("planner", "commands", "goes to 'tester'")
+    still.until_told("planner", "commands", "goes to '/tester'")
     arm(still)
     result = plan(still, send=True).result()
     assert result.error_code == Plan.Result.NOT_FOLLOWED
@@ -150,7 +150,7 @@ def test_nothing_is_sent_while_nobody_listens(still: World) -> None:
     assert "not begun: nobody listens to /joint_trajectory" in result.message
     robot = still.companion("robot")
     robot.create_subscription(JointTrajectoryMsg, "joint_trajectory", print, qos.COMMAND)
-    still.until_told("planner", "commands", "goes to 'robot'")
+    still.until_told("planner", "commands", "goes to '/robot'")
     goal = plan(still, send=True)
     still.until(lambda: goal.done or any(one.phase == "moving" for one in goal.feedback))
     still.dismiss(robot)
