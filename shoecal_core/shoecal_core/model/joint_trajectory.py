@@ -90,6 +90,14 @@ class JointTrajectory:
         positions: FloatArray = self._curve(np.clip(times, self.times[0], self.times[-1]))
         return positions
 
+    def rates(self, times: FloatArray) -> FloatArray:
+        """(..., k) velocities at times (...) [rad/s]; none before the start and after the end."""
+        if len(self.times) == 1:
+            return np.zeros((*np.shape(times), len(self.names)))
+        # At both ends they are zero, as they are beyond.
+        rates: FloatArray = self._curve(np.clip(times, self.times[0], self.times[-1]), nu=1)
+        return rates
+
     @cached_property
     def _curve(self) -> CubicHermiteSpline:
         # Monotone between points: no joint swings beyond what was planned.

@@ -7,15 +7,23 @@ from numpy.typing import NDArray
 
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.robot import Robot
+from shoecal_ros.adapters.coast import Coast
 
 FloatArray = NDArray[np.float64]
 
+STOP_S = 0.4
+"""In which joints come to rest, and in which they pass over to a new trajectory."""
 REPEATED_S = 1.0
 """For so long the last set point is sent again and again, should a message be lost."""
 
 
 class Stream:
     """One trajectory at a time; silent before the first one and after the end of each.
+
+    Whatever happens, no joint's speed jumps. A stop is made on the trajectory itself, whose time
+    runs out ever more slowly: that way has been checked, and a robot on it is in balance. A new
+    trajectory is blended in while joints still run out (`Coast`): both ways keep within limits, and
+    so does whatever lies between them.
 
     Attributes:
         names: joints that are told, in the order of set points.
@@ -25,8 +33,10 @@ class Stream:
         self.names: tuple[str, ...] = ()
         self._robot = robot
         self._trajectory: JointTrajectory | None = None
+        self._coast = _at_rest(robot, robot.posture)
         self._columns = np.zeros(0, dtype=np.int64)
         self._begun_s = 0.0
+        self._stopped_s: float | None = None
 
     @property
     def active(self) -> bool:
@@ -45,35 +55,65 @@ class Stream:
         Raises:
             ShoecalError: for joints that the robot does not have, and beyond limits.
         """
-        start = measured.copy()
-        told = self.at(now_s)
-        if told is not None:
-            start[self._columns] = told
-        self._trajectory = trajectory.full(self._robot, start)
-        self.names = trajectory.names
-        self._columns = np.array([self._robot.joint(name) for name in self.names])
-        self._begun_s = now_s
+        names = trajectory.names
+        coast = _at_rest(self._robot, measured)
+        if self.at(now_s) is not None:
+            coast = Coast.within_limits(self._robot, *self._state(now_s), STOP_S)
+            # Joints that the new one does not name come to rest, too.
+            names += tuple(name for name in self.names if name not in names)
+        self._trajectory = trajectory.full(self._robot, coast.end)
+        self._coast = coast
+        self.names = names
+        self._columns = np.array([self._robot.joint(name) for name in names])
+        self._begun_s, self._stopped_s = now_s, None
 
     def at(self, now_s: float) -> FloatArray | None:
         """(k,) set points at a time [rad]; None where nothing is to be sent."""
         if self._trajectory is None:
             return None
-        elapsed = now_s - self._begun_s
-        if elapsed > self._trajectory.duration + REPEATED_S:
+        if now_s > self._rest_s + REPEATED_S:
             self._trajectory = None
             return None
-        points: FloatArray = self._trajectory.at(np.array(elapsed))[self._columns]
-        return points
+        return self._state(now_s)[0][self._columns]
 
     def under_way(self, now_s: float) -> bool:
         """Whether joints are still told to move."""
-        return self._trajectory is not None and now_s - self._begun_s < self._trajectory.duration
+        return self._trajectory is not None and now_s < self._rest_s
 
     def stop(self, now_s: float) -> None:
-        """Stay at the set points of this moment."""
-        told = self.at(now_s)
-        if told is not None and self._trajectory is not None:
-            angles = self._trajectory.at(np.array(now_s - self._begun_s))[None]
-            names = self._trajectory.names
-            self._trajectory = JointTrajectory(names, np.zeros(1), np.array(angles))
-            self._begun_s = now_s
+        """Come to rest within STOP_S; what comes to rest so already is left to it."""
+        if self.under_way(now_s) and self._stopped_s is None:
+            self._stopped_s = now_s
+
+    @property
+    def _rest_s(self) -> float:
+        """When joints are at rest, monotonic [s]."""
+        assert self._trajectory is not None
+        if self._stopped_s is not None:
+            return self._stopped_s + STOP_S
+        return self._begun_s + max(self._trajectory.duration, STOP_S)
+
+    def _state(self, now_s: float) -> tuple[FloatArray, FloatArray]:
+        """(m,) angles [rad] and speeds [rad/s] that all joints are told."""
+        assert self._trajectory is not None
+        elapsed, pace = self._clock(now_s)
+        run_out, running = self._coast.at(elapsed)
+        followed = self._trajectory.at(np.array(elapsed))
+        following = self._trajectory.rates(np.array(elapsed))
+        done = min(elapsed / STOP_S, 1.0)
+        share, growth = done**2 * (3.0 - 2.0 * done), 6.0 * done * (1.0 - done) / STOP_S
+        angles = run_out + share * (followed - run_out)
+        speeds = running + share * (following - running) + growth * (followed - run_out)
+        return angles, pace * speeds
+
+    def _clock(self, now_s: float) -> tuple[float, float]:
+        """Time on the trajectory [s] and how fast it passes, evenly slower during a stop."""
+        if self._stopped_s is None:
+            return now_s - self._begun_s, 1.0
+        since = min(now_s - self._stopped_s, STOP_S)
+        left = 1.0 - since / STOP_S
+        return self._stopped_s - self._begun_s + 0.5 * STOP_S * (1.0 - left**2), left
+
+
+def _at_rest(robot: Robot, angles: FloatArray) -> Coast:
+    return Coast.within_limits(robot, angles, np.zeros_like(angles), STOP_S)

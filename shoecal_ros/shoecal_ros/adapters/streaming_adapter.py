@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from abc import abstractmethod
 from collections.abc import Sequence
 
@@ -16,10 +17,12 @@ class StreamingAdapter(Adapter):
     def __init__(self, name: str) -> None:
         super().__init__(name)
         self._stream = Stream(self.robot)
+        self._period_s = 0.0
 
     def send_at(self, rate: float) -> None:
         """Begin to send set points this often [Hz]."""
-        self.wall_timer(1.0 / rate, self._send)
+        self._period_s = 1.0 / rate
+        self.wall_timer(self._period_s, self._send)
 
     @abstractmethod
     def send(self, names: Sequence[str], angles: FloatArray) -> None:
@@ -30,10 +33,18 @@ class StreamingAdapter(Adapter):
         self._stream.begin(trajectory, measured, self.now_s)
 
     def stop(self) -> None:
-        """Stay at the last set points, which drivers keep by themselves."""
-        if self._stream.under_way(self.now_s):
-            self._stream.stop(self.now_s)
+        """Come to rest smoothly; drivers keep the last set points by themselves."""
+        self._stream.stop(self.now_s)
+
+    def close(self) -> None:
+        """Leave no robot on its way, on one to hold neither: go on until it has come to rest."""
+        self.stop()
+        while self.context.ok() and self._stream.active:
+            rests = not self._stream.under_way(self.now_s)
             self._send()
+            if rests:
+                break
+            time.sleep(self._period_s)
 
     def _send(self) -> None:
         angles = self._stream.at(self.now_s)

@@ -28,6 +28,15 @@ def test_it_passes_its_points_from_rest_to_rest(points: list[float]) -> None:
     assert between.max() <= max(points) + 1e-9
 
 
+@given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=6), st.floats(-0.5, 3.5))
+def test_rates_are_how_its_places_change(points: list[float], time_s: float) -> None:
+    planned = trajectory(np.linspace(0.0, 3.0, len(points)).tolist(), [[p] for p in points], "a")
+    step = 1e-6
+    ways = planned.at(np.array([time_s - step, time_s + step]))
+    difference = (ways[1] - ways[0]) / (2.0 * step)
+    assert planned.rates(np.array(time_s)) == pytest.approx(difference, abs=1e-3)
+
+
 def test_it_holds_its_ends() -> None:
     planned = trajectory([0.0, 1.0, 2.0], [[0.0], [0.5], [0.4]], "a")
     assert planned.at(np.array([-1.0, 2.0, 99.0]))[:, 0] == pytest.approx([0.0, 0.4, 0.4])

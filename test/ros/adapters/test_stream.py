@@ -4,20 +4,50 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from ros.bodies import nao
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.adapters.foreign import PackageMissingError, foreign
 from shoecal_ros.adapters.lola import NUMBERS, numbered
-from shoecal_ros.adapters.stream import REPEATED_S, Stream
+from shoecal_ros.adapters.stream import REPEATED_S, STOP_S, Stream
 
 KNEE = "LKneePitch"
+STEP_S = 1e-4
+MOST_ACCELERATION = 500.0
+"""rad/s^2; more than the drawn motions have: a jump by 1 rad/s would look like 10,000."""
+UNIT = st.floats(0.0, 1.0)
 
 
 def bend(times: list[float], ways: list[float]) -> JointTrajectory:
     start = nao().posture[nao().joint(KNEE)]
     return JointTrajectory((KNEE,), np.array(times), start + np.array(ways)[:, None])
+
+
+@st.composite
+def drawn_motions(draw: st.DrawFn) -> JointTrajectory:
+    """Some joints between their limits, from where they stand, within 0.5 to 5 s."""
+    robot = nao()
+    names = draw(
+        st.lists(st.sampled_from((KNEE, "RAnkleRoll", "HeadYaw")), min_size=1, unique=True)
+    )
+    columns = [robot.joint(name) for name in names]
+    count = draw(st.integers(1, 6))
+    times = np.linspace(0.0, draw(st.floats(0.5, 5.0)), count + 1)
+    shares = draw(st.lists(st.tuples(*[UNIT] * len(names)), min_size=count, max_size=count))
+    lower, upper = robot.lower[columns], robot.upper[columns]
+    positions = np.vstack((robot.posture[columns], lower + np.array(shares) * (upper - lower)))
+    return JointTrajectory(tuple(names), times, positions)
+
+
+def sampled(stream: Stream, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(T, k) set points."""
+    points = [point for time_s in times if (point := stream.at(float(time_s))) is not None]
+    assert len(points) == len(times)
+    return np.array(points)
 
 
 def test_it_is_silent_before_and_after() -> None:
@@ -46,16 +76,78 @@ def test_a_first_point_that_comes_later_is_moved_to() -> None:
     assert end[0] - start == pytest.approx(0.0)
 
 
-def test_it_stops_where_it_is() -> None:
-    stream = Stream(nao())
-    stream.begin(bend([0.0, 2.0], [0.0, 0.2]), nao().posture, 0.0)
-    here = stream.at(1.0)
-    assert stream.under_way(1.0)
-    stream.stop(1.0)
-    assert not stream.under_way(1.0)
-    for time_s in (1.0, 1.5):
-        assert stream.at(time_s) == pytest.approx(here)
-    assert stream.at(1.1 + REPEATED_S) is None
+def test_it_stops_smoothly_on_its_way() -> None:
+    """From v to rest in STOP_S evenly, which takes half the way of going on."""
+    stream, start = Stream(nao()), nao().posture[nao().joint(KNEE)]
+    speed = 0.1
+    times = np.linspace(0.0, 4.0, 9)
+    stream.begin(bend(times.tolist(), (speed * times).tolist()), nao().posture, 0.0)
+    stream.stop(2.0)
+    assert stream.under_way(2.1)
+    for since in (0.0, 0.1, 0.3, STOP_S, 2.0 * STOP_S):
+        until = min(since, STOP_S)
+        way = speed * (2.0 + until * (1.0 - 0.5 * until / STOP_S))
+        assert stream.at(2.0 + since) == pytest.approx(start + way)
+    assert not stream.under_way(2.0 + STOP_S)
+    assert stream.at(2.1 + STOP_S + REPEATED_S) is None
+
+
+@given(drawn_motions(), UNIT)
+def test_a_stop_stays_on_the_trajectory(motion: JointTrajectory, share: float) -> None:
+    """Each joint passes the places that it would have passed, ever more slowly, and then rests."""
+    streams = [Stream(nao()) for _ in range(2)]
+    for stream in streams:
+        stream.begin(motion, nao().posture, 0.0)
+    stopped, going_on = streams
+    stop_s = share * motion.duration
+    stopped.stop(stop_s)
+    since = np.linspace(0.0, STOP_S, 5)
+    points = sampled(stopped, stop_s + since)
+    assert points == pytest.approx(sampled(going_on, stop_s + since * (1 - 0.5 * since / STOP_S)))
+    rest = points[-1]
+    assert not np.diff(sampled(stopped, stop_s + STOP_S * np.array([1.0, 1.5, 2.0])), axis=0).any()
+    # Told again, nothing changes.
+    for again in (0.5, 1.5):
+        stopped.stop(stop_s + again * STOP_S)
+        assert stopped.at(stop_s + (again + 0.5) * STOP_S) == pytest.approx(rest)
+
+
+@given(drawn_motions(), drawn_motions(), UNIT, st.one_of(st.none(), UNIT))
+def test_a_new_trajectory_is_passed_over_to(
+    old: JointTrajectory, new: JointTrajectory, share: float, stopping: float | None
+) -> None:
+    """On the way or in the midst of a stop: speeds do not jump, and no limit is passed."""
+    robot, stream, now_s = nao(), Stream(nao()), share * old.duration
+    stream.begin(old, robot.posture, 0.0)
+    if stopping is not None:
+        stream.stop(now_s)
+        now_s += stopping * STOP_S
+    earlier = sampled(stream, np.array([now_s - STEP_S, now_s]))
+    stream.begin(new, robot.posture, now_s)
+    assert set(stream.names) == {*old.names, *new.names}
+    told = [stream.names.index(name) for name in old.names]
+    here, soon = sampled(stream, np.array([now_s, now_s + STEP_S]))[:, told]
+    assert here == pytest.approx(earlier[1])
+    assert soon - here == pytest.approx(here - earlier[0], abs=MOST_ACCELERATION * STEP_S**2)
+    points = sampled(stream, np.linspace(now_s, now_s + max(new.duration, STOP_S), 20))
+    columns = [robot.joint(name) for name in stream.names]
+    assert (points >= robot.lower[columns] - 1e-6).all()
+    assert (points <= robot.upper[columns] + 1e-6).all()
+    ends = [stream.names.index(name) for name in new.names]
+    assert points[-1, ends] == pytest.approx(new.positions[-1])
+
+
+def test_a_thousand_trajectories_in_a_second_are_borne() -> None:
+    robot, stream = nao(), Stream(nao())
+    knee = robot.joint(KNEE)
+    places = []
+    for index in range(1000):
+        way = 0.3 if index % 2 else 0.0
+        stream.begin(bend([0.0, 0.5], [0.0, way]), robot.posture, index / 1000)
+        told = stream.at(index / 1000)
+        assert told is not None
+        places.append(told[0] - robot.posture[knee])
+    assert abs(np.diff(places)).max() < 0.01
 
 
 def test_limits_hold() -> None:
