@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
-from rclpy.node import Node
+from rclpy.node import Node, NodeNameNonExistentError
 
 POLICY = Path(__file__).parents[2] / "config/security/shoecal.policy.xml"
 ACTION = "/_action/"
@@ -56,16 +56,19 @@ def allowed() -> dict[str, Rights]:
 
 
 def used(tester: Node, node: str) -> Rights:
-    """What a running node has made, as others see it."""
+    """What a running node has made, as others see it; nothing while it is not known."""
     rights = Rights()
-    for topic, _ in tester.get_publisher_names_and_types_by_node(node, "/"):
-        _sort(topic, rights.publish, rights.execute)
-    for topic, _ in tester.get_subscriber_names_and_types_by_node(node, "/"):
-        _sort(topic, rights.subscribe, rights.call)
-    for service, _ in tester.get_service_names_and_types_by_node(node, "/"):
-        _sort(service, rights.reply, rights.execute)
-    for service, _ in tester.get_client_names_and_types_by_node(node, "/"):
-        _sort(service, rights.request, rights.call)
+    try:
+        for topic, _ in tester.get_publisher_names_and_types_by_node(node, "/"):
+            _sort(topic, rights.publish, rights.execute)
+        for topic, _ in tester.get_subscriber_names_and_types_by_node(node, "/"):
+            _sort(topic, rights.subscribe, rights.call)
+        for service, _ in tester.get_service_names_and_types_by_node(node, "/"):
+            _sort(service, rights.reply, rights.execute)
+        for service, _ in tester.get_client_names_and_types_by_node(node, "/"):
+            _sort(service, rights.request, rights.call)
+    except NodeNameNonExistentError:
+        return Rights()
     return rights
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import signal
 import subprocess
 import sys
@@ -15,14 +16,15 @@ import rclpy
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.action import ActionClient, ActionServer
 from rclpy.executors import SingleThreadedExecutor
-from rclpy.node import Node
+from rclpy.node import Node, NodeNameNonExistentError
 from rclpy.parameter import Parameter
 
+from ros.introduction import Introduction
 from shoecal_core.workspace import ros_environment
 from shoecal_ros.common import qos
 
 TIMEOUT_S = 120.0
-END_S = 20.0
+END_S = 60.0
 
 
 class Heard:
@@ -56,6 +58,8 @@ class World:
         self._executor.add_node(self.node)
         self._companions: dict[str, SingleThreadedExecutor] = {}
         self._heard: dict[str, Heard] = {}
+        self._action_clients: dict[str, ActionClient] = {}
+        self._diagnostics_before: dict[str, int] = {}
 
     # Processes
 
@@ -78,6 +82,8 @@ class World:
         program = ["-m", f"shoecal_ros.nodes.{node}"] if script is None else [str(script)]
         command = [sys.executable, *program, "--ros-args"]
         command += [part for pair in pairs for part in ("-p", pair)]
+        # Of one that had this name before.
+        self._diagnostics_before[name] = len(self._diagnostics.messages)
         with self._log(name).open("wb") as file:
             log = file if told_to is None else told_to
             process = subprocess.Popen(
@@ -147,30 +153,42 @@ class World:
                 executor.spin_once(timeout_sec=0.0)
 
     def publisher(self, kind: type[Any], topic: str, profile: Any = qos.RAW) -> Any:
-        """A publisher that somebody listens to, and that others know of."""
+        """A publisher that somebody else listens to: from now on nothing is lost to him."""
         publisher = self.node.create_publisher(kind, topic, profile)
-        self.until(lambda: publisher.get_subscription_count() > 0)
+        own = sum(one.topic_name == publisher.topic_name for one in self.node.subscriptions)
+        self.until(lambda: publisher.get_subscription_count() > own)
         return publisher
+
+    def until_known_to(self, *nodes: str) -> None:
+        """Wait until nodes know of all subscriptions made so far: from now on these hear them."""
+        for node in nodes:
+            introduction = Introduction(self.node, node)
+            self.until(lambda: introduction.done)  # noqa: B023
+            introduction.end()
 
     def call(self, kind: type[Any], name: str, request: Any) -> Any:
         """Call a service."""
         client = self.node.create_client(kind, name)
         self.until(client.service_is_ready)
+        self._until_known_to_server(name)
         future = client.call_async(request)
         self.until(future.done)
         self.node.destroy_client(client)
         return future.result()
 
     def goal(self, kind: type[Any], name: str, goal: Any) -> Goal:
-        """Send a goal."""
-        client = ActionClient(self.node, kind, name)
+        """Send a goal; nothing of what is told of it is lost."""
+        client = self._action_clients.get(name)
+        if client is None:
+            client = self._action_clients[name] = ActionClient(self.node, kind, name)
         self.until(client.server_is_ready)
+        self._until_known_to_server(f"{name}/_action/send_goal")
         return Goal(self, client, goal)
 
     def diagnosis(self, node: str, subject: str) -> Any:
         """The last diagnostic of a node's subject, None before there was one."""
-        heard = self.hear(DiagnosticArray, "diagnostics", qos.DIAGNOSTICS)
-        for message in reversed(heard.messages):
+        before = self._diagnostics_before.get(node, 0)
+        for message in reversed(self._diagnostics.messages[before:]):
             for status in message.status:
                 if status.name == f"{node}: {subject}":
                     return status
@@ -215,6 +233,26 @@ class World:
             assert codes == dict.fromkeys(codes, 0), {
                 name: self.output(name) for name, code in codes.items() if code
             }
+
+    @property
+    def _diagnostics(self) -> Heard:
+        return self.hear(DiagnosticArray, "diagnostics", qos.DIAGNOSTICS)
+
+    def _until_known_to_server(self, service: str) -> None:
+        """Wait until whoever offers a service knows of its clients: no answer is lost."""
+        while not (node := self._server(service)):
+            self.until(lambda: self._server(service))
+        self.until_known_to(node)
+
+    def _server(self, service: str) -> str:
+        """Full name of a node that offers a service; empty: none is known yet."""
+        wanted = self.node.resolve_service_name(service)
+        for name, namespace in self.node.get_node_names_and_namespaces():
+            with contextlib.suppress(NodeNameNonExistentError):
+                offered = self.node.get_service_names_and_types_by_node(name, namespace)
+                if wanted in dict(offered):
+                    return f"{namespace.rstrip('/')}/{name}"
+        return ""
 
     def _log(self, node: str) -> Path:
         return self.folder / f"{node}.log"
