@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import fields
+from pathlib import Path
 
+import shoecal_ros
+from core.sensing.shoes import ROOT
 from ros.policy import Rights, allowed, policy, used
 from ros.world import World
 from shoecal_core.recording import schemas
+from shoecal_ros.viewers.layouts import shown_by
 
-NODES = ("shoe_driver", "model", "planner", "calibrator", "simulator")
+NODES = ("shoe_driver", "model", "planner", "calibrator", "simulator", "voltage_stream")
+SOURCES = Path(shoecal_ros.__file__).parent
 NOT_ALWAYS = {
     "shoe_driver": {"/shoe/voltages"},  # heard while somebody else sends them, too
     "calibrator": set(schemas.RUN_TOPICS),  # heard while it records; it stops the robot
@@ -65,6 +70,11 @@ def test_no_right_is_a_pattern() -> None:
                 assert name.replace("/", "").replace("_", "").isalnum(), name
 
 
+def test_every_node_has_an_enclave() -> None:
+    nodes = {file.stem for file in SOURCES.glob("nodes/*.py")} - {"__init__"}
+    assert nodes | {"voltage_stream"} | {"robot", "controller", "operator"} == set(allowed())
+
+
 def holders(rule: str, name: str) -> set[str]:
     return {node for node, rights in allowed().items() if name in rights.allow(rule)}
 
@@ -75,6 +85,27 @@ def test_who_may_move_the_robot() -> None:
     assert holders("request", "/shoe/arm") == {"operator"}
     assert holders("call", "/shoe/plan") == {"calibrator", "operator"}
     assert holders("call", "/robot/reach_support") == {"calibrator"}
+
+
+def test_only_its_adapter_may_tell_a_driver() -> None:
+    controller = "/joint_trajectory_controller"
+    assert holders("publish", "/effectors/joint_positions") == {"nao_lola_adapter"}
+    assert holders("publish", "/joint_angles") == {"naoqi_adapter"}
+    assert holders("publish", f"{controller}/joint_trajectory") == {"controller_adapter"}
+    assert holders("call", f"{controller}/follow_joint_trajectory") == {"controller_adapter"}
+
+
+def test_the_operator_may_read_what_viewers_show() -> None:
+    layouts = [file for name in ("foxglove", "plotjuggler", "rviz")
+               for file in (ROOT / "shoecal_ros" / name).iterdir()]  # fmt: skip
+    # The robot's description is published by its own nodes.
+    shown = {one.topic for file in layouts for one in shown_by(file)} - {"/robot_description"}
+    may = allowed()["operator"].subscribe
+    # PlotJuggler writes fields behind a topic.
+    assert {
+        name for name in shown if not any(f"{name}/".startswith(f"{one}/") for one in may)
+    } == set()
+    assert "/shoe/voltages" in allowed()["operator"].subscribe
 
 
 def test_who_may_make_forces() -> None:
@@ -98,6 +129,7 @@ def test_rights_are_what_the_nodes_make(world: World) -> None:
     world.start("model", {"use_sim_time": True})
     world.start("planner", {"use_sim_time": True, "steps": True})
     world.start("calibrator", {"use_sim_time": True, **folders})
+    world.start("voltage_stream", {"use_sim_time": True}, script=SOURCES / "voltage_stream.py")
     expected = allowed()
 
     def missing() -> dict[str, dict[str, set[str]]]:
