@@ -118,8 +118,8 @@ def _pairs() -> Iterator[Pair]:
 def _stored(folder: Path) -> Pair:
     store = CalibrationStore(folder, originals.robot(), originals.shoe())
     problem = store.load(originals.START_NS)
-    if problem:
-        raise ShoecalError(problem)
+    if problem is not None:
+        raise ShoecalError(problem.message)
     return tuple("" if one is None else one.id for one in (store.current, store.before))  # type: ignore[return-value]
 
 

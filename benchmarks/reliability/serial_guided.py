@@ -79,7 +79,7 @@ class ByteSource:
 
     def status(self) -> SourceStatus:
         """Of no port."""
-        return SourceStatus("bytes", True, 0.0, None, self.decoder.counts, 0, None, "")
+        return SourceStatus("bytes", True, 0.0, None, self.decoder.counts, 0, None, None)
 
 
 def read_input(data: bytes) -> None:

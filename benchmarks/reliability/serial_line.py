@@ -125,7 +125,7 @@ class Line:
         while not self.reader.wait(lambda: len(self.reader.readings) > known, PERIOD_S):
             self.sample()
             if time.monotonic() - began > timeout_s:
-                problem = self.reader.driver.status().problem
+                problem = str(self.reader.driver.status().problem)
                 raise BrokenError(f"nothing read for {timeout_s:g} s: {problem}")
         return time.monotonic() - began
 

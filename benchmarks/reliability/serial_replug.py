@@ -59,7 +59,7 @@ def _try(line: Line, rng: random.Random, held: int) -> float:
     line.device.unplug()
     if not line.reader.wait(lambda: not _connected(line), TOLD_S):
         raise BrokenError(f"the loss was not told within {TOLD_S} s")
-    if "plug" not in (problem := line.reader.driver.status().problem):
+    if "plug" not in (problem := str(line.reader.driver.status().problem)):
         raise BrokenError(f"the loss is told as '{problem}'")
     time.sleep(LONGEST_S * rng.random() ** 3)
     before = line.sequence

@@ -86,7 +86,9 @@ def _refused_elsewhere(port: Path) -> None:
 
 def _taken_over(line: Line, second: Reader) -> float:
     try:
-        if not second.wait(lambda: "another program" in second.driver.status().problem, TIMEOUT_S):
+        if not second.wait(
+            lambda: "another program" in str(second.driver.status().problem), TIMEOUT_S
+        ):
             raise BrokenError("the second one does not tell why it does not read")
         line.reader.close()
         began = time.monotonic()

@@ -66,11 +66,11 @@ class VoltageStream(ShoecalNode):
             raise ExternalShutdownException
         problem = self._input.problem
         # For how many seconds already is no news.
-        cause = problem.translate(_NO_DIGITS)
+        cause = "" if problem is None else problem.message.translate(_NO_DIGITS)
         if cause != self._told and time.monotonic() > self._patient_until:
             self._told = cause
-            if problem:
-                _print({"problem": problem})
+            if problem is not None:
+                _print({"problem": problem.message})
         super().watch()
 
     def _hear(self, messages: list[Any]) -> None:

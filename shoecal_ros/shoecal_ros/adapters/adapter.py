@@ -14,8 +14,9 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.common import qos
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import trajectory_from_ros
-from shoecal_ros.common.health import Level
+from shoecal_ros.common.health import Condition
 from shoecal_ros.common.hold import is_hold
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.robot_files import RobotFiles
@@ -46,8 +47,8 @@ class Adapter(ShoecalNode):
         self._arming = ArmedInput(self)
         self._moves = False
         self._disarmings = 0
-        self._refused = ""
-        self.trouble = ""
+        self._refused: Problem | None = None
+        self.trouble: Problem | None = None
         self.subscribe(JointTrajectoryMsg, "joint_trajectory", self._take, qos.COMMAND)
 
     @abstractmethod
@@ -70,7 +71,7 @@ class Adapter(ShoecalNode):
             self._stop()
         problem = self._refused or self.trouble or self.joints.problem
         state = "armed" if armed else "not armed"
-        self.health.tell("robot", Level.ERROR if problem else Level.OK, problem or state)
+        self.health.note("robot", Condition.of(problem, state))
         super().watch()
 
     def close(self) -> None:
@@ -95,19 +96,20 @@ class Adapter(ShoecalNode):
         for message in messages:
             try:
                 self._admit(trajectory_from_ros(message))
-                self._refused = ""
+                self._refused = None
             except ShoecalError as error:
-                self._refused = f"trajectory refused: {error}"
+                told = f"trajectory refused: {error}"
+                self._refused = Problem(Code.TRAJECTORY_REFUSED, told)
 
     def _admit(self, trajectory: JointTrajectory) -> None:
         latest = self.joints.latest
         if latest is None:
-            raise ShoecalError(self.joints.problem)
+            raise ShoecalError(str(self.joints.problem))
         measured: FloatArray = latest.angles[0]
         # A robot that tells nothing more may still be stopped, and so may one that is not armed.
         holds = is_hold(trajectory, self.robot, measured)
         if not holds and self.joints.problem:
-            raise ShoecalError(self.joints.problem)
+            raise ShoecalError(str(self.joints.problem))
         if not self._arming.armed:
             if not holds:
                 raise ShoecalError("not armed: call the service shoe/arm first")

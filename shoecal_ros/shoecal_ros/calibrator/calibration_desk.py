@@ -36,7 +36,7 @@ class CalibrationDesk:
     Attributes:
         store: what is in force, and the files.
         problem: what of the files could not be taken, or why the last self-calibration ended
-            without a result; empty when all is well, and once a calibration comes in force.
+            without a result; None when all is well, and once a calibration comes in force.
     """
 
     def __init__(self, node: Calibrator, store: CalibrationStore) -> None:
@@ -119,7 +119,7 @@ class CalibrationDesk:
                 self.store.take(calibration, now_ns)
         finally:
             self._changes.remove(mine)
-        self.problem = ""
+        self.problem = None
         self._put_in_force(calibration)
 
     def _require_free(self) -> None:

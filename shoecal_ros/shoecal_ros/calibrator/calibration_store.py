@@ -15,11 +15,12 @@ from pathlib import Path
 from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
 from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.calibration.plausible import check_plausible
-from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.errors import FileError, ShoecalError, error_code
 from shoecal_core.files import sha256, sync_folder
 from shoecal_core.model.robot import Robot
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_ros.calibrator.calibration_record import Entry, read_record, write_record
+from shoecal_ros.common.codes import Problem, joined
 
 CURRENT, BEFORE = "calibration.yaml", "calibration_before.yaml"
 NEXT, BEFORE_NEXT = "calibration_next.yaml", "calibration_before_next.yaml"
@@ -52,8 +53,8 @@ class CalibrationStore:
         self._shoe = shoe
         self._record: dict[str, Entry] = {}
 
-    def load(self, now_ns: int, *, warned: bool = False) -> str:
-        """Take what is in the folder; what could not be taken and its cure, else empty.
+    def load(self, now_ns: int, *, warned: bool = False) -> Problem | None:
+        """Take what is in the folder; what could not be taken and its cure, else None.
 
         What was accepted here counts as long as robot and shoe are the same.
 
@@ -61,12 +62,12 @@ class CalibrationStore:
             now_ns: since when a file is in force that somebody laid there.
             warned: take such a file also when its checks warn.
         """
-        problems = []
+        problems: list[Problem] = []
         for step in (self._read_record, self._tidy):
             try:
                 step()
             except ShoecalError as error:
-                problems.append(str(error))
+                problems.append(Problem.of(error))
         for name in (CURRENT, BEFORE):
             path = self._folder / name
             try:
@@ -77,7 +78,8 @@ class CalibrationStore:
                 accepted = known is not None and known == self._entry(known.since_ns)
                 self.check(calibration, force=accepted, warned=warned)
             except ShoecalError as error:
-                problems.append(str(error) if isinstance(error, FileError) else f"{path}: {error}")
+                told = str(error) if isinstance(error, FileError) else f"{path}: {error}"
+                problems.append(Problem(error_code(type(error)), told))
                 continue
             if name == BEFORE:
                 self.before = calibration
@@ -88,7 +90,7 @@ class CalibrationStore:
                 # A folder that cannot be written is told when something is to be kept in it.
                 with contextlib.suppress(FileError):
                     self._note({**self._record, digest: self._entry(self.since_ns)})
-        return "; ".join(problems)
+        return joined(problems)
 
     def check(self, calibration: Calibration, *, force: bool = False, warned: bool = False) -> None:
         """Whether a calibration may be applied to this robot and these shoes.

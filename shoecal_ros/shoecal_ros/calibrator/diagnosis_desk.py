@@ -12,6 +12,7 @@ from shoecal_msgs.action import Diagnose
 from shoecal_ros.calibrator.diagnosis_job import DiagnosisJob, Request
 from shoecal_ros.calibrator.job import new_run_id
 from shoecal_ros.common.actions import finish, logged
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.refusal import RefusedError, faults_refused
 
@@ -95,7 +96,7 @@ class DiagnosisDesk:
             result.success = True
             self._last = Condition(Level.OK, result.message)
         except RefusedError as refusal:
-            self._last = Condition(Level.WARN, f"ended: {refusal}")
+            self._last = Condition(Level.WARN, f"ended: {refusal}", code=Code.DIAGNOSIS_ENDED)
             node.log(Level.WARN, f"diagnosis ended: {refusal}")
             raise
         finally:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from shoecal_core.calibration.drift import Drift
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.inputs.joining import Joined
 from shoecal_ros.inputs.joints import JointBatch
@@ -92,5 +93,6 @@ class DriftWatch:
                 f"drifted: {told.reason}; see that nothing touches the robot, then call "
                 "shoe/rezero, or calibrate anew",
                 values,
+                Code.DRIFTED,
             )
         return Condition(Level.OK, f"as calibrated: {told.reason}", values)

@@ -8,6 +8,7 @@ from datetime import UTC, datetime
 
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.checks import split_reason, tell_reasons
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 
 UNCALIBRATED = "uncalibrated: no forces are published; call shoe/self_calibrate"
@@ -62,17 +63,16 @@ class InForce:
             values: further figures.
         """
         made = self.calibration
-        level, message = Level.OK, f"'{made.id}' in force ({made.verdict})"
+        code, message = Code.OK, f"'{made.id}' in force ({made.verdict})"
         if made.verdict != "PASS":
-            level, message = Level.WARN, f"{message}: {tell_reasons(self._reasons)}"
+            code = Code.CALIBRATION_WARNED
+            message = f"{message}: {tell_reasons(self._reasons)}"
         # NaN, not known, is no gap.
         if abs(self.temperature - made.temperature) > largest_gap:
-            level, message = (
-                Level.WARN,
-                (
-                    f"calibrated at {made.temperature:.0f} degC, now {self.temperature:.0f}: call "
-                    f"shoe/rezero; {message}"
-                ),
+            code = Code.TEMPERATURE_GAP
+            message = (
+                f"calibrated at {made.temperature:.0f} degC, now {self.temperature:.0f}: call "
+                f"shoe/rezero; {message}"
             )
         told = {
             "id": made.id,
@@ -85,7 +85,8 @@ class InForce:
             "temperature_now_degc": _known(self.temperature),
             **values,
         }
-        return Condition(level, message, {key: str(value) for key, value in told.items()})
+        level = Level.OK if code is Code.OK else Level.WARN
+        return Condition(level, message, {key: str(value) for key, value in told.items()}, code)
 
 
 def _known(temperature: float) -> str:

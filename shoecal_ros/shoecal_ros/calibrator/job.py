@@ -22,6 +22,7 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_ros.calibrator.job_settings import JobSettings
 from shoecal_ros.calibrator.recorder import Recorder
 from shoecal_ros.common.actions import NotSentError, do_action
+from shoecal_ros.common.codes import Problem
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.waiting import until
@@ -68,8 +69,8 @@ class Site(Protocol):
     def now_ns(self) -> int:
         """The node's time [ns]."""
 
-    def input_problem(self) -> str:
-        """What is wrong with joint angles or voltages, and its cure; empty when all is well."""
+    def input_problem(self) -> Problem | None:
+        """What is wrong with joint angles or voltages, and its cure; None when all is well."""
 
     def wake(self) -> None:
         """Let waiting jobs look again."""
@@ -103,7 +104,7 @@ class Job:
             self._canceled()
             or not self._armed
             or bool(site.recorder.problem)
-            or bool(site.input_problem())
+            or site.input_problem() is not None
         )
 
     @property
@@ -133,9 +134,8 @@ class Job:
             )
         if site.recorder.problem:
             raise RefusedError(Codes.RECORDING_FAILED, site.recorder.problem)
-        problem = site.input_problem()
-        if problem:
-            raise RefusedError(Codes.STALE_INPUT, problem)
+        if problem := site.input_problem():
+            raise RefusedError(Codes.STALE_INPUT, problem.message)
 
     def _check_lapsed(self) -> None:
         if self.site.lapsed:

@@ -73,7 +73,7 @@ class RezeroDesk:
             told = node.job_under_way or "a correction"
             raise RefusedError(Codes.BUSY, f"{told} is under way; wait for it")
         if problem := node.input_problem():
-            raise RefusedError(Codes.STALE_INPUT, problem)
+            raise RefusedError(Codes.STALE_INPUT, problem.message)
         found = self._correct(current, await self._observe())
         if node.desk.changing or node.desk.store.current is not current:
             raise RefusedError(
@@ -92,14 +92,14 @@ class RezeroDesk:
         def observed() -> bool:
             if not node.stillness.still:
                 standstill.restart()
-            return standstill.done or bool(node.input_problem())
+            return standstill.done or node.input_problem() is not None
 
         try:
             came = await until(observed, STILL_PATIENCE * duration)
         finally:
             self._standstill = None
         if problem := node.input_problem():
-            raise RefusedError(Codes.STALE_INPUT, problem)
+            raise RefusedError(Codes.STALE_INPUT, problem.message)
         if not came:
             raise RefusedError(
                 Codes.NOT_STILL,

@@ -16,6 +16,7 @@ from shoecal_ros.calibrator.calibration_job import CalibrationJob, Request
 from shoecal_ros.calibrator.job import new_run_id
 from shoecal_ros.calibrator.job_settings import MOST_SUPPORTS
 from shoecal_ros.common.actions import finish, logged
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import calibration_to_ros
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.refusal import RefusedError, faults_refused
@@ -77,7 +78,7 @@ class SelfCalibrationDesk:
                 f"all of them, and no more than {MOST_SUPPORTS} in all",
             )
         seed = goal.seed if goal.seed >= 0 else defaults.seed
-        node.desk.problem = ""
+        node.desk.problem = None
         node.listen_for_recording()
         self._job = CalibrationJob(
             node,
@@ -145,4 +146,5 @@ class SelfCalibrationDesk:
             with faults_refused(self._node, Calibrate.Result.FAILED):
                 await self._do(job, Calibrate.Result())
         except RefusedError as refusal:
-            desk.problem = f"self-calibration {job.request.run_id} ended: {refusal}"
+            told = f"self-calibration {job.request.run_id} ended: {refusal}"
+            desk.problem = Problem(Code.SELF_CALIBRATION_ENDED, told)

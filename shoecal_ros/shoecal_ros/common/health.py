@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import IntEnum
 
 from shoecal_core.errors import one_line
+from shoecal_ros.common.codes import Code, Problem
 
 
 class Level(IntEnum):
@@ -28,11 +29,32 @@ class Condition:
         level: how bad.
         message: one line; where it is bad, with the cure.
         values: figures for a person.
+        code: for a program; OK where all is well, and nowhere else.
     """
 
     level: Level
     message: str
     values: Mapping[str, str] = field(default_factory=dict)
+    code: str = Code.OK
+
+    def __post_init__(self) -> None:
+        if (self.level is Level.OK) != (self.code == Code.OK):
+            raise ValueError(f"{self.level.name} with the code '{self.code}': {self.message}")
+
+    @classmethod
+    def of(
+        cls, problem: Problem | None, well: str, values: Mapping[str, str] | None = None
+    ) -> Condition:
+        """An error where there is a problem.
+
+        Args:
+            problem: what is wrong.
+            well: told where nothing is.
+            values: figures for a person.
+        """
+        if problem is None:
+            return cls(Level.OK, well, values or {})
+        return cls(Level.ERROR, problem.message, values or {}, problem.code)
 
 
 class Health:
@@ -45,7 +67,7 @@ class Health:
             clock: monotonic [s].
         """
         self._clock = clock
-        self._errors: dict[str, tuple[float, str]] = {}
+        self._errors: dict[str, tuple[float, Condition]] = {}
         self._conditions: dict[str, Condition] = {}
         self._fresh: dict[str, Condition] = {}
 
@@ -55,17 +77,24 @@ class Health:
         return self._conditions
 
     def values(self, subject: str) -> dict[str, str]:
-        """Its figures; once there was a warning or an error, also the last one and its age."""
-        values = dict(self._conditions[subject].values)
+        """Its code and figures; once there was a warning or an error, also the last one's."""
+        condition = self._conditions[subject]
+        values = {"code": str(condition.code), **condition.values}
         if subject in self._errors:
-            at, message = self._errors[subject]
-            values |= {"last_error": message, "last_error_age_s": f"{self._clock() - at:.0f}"}
+            at, error = self._errors[subject]
+            values |= {
+                "last_error": error.message,
+                "last_error_code": str(error.code),
+                "last_error_age_s": f"{self._clock() - at:.0f}",
+            }
         return values
 
-    def tell(self, subject: str, level: Level, message: str, **values: object) -> None:
+    def tell(
+        self, subject: str, level: Level, message: str, code: Code = Code.OK, **values: object
+    ) -> None:
         """Note how a subject fares."""
         told = {key: str(value) for key, value in values.items()}
-        self.note(subject, Condition(level, message, told))
+        self.note(subject, Condition(level, message, told, code))
 
     def suppose(self, subject: str, condition: Condition) -> None:
         """How a subject fares unless something else is told: that is no news."""
@@ -77,12 +106,8 @@ class Health:
         before = self._conditions.get(subject)
         self._conditions[subject] = condition
         if condition.level is not Level.OK:
-            self._errors[subject] = (self._clock(), condition.message)
-        if (
-            before is None
-            or before.level is not condition.level
-            or _words(before) != _words(condition)
-        ):
+            self._errors[subject] = (self._clock(), condition)
+        if before is None or _words(before) != _words(condition):
             self._fresh[subject] = condition
 
     def news(self) -> dict[str, Condition]:
@@ -92,12 +117,14 @@ class Health:
 
 
 def _clean(condition: Condition) -> Condition:
-    return Condition(
-        condition.level,
-        one_line(condition.message),
-        {one_line(key): one_line(value) for key, value in condition.values.items()},
+    return replace(
+        condition,
+        message=one_line(condition.message),
+        values={one_line(key): one_line(value) for key, value in condition.values.items()},
     )
 
 
-def _words(condition: Condition) -> tuple[Level, str]:
-    return condition.level, re.sub(r"[-+]?\d+(\.\d+)?", "#", condition.message)
+def _words(condition: Condition) -> tuple[Level, str, str]:
+    """What is news where it changes."""
+    words = re.sub(r"[-+]?\d+(\.\d+)?", "#", condition.message)
+    return condition.level, condition.code, words

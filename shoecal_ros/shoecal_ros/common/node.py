@@ -270,7 +270,8 @@ class ShoecalNode(Node):
     def _log_news(self) -> None:
         news = self.health.news()
         for subject, condition in news.items():
-            self.log(condition.level, f"{subject}: {condition.message}")
+            code = "" if condition.level is Level.OK else f" ({condition.code})"
+            self.log(condition.level, f"{subject}: {condition.message}{code}")
         if news:
             self._report()
 

@@ -12,6 +12,7 @@ from rclpy.qos import QoSCompatibility, qos_check_compatible
 from rclpy.subscription import Subscription
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from shoecal_ros.common.codes import Code, Problem, joined
 from shoecal_ros.common.health import Condition, Level
 
 OTHERS_TOPICS = ("/rosout", "/parameter_events", "/diagnostics")
@@ -33,16 +34,17 @@ class Peers:
         self._one_sender: set[str] = set()
         self._node = node
         self._turn = 0
-        self._found: dict[tuple[str, bool], list[str]] = {}
-        self._doubtful: dict[tuple[str, bool], str] = {}
+        self._found: dict[tuple[str, bool], list[Problem]] = {}
+        self._doubtful: dict[tuple[str, bool], Problem] = {}
 
     @property
     def condition(self) -> Condition:
         """For diagnostics: everybody who does not fit, and the cure."""
-        found = [line for lines in self._found.values() for line in lines]
-        told = "; ".join([*found, *self._doubtful.values()])
-        if told:
-            return Condition(Level.ERROR if found else Level.WARN, told)
+        found = [problem for problems in self._found.values() for problem in problems]
+        told = joined([*found, *self._doubtful.values()])
+        if told is not None:
+            level = Level.ERROR if found else Level.WARN
+            return Condition(level, told.message, code=told.code)
         return Condition(Level.OK, "nobody on this node's topics stands in its way")
 
     def watch(self) -> None:
@@ -79,7 +81,7 @@ class Peers:
         ends: Sequence[Any] = (*self._node.publishers, *self._node.subscriptions)
         return [end for end in ends if end.topic_name not in OTHERS_TOPICS]
 
-    def _look(self, end: Publisher | Subscription) -> list[str]:
+    def _look(self, end: Publisher | Subscription) -> list[Problem]:
         """What is wrong with the others at one topic."""
         node, topic = self._node, end.topic_name
         senders = node.get_publishers_info_by_topic(topic)
@@ -91,49 +93,57 @@ class Peers:
         own = next((info for info in ours if node_name(info) == own_name), None)
         if own is None:
             return []
-        found = [line for info in theirs if (line := _misfit(own, info, topic, sends=sends))]
+        found = [told for info in theirs if (told := _misfit(own, info, topic, sends=sends))]
         return found + (self._rivals(topic) if sends and topic in self.alone else [])
 
-    def _doubles(self, end: Publisher | Subscription) -> str:
-        """Several senders of a topic that one should send; empty where there are none."""
+    def _doubles(self, end: Publisher | Subscription) -> Problem | None:
+        """Several senders of a topic that one should send; None where there are none."""
         if isinstance(end, Publisher) or end.topic_name not in self._one_sender:
-            return ""
+            return None
         names = [f"'{name}'" for name in self._senders(end.topic_name)]
         if len(names) < 2:
-            return ""
-        return (
+            return None
+        return Problem(
+            Code.SEVERAL_SENDERS,
             f"{' and '.join(names)} publish {end.topic_name}; where they tell the same joints, "
-            "stop all but one"
+            "stop all but one",
         )
 
-    def _rivals(self, topic: str) -> list[str]:
+    def _rivals(self, topic: str) -> list[Problem]:
         """Other publishers of a topic that is this node's alone."""
         names = [node_name(info) for info in self._node.get_publishers_info_by_topic(topic)]
         own = self._node.get_fully_qualified_name()
         if own in names:
             names.remove(own)
-        return [
+        lines = (
             f"'{name}' publishes {topic}, too; stop one of them"
             if name != own
             else f"another node named '{name}' publishes {topic}, too; stop one of them, or wait "
             "if it was killed just now"
             for name in names
-        ]
+        )
+        return [Problem(Code.SECOND_SENDER, line) for line in lines]
 
 
-def _misfit(own: TopicEndpointInfo, other: TopicEndpointInfo, topic: str, *, sends: bool) -> str:
-    """Why two ends of a topic hear nothing of each other; empty where they fit."""
+def _misfit(
+    own: TopicEndpointInfo, other: TopicEndpointInfo, topic: str, *, sends: bool
+) -> Problem | None:
+    """Why two ends of a topic hear nothing of each other; None where they fit."""
     verb = "listens to" if sends else "publishes"
     if other.topic_type != own.topic_type:
-        return f"'{node_name(other)}' {verb} {topic} as {other.topic_type}; it is {own.topic_type}"
+        return Problem(
+            Code.TYPE_MISFIT,
+            f"'{node_name(other)}' {verb} {topic} as {other.topic_type}; it is {own.topic_type}",
+        )
     offered, requested = (own, other) if sends else (other, own)
     compatible, reason = qos_check_compatible(offered.qos_profile, requested.qos_profile)
     if compatible != QoSCompatibility.ERROR:
-        return ""
+        return None
     why = reason.strip().rstrip(";").removeprefix("ERROR: ")
-    return (
+    return Problem(
+        Code.QOS_MISFIT,
         f"'{node_name(other)}' {verb} {topic} with another quality of service ({why}): "
-        "nothing gets through; give it that of docs/nodes.md"
+        "nothing gets through; give it that of docs/nodes.md",
     )
 
 

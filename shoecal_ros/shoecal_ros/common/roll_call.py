@@ -5,8 +5,9 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 
-from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 
 ADAPTERS = ("nao_lola_adapter", "naoqi_adapter", "controller_adapter")
@@ -51,6 +52,7 @@ class RollCall:
                 Level.ERROR,
                 f"{', '.join(sorted(silent))} told nothing for {SILENT_S:g} s, killed or hanging: "
                 "start it again",
+                code=Code.NODE_SILENT,
             )
         return Condition(Level.OK, "no node has fallen silent", {"heard": ", ".join(self._heard)})
 
@@ -58,6 +60,7 @@ class RollCall:
 def farewell(name: str) -> DiagnosticArray:
     """Last words of a node that ends as it should."""
     status = DiagnosticStatus(
-        level=bytes([Level.STALE]), name=f"{name}: {ENDED}", message=ENDED, hardware_id=name
-    )
+        level=bytes([Level.STALE]), name=f"{name}: {ENDED}", message=ENDED, hardware_id=name,
+        values=[KeyValue(key="code", value=Code.ENDED.value)],
+    )  # fmt: skip
     return DiagnosticArray(status=[status])

@@ -78,6 +78,11 @@ class Work(Generic[R]):
         """Whether it has ended, well or not."""
         return self._done
 
+    @property
+    def error(self) -> ShoecalError | None:
+        """Why it failed; None while it has not."""
+        return self._error
+
     def result(self) -> R:
         """What came out.
 

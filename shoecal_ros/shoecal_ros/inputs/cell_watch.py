@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from shoecal_msgs.msg import ShoeVoltages
 
 from shoecal_core.sensing.shoe import Shoe
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.inputs.joining import Joined
 from shoecal_ros.inputs.own_noise import OwnNoise
@@ -53,10 +54,17 @@ RESTART_S = 1.0
 
 GOOD, SATURATED = ShoeVoltages.GOOD, ShoeVoltages.SATURATED
 NO_DATA, FAULT = ShoeVoltages.NO_DATA, ShoeVoltages.FAULT
+_CODES = {
+    SATURATED: Code.CELL_SATURATED,
+    NO_DATA: Code.CELL_SILENT,
+    FAULT: Code.CELL_FAULT,
+}
 _TOLD = {
-    SATURATED: "stands at an end of its range",
-    NO_DATA: "gives nothing",
-    FAULT: "is broken, says its device",
+    Code.CELL_SATURATED: "stands at an end of its range",
+    Code.CELL_SILENT: "gives nothing",
+    Code.CELL_FAULT: "is broken, says its device",
+    Code.CELL_STUCK: "gives one value all the time",
+    Code.CELL_LEAPS: "leaps by itself",
 }
 CURE = "check cable, clamp and board"
 
@@ -91,27 +99,28 @@ class CellWatch:
         self._restart(np.zeros(count))
 
     @property
-    def findings(self) -> Mapping[str, str]:
+    def findings(self) -> Mapping[str, Code]:
         """What is wrong with which cell by now."""
         found = {}
         for index in np.flatnonzero(self._status):
             status = min(int(self._status[index]), FAULT)
-            told = _TOLD[status]
+            code = _CODES[status]
             if status == FAULT and self._frozen[index]:
-                told = "gives one value all the time"
+                code = Code.CELL_STUCK
             elif status == FAULT and (self._leaps[index] or self._spiky[index]):
-                told = "leaps by itself"
-            found[self._names[index]] = told
+                code = Code.CELL_LEAPS
+            found[self._names[index]] = code
         return found
 
     @property
     def condition(self) -> Condition:
         """For diagnostics, with the cure, and how many spikes each cell gave."""
-        told = ", ".join(f"{cell} {what}" for cell, what in self.findings.items())
+        found = self.findings
         spikes = zip(self._names, self.spikes.tolist(), strict=True)
         values = {f"spikes_of_{cell}": str(count) for cell, count in spikes if count}
-        if told:
-            return Condition(Level.ERROR, f"{told}: {CURE}", values)
+        if found:
+            told = ", ".join(f"{cell} {_TOLD[code]}" for cell, code in found.items())
+            return Condition(Level.ERROR, f"{told}: {CURE}", values, next(iter(found.values())))
         return Condition(Level.OK, "no cell is seen to be broken", values)
 
     def take(self, joined: Sequence[Joined]) -> list[Joined]:

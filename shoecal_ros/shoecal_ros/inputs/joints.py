@@ -11,13 +11,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.errors import ShoecalError, one_line
+from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import Robot
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard
 from shoecal_ros.inputs.one_sender import OneSender
 
 FloatArray = NDArray[np.float64]
+
+
+class UnusableJointsError(ShoecalError):
+    """Joint angles of which nothing can be made."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +42,7 @@ class JointInput:
     """What a robot tells of its joints.
 
     Attributes:
-        problem: what is wrong and its cure, empty while usable angles come often enough.
+        problem: what is wrong and its cure, None while usable angles come often enough.
         latest: the last usable angles, None before there were any.
         heard: since when there were none.
     """
@@ -66,7 +71,8 @@ class JointInput:
         self.heard = LastHeard(clock, silent_s)
         self._senders = senders
         self._sender = OneSender(robot)
-        self._mismatch = self._contradiction = ""
+        self._mismatch: Problem | None = None
+        self._contradiction: Problem | None = None
 
     @property
     def age_s(self) -> float:
@@ -76,27 +82,29 @@ class JointInput:
     @property
     def fresh(self) -> bool:
         """Whether usable angles have come lately enough to go on."""
-        return self.age_s <= self._stale_s and not self._contradiction
+        return self.age_s <= self._stale_s and self._contradiction is None
 
     @property
     def silent(self) -> bool:
         """Whether nothing may be made of the last angles any more: none come, or two tell them."""
-        return bool(self._contradiction) or self.heard.silent
+        return self._contradiction is not None or self.heard.silent
 
     @property
-    def problem(self) -> str:
+    def problem(self) -> Problem | None:
         """What is wrong; of messages that cannot be used only once angles are stale."""
         if self.fresh:
-            return ""
+            return None
         if self._contradiction or self._mismatch:
             return self._contradiction or self._mismatch
         if self.latest is None:
-            return "no joint angles yet; start the robot's driver (joint_states)"
-        return f"no joint angles for {self.age_s:.0f} s; check the robot's driver"
+            told = "no joint angles yet; start the robot's driver (joint_states)"
+            return Problem(Code.NO_JOINTS, told)
+        told = f"no joint angles for {self.age_s:.0f} s; check the robot's driver"
+        return Problem(Code.JOINTS_STALE, told)
 
-    def refuse(self, reason: str) -> None:
+    def refuse(self, problem: Problem) -> None:
         """What came last could not be used."""
-        self._mismatch = one_line(reason)
+        self._mismatch = problem
 
     def take(self, messages: Sequence[Any]) -> JointBatch | None:
         """Take JointState messages in order; usable angles, None where there are none."""
@@ -107,9 +115,9 @@ class JointInput:
             try:
                 angles = self._angles(names, [message.position for message in same])
             except ShoecalError as error:
-                self.refuse(str(error))
+                self.refuse(Problem.of(error))
                 continue
-            self._mismatch = ""
+            self._mismatch = None
             parts.append(angles)
             stamps += [time_from_ros(message.header.stamp) for message in same]
         if not parts:
@@ -124,13 +132,15 @@ class JointInput:
     def _usable(self, stamps: NDArray[np.int64], angles: FloatArray) -> JointBatch | None:
         """What one sender told, each later than all before it; a clock may have been set back."""
         if not stamps.any():
-            self._mismatch = "joint_states carries no stamps of time; mend its sender"
+            told = "joint_states carries no stamps of time; mend its sender"
+            self._mismatch = Problem.of(UnusableJointsError(told))
             return None
         keep = self._sender.follows(stamps, angles)
         if not self._sender.doubled:
-            self._contradiction = ""
-        elif not self._contradiction:
-            self._contradiction = self._who_contradicts()
+            self._contradiction = None
+        elif self._contradiction is None:
+            told = self._who_contradicts()
+            self._contradiction = Problem(Code.JOINTS_CONTRADICT, told)
         if self._contradiction or not keep.any():
             return None
         return JointBatch(stamps[keep], angles[keep])
@@ -150,14 +160,14 @@ class JointInput:
     def _angles(self, names: list[str], positions: Sequence[Sequence[float]]) -> FloatArray:
         for row in positions:
             if len(row) != len(names):
-                raise ShoecalError(
+                raise UnusableJointsError(
                     f"joint_states: {len(row)} positions for {len(names)} names; mend its sender"
                 )
         angles = self.robot.from_measured(names, np.array(positions, dtype=np.float64))
         missing = ~np.isfinite(angles).all(axis=0)
         if missing.any():
             told = ", ".join(np.array(self.robot.joint_names)[missing])
-            raise ShoecalError(
+            raise UnusableJointsError(
                 f"joint_states: no number for joint(s) {told}; check the robot's driver, or list "
                 "them under 'optional_joints' of the robot file"
             )

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TypeVar
 
-from shoecal_core.errors import ShoecalError
+from shoecal_core.errors import ShoecalError, one_line
+from shoecal_ros.common.codes import Code, Problem
 
 T = TypeVar("T")
 
 
 def understood(
-    serialised: Iterable[bytes], read: Callable[[bytes], T], refuse: Callable[[str], None]
+    serialised: Iterable[bytes], read: Callable[[bytes], T], refuse: Callable[[Problem], None]
 ) -> tuple[list[bytes], list[T]]:
     """Messages that can be read, as they came and as they were read.
 
@@ -27,8 +28,11 @@ def understood(
     for one in serialised:
         try:
             found.append(read(one))
-        except (ShoecalError, RuntimeError) as error:  # what rclpy raises is a RuntimeError
-            refuse(str(error).splitlines()[0])
+        except ShoecalError as error:
+            refuse(Problem.of(error))
+            continue
+        except RuntimeError as error:  # rclpy's, of several lines
+            refuse(Problem(Code.UNREADABLE_MESSAGE, one_line(str(error).splitlines()[0])))
             continue
         whole.append(one)
     return whole, found

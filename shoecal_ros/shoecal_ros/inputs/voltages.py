@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from shoecal_core.errors import ShoecalError, one_line
+from shoecal_core.errors import ShoecalError
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import VoltageFrame
 from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import FrameJoiner, Joined
@@ -53,7 +54,7 @@ class VoltageInput:
         self._began = clock()
         self.heard = LastHeard(clock, silent_s)
         self._lost = LostFrames()
-        self._trouble = ""
+        self._trouble: Problem | None = None
         self._troubled = -np.inf
         self.latest: Joined | None = None
         self.temperature = math.nan
@@ -84,26 +85,28 @@ class VoltageInput:
         return self.age_s <= self._stale_s
 
     @property
-    def problem(self) -> str:
-        """What is wrong at the moment and its cure, empty when all is well."""
+    def problem(self) -> Problem | None:
+        """What is wrong at the moment and its cure, None when all is well."""
         now = self._clock()
         if now - self._troubled < REMEMBER_S:
             return self._trouble
         if not self.fresh:
             if self.latest is None:
-                return "no voltages yet; start shoe_driver"
-            return f"no voltages for {self.age_s:.0f} s; check shoe_driver and its device"
+                return Problem(Code.NO_VOLTAGES, "no voltages yet; start shoe_driver")
+            told = f"no voltages for {self.age_s:.0f} s; check shoe_driver and its device"
+            return Problem(Code.VOLTAGES_STALE, told)
         missing = self._joiner.missing
         if missing and now - self._began > REMEMBER_S:
-            return (
+            return Problem(
+                Code.CELL_NOT_SENT,
                 f"nobody sends the voltage of {', '.join(missing)}; correct the driver's channels "
-                "or the shoe file"
+                "or the shoe file",
             )
-        return ""
+        return None
 
-    def refuse(self, reason: str) -> None:
+    def refuse(self, problem: Problem) -> None:
         """Something that came could not be used."""
-        self._trouble, self._troubled = one_line(reason), self._clock()
+        self._trouble, self._troubled = problem, self._clock()
 
     def take(self, frames: Iterable[VoltageFrame]) -> list[Joined]:
         """Take frames in order; what they give."""
@@ -112,7 +115,7 @@ class VoltageInput:
             try:
                 joined = self._joiner.add(frame)
             except ShoecalError as error:
-                self.refuse(str(error))
+                self.refuse(Problem.of(error))
                 continue
             if frame.cells:  # whoever sends none may have any name: nothing is kept of it
                 self._lost.note(frame.source, frame.sequence)

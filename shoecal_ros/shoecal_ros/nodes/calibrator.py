@@ -6,7 +6,7 @@ import math
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -45,6 +45,7 @@ from shoecal_ros.calibrator.rezeroing import RezeroDesk
 from shoecal_ros.calibrator.run_series import PLAN_ACTION, REACH_ACTION
 from shoecal_ros.calibrator.self_calibration import SelfCalibrationDesk
 from shoecal_ros.common import qos
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
@@ -212,29 +213,30 @@ class Calibrator(ShoecalNode):
         if told := self.job_under_way:
             raise RefusedError(Codes.BUSY, f"{told} is under way; wait for it or cancel it")
 
-    def input_problem(self) -> str:
-        """What is wrong with joint angles or voltages, and its cure; empty when all is well."""
+    def input_problem(self) -> Problem | None:
+        """What is wrong with joint angles or voltages, and its cure; None when all is well."""
         return self.joints.problem or self.voltages.problem or self._clocks_apart()
 
-    def _clocks_apart(self) -> str:
+    def _clocks_apart(self) -> Problem | None:
         """Whether joint angles and voltages are stamped by two clocks, and the cure."""
         latest, stamp_ns = self.joints.latest, self.voltages.latest_ns
         if latest is None or stamp_ns is None:
-            return ""
+            return None
         if max(self.joints.age_s, self.voltages.age_s) > TOGETHER_S:
-            return ""
+            return None
         gap_s = abs(int(latest.stamp_ns[0]) - stamp_ns) / 1e9
         if gap_s <= self.node_settings.clock_gap:
             self._apart_since = math.inf
-            return ""
+            return None
         now = time.monotonic()
         self._apart_since = min(self._apart_since, now)
-        if now - self._apart_since > APART_S:
-            return (
-                f"stamps of joint angles and voltages are {gap_s:.1f} s apart; let both senders "
-                "use one clock"
-            )
-        return ""
+        if now - self._apart_since <= APART_S:
+            return None
+        return Problem(
+            Code.CLOCKS_APART,
+            f"stamps of joint angles and voltages are {gap_s:.1f} s apart; let both senders "
+            "use one clock",
+        )
 
     def watch(self) -> None:
         """Tell how everything fares."""
@@ -254,8 +256,7 @@ class Calibrator(ShoecalNode):
                 },
             ),
         ):
-            level = Level.ERROR if problem else Level.OK
-            self.health.tell(subject, level, problem or f"{subject} come", **figures)
+            self.health.note(subject, Condition.of(problem, f"{subject} come", figures))
         self.health.note("cells", self.cells.condition)
         self._tell_calibration()
         self.health.note("diagnosis", self._diagnoses.condition)
@@ -348,13 +349,13 @@ class Calibrator(ShoecalNode):
         if job is not None:
             self.health.note("calibration", job)
             return
-        condition = Condition(Level.WARN, UNCALIBRATED)
+        condition = Condition(Level.WARN, UNCALIBRATED, code=Code.UNCALIBRATED)
         if found is not None:
             condition = found.condition(
                 self.node_settings.temperature_gap, delay_s=f"{self._low_pass.delay_s:.4f}"
             )
-        if self.desk.problem:
-            condition = replace(condition, level=Level.ERROR, message=self.desk.problem)
+        if self.desk.problem is not None:
+            condition = Condition.of(self.desk.problem, "", condition.values)
         self.health.note("calibration", condition)
 
 

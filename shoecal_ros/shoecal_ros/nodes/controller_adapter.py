@@ -17,6 +17,7 @@ from shoecal_core.settings import Settings, setting
 from shoecal_ros.adapters.adapter import Adapter, FloatArray
 from shoecal_ros.adapters.foreign import foreign
 from shoecal_ros.common import qos
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.hold import STOP_TIME_S, hold
 from shoecal_ros.common.process import run
@@ -81,7 +82,7 @@ class ControllerAdapter(Adapter):
             number = self._newest
             sent = self._client.send_goal_async(self._kind.Goal(trajectory=message))
             sent.add_done_callback(lambda future: self._accepted(number, future))
-        self.trouble = ""
+        self.trouble = None
         self._until_s = self.now_s + trajectory.duration + LATE_S
 
     def stop(self) -> None:
@@ -113,9 +114,10 @@ class ControllerAdapter(Adapter):
     def _accepted(self, number: int, future: Future) -> None:
         goal = future.result()
         if not goal.accepted:
-            self.trouble = (
+            self.trouble = Problem(
+                Code.CONTROLLER_REFUSED,
                 f"{self._settings.controller} refused the trajectory; see its log (it may want "
-                "more joints: 'others')"
+                "more joints: 'others')",
             )
             return
         if number != self._newest:
@@ -131,9 +133,10 @@ class ControllerAdapter(Adapter):
         if number != self._newest:
             return
         if result.error_code != self._kind.Result.SUCCESSFUL:
-            self.trouble = (
+            self.trouble = Problem(
+                Code.CONTROLLER_GAVE_UP,
                 f"{self._settings.controller} gave up with code {result.error_code}: "
-                f"{result.error_string or 'no reason told'}"
+                f"{result.error_string or 'no reason told'}",
             )
 
 

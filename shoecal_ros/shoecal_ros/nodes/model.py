@@ -14,7 +14,7 @@ from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.settings import Settings, setting
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import BASE_LINK, SOLES, header_to_ros, point_to_ros
-from shoecal_ros.common.health import Level
+from shoecal_ros.common.health import Condition
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
 from shoecal_ros.common.robot_files import RobotFiles
@@ -56,13 +56,9 @@ class Model(ShoecalNode):
 
     def watch(self) -> None:
         """Tell whether joint angles come."""
-        problem = self._joints.problem
-        self.health.tell(
-            "joints",
-            Level.ERROR if problem else Level.OK,
-            problem or "joint angles come",
-            **self._joints.heard.figures(),
-        )
+        figures = self._joints.heard.figures()
+        told = Condition.of(self._joints.problem, "joint angles come", figures)
+        self.health.note("joints", told)
         self._markers.watch(None if self._joints.silent else self._joints.latest)
         super().watch()
 

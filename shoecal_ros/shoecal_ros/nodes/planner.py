@@ -18,14 +18,14 @@ from std_msgs.msg import Bool
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
-from shoecal_core.errors import ShoecalError
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_ros.common import qos
 from shoecal_ros.common.actions import finish
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import trajectory_to_ros
-from shoecal_ros.common.health import Level
+from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
 from shoecal_ros.common.refusal import RefusedError
@@ -117,13 +117,9 @@ class Planner(ShoecalNode):
         # Repeated while it holds: so everybody knows soon when this node is gone.
         if self.arming.expire() or self.arming.armed:
             self._armed.publish(Bool(data=self.arming.armed))
-        problem = self.joints.problem
-        self.health.tell(
-            "joints",
-            Level.ERROR if problem else Level.OK,
-            problem or "joint angles come",
-            **self.joints.heard.figures(),
-        )
+        figures = self.joints.heard.figures()
+        joints = Condition.of(self.joints.problem, "joint angles come", figures)
+        self.health.note("joints", joints)
         self.health.tell("arming", Level.OK, "armed" if self.arming.armed else "not armed")
         self.listeners.look()
         self.health.note("commands", self.listeners.condition(armed=self.arming.armed))
@@ -149,17 +145,11 @@ class Planner(ShoecalNode):
         self.worker.close()
 
     def _tell_planning(self) -> None:
-        level, message = Level.OK, "at work" if self._busy else "ready"
-        if self.worker.lost is not None:
-            level, message = Level.ERROR, str(self.worker.lost)
-        elif not self._compiled.done:
-            message = "compiling the planning problem"
-        else:
-            try:
-                self._compiled.result()
-            except ShoecalError as error:
-                level, message = Level.ERROR, str(error)
-        self.health.tell("planning", level, message)
+        well, error = "at work" if self._busy else "ready", self.worker.lost or self._compiled.error
+        if not self._compiled.done:
+            well = "compiling the planning problem"
+        problem = None if error is None else Problem.of(error)
+        self.health.note("planning", Condition.of(problem, well))
 
     def _tell_steps(self) -> None:
         """Whether this node alone offers to step: a goal reaches whichever answers first."""
@@ -170,6 +160,7 @@ class Planner(ShoecalNode):
                 Level.WARN,
                 f"another node offers {REACH} too; let one of them do so (planner: steps, "
                 "simulator: offer_reach_support)",
+                Code.SECOND_STEPPER,
             )
         else:
             self.health.tell("steps", Level.OK, f"this node offers {REACH}")

@@ -18,8 +18,9 @@ from shoecal_core.errors import ShoecalError, one_line
 from shoecal_core.settings import Settings, setting
 from shoecal_core.workspace import config_dir
 from shoecal_ros.common import qos
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import VoltageFrame, time_from_ros, voltages_to_ros
-from shoecal_ros.common.health import Level
+from shoecal_ros.common.health import Condition
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
 from shoecal_ros.inputs.voltages import REMEMBER_S
@@ -62,9 +63,9 @@ class ShoeDriver(ShoecalNode):
         self._publisher = self.create_publisher(ShoeVoltages, "shoe/voltages", qos.DEVICE)
         self._own: deque[int] = deque(maxlen=OWN_STAMPS)
         self._others: Subscription | None = None
-        self._rival = ""
+        self._rival: Problem | None = None
         self._rival_at = 0.0
-        self._trouble = ""
+        self._trouble: Problem | None = None
         self._error: Exception | None = None
         self._driver = open_driver(config, lambda: self.now_ns)
         self._patient_until = time.monotonic() + START_S
@@ -79,15 +80,12 @@ class ShoeDriver(ShoecalNode):
             raise self._error
         status = self._driver.status()
         if time.monotonic() - self._rival_at > REMEMBER_S:
-            self._rival = ""
+            self._rival = None
         problem = self._rival or self._trouble or status.problem
-        figures = _figures(status)
-        if not problem:
-            self.health.tell("device", Level.OK, f"reading {status.source.name}", **figures)
-        elif time.monotonic() < self._patient_until:
-            self.health.tell("device", Level.OK, f"opening {status.source.name}", **figures)
-        else:
-            self.health.tell("device", Level.ERROR, problem, **figures)
+        well = f"reading {status.source.name}"
+        if problem is not None and time.monotonic() < self._patient_until:
+            problem, well = None, f"opening {status.source.name}"
+        self.health.note("device", Condition.of(problem, well, _figures(status)))
         self._listen_to_others()
         super().watch()
 
@@ -104,7 +102,7 @@ class ShoeDriver(ShoecalNode):
                     self._publish(reading)
         except ShoecalError as error:
             # For instance a log whose lines carry no time: nothing more will come.
-            self._trouble = str(error)
+            self._trouble = Problem.of(error)
         except Exception as error:  # noqa: BLE001 - `watch` raises it again
             self._error = error
 
@@ -127,7 +125,7 @@ class ShoeDriver(ShoecalNode):
         alone = self.count_publishers(self._publisher.topic_name) < 2
         if alone and self._others is not None:
             self.destroy_subscription(self._others)
-            self._others, self._rival = None, ""
+            self._others = self._rival = None
         elif not alone and self._others is None:
             self._others = self.subscribe(ShoeVoltages, "shoe/voltages", self._hear, qos.LIVE)
 
@@ -137,9 +135,10 @@ class ShoeDriver(ShoecalNode):
             common = sorted(self._cells.intersection(message.cell))
             if common and time_from_ros(message.header.stamp) not in own:
                 self._rival_at = time.monotonic()
-                self._rival = (
+                self._rival = Problem(
+                    Code.SECOND_DRIVER,
                     f"cell(s) {', '.join(common)} also come from '{_name(message)}'; "
-                    "stop one driver, or let each send its own cells"
+                    "stop one driver, or let each send its own cells",
                 )
 
 
@@ -149,7 +148,7 @@ def _name(message: ShoeVoltages) -> str:
     return name if len(message.header.frame_id) <= MOST_NAME else f"{name}..."
 
 
-def _figures(status: DriverStatus) -> dict[str, object]:
+def _figures(status: DriverStatus) -> dict[str, str]:
     source = status.source
     figures: dict[str, object] = {
         "port": source.name,
@@ -169,7 +168,7 @@ def _figures(status: DriverStatus) -> dict[str, object]:
     figures |= {
         fault.value.replace(" ", "_"): count for fault, count in source.counts.faults.items()
     }
-    return figures
+    return {key: str(value) for key, value in figures.items()}
 
 
 def main() -> None:

@@ -30,6 +30,7 @@ from shoecal_core.simulation.robot import RobotFellError, SimulatedRobot
 from shoecal_core.workspace import config_dir
 from shoecal_ros.common import qos
 from shoecal_ros.common.actions import FEEDBACK_S, finish
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import (
     support_from_ros,
     time_to_ros,
@@ -128,10 +129,11 @@ class Simulator(ShoecalNode):
         robot = self._body.robot
         if not robot.upright:
             self.health.tell(
-                "robot", Level.ERROR, "the simulated robot has fallen; let it reach a support"
-            )
+                "robot", Level.ERROR, "the simulated robot has fallen; let it reach a support",
+                Code.ROBOT_FALLEN,
+            )  # fmt: skip
         elif self._refused:
-            self.health.tell("robot", Level.WARN, self._refused)
+            self.health.tell("robot", Level.WARN, self._refused, Code.TRAJECTORY_REFUSED)
         else:
             self.health.tell(
                 "robot", Level.OK, "stands", time_s=f"{self._body.now_ns / 1e9:.1f}",

@@ -200,7 +200,7 @@ class Execution:
     def _look(self, part: Part) -> Look:
         """Take new joint angles, or whatever else has come; hold where something is wrong."""
         problem = self._mover.joints.problem
-        if problem:
+        if problem is not None:
             # Nobody knows where the robot is: it stops where it was meant to be when seen.
             angles = part.follower.at_rest(part.expected)
             raise self._stopped(
@@ -254,7 +254,7 @@ class Execution:
         """Wait for other joint angles than those seen, or for a reason to stop."""
         joints = self._mover.joints
         await until(
-            lambda: self._interrupted or bool(joints.problem) or joints.latest is not seen,
+            lambda: self._interrupted or joints.problem is not None or joints.latest is not seen,
             math.inf,
         )
 
@@ -285,5 +285,5 @@ class Execution:
     def _latest(self) -> JointBatch:
         joints = self._mover.joints
         if joints.problem or joints.latest is None:
-            raise RefusedError(Plan.Result.NO_JOINT_STATES, joints.problem)
+            raise RefusedError(Plan.Result.NO_JOINT_STATES, str(joints.problem))
         return joints.latest

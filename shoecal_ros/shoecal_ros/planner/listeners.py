@@ -5,6 +5,7 @@ from __future__ import annotations
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.peers import node_name
 
@@ -40,7 +41,9 @@ class Listeners:
 
     def condition(self, *, armed: bool) -> Condition:
         """For diagnostics; that nobody listens matters where the robot may move."""
+        if self.missing and armed:
+            return Condition(Level.WARN, self.missing, code=Code.NOBODY_LISTENS)
         if self.missing:
-            return Condition(Level.WARN if armed else Level.OK, self.missing)
+            return Condition(Level.OK, self.missing)
         told = ", ".join(f"'{name}'" for name in self._names)
         return Condition(Level.OK, f"{self._publisher.topic_name} goes to {told}")

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.model.kinematics import Kinematics
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.planner import heat
 from shoecal_ros.planner.settings import MovingSettings
@@ -50,7 +51,7 @@ def _tilt(
         return Condition(Level.OK, "no imu: not watched", figures)
     if age_s > settings.stale_s:
         told = f"no imu for {age_s:.0f} s: not watched; check its driver"
-        return Condition(Level.WARN, told, figures)
+        return Condition(Level.WARN, told, figures, Code.IMU_STALE)
     tilt = None
     if joint_angles is not None:
         tilt = tilt_now(senses, kinematics, settings, joint_angles)
@@ -62,6 +63,7 @@ def _tilt(
             f"imu and joints disagree by {tilt.offset:.1f} rad: not watched; let its frame_id "
             "name a link of the URDF on the torso, or the robot stand",
             figures,
+            Code.IMU_CONTRADICTS,
         )
     return Condition(Level.OK, "imu comes", {**figures, "offset_rad": f"{tilt.offset:.3f}"})
 
@@ -73,7 +75,7 @@ def _shoes(senses: Senses, settings: MovingSettings) -> Condition:
         return Condition(Level.OK, "no shoe/voltages: not watched", figures)
     if heard.age_s > settings.stale_s:
         told = f"no shoe/voltages for {heard.age_s:.0f} s: not watched; check the shoes' driver"
-        return Condition(Level.WARN, told, figures)
+        return Condition(Level.WARN, told, figures, Code.SHOES_STALE)
     return Condition(Level.OK, "shoe/voltages comes", figures)
 
 
@@ -83,9 +85,9 @@ def _heat(senses: Senses, settings: MovingSettings) -> Condition:
     figures = {} if found is None else {"joint": found[0], "degc": f"{found[1]:.1f}"}
     concern = hot(senses, settings.hot_degc)
     if concern is not None:
-        return Condition(Level.WARN, concern.message, figures)
+        return Condition(Level.WARN, concern.message, figures, Code.MOTOR_HOT)
     gone = silent(senses.motor_ages, settings.heat_stale_s)
     if gone:
         told = f"nothing comes any more from {gone}: not watched; check the robot's driver"
-        return Condition(Level.WARN, told, figures)
+        return Condition(Level.WARN, told, figures, Code.HEAT_STALE)
     return Condition(Level.OK, heat.margin(degc, settings.hot_degc), figures)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.serial.channel_map import CellReadings, ChannelMap
 from shoecal_ros.serial.clock import DeviceClock
 from shoecal_ros.serial.config import DriverConfig
@@ -63,22 +64,23 @@ class DriverStatus:
     unseen: tuple[str, ...]
 
     @property
-    def problem(self) -> str:
-        """What is wrong at the moment and its cure, empty when all is well."""
-        if self.source.problem:
+    def problem(self) -> Problem | None:
+        """What is wrong at the moment and its cure, None when all is well."""
+        name = self.source.name
+        if self.source.problem is not None:
             return self.source.problem
         if self.unknown:
-            names = ", ".join(map(str, self.unknown))
-            return f"{self.source.name}: no cell for channel {names}; add it to 'channels'"
+            channels = ", ".join(map(str, self.unknown))
+            told = f"{name}: no cell for channel {channels}; add it to 'channels'"
+            return Problem(Code.CHANNEL_WITHOUT_CELL, told)
         if self.clock_stands:
-            name = self.source.name
-            return f"{name}: frames come, but the clock stands still; start what tells /clock"
+            told = f"{name}: frames come, but the clock stands still; start what tells /clock"
+            return Problem(Code.CLOCK_STANDS, told)
         if self.unseen and self.source.counts.frames:
-            return (
-                f"{self.source.name}: the device sends nothing for {', '.join(self.unseen)}; "
-                "correct 'channels'"
-            )
-        return ""
+            cells = ", ".join(self.unseen)
+            told = f"{name}: the device sends nothing for {cells}; correct 'channels'"
+            return Problem(Code.CELL_WITHOUT_CHANNEL, told)
+        return None
 
 
 class ShoeDriver:

@@ -5,17 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 
 from shoecal_core.errors import FileError
+from shoecal_ros.common.codes import Code, Problem
 
 
 class RawLog:
     """Appends bytes to a file; a full disk ends the log, not the driver.
 
     Attributes:
-        problem: why nothing is logged any more, empty when all is well.
+        problem: why nothing is logged any more, None when all is well.
     """
 
     def __init__(self, path: Path) -> None:
-        self.problem = ""
+        self.problem: Problem | None = None
         self._path = path
         try:
             # Unbuffered: what was received is in the file, whatever happens next.
@@ -27,12 +28,13 @@ class RawLog:
 
     def write(self, data: bytes) -> None:
         """Append bytes."""
-        if self.problem:
+        if self.problem is not None:
             return
         try:
             self._file.write(data)
         except OSError as error:
-            self.problem = f"{self._path}: log of raw bytes ended ({error.strerror})"
+            told = f"{self._path}: log of raw bytes ended ({error.strerror})"
+            self.problem = Problem(Code.RAW_LOG_ENDED, told)
 
     def close(self) -> None:
         """Close the file."""

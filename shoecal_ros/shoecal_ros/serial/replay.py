@@ -8,6 +8,7 @@ from collections import deque
 from collections.abc import Callable
 from pathlib import Path
 
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.serial.decoder import Decoder
 from shoecal_ros.serial.errors import ReplayError
 from shoecal_ros.serial.frame import Event, Frame
@@ -87,6 +88,7 @@ class ReplaySource:
     def status(self) -> SourceStatus:
         """How far the replay is."""
         ended = self._closed.is_set()
+        told = Problem(Code.REPLAY_ENDED, f"{self._path}: replayed to its end")
         return SourceStatus(
             name=str(self._path),
             connected=not ended,
@@ -95,7 +97,7 @@ class ReplaySource:
             counts=self._decoder.counts.copy(),
             reconnects=0,
             info=self._watch.info,
-            problem=f"{self._path}: replayed to its end" if ended else "",
+            problem=told if ended else None,
         )
 
     def close(self) -> None:

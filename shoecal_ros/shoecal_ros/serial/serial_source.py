@@ -11,6 +11,7 @@ from pathlib import Path
 
 import serial
 
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.serial.decoder import Decoder
 from shoecal_ros.serial.errors import PortError
 from shoecal_ros.serial.port import PORT_TROUBLE, open_port
@@ -64,7 +65,7 @@ class SerialSource:
         self._log = RawLog(raw_log) if raw_log is not None else None
         self._watch = StreamWatch(monotonic)
         self._port: serial.Serial | None = None
-        self._trouble = f"serial port {port}: not opened yet"
+        self._trouble = Problem(Code.PORT_NOT_OPEN, f"serial port {port}: not opened yet")
         self._openings = self._failures = self._requests = 0
         self._next_request = self._next_attempt = -float("inf")
         self._closed = threading.Event()
@@ -109,12 +110,12 @@ class SerialSource:
         """How the port fares."""
         with self._state:
             connected = self._port is not None
-            problem = self._trouble
+            problem: Problem | None = self._trouble
             if connected:
                 text = not isinstance(self._decoder, BinaryDecoder)
                 found = self._watch.problem(self._alarm_s, self._baud, text=text)
-                problem = f"serial port {self._name}: {found}" if found else ""
-            if not problem and self._log is not None:
+                problem = found and self._told(found.code, found.message)
+            if problem is None and self._log is not None:
                 problem = self._log.problem
             return SourceStatus(
                 name=self._name,
@@ -131,7 +132,7 @@ class SerialSource:
         """Close port and log, once a read in progress has ended."""
         self._closed.set()
         with self._reading:
-            self._release("closed")
+            self._release(self._told(Code.PORT_CLOSED, "closed"))
             if self._log is not None:
                 self._log.close()
 
@@ -156,7 +157,7 @@ class SerialSource:
             pause = PAUSES_S[min(self._failures, len(PAUSES_S) - 1)]
             self._next_attempt = self._monotonic() + pause
             with self._state:
-                self._trouble = str(error)
+                self._trouble = Problem.of(error)
         return self._port is not None
 
     def _wait(self, timeout_s: float) -> bytes:
@@ -192,12 +193,16 @@ class SerialSource:
             self._lose(error)
 
     def _lose(self, error: Exception) -> None:
-        self._release(f"lost ({error}); plug it in again, it is then opened by itself")
+        told = f"lost ({error}); plug it in again, it is then opened by itself"
+        self._release(self._told(Code.PORT_LOST, told))
 
-    def _release(self, trouble: str) -> None:
+    def _told(self, code: str, message: str) -> Problem:
+        return Problem(code, f"serial port {self._name}: {message}")
+
+    def _release(self, trouble: Problem) -> None:
         with self._state:
             port, self._port = self._port, None
-            self._trouble = f"serial port {self._name}: {trouble}"
+            self._trouble = trouble
             self._next_attempt = self._monotonic() + PAUSES_S[0]
         if port is not None:
             port.close()

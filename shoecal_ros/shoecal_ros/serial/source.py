@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
+from shoecal_ros.common.codes import Problem
 from shoecal_ros.serial.frame import Event, Info, LinkCounts
 
 
@@ -28,7 +29,7 @@ class SourceStatus:
         counts: totals of the decoder.
         reconnects: how often the port was opened again.
         info: what the device says of itself, None before it did.
-        problem: what is wrong at the moment and its cure, empty when all is well.
+        problem: what is wrong at the moment and its cure, None when all is well.
     """
 
     name: str
@@ -38,7 +39,7 @@ class SourceStatus:
     counts: LinkCounts
     reconnects: int
     info: Info | None
-    problem: str
+    problem: Problem | None
 
 
 class Source(Protocol):

@@ -6,6 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.serial.frame import Event, Fault, FaultKind, Frame, Info
 
 RATE_S = 2.0
@@ -67,8 +68,8 @@ class StreamWatch:
         """Seconds since the last good frame, None before the first."""
         return None if self._last_frame is None else self._monotonic() - self._last_frame
 
-    def problem(self, alarm_s: float, baud: int, *, text: bool) -> str:
-        """What is wrong and its cure; empty when all is well.
+    def problem(self, alarm_s: float, baud: int, *, text: bool) -> Problem | None:
+        """What is wrong and its cure; None when all is well.
 
         Args:
             alarm_s: so long without a byte, or without a good frame, is a problem [s].
@@ -78,22 +79,24 @@ class StreamWatch:
         now = self._monotonic()
         silent = now - self._last_byte
         if silent >= alarm_s:
-            return (
+            return Problem(
+                Code.PORT_SILENT,
                 f"no byte for {silent:.1f} s; check the device's power and cable, and that its "
-                "firmware sends by itself"
+                "firmware sends by itself",
             )
         useless = now - max(self._opened, self._last_frame or self._opened)
         if useless < alarm_s:
-            return ""
-        return f"bytes, but no good frame for {useless:.1f} s: {self._cure(baud, text=text)}"
+            return None
+        told = f"bytes, but no good frame for {useless:.1f} s"
+        if self._fault and self._fault.kind is FaultKind.FOREIGN_VERSION:
+            return Problem(Code.FIRMWARE_VERSION, f"{told}: {self._fault.text}")
+        return Problem(Code.PORT_UNREADABLE, f"{told}: {self._cure(baud, text=text)}")
 
     def _cure(self, baud: int, *, text: bool) -> str:
         looks_like_text = bool(self._sample) and (
             sum(byte in PRINTABLE for byte in self._sample) >= TEXT_SHARE * len(self._sample)
         )
         last = f" (last fault: {self._fault.text})" if self._fault else ""
-        if self._fault and self._fault.kind is FaultKind.FOREIGN_VERSION:
-            return self._fault.text
         if looks_like_text and not text:
             return "they look like text; set 'mode' to text"
         if looks_like_text:

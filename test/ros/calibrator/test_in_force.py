@@ -6,6 +6,7 @@ import pytest
 
 from ros.bodies import calibration, nao, nao_shoe
 from shoecal_ros.calibrator.in_force import InForce
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Level
 
 SINCE_NS = 1_700_000_000 * 10**9
@@ -53,6 +54,7 @@ def test_values_for_diagnostics() -> None:
 def test_a_temperature_too_far_off_warns(then: float, now: float, level: Level) -> None:
     condition = in_force(now, temperature=then).condition(5.0)
     assert condition.level is level
+    assert condition.code == (Code.OK if level is Level.OK else Code.TEMPERATURE_GAP)
     assert ("rezero" in condition.message) == (level is Level.WARN)
     if (then, now) == (22.0, 31.0):
         assert "calibrated at 22 degC, now 31: call shoe/rezero" in condition.message
@@ -61,6 +63,7 @@ def test_a_temperature_too_far_off_warns(then: float, now: float, level: Level) 
 def test_what_warned_goes_on_warning() -> None:
     condition = in_force(verdict="WARN", reasons=("odd", "strange")).condition(5.0)
     assert condition.level is Level.WARN
+    assert condition.code == Code.CALIBRATION_WARNED
     assert condition.message == "'made-1' in force (WARN): odd; strange"
 
 

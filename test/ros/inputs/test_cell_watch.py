@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from shoecal_msgs.msg import ShoeVoltages
 
 from ros.bodies import nao_shoe
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Level
 from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import Joined
@@ -46,7 +47,7 @@ def taken(watch: CellWatch, readings: list[Joined]) -> list[Joined]:
     return marked
 
 
-def first_told(readings: list[Joined]) -> tuple[float, str]:
+def first_told(readings: list[Joined]) -> tuple[float, Code]:
     """How long after the middle the cell was told, and as what; no other cell ever is."""
     watch = CellWatch(nao_shoe())
     begin = readings[len(readings) // 2].stamp_ns
@@ -57,24 +58,24 @@ def first_told(readings: list[Joined]) -> tuple[float, str]:
         assert (marked.status != 0).sum() == len(found)
         if found:
             return (one.stamp_ns - begin) / 1e9, found[NAME]
-    return np.inf, ""
+    return np.inf, Code.OK
 
 
 @pytest.mark.parametrize(
     ("change", "told", "within"),
     [
-        (lambda _, __: np.nan, "gives nothing", 0.0),
-        (lambda _, __: np.inf, "gives nothing", 0.0),
-        (lambda _, __: 5.0, "stands at an end of its range", 0.0),
-        (lambda _, __: -5.0, "stands at an end of its range", 0.0),
-        (lambda _, __: 1.0, "gives one value all the time", 0.3),
-        (lambda number, value: value + 2.0 * (number == 7), "leaps by itself", 0.1),
-        (lambda number, value: value - 0.5 * (number in {7, 8, 9}), "leaps by itself", 0.1),
+        (lambda _, __: np.nan, Code.CELL_SILENT, 0.0),
+        (lambda _, __: np.inf, Code.CELL_SILENT, 0.0),
+        (lambda _, __: 5.0, Code.CELL_SATURATED, 0.0),
+        (lambda _, __: -5.0, Code.CELL_SATURATED, 0.0),
+        (lambda _, __: 1.0, Code.CELL_STUCK, 0.3),
+        (lambda number, value: value + 2.0 * (number == 7), Code.CELL_LEAPS, 0.1),
+        (lambda number, value: value - 0.5 * (number in {7, 8, 9}), Code.CELL_LEAPS, 0.1),
     ],
 )
 @pytest.mark.parametrize("rate", [80.0, 100.0, 1000.0])
 def test_a_broken_cell_is_told(
-    rate: float, change: Callable[[int, float], float], told: str, within: float
+    rate: float, change: Callable[[int, float], float], told: Code, within: float
 ) -> None:
     took, found = first_told(spoilt(stream(rate), change))
     assert found == told
@@ -106,7 +107,7 @@ def test_a_board_that_hangs_is_told(rate: float, frozen: list[int]) -> None:
     broken = [one for one in marked if one.status.any()]
     assert (broken[0].stamp_ns - readings[half].stamp_ns) / 1e9 <= 0.4
     assert set(watch.findings) == {nao_shoe().names[index] for index in frozen}
-    assert set(watch.findings.values()) == {"gives one value all the time"}
+    assert set(watch.findings.values()) == {Code.CELL_STUCK}
     for one in taken(watch, shifted(resting(rate, 3.0), 8.0))[int(0.2 * rate) :]:
         assert not one.status.any(), "told no more once it changes"
 
@@ -152,7 +153,7 @@ def test_cells_in_order_are_left_alone_whatever_their_converter(bits: int, noise
     readings = stream(seconds=20.0, noise=noise)
     for one in readings:
         one.readings[:] = np.rint(one.readings / step) * step
-    assert first_told(readings) == (np.inf, "")
+    assert first_told(readings) == (np.inf, Code.OK)
 
 
 def test_one_coarse_converter_among_good_ones_is_how_it_is() -> None:
@@ -168,7 +169,7 @@ def test_a_foot_that_lands_is_no_leap() -> None:
     readings = stream()
     for one in readings[100:]:
         one.readings[:4] += (0.8, 0.4, 0.3, 0.2)
-    assert first_told(readings) == (np.inf, "")
+    assert first_told(readings) == (np.inf, Code.OK)
 
 
 def test_a_load_that_stays_is_believed_and_a_spike_forgotten() -> None:
@@ -199,3 +200,4 @@ def test_what_the_device_says_stays() -> None:
     assert watch.condition.level is Level.ERROR
     told = f"{NAME} is broken, says its device: check cable, clamp and board"
     assert watch.condition.message == told
+    assert watch.condition.code == Code.CELL_FAULT

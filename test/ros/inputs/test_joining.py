@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ros.clock import Clock
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import VoltageFrame
 from shoecal_ros.inputs.joining import (
     NO_DATA,
@@ -188,20 +189,29 @@ def test_time_may_begin_anew() -> None:
     np.testing.assert_allclose(again.readings, 1 + 0.1 * np.arange(4))
 
 
+def code(voltages: VoltageInput) -> str:
+    assert voltages.problem is not None
+    return voltages.problem.code
+
+
 def test_what_is_wrong_with_voltages_is_told_in_turn() -> None:
     clock = Clock()
     voltages = VoltageInput(joiner(), 0.5, clock)
-    assert "start shoe_driver" in voltages.problem
+    assert "start shoe_driver" in str(voltages.problem)
+    assert code(voltages) == Code.NO_VOLTAGES
     voltages.take([frame(0, CELLS[:2])])
-    assert voltages.problem == ""
+    assert voltages.problem is None
     clock.now += 10.0
-    assert "no voltages for 10 s" in voltages.problem
+    assert "no voltages for 10 s" in str(voltages.problem)
+    assert code(voltages) == Code.VOLTAGES_STALE
     voltages.take([frame(1, CELLS[:2])])
-    assert "nobody sends the voltage of right/a, right/b" in voltages.problem
+    assert "nobody sends the voltage of right/a, right/b" in str(voltages.problem)
+    assert code(voltages) == Code.CELL_NOT_SENT
     voltages.take([frame(2, CELLS)])
-    assert voltages.problem == ""
+    assert voltages.problem is None
     voltages.take([frame(3, CELLS, "two")])
-    assert "give each cell one source" in voltages.problem
+    assert "give each cell one source" in str(voltages.problem)
+    assert code(voltages) == "two-sources"
     clock.now += 4.0
     voltages.take([frame(4, CELLS)])
-    assert voltages.problem == ""
+    assert voltages.problem is None

@@ -6,6 +6,7 @@ from sensor_msgs.msg import JointState
 
 from ros.bodies import nao
 from ros.clock import Clock
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import JointSample, joints_to_ros
 from shoecal_ros.inputs.joints import JointInput
 
@@ -38,20 +39,28 @@ def test_batches_come_in_the_robots_order() -> None:
     assert joints.latest.stamp_ns.tolist() == [20 * ms]
 
 
+def code(joints: JointInput) -> str:
+    assert joints.problem is not None
+    return joints.problem.code
+
+
 def test_what_is_wrong_is_told_in_turn() -> None:
     clock = Clock()
     joints = JointInput(nao(), 0.5, clock)
-    assert "no joint angles yet" in joints.problem
+    assert "no joint angles yet" in str(joints.problem)
+    assert code(joints) == Code.NO_JOINTS
     joints.take([message(10)])
-    assert joints.problem == ""
+    assert joints.problem is None
     clock.now += 3.0
-    assert joints.problem.startswith("no joint angles for 3 s")
+    assert str(joints.problem).startswith("no joint angles for 3 s")
+    assert code(joints) == Code.JOINTS_STALE
     assert not joints.fresh
     assert joints.take([JointState(name=["elbow"], position=[0.0])]) is None
-    assert "needs joint(s) HeadYaw" in joints.problem
-    assert "elbow" in joints.problem
+    assert "needs joint(s) HeadYaw" in str(joints.problem)
+    assert "elbow" in str(joints.problem)
+    assert code(joints) == "joints-missing"
     joints.take([message(20)])
-    assert joints.problem == ""
+    assert joints.problem is None
 
 
 @pytest.mark.parametrize(
@@ -65,7 +74,7 @@ def test_numbers_that_cannot_be_used(broken: JointState, problem: str) -> None:
     joints = JointInput(nao(), 0.5)
     assert joints.take([broken]) is None
     with pytest.raises(AssertionError, match=problem):
-        raise AssertionError(joints.problem)
+        raise AssertionError(str(joints.problem))
 
 
 @pytest.mark.parametrize(
@@ -82,20 +91,20 @@ def test_a_message_that_cannot_be_used_is_no_news(broken: JointState, problem: s
     good = joints.take([message(10)])
     clock.now += 0.4
     assert joints.take([broken]) is None
-    assert joints.problem == ""
+    assert joints.problem is None
     assert good is not None
     assert joints.latest is not None
     assert joints.latest.stamp_ns.tolist() == good.stamp_ns.tolist()
     clock.now += 0.2
-    assert problem in joints.problem
+    assert problem in str(joints.problem)
     joints.take([message(30)])
-    assert joints.problem == ""
+    assert joints.problem is None
 
 
 def test_an_optional_joint_may_tell_nothing() -> None:
     joints = JointInput(nao(), 0.5)
     assert joints.take([message(10, {"LHand": float("nan")})]) is not None
-    assert joints.problem == ""
+    assert joints.problem is None
 
 
 def test_stamps_that_stand_still_are_no_news() -> None:
@@ -123,7 +132,8 @@ def test_time_may_begin_anew() -> None:
 def test_angles_without_stamps_cannot_be_used() -> None:
     joints = JointInput(nao(), 0.5)
     assert joints.take([message(0)]) is None
-    assert "no stamps" in joints.problem
+    assert "no stamps" in str(joints.problem)
+    assert code(joints) == "unusable-joints"
 
 
 STEP_NS = 10_000_000
@@ -153,11 +163,12 @@ def test_two_senders_of_the_same_joints_are_told_by_name_and_neither_is_used(
     assert not joints.fresh
     assert joints.silent
     told = "joint angles run to and fro between '/bag' and '/robot'; stop all but one"
-    assert joints.problem.startswith(told)
+    assert str(joints.problem).startswith(told)
+    assert code(joints) == Code.JOINTS_CONTRADICT
     own = begin + 100 * STEP_NS
     heard = taken(joints, [message(own + index * STEP_NS) for index in range(60)])
     assert heard, "the one that stays is used again"
-    assert joints.problem == ""
+    assert joints.problem is None
 
 
 def test_a_sample_that_leaps_and_comes_back_is_left_out() -> None:
@@ -166,7 +177,7 @@ def test_a_sample_that_leaps_and_comes_back_is_left_out() -> None:
         changes = AWAY if index % 40 == 20 else None
         heard = taken(joints, [message((100 + index) * STEP_NS, changes)])
         assert bool(heard) == (changes is None)
-        assert joints.problem == ""
+        assert joints.problem is None
 
 
 def test_a_robot_that_was_put_elsewhere_is_believed_at_the_second_sample() -> None:
@@ -195,4 +206,4 @@ def test_motion_as_fast_as_joints_can_is_followed(batch: int) -> None:
         assert found is not None
         count += len(found.stamp_ns)
     assert count == 210
-    assert joints.problem == ""
+    assert joints.problem is None

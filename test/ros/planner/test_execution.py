@@ -19,6 +19,7 @@ from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.posture import stance
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.joints import JointBatch
@@ -62,7 +63,7 @@ class Scene:
         self.arming.set(True)
         self.told_s = 0.0
         self.listeners = SimpleNamespace(missing="", look=lambda: None)
-        self._joints = SimpleNamespace(latest=self._batch(ANGLES), problem="")
+        self._joints = SimpleNamespace(latest=self._batch(ANGLES), problem=None)
         self.mover = cast(
             Mover,
             SimpleNamespace(
@@ -96,7 +97,7 @@ class Scene:
             self._following.send(None)
 
     def fall_silent(self) -> None:
-        self._joints.problem = "no joint angles for 1 s"
+        self._joints.problem = Problem(Code.JOINTS_STALE, "no joint angles for 1 s")
         self._following.send(None)
 
     def look(self) -> None:

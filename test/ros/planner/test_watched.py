@@ -7,6 +7,7 @@ from shoecal_msgs.msg import ShoeVoltages
 from ros.bodies import nao
 from ros.clock import Clock
 from shoecal_core.model.kinematics import Kinematics
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import header_to_ros
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.inputs.imu import ImuInput
@@ -73,8 +74,10 @@ def test_what_came_and_comes_no_more_is_a_warning(
     scene.tell()
     scene.clock.now += after_s
     found = scene.conditions()
+    codes = {"tilt": Code.IMU_STALE, "shoes": Code.SHOES_STALE, "heat": Code.HEAT_STALE}
     for subject, condition in found.items():
         assert condition.level is (Level.WARN if subject in gone else Level.OK)
+        assert condition.code == (codes[subject] if subject in gone else Code.OK)
         assert ("not watched; check" in condition.message) == (subject in gone)
     scene.tell()
     assert all(one.level is Level.OK for one in scene.conditions().values()), "back again"
@@ -84,3 +87,4 @@ def test_hot_motors_are_a_warning(scene: Scene) -> None:
     scene.tell(degc=90.0)
     heat = scene.conditions()["heat"]
     assert (heat.level, "'RKneePitch' is at 90 degC" in heat.message) == (Level.WARN, True)
+    assert heat.code == Code.MOTOR_HOT

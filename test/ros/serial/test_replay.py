@@ -38,7 +38,7 @@ def test_frames_come_at_the_pace_of_the_device(tmp_path: Path, clock: Clock) -> 
     while source.status().connected:
         rest += frames(source.read(0.0))
     assert rest == [frame(sequence) for sequence in range(3, 1000)]
-    assert "to its end" in source.status().problem
+    assert "to its end" in str(source.status().problem)
     assert source.status().counts.frames == 1000
     source.close()
     assert source.read(0.0) == []

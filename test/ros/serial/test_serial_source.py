@@ -12,6 +12,7 @@ import serial
 
 from ros.serial.helpers import INFO, Clock, MakeSource, ReadUntil, frame, frames, sealed
 from shoecal_core.errors import FileError
+from shoecal_ros.common.codes import Code
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.errors import (
     PortBusyError,
@@ -41,7 +42,7 @@ def test_frames_come_with_their_receipt(
     assert {each.receive_ns for each in received} == {clock.now_ns()}
     status = source.status()
     assert status.connected
-    assert status.problem == ""
+    assert status.problem is None
     assert status.age == 0
     assert status.info == INFO
     assert (status.counts.frames, status.reconnects) == (2, 0)
@@ -87,11 +88,11 @@ def test_unplugged_and_plugged_in_again(
     read_until(source, lambda got: len(frames(got)) == 1)
     device.unplug()
     read_until(source, lambda _: not source.status().connected)
-    assert "plug it in again" in source.status().problem
+    assert "plug it in again" in str(source.status().problem)
     for _ in range(40):
         source.read(0.0)
         clock.seconds += 0.5
-    assert "does not exist" in source.status().problem
+    assert "does not exist" in str(source.status().problem)
     device.plug()
     replugged = clock.seconds
     read_until(source, lambda _: source.status().connected)
@@ -99,7 +100,7 @@ def test_unplugged_and_plugged_in_again(
     send(device, 7)
     assert frames(read_until(source, lambda got: bool(frames(got)))) == [frame(7)]
     status = source.status()
-    assert status.problem == ""
+    assert status.problem is None
     assert status.reconnects == 1
     assert status.counts.faults == {FaultKind.LOST_FRAMES: 6}
 
@@ -123,7 +124,7 @@ def test_missing_port(make_source: MakeSource, link: Path) -> None:
     assert "there are:" in message
     assert "dialout" in message
     assert source.read(0.0) == []
-    assert source.status().problem == message
+    assert str(source.status().problem) == message
     assert not source.status().connected
 
 
@@ -144,7 +145,7 @@ def test_opened_twice(device: SimulatedDevice, make_source: MakeSource, link: Pa
     with pytest.raises(PortBusyError, match=f"{link}.*another program"):
         second.open()
     second.read(0.0)
-    assert "another program" in second.status().problem
+    assert "another program" in str(second.status().problem)
     first.close()
     second.open()
 
@@ -189,15 +190,15 @@ def test_silent_port(
     source = make_source()
     source.open()
     clock.seconds += 1.9
-    assert source.status().problem == ""
+    assert source.status().problem is None
     clock.seconds += 0.2
-    assert "no byte for 2.1 s" in source.status().problem
-    assert "cable" in source.status().problem
+    assert "no byte for 2.1 s" in str(source.status().problem)
+    assert "cable" in str(source.status().problem)
     send(device, 0)
     read_until(source, lambda got: bool(frames(got)))
-    assert source.status().problem == ""
+    assert source.status().problem is None
     clock.seconds += 3.0
-    assert "no byte for 3.0 s" in source.status().problem
+    assert "no byte for 3.0 s" in str(source.status().problem)
 
 
 @pytest.mark.parametrize(
@@ -232,7 +233,7 @@ def test_garbage_names_its_cure(
     start = len(encode_info(INFO))
     send_and_read(start + len(data))
     send_and_read(start + 2 * len(data))
-    problem = source.status().problem
+    problem = str(source.status().problem)
     assert "no good frame for 2.2 s" in problem
     assert cure in problem
     assert "\n" not in problem
@@ -246,7 +247,10 @@ def test_device_of_another_version_is_named(
     device.send_bytes(sealed(b"\x02\x01"))
     clock.seconds += 2.5
     read_until(source, lambda _: source.status().counts.faults.total() > 0)
-    assert "protocol version 2" in source.status().problem
+    problem = source.status().problem
+    assert problem is not None
+    assert "protocol version 2" in problem.message
+    assert problem.code == Code.FIRMWARE_VERSION
 
 
 def test_text_with_chatter(
@@ -295,8 +299,8 @@ def test_full_disk_ends_the_log_but_not_the_driver(
     for sequence in range(2):
         send(device, sequence)
         read_until(source, lambda got: bool(frames(got)))
-    assert "log of raw bytes ended" in source.status().problem
-    assert os.strerror(errno.ENOSPC) in source.status().problem
+    assert "log of raw bytes ended" in str(source.status().problem)
+    assert os.strerror(errno.ENOSPC) in str(source.status().problem)
 
 
 def test_closing_ends_reading(device: SimulatedDevice, make_source: MakeSource) -> None:
@@ -308,7 +312,7 @@ def test_closing_ends_reading(device: SimulatedDevice, make_source: MakeSource) 
     reader.join(5.0)
     assert not reader.is_alive()
     assert source.read(10.0) == []
-    assert "closed" in source.status().problem
+    assert "closed" in str(source.status().problem)
 
 
 def test_closing_ends_waiting_for_a_port(make_source: MakeSource) -> None:
