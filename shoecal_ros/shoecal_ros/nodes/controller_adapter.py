@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import rclpy
 from rclpy.action import ActionClient
+from rclpy.duration import Duration
 from rclpy.task import Future
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
@@ -24,6 +26,8 @@ from shoecal_ros.common.process import run
 
 LATE_S = 1.0
 """For so long after its time a motion may go on: a topic does not tell when it has ended."""
+LAST_WORDS_S = 1.0
+"""In which the controller gets to hear the last command."""
 
 
 @dataclass(frozen=True)
@@ -58,6 +62,8 @@ class ControllerAdapter(Adapter):
         self._until_s = 0.0
         self._goal: Any = None
         self._newest = 0
+        self._unanswered = 0
+        self._closes = False
         name = self._settings.controller
         self._client: ActionClient | None = None
         if self._settings.interface == "action":
@@ -70,6 +76,8 @@ class ControllerAdapter(Adapter):
 
     def follow(self, trajectory: JointTrajectory, measured: FloatArray) -> None:
         """Send the whole of it."""
+        if self._closes:
+            raise ShoecalError("this adapter ends; start it again")
         message = trajectory_to_ros(self._with_others(trajectory, measured))
         if self._client is None:
             if self._publisher.get_subscription_count() == 0:
@@ -81,6 +89,7 @@ class ControllerAdapter(Adapter):
             self._newest += 1
             number = self._newest
             sent = self._client.send_goal_async(self._kind.Goal(trajectory=message))
+            self._unanswered += 1
             sent.add_done_callback(lambda future: self._accepted(number, future))
         self.trouble = None
         self._until_s = self.now_s + trajectory.duration + LATE_S
@@ -91,13 +100,23 @@ class ControllerAdapter(Adapter):
             # A goal that is still on its way there is cancelled when it has been accepted.
             self._newest += 1
             if self._goal is not None:
-                self._goal.cancel_goal_async()
+                self._cancel(self._goal)
                 self._goal = None
         elif self.joints.latest is not None and self.now_s < self._until_s:
             self._until_s = self.now_s
             measured = self.joints.latest.angles[0]
             command = hold(self.robot, measured, STOP_TIME_S)
             self._publisher.publish(trajectory_to_ros(self._with_others(command, measured)))
+
+    def close(self) -> None:
+        """Leave no robot on its way: what ends at once takes its last command with it."""
+        super().close()
+        self._closes = True
+        end = self.now_s + LAST_WORDS_S
+        if self._client is None and self.context.ok():
+            self._publisher.wait_for_all_acked(Duration(seconds=LAST_WORDS_S))
+        while self._unanswered and self.context.ok() and self.now_s < end:
+            rclpy.spin_once(self, timeout_sec=0.1)
 
     def _with_others(self, trajectory: JointTrajectory, measured: FloatArray) -> JointTrajectory:
         added = [(name, joint) for name, joint in self._others if name not in trajectory.names]
@@ -111,7 +130,15 @@ class ControllerAdapter(Adapter):
     def _absent(self, what: str) -> str:
         return f"nobody offers {what}; start the controller, or correct 'controller'"
 
+    def _cancel(self, goal: Any) -> None:
+        self._unanswered += 1
+        goal.cancel_goal_async().add_done_callback(self._canceled)
+
+    def _canceled(self, _: Future) -> None:
+        self._unanswered -= 1
+
     def _accepted(self, number: int, future: Future) -> None:
+        self._unanswered -= 1
         goal = future.result()
         if not goal.accepted:
             self.trouble = Problem(
@@ -121,7 +148,7 @@ class ControllerAdapter(Adapter):
             )
             return
         if number != self._newest:
-            goal.cancel_goal_async()
+            self._cancel(goal)
             return
         self._goal = goal
         goal.get_result_async().add_done_callback(lambda done: self._ended(number, goal, done))
