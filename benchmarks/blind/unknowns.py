@@ -43,7 +43,7 @@ class Unknown(Effect):
         forces = self.forces(sim, samples, _forces(sim, samples.readings.voltages))
         return _voltages(sim, forces)
 
-    def forces(self, sim: SimulatedRobot, samples: Samples, forces: FloatArray) -> FloatArray:  # noqa: ARG002
+    def forces(self, sim: SimulatedRobot, samples: Samples, forces: FloatArray) -> FloatArray:
         """(T, n) what the channels tell, of what they felt [N]."""
         return forces
 
@@ -205,7 +205,7 @@ class Edge(Unknown):
             float(rng.uniform(3.0, 7.0)),
         )
 
-    def forces(self, sim: SimulatedRobot, samples: Samples, forces: FloatArray) -> FloatArray:  # noqa: ARG002
+    def forces(self, sim: SimulatedRobot, samples: Samples, forces: FloatArray) -> FloatArray:
         """What is left to the cells."""
         channels = sim.shoe.of_foot(self.foot)
         changed = forces.copy()
@@ -245,7 +245,7 @@ class LoosePlate(Unknown):
             size, int(rng.integers(2)), float(rng.uniform(0, 2 * np.pi)), float(rng.uniform(4, 10))
         )
 
-    def forces(self, sim: SimulatedRobot, samples: Samples, forces: FloatArray) -> FloatArray:  # noqa: ARG002
+    def forces(self, sim: SimulatedRobot, samples: Samples, forces: FloatArray) -> FloatArray:
         """The foot's load, from where the plate lies to the cells."""
         channels = sim.shoe.of_foot(self.foot)
         changed = forces.copy()
@@ -317,7 +317,7 @@ class Pebble(Unknown):
         place = np.array([rng.uniform(-0.03, 0.08), rng.uniform(-0.03, 0.03)])
         return cls(size, int(rng.integers(2)), place)
 
-    def on_spec(self, spec: mujoco.MjSpec, robot: Robot) -> None:  # noqa: ARG002
+    def on_spec(self, spec: mujoco.MjSpec, robot: Robot) -> None:
         """One more ball at the sole, lower than those at its corners and as hard."""
         sole = spec.body(sole_name(self.foot))
         corner = sole.first_geom()

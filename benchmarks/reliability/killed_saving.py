@@ -14,6 +14,7 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -62,9 +63,9 @@ def serve(order: Order) -> Iterator[dict[str, Any]]:
             )  # fmt: skip
             if number % 2 == 0:
                 save_calibration(made[0], folder / _FILE)
-            changes = _killed(lambda tell: work(folder, made, tell), rng)  # noqa: B023
+            changes = _killed(partial(work, folder, made), rng)
             allowed = list(itertools.islice(pairs, changes, changes + 2))
-            yield _verdict(lambda: found(folder), allowed)  # noqa: B023
+            yield _verdict(partial(found, folder), allowed)
 
 
 def _killed(work: Callable[[Callable[[bytes], None]], None], rng: np.random.Generator) -> int:
@@ -120,7 +121,11 @@ def _stored(folder: Path) -> Pair:
     problem = store.load(originals.START_NS)
     if problem is not None:
         raise ShoecalError(problem.message)
-    return tuple("" if one is None else one.id for one in (store.current, store.before))  # type: ignore[return-value]
+    return _id(store.current), _id(store.before)
+
+
+def _id(calibration: Calibration | None) -> str:
+    return "" if calibration is None else calibration.id
 
 
 ROW = Row(
