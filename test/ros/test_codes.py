@@ -1,4 +1,4 @@
-"""Codes of refusals are distinct, and the page on them says the same."""
+"""Codes are distinct, and the page on them says the same."""
 
 from __future__ import annotations
 
@@ -7,12 +7,22 @@ from pathlib import Path
 
 import pytest
 
+from shoecal_core.errors import ShoecalError, error_code
+from shoecal_ros.common.codes import Code
+from shoecal_ros.inputs import joining, joints
+
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs/diagnostics.md").read_text()
 DEFINITIONS = [
     *sorted((ROOT / "shoecal_msgs/action").glob("*.action")),
     *sorted((ROOT / "shoecal_msgs/srv").glob("*.srv")),
 ]
+SOURCES = {
+    file: file.read_text()
+    for package in ("shoecal_core", "shoecal_ros")
+    for file in sorted((ROOT / package / package).rglob("*.py"))
+}
+CODES = ROOT / "shoecal_ros/shoecal_ros/common/codes.py"
 OWN = {"GetCalibration": "answers always", "SelfCalibrate": "those of Calibrate"}
 
 
@@ -41,3 +51,46 @@ def test_codes_are_distinct_and_documented(file: Path) -> None:
 def test_answers_of_starting_are_those_of_the_action() -> None:
     text = (ROOT / "shoecal_msgs/srv/SelfCalibrate.srv").read_text()
     assert "uint16 error_code # constants of Calibrate's result" in text
+
+
+def error_codes() -> set[str]:
+    """Of all errors there are."""
+    names = {
+        name
+        for text in SOURCES.values()
+        for name in re.findall(r"^class (\w+Error)\(", text, re.MULTILINE)
+    }
+    return {error_code(type(name, (ShoecalError,), {})) for name in names}
+
+
+def documented() -> set[str]:
+    """Codes in the table of diagnostics."""
+    column = re.findall(r"^\|[^|]*\| (?:WARN|ERROR) \| ([^|]*) \|", PAGE, re.MULTILINE)
+    assert all("`" in cell or "the [error's]" in cell for cell in column)
+    return {code for cell in column for code in re.findall(r"`([a-z-]+)`", cell)}
+
+
+def test_codes_of_diagnostics_are_those_on_the_page() -> None:
+    told = set(Code) - {Code.OK, Code.ENDED}
+    assert documented() - error_codes() == told
+    passed_on = {
+        error_code(kind)
+        for module in (joining, joints)
+        for kind in vars(module).values()
+        if isinstance(kind, type) and kind.__module__ == module.__name__
+        if issubclass(kind, ShoecalError)
+    }
+    assert passed_on <= documented()
+    for code in (Code.OK, Code.ENDED):
+        assert f"`{code}`" in PAGE
+
+
+def test_a_code_of_diagnostics_is_no_error_s() -> None:
+    assert not set(Code) & error_codes()
+
+
+@pytest.mark.parametrize("code", Code)
+def test_every_code_of_diagnostics_is_told_somewhere(code: Code) -> None:
+    used = [file for file, text in SOURCES.items() if re.search(rf"\bCode\.{code.name}\b", text)]
+    assert set(used) - {CODES}
+    assert code.name.lower().replace("_", "-") == code
