@@ -11,7 +11,8 @@ next self-calibration must come as far as the next try needs it. A try is one ki
 
 As all of it may share two cores with whatever else they do, inputs count as stale after 2 s
 (`stale_s`; default 0.5) and the robot as not following after 4 s (`follow_late`; default 1). How
-soon a silence is told with the defaults is shown by `stale-inputs`, not here.
+soon a silence is told with the defaults is shown by `stale-inputs`, not here. The simulator takes
+trajectories itself; adapters to robots' drivers are killed by `killed-adapters`.
 """
 
 from __future__ import annotations

@@ -1,32 +1,20 @@
-"""Messages of robots' drivers: the real packages where they are installed, else stand-ins."""
+"""Stand-in robots behind their adapters."""
 
 from __future__ import annotations
 
-import importlib.util
-import os
-from collections.abc import Callable
-from pathlib import Path
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from typing import Any
 
 import pytest
 from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
-from core.sensing.shoes import ROOT
+from ros.adapters.driver_messages import SCRIPT, NoMessagesError, messages_of
 from ros.world import World
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_to_ros
-
-STAND_INS = ROOT / "build/stand_ins"
-SCRIPT = Path(__file__).with_name("stand_in_robot.py")
-PACKAGES = {
-    "nao_lola": ("nao_lola_command_msgs", "nao_lola_sensor_msgs"),
-    "naoqi": ("naoqi_bridge_msgs",),
-    "action": ("control_msgs",),
-    "slow_action": ("control_msgs",),
-    "topic": (),
-}
 
 Begin = Callable[..., "Adapted"]
 
@@ -59,20 +47,15 @@ class Adapted:
 
 
 @pytest.fixture
-def begin(world: World, monkeypatch: pytest.MonkeyPatch) -> Begin:
+def begin(world: World) -> Iterator[Begin]:
     """Starts a stand-in robot and its adapter, not armed."""
+    with ExitStack() as stack:
 
-    def start(kind: str, adapter: str, **parameters: Any) -> Adapted:
-        paths = {"PYTHONPATH": [ROOT / "test"], "LD_LIBRARY_PATH": []}
-        if not all(importlib.util.find_spec(package) for package in PACKAGES[kind]):
-            if not (STAND_INS / ".complete").is_file():
-                pytest.skip("no messages of this driver, nor stand-ins; make stand-ins")
-            library = STAND_INS / "install/lib"
-            paths["PYTHONPATH"] += library.glob("python3.*/site-packages")
-            paths["LD_LIBRARY_PATH"].append(library)
-        for name, added in paths.items():
-            rest = os.environ.get(name, "").split(os.pathsep)
-            monkeypatch.setenv(name, os.pathsep.join([*map(str, added), *filter(None, rest)]))
-        return Adapted(world, kind, adapter, **parameters)
+        def start(kind: str, adapter: str, **parameters: Any) -> Adapted:
+            try:
+                stack.enter_context(messages_of(kind))
+            except NoMessagesError as error:
+                pytest.skip(str(error))
+            return Adapted(world, kind, adapter, **parameters)
 
-    return start
+        yield start
