@@ -96,7 +96,9 @@ class DiagnosisDesk:
             result.success = True
             self._last = Condition(Level.OK, result.message)
         except RefusedError as refusal:
-            self._last = Condition(Level.WARN, f"ended: {refusal}", code=Code.DIAGNOSIS_ENDED)
+            values = {"error_code": str(refusal.code)}
+            told = f"ended: {refusal}"
+            self._last = Condition(Level.WARN, told, values, Code.DIAGNOSIS_ENDED)
             node.log(Level.WARN, f"diagnosis ended: {refusal}")
             raise
         finally:

@@ -147,4 +147,5 @@ class SelfCalibrationDesk:
                 await self._do(job, Calibrate.Result())
         except RefusedError as refusal:
             told = f"self-calibration {job.request.run_id} ended: {refusal}"
-            desk.problem = Problem(Code.SELF_CALIBRATION_ENDED, told)
+            values = {"error_code": str(refusal.code)}
+            desk.problem = Problem(Code.SELF_CALIBRATION_ENDED, told, values)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
 
 from shoecal_core.errors import ShoecalError, error_code
@@ -84,10 +84,12 @@ class Problem:
     Attributes:
         code: for a program: a Code, or the `error_code` of an error.
         message: for a person, in one line, with the cure.
+        values: figures that go with it.
     """
 
     code: str
     message: str
+    values: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not _KEBAB.fullmatch(self.code) or self.code == Code.OK:

@@ -54,7 +54,8 @@ class Condition:
         """
         if problem is None:
             return cls(Level.OK, well, values or {})
-        return cls(Level.ERROR, problem.message, values or {}, problem.code)
+        told = {**(values or {}), **problem.values}
+        return cls(Level.ERROR, problem.message, told, problem.code)
 
 
 class Health:

@@ -27,6 +27,7 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.session import Session
 from shoecal_ros.common import qos
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import (
     calibration_from_ros,
     calibration_to_ros,
@@ -347,6 +348,9 @@ def test_a_job_is_cancelled_at_once(world: World, robot: StandingRobot) -> None:
     assert answer.run_id
     robot.tells_joints = False
     world.until_told("calibrator", "calibration", "no joint angles")
+    values = {pair.key: pair.value for pair in world.diagnosis("calibrator", "calibration").values}
+    assert values["code"] == Code.SELF_CALIBRATION_ENDED
+    assert values["error_code"] == str(Calibrate.Result.STALE_INPUT)
 
 
 def test_two_clocks_are_told(world: World, robot: StandingRobot) -> None:
