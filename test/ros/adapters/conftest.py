@@ -32,15 +32,24 @@ class Adapted:
         **parameters: object,
     ) -> None:
         self.world = world
-        world.start("robot", {"kind": kind}, script=SCRIPT)
+        self._adapter = adapter
+        world.start("robot", {"kind": kind, "adapter": adapter}, script=SCRIPT)
         world.start(adapter, parameters)
         if armed_by_test:
             self._armed = world.publisher(Bool, "shoe/armed", qos.ARMED)
             self._commands = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
         world.until_told(adapter, "robot", "not armed")
+        self.settle()
 
-    def arm(self, armed: bool = True) -> None:
-        self._armed.publish(Bool(data=armed))
+    def arm(self, *changes: bool) -> None:
+        """Arm, or say something else, or one thing just after the other."""
+        for armed in changes or (True,):
+            self._armed.publish(Bool(data=armed))
+        self.settle()
+
+    def settle(self) -> None:
+        """Wait until the adapter has taken what was said and sent."""
+        self.world.until_known_to(self._adapter)
 
     def send(self, trajectory: JointTrajectory) -> None:
         self._commands.publish(trajectory_to_ros(trajectory))

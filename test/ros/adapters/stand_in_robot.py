@@ -1,6 +1,7 @@
 """A NAO that is not there, behind the messages of one of its drivers; a process of its own.
 
-It moves at once to where it is told to be, and tells so as that driver does.
+It moves at once to where it is told to be, and tells so as that driver does. Where it is told which
+adapter is to move it, it begins once that one knows it, so that no command is lost.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory
 
 from ros.bodies import nao
+from ros.introduction import Introduction
 
 PERIOD_S = 0.02
 HANDS = ("LHand", "RHand")
@@ -44,9 +46,16 @@ class StandIn(Node):
         self.angles = dict(zip(nao().joint_names, nao().posture.tolist(), strict=True))
         self._left_out, self._untold = left_out, untold
         self._joints = self.create_publisher(JointState, "joint_states", 10)
+        self._introduction: Introduction | None = None
         self.create_timer(PERIOD_S, self.tell)
 
+    def meet(self, adapter: str) -> None:
+        """Make oneself known, everything else being made."""
+        self._introduction = Introduction(self, adapter)
+
     def tell(self) -> None:
+        if self._introduction is not None and not self._introduction.done:
+            return
         message = JointState()
         message.header.stamp = self.get_clock().now().to_msg()
         message.name = [name for name in self.angles if name not in self._left_out]
@@ -180,7 +189,7 @@ KINDS = {
     "naoqi": naoqi,
     "topic": topic_controller,
     "action": action_controller,
-    "slow_action": lambda: action_controller(10.0),
+    "slow_action": lambda: action_controller(40.0),
 }
 
 
@@ -189,8 +198,10 @@ def main() -> None:
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
     asked_to_end = threading.Event()
     signal.signal(signal.SIGINT, lambda *_: asked_to_end.set())
-    kind = next(word for word in sys.argv if word.startswith("kind:="))
-    robot = KINDS[kind.removeprefix("kind:=").strip('"')]()
+    words = dict(word.split(":=") for word in sys.argv if ":=" in word)
+    robot = KINDS[words["kind"].strip('"')]()
+    if "adapter" in words:
+        robot.meet(words["adapter"].strip('"'))
     executor = MultiThreadedExecutor(4)
     executor.add_node(robot)
     while not asked_to_end.is_set():
