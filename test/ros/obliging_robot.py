@@ -28,6 +28,7 @@ class ObligingRobot(StandingRobot):
         self.modelled = True
         self.pace = 4
         self._done = Future()
+        self._listened = Future()
         self._end_ns = 0
         self._armed = world.node.create_publisher(Bool, "shoe/armed", qos.LATCHED)
         self._armed.publish(Bool(data=True))
@@ -44,6 +45,8 @@ class ObligingRobot(StandingRobot):
 
     def _tell(self) -> None:
         super()._tell()
+        if self._commands.get_subscription_count() and not self._listened.done():
+            self._listened.set_result(None)
         if self.waving and self.stamp_ns >= self._end_ns and not self._done.done():
             self._done.set_result(None)
 
@@ -54,6 +57,8 @@ class ObligingRobot(StandingRobot):
         return ReachSupport.Result(success=True)
 
     async def _move(self, goal: ServerGoalHandle) -> Plan.Result:
+        # Whoever records it has been heard of.
+        await self._listened
         point = JointTrajectoryPoint(positions=[0.0], time_from_start=Duration(sec=1))
         self._commands.publish(JointTrajectory(joint_names=["LShoulderPitch"], points=[point]))
         goal.publish_feedback(Plan.Feedback(phase="moving"))

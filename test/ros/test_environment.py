@@ -15,10 +15,11 @@ from rclpy.node import Node
 from shoecal_msgs.action import ReachSupport
 from shoecal_msgs.msg import DoubleSupport, ShoeVoltages
 
+from ros.introduction import Introduction
 from shoecal_core.workspace import ros_environment
 
 ROBOT = Path(__file__).with_name("echo_robot.py")
-TIMEOUT_S = 30.0
+TIMEOUT_S = 120.0
 
 from_wheels = pytest.mark.skipif(
     not Path(sys.prefix, "share/ament_index/resource_index/packages/rclpy").is_file(),
@@ -62,6 +63,9 @@ def test_messages_reach_another_process(node: Node, robot: subprocess.Popen[str]
 def test_an_action_is_done_by_another_process(node: Node) -> None:
     client = ActionClient(node, ReachSupport, "robot/reach_support")
     assert client.wait_for_server(TIMEOUT_S)
+    introduction = Introduction(node, "echo_robot")
+    while not introduction.done:
+        rclpy.spin_once(node, timeout_sec=0.05)
     heard: list[float] = []
     goal = ReachSupport.Goal(support=DoubleSupport(dx=0.02, dy=-0.1, dtheta=0.1))
     sent = client.send_goal_async(goal, lambda message: heard.append(message.feedback.progress))

@@ -18,6 +18,8 @@ from rclpy.action import ActionClient, ActionServer
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node, NodeNameNonExistentError
 from rclpy.parameter import Parameter
+from rclpy.publisher import Publisher
+from std_msgs.msg import Bool
 
 from ros.introduction import Introduction
 from shoecal_core.workspace import ros_environment
@@ -82,8 +84,8 @@ class World:
         program = ["-m", f"shoecal_ros.nodes.{node}"] if script is None else [str(script)]
         command = [sys.executable, *program, "--ros-args"]
         command += [part for pair in pairs for part in ("-p", pair)]
-        # Of one that had this name before.
-        self._diagnostics_before[name] = len(self._diagnostics.messages)
+        # By one that had this name before.
+        self.forget(name)
         with self._log(name).open("wb") as file:
             log = file if told_to is None else told_to
             process = subprocess.Popen(
@@ -159,12 +161,26 @@ class World:
         self.until(lambda: publisher.get_subscription_count() > own)
         return publisher
 
-    def until_known_to(self, *nodes: str) -> None:
-        """Wait until nodes know of all subscriptions made so far: from now on these hear them."""
-        for node in nodes:
-            introduction = Introduction(self.node, node)
-            self.until(lambda: introduction.done)  # noqa: B023
-            introduction.end()
+    def until_known_to(self, node: str, companion: Node | None = None) -> None:
+        """Wait until a node knows all that the client has made: from now on nothing is lost to it.
+
+        What was published by then, the node has taken.
+
+        Args:
+            node: name.
+            companion: in place of the client.
+        """
+        introduction = Introduction(companion or self.node, node)
+        self.until(lambda: introduction.done)
+        introduction.end()
+
+    def arm(self, node: str) -> Publisher:
+        """Tell a node that the robot is armed, in place of a planner, and let it take that in."""
+        publisher: Publisher = self.publisher(Bool, "shoe/armed", qos.LATCHED)
+        self.until_known_to(node)
+        publisher.publish(Bool(data=True))
+        self.until_known_to(node)
+        return publisher
 
     def call(self, kind: type[Any], name: str, request: Any) -> Any:
         """Call a service."""
@@ -193,6 +209,10 @@ class World:
                 if status.name == f"{node}: {subject}":
                     return status
         return None
+
+    def forget(self, node: str) -> None:
+        """Let what a node told of itself so far count no more."""
+        self._diagnostics_before[node] = len(self._diagnostics.messages)
 
     def until_told(self, node: str, subject: str, text: str, timeout_s: float = TIMEOUT_S) -> Any:
         """Wait until a node's diagnostic of a subject contains a text."""

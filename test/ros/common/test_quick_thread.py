@@ -16,7 +16,7 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.quick_thread import QuickThread
 from shoecal_ros.common.turn import Turn
 
-TIMEOUT_S = 30.0
+TIMEOUT_S = 120.0
 
 
 def until(condition: Callable[[], bool]) -> None:

@@ -15,7 +15,7 @@ from shoecal_core.errors import NameNotFoundError
 from shoecal_ros.common.worker import Work, Worker, WorkerError
 
 T = TypeVar("T")
-TIMEOUT_S = 30.0
+TIMEOUT_S = 120.0
 
 
 class Waiter:

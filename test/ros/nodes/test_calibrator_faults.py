@@ -7,13 +7,11 @@ from pathlib import Path
 import pytest
 from shoecal_msgs.action import Calibrate, Diagnose
 from shoecal_msgs.srv import Rezero, SelfCalibrate, SetCalibration
-from std_msgs.msg import Bool
 
 from ros.bodies import calibration, nao, nao_shoe
 from ros.standing_robot import StandingRobot
 from ros.world import World
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import calibration_to_ros
 
 FAULTY = Path(__file__).with_name("faulty_calibrator.py")
@@ -26,7 +24,7 @@ def faulty(world: World) -> World:
     StandingRobot(world, DoubleSupport(0.0, -0.112, 0.0))
     folders = {name: world.folder / name for name in ("state_dir", "sessions_dir")}
     world.start("calibrator", {**folders, "stale_s": 3.0}, script=FAULTY)
-    world.publisher(Bool, "shoe/armed", qos.LATCHED).publish(Bool(data=True))
+    world.arm("calibrator")
     world.until_told("calibrator", "voltages", "come")
     world.until_told("calibrator", "joints", "come")
     return world

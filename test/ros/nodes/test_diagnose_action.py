@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 from shoecal_msgs.action import Calibrate, Diagnose
 from shoecal_msgs.srv import Rezero, SelfCalibrate
-from std_msgs.msg import Bool
 
 from ros.bodies import ODD, ODD_SHOE
 from ros.standing_robot import StandingRobot
@@ -16,7 +15,6 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import load_shoe
-from shoecal_ros.common import qos
 
 CODES = Diagnose.Result
 SUPPORT = DoubleSupport(0.0, -0.112, 0.0)
@@ -36,10 +34,6 @@ def start(world: World, **parameters: object) -> None:
 
 def diagnose(world: World, **goal: object) -> Goal:
     return world.goal(Diagnose, "shoe/diagnose", Diagnose.Goal(**{"seed": -1, **goal}))
-
-
-def arm(world: World) -> None:
-    world.publisher(Bool, "shoe/armed", qos.LATCHED).publish(Bool(data=True))
 
 
 @pytest.fixture
@@ -62,7 +56,7 @@ def test_recording_needs_arming_and_inputs(world: World, robot: StandingRobot) -
     assert (refused.success, refused.error_code) == (False, CODES.NOT_ARMED)
     assert "shoe/arm" in refused.message
     assert (refused.verdict, refused.json, refused.session) == ("", "", "")
-    arm(world)
+    world.arm("calibrator")
     robot.tells_voltages = False
     world.until_told("calibrator", "voltages", "no voltages for")
     stale = diagnose(world, motions=["landmarks"]).result()
@@ -98,7 +92,7 @@ def test_bad_goals_are_refused_before_anything_is_done(world: World) -> None:
 
 def test_one_job_at_a_time_and_cancelling_wins(world: World, robot: StandingRobot) -> None:
     start(world)
-    arm(world)
+    world.arm("calibrator")
     world.until_told("calibrator", "voltages", "come")
     goal = diagnose(world, motions=["landmarks"])
     world.until(lambda: goal.feedback)

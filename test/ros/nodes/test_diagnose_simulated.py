@@ -68,6 +68,7 @@ def told(goal: Goal, phase: str) -> bool:
 def test_cancelled_while_it_records_the_robot_stops_gently(world: World) -> None:
     arm(world)
     commands = world.hear(JointTrajectory, "joint_trajectory", qos.COMMAND)
+    world.until_known_to("planner")
     goal = diagnose(world, motions=["landmarks"])
     world.until(lambda: told(goal, "moving"))
     goal.cancel()

@@ -82,7 +82,8 @@ def test_every_diagnostic_is_on_the_page(world: World) -> None:
     world.start("calibrator", {"use_sim_time": True, **folders})
     world.until_told("calibrator", "voltages", "no voltages yet")
     world.until_told("shoe_driver", "device", "does not exist")
-    world.until_told("model", "joints", "no joint angles yet")
+    for node in ("model", "planner", "calibrator"):
+        world.until_told(node, "joints", "no joint angles yet")
     world.start("simulator", {**port, "offer_reach_support": False})
     world.until_told("calibrator", "voltages", "voltages come")
     world.until_told("planner", "joints", "joint angles come")

@@ -21,7 +21,7 @@ def test_the_robot_is_stopped_and_the_goal_answered(world: World) -> None:
     robot = FollowingRobot(world, DoubleSupport(0.02, -0.11, 0.1))
     commands = world.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
     faulty = Path(__file__).with_name("faulty_planner.py")
-    world.start("planner", {"stale_s": 2.0, "follow_late": 4.0}, script=faulty)
+    world.start("planner", {"stale_s": 3.0, "follow_late": 4.0}, script=faulty)
     world.until_told("planner", "planning", "ready")
     world.until_told("planner", "joints", "come")
     assert world.call(SetBool, "shoe/arm", SetBool.Request(data=True)).success

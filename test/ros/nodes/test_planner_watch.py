@@ -20,7 +20,7 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_from_ros
 
 FloatArray = NDArray[np.float64]
-PATIENT = {"stale_s": 2.0, "follow_late": 4.0}
+PATIENT = {"stale_s": 3.0, "follow_late": 4.0}
 """For a busy machine."""
 SUPPORT = DoubleSupport(0.02, -0.11, 0.1)
 
@@ -43,6 +43,7 @@ class Scene:
 
     def recover(self) -> None:
         self.robot.recover()
+        self.world.forget("planner")
         for subject, told in (("joints", "come"), ("tilt", "comes"), ("shoes", "comes")):
             self.world.until_told("planner", subject, told)
         self.world.until_told("planner", "heat", "'RKneePitch' at 40")

@@ -130,27 +130,24 @@ def test_rights_are_what_the_nodes_make(world: World) -> None:
     world.start("planner", {"use_sim_time": True, "steps": True})
     world.start("calibrator", {"use_sim_time": True, **folders})
     world.start("voltage_stream", {"use_sim_time": True}, script=SOURCES / "voltage_stream.py")
-    expected = allowed()
+    expected, made = allowed(), dict.fromkeys(NODES, Rights())
 
     def missing() -> dict[str, dict[str, set[str]]]:
         """What is allowed, but not made yet, by node and rule."""
         found: dict[str, dict[str, set[str]]] = {}
         for node in NODES:
-            made, sometimes = used(world.node, node), NOT_ALWAYS.get(node, set())
+            made[node], sometimes = used(world.node, node), NOT_ALWAYS.get(node, set())
             for rule in fields(Rights):
-                never = expected[node].allow(rule.name) - made.allow(rule.name) - sometimes
+                never = expected[node].allow(rule.name) - made[node].allow(rule.name) - sometimes
                 if never:
                     found.setdefault(node, {})[rule.name] = never
         return found
 
-    names = set(NODES)
-    world.until(lambda: names <= set(world.node.get_node_names()))
     try:
         world.until(lambda: not missing())
     except AssertionError as error:
         raise AssertionError(f"allowed, but never made: {missing()}") from error
     for node in NODES:
-        made = used(world.node, node)
         for rule in fields(Rights):
-            beyond = made.allow(rule.name) - expected[node].allow(rule.name)
+            beyond = made[node].allow(rule.name) - expected[node].allow(rule.name)
             assert not beyond, f"{node} needs the right to {rule.name} {beyond}"

@@ -29,6 +29,7 @@ class Calls:
         self._world = world
         self._client: Client = world.node.create_client(kind, name)
         world.until(self._client.service_is_ready)
+        world.until_known_to("calibrator")
 
     def begin(self, request: Any) -> Any:
         return self._client.call_async(request)

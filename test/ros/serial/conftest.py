@@ -15,7 +15,7 @@ from shoecal_ros.serial.serial_source import SerialSource
 from shoecal_ros.serial.source import Received
 
 READ_S = 0.05
-READS = 200
+READS = 1200
 """A busy machine may take this long for something that must come."""
 
 

@@ -19,7 +19,7 @@ CONVERTER = Converter(volts_per_count=5.0 / 2**23)
 
 @pytest.fixture
 def port(device: SimulatedDevice, link: Path) -> Iterator[serial.Serial]:
-    with serial.Serial(str(link), 115200, timeout=5.0, exclusive=True) as port:
+    with serial.Serial(str(link), 115200, timeout=60.0, exclusive=True) as port:
         yield port
 
 
@@ -58,7 +58,7 @@ def test_info_is_sent_upon_request(device: SimulatedDevice, port: serial.Serial)
 def test_nobody_listens(device: SimulatedDevice, link: Path) -> None:
     assert not any(send(device, sequence) for sequence in range(1000))
     assert (device.sent, device.dropped) == (0, 1000)
-    with serial.Serial(str(link), timeout=5.0) as port:
+    with serial.Serial(str(link), timeout=60.0) as port:
         assert send(device, 1000)
         port.read_until(b"\0")
         assert BinaryDecoder().feed(port.read_until(b"\0")) == [sent(1000)]

@@ -54,7 +54,7 @@ def test_frames_come_with_their_receipt(
 def test_device_is_asked_what_it_is(
     device: SimulatedDevice, make_source: MakeSource, read_until: ReadUntil, link: Path
 ) -> None:
-    with serial.Serial(str(link), timeout=5.0) as other:
+    with serial.Serial(str(link), timeout=60.0) as other:
         device.send(0, 0, [0], [0])
         other.read_until(b"\0")  # what the device says at the opening
         source = make_source()

@@ -54,7 +54,7 @@ def test_layouts_fit_the_real_nodes(world: World) -> None:
         return [line for file in LAYOUTS for line in misfits(file, topics)]
 
     try:
-        world.until(lambda: not found(), 60.0)
+        world.until(lambda: not found())
     except AssertionError as error:
         raise AssertionError("\n".join(found())) from error
 
