@@ -2,13 +2,12 @@
 
 The planner moves a NAO that is not there, behind the messages of one of its drivers: set points by
 `nao_lola` and `naoqi_driver2`, whole motions by a topic or an action of `ros2_control`. The adapter
-is a process of its own and killed at a drawn moment of a motion that was asked for with
-`/shoe/plan`. A robot that takes set points must have come to rest within 10 s and stay there for
-2 s more; a controller was sent the whole motion and nobody is left who may tell it otherwise, so it
-need only be at rest that long after the motion's own end: these are counted. The planner's
-diagnostics must name the adapter, and the motion end with a reason, but for a controller that does
-it all; and when the adapter is started again and the robot armed, the next motion must begin. A try
-is one kill with all of that.
+is a process of its own and killed at a drawn moment of a motion that was asked for by `/shoe/plan`.
+A robot that takes set points must have come to rest within 10 s and stay there for 2 s more, and
+the motion end with a reason; a controller was sent the whole motion and nobody is left who may tell
+it otherwise, so it need only be at rest that long after the motion's own end: these are counted.
+The planner's diagnostics must name the adapter; and when that is started again and the robot armed,
+the next motion must begin. A try is one kill with all of that.
 
 Simulated: the robot and its driver, which is at once where it is told to be. So this shows what the
 suite does, not how a robot's motors hold.
@@ -88,21 +87,23 @@ class Try:
 
 
 class Scene:
-    """A planner, and one robot after the other behind its adapter."""
+    """A planner, and a kind of robot behind its adapter."""
 
-    def __init__(self, world: World) -> None:
+    def __init__(self, world: World, kind: str) -> None:
         self.world = world
+        self.kind = kind
         self._angles: dict[str, float] = {}
         self._moved_at = 0.0
         world.node.create_subscription(JointState, "joint_states", self._hear, qos.EITHER)
+        world.start("robot", {"kind": kind}, script=SCRIPT)
+        world.start(*ADAPTERS[kind])
         world.start("planner", PLANNER)
         world.until_told("planner", "planning", "ready", COMPILE_S)
 
-    def kill(self, kind: str, after_s: float) -> Try:
+    def kill(self, after_s: float) -> Try:
         """Begin a motion, kill the adapter a time into it, and begin one again."""
-        world, (adapter, parameters) = self.world, ADAPTERS[kind]
-        world.start("robot", {"kind": kind}, script=SCRIPT)
-        world.start(adapter, parameters)
+        world, kind = self.world, self.kind
+        adapter = ADAPTERS[kind][0]
         goal, begun = self._moving(adapter)
         world.until(lambda: goal.done or time.monotonic() > begun + after_s)
         assert not goal.done, goal.result().message
@@ -111,16 +112,14 @@ class Scene:
         world.until(lambda: self._names(adapter))
         told_s = time.monotonic() - killed
         result = goal.result()
+        assert kind in CONTROLLERS or not result.success, "the planner took it for done"
         ends = max(killed, begun + trajectory_from_ros(result.trajectory).duration)
         allowed_s = REST_S + (ends - killed if kind in CONTROLLERS else 0.0)
         world.until(lambda: time.monotonic() > killed + allowed_s + LASTS_S)
         rest_s = max(0.0, self._moved_at - killed)
-        world.start(adapter, parameters)
+        world.start(*ADAPTERS[kind])
         world.until(lambda: not self._names(adapter))
         self._moving(adapter)[0].cancel()
-        world.call(SetBool, "shoe/arm", SetBool.Request(data=False))
-        for name in (adapter, "robot"):
-            world.stop(name)
         return Try(kind, rest_s, allowed_s, told_s, str(result.message))
 
     def _moving(self, adapter: str) -> tuple[Goal, float]:
@@ -158,13 +157,14 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
     kind, why = "", ""
     try:
         with ExitStack() as stack:
-            for one in ADAPTERS:
-                stack.enter_context(messages_of(one))
-            scene = Scene(stack.enter_context(live_world()))
+            for robot in ADAPTERS:
+                stack.enter_context(messages_of(robot))
             for index in range(first, first + count):
                 kind = tuple(ADAPTERS)[index % len(ADAPTERS)]
-                rng = np.random.default_rng([seed, index])
-                found.append(scene.kill(kind, float(rng.uniform(*INTO_MOTION_S))))
+                after_s = float(np.random.default_rng([seed, index]).uniform(*INTO_MOTION_S))
+                with live_world() as world:
+                    one = Scene(world, kind).kill(after_s)
+                found.append(one)
                 progress(len(found))
     except AssertionError as error:
         why = f"{kind}: {' '.join(str(error).split())[:150]}"
