@@ -27,8 +27,9 @@ from rclpy.serialization import deserialize_message
 from shoecal_msgs.srv import GetCalibration, SelfCalibrate, SetCalibration
 from std_srvs.srv import Trigger
 
-WAIT_S = 5.0
+WAIT_S = 60.0
 """For what is not answered when the last call was made."""
+AGAIN_S = 1.0
 MANY = QoSProfile(depth=1000)
 CHANGE = "shoe/set_calibration"
 BARE, BARE_SHARE = "bare", 20
@@ -80,6 +81,7 @@ def call(node: Node, count: int, rate: float, requests: Sequence[Any]) -> dict[s
     for caller in (bare, *callers.values()):
         if not caller.client.wait_for_service(60.0):
             sys.exit(f"nobody offers {caller.client.srv_name}")
+    _until_known(Caller(node, GetCalibration, "shoe/get_calibration"))
     took, bare_took = [-1.0] * count, [-1.0] * count
     begin, done = time.monotonic(), 0
     while done < count or (min(took) < 0.0 and time.monotonic() < begin + count / rate + WAIT_S):
@@ -99,6 +101,17 @@ def call(node: Node, count: int, rate: float, requests: Sequence[Any]) -> dict[s
         "bare": bare_took,
         "changes": [*callers[CHANGE].succeeded, *callers["shoe/rollback"].succeeded],
     }
+
+
+def _until_known(last: Caller) -> None:
+    """Wait until the calibrator answers the client made last: it knows of all before then."""
+    answered = [-1.0]
+    while min(answered) < 0.0:
+        last.call(0)
+        again = time.monotonic() + AGAIN_S
+        while min(answered) < 0.0 and time.monotonic() < again:
+            last.collect(answered)
+            time.sleep(5e-4)
 
 
 def serve(node: Node) -> None:

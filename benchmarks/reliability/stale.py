@@ -28,7 +28,7 @@ from ros.bodies import calibration, nao, nao_shoe
 from ros.standing_robot import StandingRobot
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_ros.common import qos
-from shoecal_ros.common.conversions import calibration_to_ros
+from shoecal_ros.common.conversions import calibration_to_ros, time_from_ros
 
 PERIODS_NS = tuple(round(1e6 * ms) for ms in (5, 10, 20, 33, 50, 100))
 WITHIN_S, WITHIN_PERIODS = 0.1, 3.0
@@ -51,6 +51,11 @@ class Listener:
     def after(self, moment: float) -> int:
         """Messages after a moment."""
         return sum(at > moment for at, _ in self.heard)
+
+    def of_after(self, stamp_ns: int) -> int:
+        """Messages of what was sampled after a moment of the robot's [ns], or told again."""
+        stamps = [time_from_ros(message.header.stamp) for _, message in self.heard]
+        return sum(one > stamp_ns for one in stamps) + len(stamps) - len(set(stamps))
 
 
 @dataclass(frozen=True)
@@ -127,10 +132,13 @@ class Scene:
         at = self.told(
             lambda state: state.joints_stale if what == "joints" else state.feet[0].stale, last
         )
+        # By stamps: what was on its way may come late.
+        after = robot.stamp_ns
         self.wait(GOES_ON * period_s + 0.05)
-        after = at + 0.02
-        stopped = not self.cop.after(after) and not self.grf.after(after)
-        held = stopped and (self.foot.after(after) > 0) == (what == "joints")
+        if what == "joints":
+            self.world.until(lambda: self.foot.of_after(after))
+        stopped = not self.cop.of_after(after) and not self.grf.of_after(after)
+        held = stopped and (self.foot.of_after(after) > 0) == (what == "joints")
         setattr(robot, f"tells_{what}", True)
         again = time.monotonic()
         self.world.until(lambda: all(one.after(again) for one in (self.cop, self.grf, self.foot)))

@@ -16,7 +16,6 @@ from typing import Any
 
 import numpy as np
 from rcl_interfaces.srv import SetParameters
-from rclpy.action import ActionClient
 from rclpy.parameter import Parameter
 from rclpy.serialization import serialize_message
 from shoecal_msgs.action import Calibrate, Diagnose, Plan, ReachSupport
@@ -207,7 +206,6 @@ class Suite:
         self.before = self._in_force()
         world.until_told("planner", "planning", "ready", COMPILE_S)
         world.until_told("calibrator", "voltages", "come")
-        self._clients: dict[str, Any] = {}
 
     def try_one(self, case: Case) -> str:
         """What is wrong with how a case was answered; empty where nothing is."""
@@ -229,16 +227,7 @@ class Suite:
         return bool(ok), str(response.message)
 
     def _goal(self, case: Case) -> tuple[bool, str]:
-        world = self.world
-        client = self._clients.get(case.name)
-        if client is None:
-            client = self._clients[case.name] = ActionClient(world.node, case.kind, case.name)
-            world.until(client.server_is_ready)
-        sent = client.send_goal_async(case.request)
-        world.until(sent.done)
-        answer = sent.result().get_result_async()
-        world.until(answer.done, TIMEOUT_S)
-        result = answer.result().result
+        result = self.world.goal(case.kind, case.name, case.request).result(TIMEOUT_S)
         return bool(result.success or result.error_code == 0), str(result.message)
 
     def _in_force(self) -> tuple[bytes, Any]:

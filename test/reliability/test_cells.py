@@ -10,4 +10,4 @@ def test_cells_that_break_are_told_and_no_others() -> None:
     found = break_live(tries, 0, calibrating=False)
     assert not [one for one in found if one.failed and not one.failed.startswith("told after")]
     # On a busy machine everything comes later; a cell that is told by accident comes much later.
-    assert max(one.after for one in found) < 5.0 * WITHIN_S, found
+    assert max(one.after for one in found) < 20.0 * WITHIN_S, found
