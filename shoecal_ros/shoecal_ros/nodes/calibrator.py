@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 import sys
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -56,16 +54,12 @@ from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import FrameJoiner
 from shoecal_ros.inputs.joints import JointInput
 from shoecal_ros.inputs.last_heard import SILENT_S
+from shoecal_ros.inputs.one_clock import OneClock
 from shoecal_ros.inputs.overdue import Overdue
 from shoecal_ros.inputs.sensor_frames import frame_reader
 from shoecal_ros.inputs.serialised import understood
 from shoecal_ros.inputs.stillness import Stillness
 from shoecal_ros.inputs.voltages import VoltageInput
-
-TOGETHER_S = 0.3
-"""Stamps of what came within this wall-clock time can be compared."""
-APART_S = 2.0
-"""Stamps that stay apart for so long are of two clocks: a busy computer hears one of both late."""
 
 
 @dataclass(frozen=True)
@@ -142,13 +136,13 @@ class Calibrator(ShoecalNode):
         senders = self.peers.expect_one_sender(relative(schemas.JOINT_STATES))
         self.joints = JointInput(self.robot, settings.stale_s, silent_s=silent_s, senders=senders)
         self.cells = CellWatch(self.shoe)
-        self._apart_since = math.inf
         self.voltages = VoltageInput(
             FrameJoiner(self.shoe.names, settings.hold_s),
             settings.stale_s,
             silent_s=silent_s,
             watch=self.cells,
         )
+        self._one_clock = OneClock(self.joints, self.voltages, settings.clock_gap)
         self._overdue = [
             Overdue(self, heard, self._publish_state)
             for heard in (self.joints.heard, self.voltages.heard)
@@ -215,35 +209,14 @@ class Calibrator(ShoecalNode):
 
     def input_problem(self) -> Problem | None:
         """What is wrong with joint angles or voltages, and its cure; None when all is well."""
-        return self.joints.problem or self.voltages.problem or self._clocks_apart()
-
-    def _clocks_apart(self) -> Problem | None:
-        """Whether joint angles and voltages are stamped by two clocks, and the cure."""
-        latest, stamp_ns = self.joints.latest, self.voltages.latest_ns
-        if latest is None or stamp_ns is None:
-            return None
-        if max(self.joints.age_s, self.voltages.age_s) > TOGETHER_S:
-            return None
-        gap_s = abs(int(latest.stamp_ns[0]) - stamp_ns) / 1e9
-        if gap_s <= self.node_settings.clock_gap:
-            self._apart_since = math.inf
-            return None
-        now = time.monotonic()
-        self._apart_since = min(self._apart_since, now)
-        if now - self._apart_since <= APART_S:
-            return None
-        return Problem(
-            Code.CLOCKS_APART,
-            f"stamps of joint angles and voltages are {gap_s:.1f} s apart; let both senders "
-            "use one clock",
-        )
+        return self.joints.problem or self.voltages.problem or self._one_clock.problem
 
     def watch(self) -> None:
         """Tell how everything fares."""
         for subject, problem, figures in (
             (
                 "joints",
-                self.joints.problem or self._clocks_apart(),
+                self.joints.problem or self._one_clock.problem,
                 self.joints.heard.figures(),
             ),
             (
