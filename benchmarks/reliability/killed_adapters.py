@@ -95,7 +95,7 @@ class Scene:
         self._angles: dict[str, float] = {}
         self._moved_at = 0.0
         world.node.create_subscription(JointState, "joint_states", self._hear, qos.EITHER)
-        world.start("robot", {"kind": kind}, script=SCRIPT)
+        world.start("robot", {"kind": kind, "adapter": ADAPTERS[kind][0]}, script=SCRIPT)
         world.start(*ADAPTERS[kind])
         world.start("planner", PLANNER)
         world.until_told("planner", "planning", "ready", COMPILE_S)
