@@ -11,6 +11,7 @@ import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from unittest.mock import patch
 
 from pages import ROOT
 from shoecal_ros.demonstration.domain import reserve_domain
@@ -35,15 +36,10 @@ def live_world() -> Iterator[World]:
         "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
         "FASTRTPS_DEFAULT_PROFILES_FILE": str(ROOT / "test" / "ros" / "quick_discovery.xml"),
     }
-    before = {name: os.environ.get(name) for name in own}
-    with token, tempfile.TemporaryDirectory(prefix="shoecal-faults-") as folder:
-        os.environ.update(own)
-        try:
-            with World(Path(folder)) as world:
-                yield world
-        finally:
-            for name, value in before.items():
-                if value is None:
-                    del os.environ[name]
-                else:
-                    os.environ[name] = value
+    with (
+        token,
+        tempfile.TemporaryDirectory(prefix="shoecal-faults-") as folder,
+        patch.dict(os.environ, own),
+        World(Path(folder)) as world,
+    ):
+        yield world

@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from unittest.mock import patch
 
 STAND_INS = Path(__file__).parents[3] / "build/stand_ins"
 SCRIPT = Path(__file__).with_name("stand_in_robot.py")
@@ -37,15 +38,9 @@ def messages_of(kind: str) -> Iterator[None]:
         library = STAND_INS / "install/lib"
         paths["PYTHONPATH"] += library.glob("python3.*/site-packages")
         paths["LD_LIBRARY_PATH"].append(library)
-    before = {name: os.environ.get(name) for name in paths}
-    for name, added in paths.items():
-        rest = (before[name] or "").split(os.pathsep)
-        os.environ[name] = os.pathsep.join([*map(str, added), *filter(None, rest)])
-    try:
+    searched = {
+        name: os.pathsep.join([*map(str, added), *filter(None, [os.environ.get(name)])])
+        for name, added in paths.items()
+    }
+    with patch.dict(os.environ, searched):
         yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
