@@ -27,8 +27,11 @@ MAX_MASS = 1e4
 """kg; no link of a robot weighs more."""
 MAX_INERTIA = 1e6
 """kg m^2, likewise."""
+MAX_DISTANCE = 1e3
+"""m; no part of a robot is farther from the next."""
 NAMED = 5
 """Links that an error names."""
+_PARTS = (["robot", "link"], ["robot", "joint"])
 
 
 @dataclass(frozen=True)
@@ -199,7 +202,9 @@ class _Reader:
 
     def _start(self, tag: str, attributes: dict[str, str]) -> None:
         self._place.append(tag)
-        if self._place in (["robot", "link"], ["robot", "joint"]):
+        if tag == "origin" and self._place[:2] in _PARTS:
+            self._check_origin(attributes.get("xyz", ""))
+        if self._place in _PARTS:
             self._name = attributes.get("name", "")
             self._limitless = attributes.get("type") in ("revolute", "prismatic")
         elif self._place[:-1] == ["robot", "link", "inertial"]:
@@ -244,6 +249,14 @@ class _Reader:
                 f'{key}="{text[:30]}" of its <{tag}> is not a number{least}; give one'
             )
         return number
+
+    def _check_origin(self, text: str) -> None:
+        # What is no number, or none that is finite, is noticed elsewhere.
+        if any(MAX_DISTANCE < abs(_number(part)) < math.inf for part in text.split()):
+            problem = f'xyz="{text[:90]}" of its <origin> is farther than {MAX_DISTANCE:g} m'
+            raise FileError(
+                self._path, f"{problem}; give metres", field=f"{self._place[1]} {self._name}"
+            )
 
     def _check_inertia(self, key: str, text: str) -> None:
         # What is no number the parser drops with the whole inertial, which is noticed there.

@@ -455,6 +455,13 @@ BAD_URDF = {
     "an inertia beyond reason": (
         'izz="[^"]*"', 'izz="1e308"', "link base_link", 'izz="1e308" is not a moment of inertia'
     ),
+    "a mass beyond reach": (
+        'xyz="0.01 0 0.09"', 'xyz="-1e308 0 0.09"', "link chest", "its <origin> is farther than"
+    ),
+    "a joint beyond reach": (
+        r'(<joint name="waist_pitch".*?xyz=")[^"]*', r"\g<1>0 2000 0", "joint waist_pitch",
+        'xyz="0 2000 0" of its <origin> is farther than 1000 m; give metres',
+    ),
     "an inertial the parser drops": (
         'xyz="0.01 0 0.09"', 'xyz="nan 0 0.09"', "inertial", "hangs on the base (link chest)"
     ),
