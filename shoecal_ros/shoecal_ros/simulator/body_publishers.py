@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import time
 
-import rclpy
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -23,6 +23,8 @@ from shoecal_ros.simulator.simulated_body import Samples
 
 PATIENCE_S = 5.0
 """Wall-clock time that the slowest listener may take."""
+AGAIN_S = 1.0
+"""Time between looks whether one that hangs takes something again."""
 HEAT_NS = SECOND_NS
 """Simulated time between temperatures: motors warm up in minutes."""
 
@@ -42,9 +44,11 @@ class BodyPublishers:
         self._names = robot.joint_names
         shared = {one.joint for one in robot.shared}
         self._motors = [index for index in range(len(self._names)) if index not in shared]
-        self._joints = node.create_publisher(JointState, "joint_states", profile)
-        self._imu = node.create_publisher(Imu, "imu", profile)
-        self._temperatures = node.create_publisher(Temperature, "joint_temperatures", profile)
+        self._joints = _Patient(node.create_publisher(JointState, "joint_states", profile))
+        self._imu = _Patient(node.create_publisher(Imu, "imu", profile))
+        self._temperatures = _Patient(
+            node.create_publisher(Temperature, "joint_temperatures", profile)
+        )
         self._heat_ns = 0
 
     def publish(self, samples: Samples) -> None:
@@ -53,28 +57,41 @@ class BodyPublishers:
         joints = samples.joints
         for stamp_ns, angles, efforts in zip(stamps, joints.angles, joints.efforts, strict=True):
             message = joints_to_ros(JointSample(stamp_ns, self._names, angles, efforts))
-            _send(self._joints, message)
-        _send(self._imu, _orientation(stamps[-1], samples.orientation[-1].tolist()))
+            self._joints.publish(message)
+        self._imu.publish(_orientation(stamps[-1], samples.orientation[-1].tolist()))
         if stamps[-1] - self._heat_ns >= HEAT_NS:
             self._heat_ns = stamps[-1]
             for index in self._motors:
                 header = header_to_ros(stamps[-1], self._names[index])
                 degc = float(joints.temperatures[-1, index])
-                _send(self._temperatures, Temperature(header=header, temperature=degc))
+                self._temperatures.publish(Temperature(header=header, temperature=degc))
 
 
-def _send(publisher: Publisher, message: object) -> None:
-    """Publish, waiting for the slowest of the listeners that keep all; none waits for ever."""
-    deadline = time.monotonic() + PATIENCE_S
-    while True:
-        try:
-            publisher.publish(message)
-        except rclpy_implementation.RCLError:
-            # The middleware itself has waited a little.
-            if time.monotonic() > deadline or not rclpy.ok():
+class _Patient:
+    """A publisher that waits for the slowest of the listeners that keep all; none waits for ever.
+
+    Who has taken nothing for PATIENCE_S hangs, and is only looked after now and then: time goes on
+    without him, and a node that shall end does not stand with him.
+    """
+
+    def __init__(self, publisher: Publisher) -> None:
+        self._publisher = publisher
+        self._stuck_at: float | None = None
+        self._not_before = -math.inf
+
+    def publish(self, message: object) -> None:
+        """Publish; what finds no room in time is lost."""
+        while (now := time.monotonic()) >= self._not_before:
+            try:
+                self._publisher.publish(message)
+            except rclpy_implementation.RCLError:
+                # The middleware itself has waited a little.
+                self._stuck_at = self._stuck_at or now
+                if now - self._stuck_at > PATIENCE_S:
+                    self._not_before = now + AGAIN_S
+            else:
+                self._stuck_at = None
                 return
-        else:
-            return
 
 
 def _orientation(stamp_ns: int, quaternion: list[float]) -> Imu:

@@ -1,10 +1,14 @@
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
+import rclpy
 from rclpy.action import ActionClient
+from rclpy.node import Node
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Imu, JointState, Temperature
 from shoecal_msgs.action import ReachSupport
@@ -202,3 +206,29 @@ def test_nothing_moves_when_whoever_armed_is_gone(world: World) -> None:
             == ReachSupport.Result.NOT_ARMED
         )
     )
+
+
+@contextmanager
+def hanging_listener() -> Iterator[None]:
+    """Keeps all joint angles that come to it, and takes none."""
+    context = rclpy.Context()
+    rclpy.init(context=context)
+    node = Node("hanging", context=context)
+    node.create_subscription(JointState, "joint_states", lambda _: None, qos.RAW)
+    try:
+        yield
+    finally:
+        node.destroy_node()
+        rclpy.shutdown(context=context)
+
+
+def test_a_listener_that_hangs_is_not_waited_for_for_ever(world: World) -> None:
+    """Else the simulator could not be ended either: each message would wait anew."""
+    clock = world.hear(Clock, "/clock", qos.CLOCK)
+    with hanging_listener():
+        world.start("simulator", {"port": world.folder / "port", "rate": 1000.0, "speed": 20.0})
+        world.until(lambda: len(clock) > 0)
+        begun = clock.last.clock.sec
+        # The middleware holds twice 5,000 messages.
+        world.until(lambda: clock.last.clock.sec > begun + 20)
+        assert world.stop("simulator") == 0
