@@ -28,9 +28,9 @@ from typing import Any, Self
 import numpy as np
 
 from reliability import originals
+from reliability.broken_disk import BrokenDisk
 from reliability.row import Progress, Result, Row
 from reliability.spawning import Order, served
-from ros.broken_disk import BrokenDisk
 from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.recording.recover import recover, recovered_path

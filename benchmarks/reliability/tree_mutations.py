@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -81,7 +82,9 @@ def _change(places: list[Place], rng: Rng, folder: Path) -> tuple[str, str]:
     old, kind = inside[key], rng.random()
     where = f"'{str(key)[:40]}'"
     if kind < 0.2 and isinstance(old, int | float) and not isinstance(old, bool):
-        inside[key] = old * _SCALES[int(rng.integers(len(_SCALES)))]
+        scale = _SCALES[int(rng.integers(len(_SCALES)))]
+        # What was scaled before may be an integer that no float holds.
+        inside[key] = old * (scale if abs(old) < sys.float_info.max else int(scale))
         return f"{where} scaled", ""
     if kind < 0.45:
         value = _VALUES[int(rng.integers(len(_VALUES)))]

@@ -13,7 +13,8 @@ import pytest
 import faults
 import shoecal_core
 import shoecal_ros
-from reliability import serial_counter, sources
+from pages import ROOT
+from reliability import live_world, serial_counter, sources
 from reliability.kept import Kept
 from reliability.page import write_json, write_page
 from reliability.row import Progress, Result, Row, Run, merge
@@ -170,6 +171,15 @@ def test_what_starts_nodes_reaches_the_whole_suite() -> None:
     used = sources.used("reliability.flood")
     assert {path for folder in SUITE for path in folder.rglob("*.py")} < used
     assert {"world.py", "bodies.py", "flood_caller.py"} <= {path.name for path in used}
+
+
+def test_a_row_that_needs_the_tests_helpers_finds_them() -> None:
+    """It runs in a process of its own, where `live_world` makes them importable."""
+    helpers = ROOT / "test"
+    for found in find_rows().values():
+        used = sources.used(f"reliability.{found.module}")
+        if any(path.is_relative_to(helpers) for path in used):
+            assert Path(live_world.__file__) in used, found.row.key
 
 
 def test_a_row_reaches_what_it_loads() -> None:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import importlib
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 from reliability.row import Row
+from reliability.tree_mutations import mutate_yaml
 
 SEED = 1
 
@@ -29,3 +32,11 @@ def test_a_mutant_is_refused_or_loaded_as_it_stands(module: str, count: int) -> 
     assert (found.tried, found.failed) == (count, 0), found.worst
     assert done[-1] == count
     assert "MiB" in found.worst
+
+
+def test_a_number_that_no_float_holds_is_scaled_too(tmp_path: Path) -> None:
+    told = [
+        mutate_yaml(b"mass: 1" + 400 * b"0", np.random.default_rng(seed), tmp_path)[0]
+        for seed in range(100)
+    ]
+    assert any("scaled" in what for what in told)

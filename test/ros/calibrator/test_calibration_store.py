@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
+from reliability.broken_disk import BrokenDisk
 from ros.bodies import calibration, nao, nao_shoe
-from ros.broken_disk import BrokenDisk
 from shoecal_core.calibration.calibration import (
     Calibration,
     WrongShoeError,
