@@ -22,7 +22,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Protocol, TextIO
+from typing import IO, Any, Protocol, TextIO
 
 import numpy as np
 
@@ -123,22 +123,31 @@ def tries(module: str, first: int, count: int, seed: int) -> Iterator[Try]:
     while at < last:
         begun = at
         # What one process leaves behind is nothing for the next.
-        with tempfile.TemporaryDirectory(prefix="shoecal-mutants-") as folder:
+        with (
+            tempfile.TemporaryDirectory(prefix="shoecal-mutants-") as folder,
+            tempfile.TemporaryFile() as errors,
+        ):
             order = {"first": at, "last": last, "seed": seed, "folder": folder}
-            for one in _watched(module, order):
+            for one in _watched(module, order, errors):
                 yield one
                 at = one.index + 1
         if at == begun:
             raise RuntimeError(f"{module}: the process of the mutants tried none")
 
 
-def _watched(module: str, order: dict[str, Any]) -> Iterator[Try]:
-    """Mutants of one process, to the one that it dies of."""
+def _watched(module: str, order: dict[str, Any], errors: IO[bytes]) -> Iterator[Try]:
+    """Mutants of one process, to the one that it dies of.
+
+    Args:
+        module: of the row.
+        order: what it is to try.
+        errors: file of its standard error: a pipe that nobody empties may stop it.
+    """
     paths = [str(Path(__file__).parents[1]), *sys.path]
     process = subprocess.Popen(
         [sys.executable, "-c", _WORKER.format(path=paths, module=module, order=order)],
         stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
+        stderr=errors,
         stdin=subprocess.DEVNULL,
         env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
     )
@@ -158,7 +167,8 @@ def _watched(module: str, order: dict[str, Any]) -> Iterator[Try]:
         finally:
             process.kill()
         status = process.wait()
-        told = b"" if process.stderr is None else process.stderr.read()
+        errors.seek(0)
+        told = errors.read()
     if begun is not None:
         yield Try(begun.index, begun.what, failed=f"the process died of it: {_death(status)}")
     elif status not in (0, -signal.SIGKILL):

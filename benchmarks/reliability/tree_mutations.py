@@ -59,7 +59,12 @@ def mutate_yaml(text: bytes, rng: Rng, folder: Path) -> tuple[str, bytes]:
             break
         what, raw = _change(places, rng, folder)
         done.append(what)
-    written = yaml.dump(tree, Dumper=_DUMPER, sort_keys=False, default_flow_style=None, width=200)
+    try:
+        written = yaml.dump(
+            tree, Dumper=_DUMPER, sort_keys=False, default_flow_style=None, width=200
+        )
+    except RecursionError:  # nested deeper and deeper; texts of that kind are among the hostile
+        return mutate_bytes(text, rng, hostile(folder))
     if raw:
         written = written.replace(_MARK, raw)
     return ", ".join(done), written.encode(errors="surrogatepass")
