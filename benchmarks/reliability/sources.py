@@ -39,27 +39,27 @@ def digest(module: str) -> str:
 def used(module: str) -> set[Path]:
     """Files of a module, by its full name, and of all that it can reach."""
     found: set[Path] = set()
-    waiting = {module}
+    waiting = {file for file in (_file(module),) if file}
     while waiting:
-        path = _file(waiting.pop())
-        if path is None or path in found:
-            continue
-        found.add(path)
-        waiting |= _reached(path)
-        found |= {path.with_name(program) for program in _BESIDE.findall(path.read_text())}
+        path = waiting.pop()
+        if path not in found:
+            found.add(path)
+            waiting |= _reached(path)
     return found
 
 
 @cache
-def _reached(path: Path) -> frozenset[str]:
-    """Full names of what a file imports; some are of no module, but of things inside."""
+def _reached(path: Path) -> frozenset[Path]:
+    """What a file imports or starts."""
     text = path.read_text()
     names = set(_imported(ast.parse(text)))
     if _BY_NAME.search(text):
         names |= _suite()
     inside = {name for name in names if name.partition(".")[0] in PACKAGES}
-    # Whoever imports a module runs the packages around it.
-    return frozenset(around for name in inside for around in _lineage(name))
+    # Whoever imports a module runs the packages around it; some names are of things inside one.
+    files = (_file(around) for name in inside for around in _lineage(name))
+    programs = (path.with_name(program) for program in _BESIDE.findall(text))
+    return frozenset(file for file in (*files, *programs) if file)
 
 
 def _imported(tree: ast.Module) -> Iterator[str]:

@@ -33,6 +33,8 @@ class JointTrajectory:
     positions: FloatArray
 
     def __post_init__(self) -> None:
+        if not self.names:
+            raise ShoecalError("the trajectory names no joint; mend its sender")
         if self.times.ndim != 1 or not len(self.times):
             raise ShapeError("trajectory times", "(T,), T > 0", self.times.shape)
         expected = (len(self.times), len(self.names))

@@ -17,7 +17,7 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import trajectory_from_ros
 from shoecal_ros.common.health import Condition
-from shoecal_ros.common.hold import is_hold
+from shoecal_ros.common.hold import LONGEST_S, is_hold
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.inputs.armed_input import ArmedInput
@@ -118,4 +118,7 @@ class Adapter(ShoecalNode):
         # Who sends two angles for one motor, or some beyond its limits, is refused here.
         trajectory.full(self.robot, measured)
         self.follow(trajectory, measured)
-        self._moves, self._disarmings = not holds, self._arming.disarmings
+        # What holds some joints, or takes long, is a motion that may have to be stopped.
+        moved = {self.robot.joint_names[joint] for joint in self.robot.moved}
+        rests = holds and moved <= set(trajectory.names) and trajectory.duration <= LONGEST_S
+        self._moves, self._disarmings = not rests, self._arming.disarmings

@@ -56,11 +56,17 @@ class Stream:
             ShoecalError: for joints that the robot does not have, and beyond limits.
         """
         names = trajectory.names
-        coast = _at_rest(self._robot, measured)
+        # Joints that were told nothing yet are where they are, whoever has moved them meanwhile.
+        angles, speeds = measured.copy(), np.zeros_like(measured)
         if self.at(now_s) is not None:
-            coast = Coast.within_limits(self._robot, *self._state(now_s), STOP_S)
-            # Joints that the new one does not name come to rest, too.
+            told, running = self._state(now_s)
+            angles[self._columns], speeds[self._columns] = (
+                told[self._columns],
+                running[self._columns],
+            )
+            # Those that the new one does not name come to rest, too.
             names += tuple(name for name in self.names if name not in names)
+        coast = Coast.within_limits(self._robot, angles, speeds, STOP_S)
         self._trajectory = trajectory.full(self._robot, coast.end)
         self._coast = coast
         self.names = names

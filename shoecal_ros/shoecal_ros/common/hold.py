@@ -12,6 +12,8 @@ STOP_TIME_S = 0.5
 """In which a robot comes to rest that nobody plans for."""
 HOLD_WAY = 0.2
 """rad; a command of one point that leads no joint farther stops the robot."""
+LONGEST_S = 5.0
+"""A robot that should take longer is stopped all the same."""
 _PEAK = 1.5
 """Greatest over mean speed of a joint that goes smoothly from rest to rest, as a cubic does."""
 
@@ -19,12 +21,12 @@ _PEAK = 1.5
 def hold(robot: Robot, angles: NDArray[np.float64], stop_time: float) -> JointTrajectory:
     """Come to rest at all joint angles (m,) [rad] within a time [s].
 
-    It takes longer where else some joint, HOLD_WAY off, would have to be faster than it can. What
-    is measured does not count here: no false joint angle may draw a stop out.
+    It takes longer, up to LONGEST_S, where else some joint, HOLD_WAY off, would have to be faster
+    than it can. What is measured does not count here: no false joint angle may draw a stop out.
     """
     limits = robot.velocity_limit[robot.moved]
     slowest = float(np.min(limits, initial=np.inf, where=limits > 0.0))
-    time = max(stop_time, _PEAK * HOLD_WAY / slowest)
+    time = max(stop_time, min(_PEAK * HOLD_WAY / slowest, LONGEST_S))
     # Encoders may show angles a little beyond a limit; no robot takes such a command.
     held = np.clip(robot.from_legs(angles[robot.legs], angles), robot.lower, robot.upper)
     names = tuple(robot.joint_names[index] for index in robot.moved)

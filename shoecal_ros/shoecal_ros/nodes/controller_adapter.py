@@ -105,7 +105,8 @@ class ControllerAdapter(Adapter):
         elif self.joints.latest is not None and self.now_s < self._until_s:
             self._until_s = self.now_s
             measured = self.joints.latest.angles[0]
-            command = hold(self.robot, measured, STOP_TIME_S)
+            # Back to where they were when last told, no faster than they went on meanwhile.
+            command = hold(self.robot, measured, STOP_TIME_S + self.joints.age_s)
             self._publisher.publish(trajectory_to_ros(self._with_others(command, measured)))
 
     def close(self) -> None:
@@ -141,6 +142,7 @@ class ControllerAdapter(Adapter):
         self._unanswered -= 1
         goal = future.result()
         if not goal.accepted:
+            self._moves = True  # the one before goes on
             self.trouble = Problem(
                 Code.CONTROLLER_REFUSED,
                 f"{self._settings.controller} refused the trajectory; see its log (it may want "

@@ -75,6 +75,11 @@ def test_what_is_no_trajectory_is_refused(
         trajectory(times, positions, "a")
 
 
+def test_one_that_names_no_joint_is_refused() -> None:
+    with pytest.raises(ShoecalError, match="names no joint; mend its sender"):
+        JointTrajectory((), np.zeros(1), np.zeros((1, 0)))
+
+
 def test_shapes_must_fit() -> None:
     with pytest.raises(ShapeError):
         trajectory([0.0, 1.0], [[0.0]], "a")

@@ -123,6 +123,16 @@ def test_a_command_to_hold_is_followed_to_its_end(adapter: str, robot: Adapted) 
     world.until(lambda: abs(knee.way - 0.01) < 1e-6)
 
 
+def test_what_takes_long_to_hold_is_stopped_like_a_motion(adapter: str, robot: Adapted) -> None:
+    world, knee = robot.world, Knee(robot)
+    robot.arm()
+    robot.send(hold(nao(), bent(0.19), 60.0))
+    world.until(lambda: knee.way > 0.01)
+    robot.arm(False)
+    world.until(lambda: _still(robot, knee))
+    assert knee.way < 0.18
+
+
 def test_not_armed_a_command_to_hold_stops_the_robot_and_never_moves_it(
     adapter: str, robot: Adapted
 ) -> None:

@@ -137,6 +137,19 @@ def test_a_new_trajectory_is_passed_over_to(
     assert points[-1, ends] == pytest.approx(new.positions[-1])
 
 
+def test_joints_that_were_told_nothing_begin_where_they_are() -> None:
+    """Whoever has moved them since the motion before began."""
+    robot, stream = nao(), Stream(nao())
+    stream.begin(bend([0.0, 1.0], [0.0, 0.1]), robot.posture, 0.0)
+    arm = robot.joint("LShoulderPitch")
+    measured = robot.posture.copy()
+    measured[arm] = 0.65
+    stay = JointTrajectory(("LShoulderPitch",), np.array([2.0]), np.array([[0.65]]))
+    stream.begin(stay, measured, 0.5)
+    points = sampled(stream, np.linspace(0.5, 2.5, 21))[:, stream.names.index("LShoulderPitch")]
+    assert points == pytest.approx(0.65)
+
+
 def test_a_thousand_trajectories_in_a_second_are_borne() -> None:
     robot, stream = nao(), Stream(nao())
     knee = robot.joint(KNEE)
