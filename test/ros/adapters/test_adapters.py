@@ -6,6 +6,7 @@ move no more stops.
 
 from __future__ import annotations
 
+import time
 from dataclasses import fields
 
 import numpy as np
@@ -19,7 +20,7 @@ from ros.policy import Rights, allowed, used
 from ros.world import Heard
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.common import qos
-from shoecal_ros.common.hold import hold
+from shoecal_ros.common.hold import LONGEST_S, hold
 
 FloatArray = NDArray[np.float64]
 OTHERS = "LShoulderPitch, RShoulderPitch"
@@ -124,12 +125,13 @@ def test_a_command_to_hold_is_followed_to_its_end(adapter: str, robot: Adapted) 
 
 
 def test_what_takes_long_to_hold_is_stopped_like_a_motion(adapter: str, robot: Adapted) -> None:
-    world, knee = robot.world, Knee(robot)
+    world, knee, takes_s = robot.world, Knee(robot), LONGEST_S + 1.0
     robot.arm()
-    robot.send(hold(nao(), bent(0.19), 60.0))
-    world.until(lambda: knee.way > 0.01)
+    robot.send(hold(nao(), bent(0.19), takes_s))
+    robot.settle()
     robot.arm(False)
-    world.until(lambda: _still(robot, knee))
+    end = time.monotonic() + takes_s + 1.0
+    world.until(lambda: time.monotonic() > end)
     assert knee.way < 0.18
 
 
