@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import signal
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from itertools import pairwise
 from types import TracebackType
 from typing import Any, Self
@@ -145,7 +147,8 @@ class Conductor:
 
     def _spin(self) -> None:
         self._nodes.check()
-        self._executor.spin_once(timeout_sec=0.05)
+        with _in_one_piece():
+            self._executor.spin_once(timeout_sec=0.05)
 
     def _until(
         self, condition: Callable[[], bool], timeout_s: float, problem: Callable[[], str]
@@ -155,3 +158,24 @@ class Conductor:
             self._spin()
             if time.monotonic() > deadline:
                 raise DemoError(f"{problem()} within {timeout_s:g} s; see the nodes' logs")
+
+
+@contextmanager
+def _in_one_piece() -> Iterator[None]:
+    """Lets Ctrl-C wait until the end: in the midst of a message it would look like another error.
+
+    Raises:
+        KeyboardInterrupt: at the end, where it was pressed, or the process told to end.
+    """
+    came: list[int] = []
+    numbers = (signal.SIGINT, signal.SIGTERM)
+    before = {
+        number: signal.signal(number, lambda told, _: came.append(told)) for number in numbers
+    }
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    if came:
+        raise KeyboardInterrupt

@@ -262,6 +262,7 @@ def test_offsets_are_corrected_at_a_standstill(live: World, robot: StandingRobot
     robot.drift[:] = np.linspace(-0.5, 0.8, len(robot.drift))
     cop = live.hear(PointStamped, "shoe/cop", qos.LIVE)
     grf = live.hear(WrenchStamped, "shoe/grf", qos.LIVE)
+    live.until_told("calibrator", "joints", "come")
     answer = live.call(Rezero, "shoe/rezero", Rezero.Request())
     assert answer.success, answer.message
     assert tuple(answer.channel) == nao_shoe().names
@@ -478,6 +479,7 @@ def test_somebody_who_touches_the_robot_is_no_drift(world: World, robot: Standin
         robot.forces = (left + next(pushes), right)
 
     world.node.create_timer(0.06, push)
+    world.until_told("calibrator", "joints", "come")
     refused = world.call(Rezero, "shoe/rezero", Rezero.Request())
     assert not refused.success
     assert "nothing touches" in refused.message
