@@ -24,6 +24,7 @@ from std_msgs.msg import Bool
 from ros.introduction import Introduction
 from shoecal_core.workspace import ros_environment
 from shoecal_ros.common import qos
+from shoecal_ros.common.end_with_parent import ending_with_parent
 
 TIMEOUT_S = 120.0
 END_S = 60.0
@@ -44,7 +45,11 @@ class Heard:
 
 
 class World:
-    """Processes and a client node; everything is ended at the end."""
+    """Processes and a client node; everything is ended at the end.
+
+    Processes end with the thread that starts them, too: where a test is killed, none is left in its
+    ROS domain.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -89,8 +94,9 @@ class World:
         with self._log(name).open("wb") as file:
             log = file if told_to is None else told_to
             process = subprocess.Popen(
-                [*command, *arguments], env=ros_environment(), stderr=log, stdout=log
-            )
+                ending_with_parent([*command, *arguments]),
+                env=ros_environment(), stderr=log, stdout=log,
+            )  # fmt: skip
         self.processes[name] = process
         return process
 

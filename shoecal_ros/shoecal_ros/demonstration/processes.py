@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
-import os
 import signal
 import subprocess
 import sys
@@ -13,11 +11,11 @@ from types import TracebackType
 from typing import Self
 
 from shoecal_core.errors import FileError, ShoecalError
+from shoecal_ros.common.end_with_parent import ending_with_parent
 
 END_S = 15.0
 """How long a node may take to end."""
 SHOWN_LINES = 8
-_PR_SET_PDEATHSIG = 1
 
 
 class NodeDiedError(ShoecalError):
@@ -45,7 +43,7 @@ class Nodes:
     def start(
         self, node: str, parameters: Mapping[str, object], files: Sequence[Path] = ()
     ) -> None:
-        """Start a node.
+        """Start a node; it ends with this thread, even if that is killed.
 
         Args:
             node: its name, and that of its module.
@@ -55,16 +53,16 @@ class Nodes:
         arguments = [part for file in files for part in ("--params-file", str(file))]
         for key, value in parameters.items():
             arguments += ["-p", f"{key}:={_as_yaml(value)}"]
+        program = [sys.executable, "-m", f"shoecal_ros.nodes.{node}"]
         with self.log(node).open("wb") as log:
             self._processes[node] = subprocess.Popen(
-                [sys.executable, "-m", f"shoecal_ros.nodes.{node}", "--ros-args", *arguments],
+                ending_with_parent([*program, "--ros-args", *arguments]),
                 env=self._environment,
                 stdin=subprocess.DEVNULL,
                 stdout=log,
                 stderr=subprocess.STDOUT,
                 # An interrupt from the terminal is for the conductor, which ends the nodes.
                 start_new_session=True,
-                preexec_fn=_die_with_parent,  # noqa: PLW1509 (no threads are running yet)
             )
 
     def log(self, node: str) -> Path:
@@ -101,13 +99,6 @@ class Nodes:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
-
-
-def _die_with_parent() -> None:
-    """In the child: end when the conductor ends, even if it is killed."""
-    ctypes.CDLL(None, use_errno=True).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
-    if os.getppid() == 1:
-        os._exit(1)
 
 
 def _as_yaml(value: object) -> str:
