@@ -47,6 +47,9 @@ class OneClock:
         if latest is None or stamp_ns is None:
             return None
         if max(self._joints.age_s, self._voltages.age_s) > TOGETHER_S:
+            # What comes seldom is compared now and then; a silence is nothing that was compared.
+            if self._joints.heard.silent or self._voltages.heard.silent:
+                self._apart_since = math.inf
             return None
         gap_s = abs(int(latest.stamp_ns[0]) - stamp_ns) / 1e9
         if gap_s <= self._gap_s:

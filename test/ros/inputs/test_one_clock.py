@@ -27,13 +27,16 @@ class Scene:
         self.one_clock = OneClock(self.joints, self.voltages, 2.0, self.clock)
         self.step = 0
 
-    def tell(self, seconds: float, gap_s: float = 0.0, *, joints: bool = True) -> None:
-        """For a while, ten times a second; the shoe's stamps differ from the robot's."""
+    def tell(self, seconds: float, gap_s: float = 0.0, *, joints_every: int = 1) -> None:
+        """For a while, ten times a second; the shoe's stamps differ from the robot's.
+
+        Joint angles come with one in so many of the frames of the shoe; 0: with none.
+        """
         for _ in range(round(10.0 * seconds)):
             self.step += 1
             self.clock.now += 0.1
             stamp_ns = 100 * SECOND + self.step * SECOND // 10
-            if joints:
+            if joints_every and self.step % joints_every == 0:
                 self._tell_joints(stamp_ns)
             shoe_ns = stamp_ns + round(gap_s * SECOND)
             status = np.zeros(1, dtype=np.uint8)
@@ -74,5 +77,22 @@ def test_a_small_gap_or_a_short_one_is_none() -> None:
 def test_of_what_comes_no_more_nothing_is_compared() -> None:
     scene = Scene()
     scene.tell(1.0)
-    scene.tell(10.0, joints=False)
+    scene.tell(10.0, joints_every=0)
     assert scene.problem is None
+
+
+def test_a_pause_is_no_time_apart() -> None:
+    scene = Scene()
+    scene.tell(1.5, 3.0)
+    scene.tell(5.0, 3.0, joints_every=0)
+    scene.tell(1.9, 3.0)
+    assert scene.problem is None
+    scene.tell(0.4, 3.0)
+    assert scene.problem is not None
+
+
+def test_angles_that_come_seldom_are_compared_all_the_same() -> None:
+    scene = Scene()
+    scene.tell(5.0, 0.0, joints_every=7)
+    scene.tell(3.5, 3.0, joints_every=7)
+    assert scene.problem is not None
