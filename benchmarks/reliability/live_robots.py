@@ -52,9 +52,9 @@ class WaitedForRobot(StandingRobot):
         return ReachSupport.Result(error_code=ReachSupport.Result.CANCELED)
 
 
-def put_in_force(world: World, **changes: object) -> None:
+def put_in_force(world: World) -> None:
     """Give the calibrator a calibration of these robots."""
-    made = calibration_to_ros(calibration(nao(), nao_shoe(), **changes))  # type: ignore[arg-type]
+    made = calibration_to_ros(calibration(nao(), nao_shoe()))
     request = SetCalibration.Request(calibration=made)
     answer = world.call(SetCalibration, "shoe/set_calibration", request)
     assert answer.success, answer.message

@@ -205,10 +205,10 @@ def _sealed(outer: list[_Record]) -> bytes:
     """A file of records whose data checksum is right."""
     parts, crc = [_MAGIC], zlib.crc32(_MAGIC)
     for record in outer:
-        if record.opcode == _DATA_END:
-            record = _Record(_DATA_END, struct.pack("<I", crc))  # noqa: PLW2901
-        parts.append(record.bytes)
-        crc = zlib.crc32(record.bytes, crc)
+        ends = record.opcode == _DATA_END
+        sealed = _Record(_DATA_END, struct.pack("<I", crc)) if ends else record
+        parts.append(sealed.bytes)
+        crc = zlib.crc32(sealed.bytes, crc)
     return b"".join([*parts, _MAGIC])
 
 

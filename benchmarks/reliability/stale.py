@@ -147,14 +147,14 @@ class Scene:
 
     def _needed(self) -> float:
         """From a reading to `shoe/left/grf`, the worst of some [s]."""
-        worst = 0.0
-        for _ in range(GOES_ON):
-            last = self.robot.told_at["voltages"]
-            self.world.until(lambda since=last: self.robot.told_at["voltages"] > since)  # type: ignore[misc]
-            told = self.robot.told_at["voltages"]
-            self.world.until(lambda since=told: self.foot.after(since) > 0)  # type: ignore[misc]
-            worst = max(worst, next(at for at, _ in self.foot.heard if at > told) - told)
-        return worst
+        return max(self._needed_once() for _ in range(GOES_ON))
+
+    def _needed_once(self) -> float:
+        last = self.robot.told_at["voltages"]
+        self.world.until(lambda: self.robot.told_at["voltages"] > last)
+        told = self.robot.told_at["voltages"]
+        self.world.until(lambda: self.foot.after(told) > 0)
+        return next(at for at, _ in self.foot.heard if at > told) - told
 
 
 def tried(first: int, count: int, seed: int, progress: Progress) -> list[Try]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -71,14 +71,14 @@ def mutate_yaml(text: bytes, rng: Rng, folder: Path) -> tuple[str, bytes]:
 
 
 def _places(tree: object) -> Iterator[Place]:
-    keys: Iterator[Any] = iter(())
+    parts: Iterable[tuple[Any, object]] = ()
     if isinstance(tree, dict):
-        keys = iter(tree)
+        parts = tree.items()
     elif isinstance(tree, list):
-        keys = iter(range(len(tree)))
-    for key in keys:
+        parts = enumerate(tree)
+    for key, part in parts:
         yield tree, key
-        yield from _places(tree[key])  # type: ignore[index]
+        yield from _places(part)
 
 
 def _change(places: list[Place], rng: Rng, folder: Path) -> tuple[str, str]:

@@ -170,7 +170,8 @@ class World:
     def until_known_to(self, node: str, companion: Node | None = None) -> None:
         """Wait until a node knows all that the client has made: from now on nothing is lost to it.
 
-        What was published by then, the node has taken.
+        What was published by then it has as a rule taken, too, but nothing ensures that: messages
+        go by another way than the question and its answer here.
 
         Args:
             node: name.
@@ -181,7 +182,7 @@ class World:
         introduction.end()
 
     def arm(self, node: str) -> Publisher:
-        """Tell a node that the robot is armed, in place of a planner, and let it take that in."""
+        """Tell a node that the robot is armed, in place of a planner; give it time to take that."""
         publisher: Publisher = self.publisher(Bool, "shoe/armed", qos.LATCHED)
         self.until_known_to(node)
         publisher.publish(Bool(data=True))
