@@ -58,6 +58,13 @@ class Demo:
     def end(self) -> int:
         return self.process.wait(TIMEOUT_S)
 
+    def until_gone(self) -> None:
+        """Wait until nothing is left of what it has started."""
+        deadline = time.monotonic() + TIMEOUT_S
+        while self.pids():
+            assert time.monotonic() < deadline, self.pids()
+            time.sleep(0.1)
+
     def pids(self) -> dict[int, str]:
         """Every process that descends from it, alive, with its command line."""
         found = {}
@@ -89,9 +96,20 @@ def test_an_interrupted_demo_leaves_nothing_running(demo: Demo) -> None:
     demo.until(lambda: "moving 1" in demo.output)
     demo.process.send_signal(signal.SIGINT)
     assert demo.end() == 130
+    assert demo.output.splitlines()[-1] == "demo: interrupted; the nodes have been stopped"
+    assert "Traceback" not in demo.output
     assert demo.pids() == {}
     session = Session.open(demo.out / "session")
     assert session.unfinished, "what was recorded stays"
+
+
+def test_told_to_end_twice_it_ends_as_when_told_once(demo: Demo) -> None:
+    demo.until(lambda: "drawing" in demo.output)
+    demo.process.send_signal(signal.SIGINT)
+    demo.process.send_signal(signal.SIGTERM)
+    assert demo.end() == 130
+    assert "Traceback" not in demo.output
+    demo.until_gone()
 
 
 def test_a_node_that_dies_is_named(demo: Demo) -> None:
@@ -108,10 +126,7 @@ def test_nodes_do_not_outlive_a_killed_demo(demo: Demo) -> None:
     assert sorted(line.split("nodes.")[1].split()[0] for line in lines) == sorted(NODES)
     demo.process.kill()
     demo.process.wait()
-    deadline = time.monotonic() + TIMEOUT_S
-    while demo.pids():
-        assert time.monotonic() < deadline, demo.pids()
-        time.sleep(0.1)
+    demo.until_gone()
 
 
 def test_a_folder_that_is_no_demos_is_not_touched(tmp_path: Path) -> None:

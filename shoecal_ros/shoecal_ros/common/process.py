@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -13,29 +12,12 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.signals import SignalHandlerOptions
 
 from shoecal_core.errors import ShoecalError
+from shoecal_ros.common.end_asked import EndAsked
 from shoecal_ros.common.log_pipe import log_pipe
 from shoecal_ros.common.node import ShoecalNode
 
 SWITCH_S = 5e-4
 """For so long one thread may keep Python from another that waits."""
-
-
-class _EndAsked:
-    """Whether Ctrl-C was pressed or the process told to end; at the second time it does at once.
-
-    Nothing is interrupted in its middle: every node wakes up each `node.WATCH_S` and then ends.
-    """
-
-    def __init__(self) -> None:
-        self.to_end = False
-        for number in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(number, self._ask)
-
-    def _ask(self, number: int, frame: object) -> None:
-        del number, frame
-        if self.to_end:
-            raise KeyboardInterrupt
-        self.to_end = True
 
 
 def run(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None = None) -> int:
@@ -60,7 +42,8 @@ def _live(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None) -> N
             args=None if args is None else list(args),
             signal_handler_options=SignalHandlerOptions.NO,
         )
-        asked = _EndAsked()
+        # The node wakes up each `node.WATCH_S`.
+        asked = EndAsked()
         node = make_node()
         node.check_overrides()
         node.seal()

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import signal
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from itertools import pairwise
 from types import TracebackType
 from typing import Any, Self
@@ -22,6 +20,7 @@ from std_srvs.srv import SetBool
 
 from shoecal_core.errors import ShoecalError
 from shoecal_ros.common import qos
+from shoecal_ros.common.end_asked import EndAsked
 from shoecal_ros.demonstration.processes import Nodes
 
 START_S = 120.0
@@ -36,9 +35,14 @@ class DemoError(ShoecalError):
 
 
 class Conductor:
-    """The demo's own node."""
+    """The demo's own node.
+
+    Ctrl-C raises KeyboardInterrupt between two messages: in the midst of one it would look like
+    another error.
+    """
 
     def __init__(self, nodes: Nodes, domain: int) -> None:
+        self._asked = EndAsked()
         self._nodes = nodes
         self._context = rclpy.Context()
         rclpy.init(
@@ -140,6 +144,8 @@ class Conductor:
         self._executor.shutdown()
         self._node.destroy_node()
         rclpy.shutdown(context=self._context)
+        self._asked.close()
+        self._end_where_asked()
 
     def _hear(self, message: DiagnosticArray) -> None:
         for status in message.status:
@@ -147,8 +153,15 @@ class Conductor:
 
     def _spin(self) -> None:
         self._nodes.check()
-        with _in_one_piece():
+        try:
             self._executor.spin_once(timeout_sec=0.05)
+        finally:
+            # Also in place of whatever error a second Ctrl-C, which comes at once, looks like.
+            self._end_where_asked()
+
+    def _end_where_asked(self) -> None:
+        if self._asked.to_end:
+            raise KeyboardInterrupt
 
     def _until(
         self, condition: Callable[[], bool], timeout_s: float, problem: Callable[[], str]
@@ -158,24 +171,3 @@ class Conductor:
             self._spin()
             if time.monotonic() > deadline:
                 raise DemoError(f"{problem()} within {timeout_s:g} s; see the nodes' logs")
-
-
-@contextmanager
-def _in_one_piece() -> Iterator[None]:
-    """Lets Ctrl-C wait until the end: in the midst of a message it would look like another error.
-
-    Raises:
-        KeyboardInterrupt: at the end, where it was pressed, or the process told to end.
-    """
-    came: list[int] = []
-    numbers = (signal.SIGINT, signal.SIGTERM)
-    before = {
-        number: signal.signal(number, lambda told, _: came.append(told)) for number in numbers
-    }
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
-    if came:
-        raise KeyboardInterrupt
