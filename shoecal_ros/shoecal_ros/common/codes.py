@@ -72,6 +72,7 @@ class Code(StrEnum):
     CONTROLLER_REFUSED = "controller-refused"
     CONTROLLER_GAVE_UP = "controller-gave-up"
     ROBOT_FALLEN = "robot-fallen"
+    LISTENER_HANGS = "listener-hangs"
 
 
 _KEBAB = re.compile(r"[a-z0-9]+(-[a-z0-9]+)*")

@@ -46,7 +46,8 @@ from shoecal_ros.common.waiting import until
 from shoecal_ros.inputs.armed_input import ArmedInput
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info
-from shoecal_ros.simulator.body_publishers import PATIENCE_S, BodyPublishers
+from shoecal_ros.simulator.body_publishers import BodyPublishers
+from shoecal_ros.simulator.patient_publisher import PATIENCE_S
 from shoecal_ros.simulator.simulated_body import Pacer, Samples, SimulatedBody
 
 REAL_TIME = 1.0
@@ -139,6 +140,7 @@ class Simulator(ShoecalNode):
                 "robot", Level.OK, "stands", time_s=f"{self._body.now_ns / 1e9:.1f}",
                 frames_sent=self._device.sent, frames_dropped=self._device.dropped,
             )  # fmt: skip
+        self.health.note("listeners", self._body_publishers.condition)
         super().watch()
 
     def close(self) -> None:

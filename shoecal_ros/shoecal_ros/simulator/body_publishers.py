@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-import math
-import time
-
-from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
-from rclpy.publisher import Publisher
 from sensor_msgs.msg import Imu, JointState, Temperature
 
 from shoecal_core.model.robot import Robot
 from shoecal_ros.common import qos
+from shoecal_ros.common.codes import joined
 from shoecal_ros.common.conversions import (
     BASE_LINK,
     SECOND_NS,
@@ -19,12 +15,10 @@ from shoecal_ros.common.conversions import (
     header_to_ros,
     joints_to_ros,
 )
+from shoecal_ros.common.health import Condition, Level
+from shoecal_ros.simulator.patient_publisher import PatientPublisher
 from shoecal_ros.simulator.simulated_body import Samples
 
-PATIENCE_S = 5.0
-"""Wall-clock time that the slowest listener may take."""
-AGAIN_S = 1.0
-"""Time between looks whether one that hangs takes something again."""
 HEAT_NS = SECOND_NS
 """Simulated time between temperatures: motors warm up in minutes."""
 
@@ -44,12 +38,19 @@ class BodyPublishers:
         self._names = robot.joint_names
         shared = {one.joint for one in robot.shared}
         self._motors = [index for index in range(len(self._names)) if index not in shared]
-        self._joints = _Patient(node.create_publisher(JointState, "joint_states", profile))
-        self._imu = _Patient(node.create_publisher(Imu, "imu", profile))
-        self._temperatures = _Patient(
-            node.create_publisher(Temperature, "joint_temperatures", profile)
-        )
+        self._joints = PatientPublisher(node, JointState, "joint_states", profile)
+        self._imu = PatientPublisher(node, Imu, "imu", profile)
+        self._temperatures = PatientPublisher(node, Temperature, "joint_temperatures", profile)
         self._heat_ns = 0
+
+    @property
+    def condition(self) -> Condition:
+        """For diagnostics: whether somebody hangs for whom the others wait."""
+        all_of_them = (self._joints, self._imu, self._temperatures)
+        problem = joined(one.problem for one in all_of_them if one.problem is not None)
+        if problem is None:
+            return Condition(Level.OK, "nobody who listens hangs")
+        return Condition(Level.WARN, problem.message, code=problem.code)
 
     def publish(self, samples: Samples) -> None:
         """Publish what has come of the simulation."""
@@ -65,33 +66,6 @@ class BodyPublishers:
                 header = header_to_ros(stamps[-1], self._names[index])
                 degc = float(joints.temperatures[-1, index])
                 self._temperatures.publish(Temperature(header=header, temperature=degc))
-
-
-class _Patient:
-    """A publisher that waits for the slowest of the listeners that keep all; none waits for ever.
-
-    Who has taken nothing for PATIENCE_S hangs, and is only looked after now and then: time goes on
-    without him, and a node that shall end does not stand with him.
-    """
-
-    def __init__(self, publisher: Publisher) -> None:
-        self._publisher = publisher
-        self._stuck_at: float | None = None
-        self._not_before = -math.inf
-
-    def publish(self, message: object) -> None:
-        """Publish; what finds no room in time is lost."""
-        while (now := time.monotonic()) >= self._not_before:
-            try:
-                self._publisher.publish(message)
-            except rclpy_implementation.RCLError:
-                # The middleware itself has waited a little.
-                self._stuck_at = self._stuck_at or now
-                if now - self._stuck_at > PATIENCE_S:
-                    self._not_before = now + AGAIN_S
-            else:
-                self._stuck_at = None
-                return
 
 
 def _orientation(stamp_ns: int, quaternion: list[float]) -> Imu:

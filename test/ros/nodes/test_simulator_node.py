@@ -23,7 +23,9 @@ from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.truth import read_truth
 from shoecal_core.sensing.shoe import load_shoe
 from shoecal_ros.common import qos
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import time_from_ros, trajectory_to_ros
+from shoecal_ros.common.health import Level
 from shoecal_ros.demo import write_device
 from shoecal_ros.inputs.imu import ImuInput
 
@@ -232,3 +234,14 @@ def test_a_listener_that_hangs_is_not_waited_for_for_ever(world: World) -> None:
         # The middleware holds twice 5,000 messages.
         world.until(lambda: clock.last.clock.sec > begun + 20)
         assert world.stop("simulator") == 0
+
+
+def test_a_listener_that_hangs_is_named_until_it_is_gone(world: World) -> None:
+    world.hear(JointState, "joint_states", qos.EITHER)
+    with hanging_listener():
+        world.start("simulator", {"port": world.folder / "port", "rate": 1000.0, "speed": 20.0})
+        told = world.until_told("simulator", "listeners", "takes nothing")
+        assert told.level == bytes([Level.WARN])
+        assert told.message.startswith("'/hanging' listens to /joint_states"), "nobody else"
+        assert {pair.key: pair.value for pair in told.values}["code"] == Code.LISTENER_HANGS
+    world.until_told("simulator", "listeners", "nobody who listens hangs")
