@@ -2,9 +2,9 @@
 
     .venv/bin/python benchmarks/faults.py [--share 0.1] [--only ROW ...] [--renew] [--table]
 
-Every row runs in a process of its own. Finished steps are kept in out/faults/, so a run that was
-stopped or killed is taken up where it was. Writes out/faults.json and docs/reliability.md; ends
-with 0 only if nothing failed.
+Every row runs in a process of its own. Finished steps are kept in docs/reliability/, so a run that
+was stopped or killed is taken up where it was, on another computer too. Writes out/faults.json and
+docs/reliability.md; ends with 0 only if nothing failed.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from shoecal_core.errors import ShoecalError
 
 OUT = ROOT / "out"
 PAGE = ROOT / "docs" / "reliability.md"
+KEPT = PAGE.with_suffix("")
 PROGRESS_S = 2.0
 
 
@@ -38,7 +39,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument(
         "--renew", action="store_true", help="do again what was tried with other code than this"
     )
-    parser.add_argument("--out", type=Path, default=OUT, help="folder of the results")
+    parser.add_argument("--out", type=Path, default=OUT, help="folder of faults.json")
+    parser.add_argument("--kept", type=Path, default=KEPT, help="folder of finished steps")
     parser.add_argument("--page", type=Path, default=PAGE, help="Markdown page with the table")
     parser.add_argument(
         "--table", action="store_true", help="run nothing; write the table of what is kept"
@@ -51,15 +53,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if args.alone:
             found = find_row(args.alone)
             assert found is not None
-            kept = Kept(found.row, args.out / "faults", args.seed, found.code)
-            run_row(found.row, kept, args.share, fresh=args.fresh, renew=args.renew)
+            one = Kept(found.row, args.kept, args.seed, found.code)
+            run_row(found.row, one, args.share, fresh=args.fresh, renew=args.renew)
             return 0
         rows = find_rows()
         wanted = args.only or list(rows)
         if unknown := set(wanted).difference(rows):
             parser.error(f"no row {', '.join(sorted(unknown))}; there are {', '.join(rows)}")
         ended = [run_apart(rows[key], args) for key in wanted if not args.table]
-        failed = write(rows, args.out, args.page, args.seed)
+        kept = {
+            key: Kept(found.row, args.kept, args.seed, found.code) for key, found in rows.items()
+        }
+        failed = write(rows, kept, args.out / "faults.json", args.page)
     except ShoecalError as error:
         print(error, file=sys.stderr)
         return 1
@@ -69,7 +74,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def run_apart(found: Found, args: argparse.Namespace) -> bool:
     """Run a row in a process of its own; whether that came to its end."""
     command = [sys.executable, __file__, "--alone", found.module, "--share", str(args.share)]
-    command += ["--seed", str(args.seed), "--out", str(args.out)]
+    command += ["--seed", str(args.seed), "--kept", str(args.kept)]
     command += [f"--{word}" for word in ("fresh", "renew") if getattr(args, word)]
     done = subprocess.run(command, check=False)
     if done.returncode:
@@ -108,11 +113,12 @@ class Teller:
             print(f"{self._key}: {self._before + done:,} of {self._tries:,}", file=sys.stderr)
 
 
-def write(rows: Mapping[str, Found], out: Path, page: Path, seed: int) -> set[str]:
+def write(
+    rows: Mapping[str, Found], kept: Mapping[str, Kept], figures: Path, page: Path
+) -> set[str]:
     """Write table and figures of all that is kept; rows that failed."""
-    kept = {key: Kept(found.row, out / "faults", seed, found.code) for key, found in rows.items()}
     results = {key: one.result for key, one in kept.items()}
-    write_json(rows, results, out / "faults.json")
+    write_json(rows, results, figures)
     write_page(rows, results, {key: one.present for key, one in kept.items()}, page)
     return {key for key, result in results.items() if result.failed}
 

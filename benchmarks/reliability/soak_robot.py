@@ -27,6 +27,7 @@ from shoecal_core.sensing.load_cases import double_support_outputs
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import JointSample, joints_to_ros, time_from_ros, time_to_ros
+from shoecal_ros.common.quick_thread import BATCH, drained
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info
 
@@ -34,8 +35,8 @@ FloatArray = NDArray[np.float64]
 
 SUPPORT = DoubleSupport(0.0, -0.112, 0.0)
 PERIOD_NS = 10_000_000
-TICK = 10
-"""Frames in a tick of simulated time: no more than a controller's topic holds."""
+TICK = 5
+"""Frames in a tick of simulated time; those of two are no more than a controller's topic holds."""
 JOINTS = 2
 """Frames for each message of joint angles."""
 STANCES, NOISE_N = 64, 0.05
@@ -81,7 +82,7 @@ class SoakRobot:
         self._missing: dict[int, FloatArray] = {}
         self._heard, self._heard_at, self._wrong = 0, 0.0, ""
         self._first_ns = 0
-        world.node.create_subscription(PointStamped, "shoe/cop", self._hear, qos.RAW)
+        self._cops = world.node.create_subscription(PointStamped, "shoe/cop", self._take, qos.RAW)
         self._next_tick = 0.0
         self._start()
 
@@ -94,8 +95,10 @@ class SoakRobot:
         """Frames lost as driver and calibrator tell them, once all that was sent is told.
 
         Raises:
-            BrokenError: when the driver never tells of all.
+            BrokenError: when a frame gives no CoP, or the driver never tells of all.
         """
+        if wrong := self._wait(0):
+            raise BrokenError(wrong)
         try:
             self._world.until(lambda: self._told(*FRAMES) == self.whole, PATIENCE_S)
             self._world.until(lambda: self._told(*LOST_LATER) >= self.lost, PATIENCE_S)
@@ -143,15 +146,23 @@ class SoakRobot:
         return self._heard > 0
 
     def _tick(self) -> str:
-        """A step of simulated time; what was wrong in it."""
+        """A step of simulated time; what was wrong in it.
+
+        It ends when the frames of the step before have given their CoPs: all processes are busy.
+        """
         self._wrong = ""
         self._pass_time(hurt=True)
+        return self._wait(TICK) or self._wrong
+
+    def _wait(self, missing: int) -> str:
+        """Wait until no more CoPs are missing; what is wrong when they do not come."""
         try:
-            self._world.until(lambda: not self._missing, PATIENCE_S)
+            self._world.until(lambda: len(self._missing) <= missing, PATIENCE_S)
         except AssertionError:
-            self._wrong = f"{len(self._missing)} of {TICK} frames gave no CoP"
+            told = f"{len(self._missing)} frames gave no CoP, the first of {min(self._missing)} ns"
             self._missing.clear()
-        return self._wrong
+            return told
+        return ""
 
     def _pass_time(self, *, hurt: bool) -> None:
         begin_ns = self._stamp_ns
@@ -179,6 +190,13 @@ class SoakRobot:
             self._missing[self._stamp_ns] = self._cop[row]
         elif fate < LOST + DAMAGED:
             self.lost += 1
+
+    def _take(self, first: PointStamped) -> None:
+        """All that have come: waking up costs more than hearing."""
+        with self._cops.handle:
+            others = drained(self._cops, PointStamped, BATCH, raw=False)
+        for message in (first, *others):
+            self._hear(message)
 
     def _hear(self, message: PointStamped) -> None:
         self._heard += 1

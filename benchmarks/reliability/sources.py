@@ -1,15 +1,14 @@
 """Which code was tried: a digest of the sources that a row's tries can reach.
 
 Those are the row's module and all that it imports, directly or not, of the suite, of the tests'
-helpers and of this package, and the programs beside them that they start. What starts or loads
-modules by their names may reach anything: it brings the whole suite.
+helpers and of this package; the nodes and programs that it starts, with all that those import; the
+files of config/ where one of them looks for it, and the messages where one speaks them.
 """
 
 from __future__ import annotations
 
 import ast
 import hashlib
-import re
 from collections.abc import Iterator
 from functools import cache
 from importlib.util import find_spec
@@ -18,16 +17,22 @@ from pathlib import Path
 from pages import ROOT
 
 SUITE = ("shoecal_core", "shoecal_ros")
-PACKAGES = (*SUITE, "ros", "reliability")
-"""Packages whose imports are followed; `ros` is that of the tests, which starts nodes."""
+HELPERS = ("ros", "reliability")
+"""Packages of the tests and of this one, which start nodes by their names."""
+PACKAGES = (*SUITE, *HELPERS)
+"""Packages whose imports are followed."""
+NODES = "shoecal_ros.nodes"
 
-_BY_NAME = re.compile(r'importlib\.import_module|"-m"')
-_BESIDE = re.compile(r'with_name\("(\w+\.py)"\)')
+_MESSAGES = "shoecal_msgs"
+_INTERFACES = ("msg", "srv", "action")
+_WORLD = "world.py"
+"""Starts whatever node it is told to: those who tell it name the node."""
 
 
 def digest(module: str) -> str:
     """SHA-256 of the sources that a module of this package can reach."""
     folders = {name: _folder(name) for name in PACKAGES}
+    folders |= {name: ROOT / name for name in ("config", _MESSAGES)}
     whole = hashlib.sha256()
     for path in sorted(used(f"reliability.{module}")):
         name = next(name for name, folder in folders.items() if path.is_relative_to(folder))
@@ -50,16 +55,21 @@ def used(module: str) -> set[Path]:
 
 @cache
 def _reached(path: Path) -> frozenset[Path]:
-    """What a file imports or starts."""
-    text = path.read_text()
-    names = set(_imported(ast.parse(text)))
-    if _BY_NAME.search(text):
-        names |= _suite()
+    """What a file imports, starts or reads."""
+    if path.suffix != ".py":
+        return frozenset()
+    tree = ast.parse(path.read_text())
+    names = {*_imported(tree), *_started(tree, path)}
     inside = {name for name in names if name.partition(".")[0] in PACKAGES}
     # Whoever imports a module runs the packages around it; some names are of things inside one.
-    files = (_file(around) for name in inside for around in _lineage(name))
-    programs = (path.with_name(program) for program in _BESIDE.findall(text))
-    return frozenset(file for file in (*files, *programs) if file)
+    files = {_file(around) for name in inside for around in _lineage(name)}
+    texts = {text for node in ast.walk(tree) if (text := _text(node))}
+    files |= {path.parent / text for text in texts if text.endswith(".py")}
+    if any(name.startswith(f"{_MESSAGES}.") for name in names):
+        files |= {file for kind in _INTERFACES for file in (ROOT / _MESSAGES / kind).iterdir()}
+    if any(text.partition("/")[0] == "config" for text in texts):
+        files |= set((ROOT / "config").rglob("*.*"))
+    return frozenset(file for file in files if file and file.is_file())
 
 
 def _imported(tree: ast.Module) -> Iterator[str]:
@@ -68,6 +78,27 @@ def _imported(tree: ast.Module) -> Iterator[str]:
             yield from (name.name for name in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
             yield from (f"{node.module}.{name.name}" for name in node.names)
+
+
+def _started(tree: ast.Module, path: Path) -> Iterator[str]:
+    """Modules that stand as texts: in commands of processes, and for who loads them by name."""
+    within = any(path.is_relative_to(_folder(package)) for package in SUITE)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.JoinedStr) and path.name != _WORLD:
+            beginning = _text(node.values[0])
+            yield from (name for name in _suite() if _begins(name, beginning))
+        elif text := _text(node):
+            yield from _suite().intersection((text,) if within else (text, f"{NODES}.{text}"))
+
+
+def _begins(name: str, beginning: str) -> bool:
+    """Whether a module's name begins with that of a package."""
+    return beginning.count(".") > 1 and beginning.endswith(".") and name.startswith(beginning)
+
+
+def _text(node: ast.AST) -> str:
+    """That of a literal; empty for everything else."""
+    return node.value if isinstance(node, ast.Constant) and isinstance(node.value, str) else ""
 
 
 def _lineage(name: str) -> Iterator[str]:

@@ -84,7 +84,7 @@ def test_a_killed_run_is_taken_up_where_it_was(tmp_path: Path) -> None:
 
 def test_a_process_that_was_killed_leaves_whole_results(tmp_path: Path) -> None:
     command = [sys.executable, faults.__file__, "--alone", "serial_counter"]
-    command += ["--out", str(tmp_path)]
+    command += ["--kept", str(tmp_path / "faults")]
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as killed:
         assert killed.stdout is not None
         assert killed.stdout.readline().startswith(b"serial-counter: 500 of 10,000")
@@ -167,10 +167,27 @@ def test_a_digest_is_of_what_a_row_can_reach() -> None:
     assert used.isdisjoint({"soak.py", "planner.py", "cobs.py"})
 
 
-def test_what_starts_nodes_reaches_the_whole_suite() -> None:
+def test_what_starts_nodes_reaches_what_those_can() -> None:
     used = sources.used("reliability.flood")
-    assert {path for folder in SUITE for path in folder.rglob("*.py")} < used
-    assert {"world.py", "bodies.py", "flood_caller.py"} <= {path.name for path in used}
+    names = {path.name for path in used}
+    assert {"world.py", "bodies.py", "flood_caller.py"} <= names
+    assert {"calibrator.py", "live.py", "in_force.py", "process.py", "solving_work.py"} <= names
+    # Other nodes, and commands, are none of its concern.
+    assert names.isdisjoint({"controller_adapter.py", "simulator.py", "conductor.py"})
+    assert {path.name for path in sources.used("reliability.killed_nodes")} >= {
+        "simulator.py", "shoe_driver.py", "model.py", "planner.py", "calibrator.py",
+    }  # fmt: skip
+
+
+def test_configuration_and_messages_count_where_they_are_used() -> None:
+    live, bare = sources.used("reliability.stale"), sources.used("reliability.serial_random")
+    for file in ("config/robots/nao.urdf", "config/nodes/calibrator.yaml"):
+        assert ROOT / file in live
+        assert ROOT / file not in bare
+    messages = set((ROOT / "shoecal_msgs").glob("*/*.*"))
+    assert messages
+    assert messages <= live
+    assert messages.isdisjoint(bare)
 
 
 def test_a_row_that_needs_the_tests_helpers_finds_them() -> None:
