@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from abc import abstractmethod
 from typing import Any
@@ -13,10 +14,11 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_ros.adapters.unwatched import Unwatched
 from shoecal_ros.common import qos
-from shoecal_ros.common.codes import Code, Problem
+from shoecal_ros.common.codes import Code, Problem, joined
 from shoecal_ros.common.conversions import trajectory_from_ros
-from shoecal_ros.common.health import Condition
+from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.hold import LONGEST_S, is_hold
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.robot_files import RobotFiles
@@ -25,6 +27,10 @@ from shoecal_ros.inputs.joints import JointInput
 
 FloatArray = NDArray[np.float64]
 STALE_S = 0.5
+FOUND_S = 3.0
+"""In which a node that has just begun finds who is there."""
+TOLD_S = 10.0
+"""For so long it is told that a trajectory was refused."""
 
 
 class Adapter(ShoecalNode):
@@ -33,6 +39,7 @@ class Adapter(ShoecalNode):
     Nothing is sent before somebody has armed the robot. A robot on its way that is armed no more is
     stopped by the adapter itself, once; a command to hold, which whoever disarms a moving robot
     sends just after that, only lets it do so at once: where it says to hold does not count then.
+    What an adapter before this one may have sent to a robot that is armed already is stopped, too.
 
     Attributes:
         robot: whose joints are told.
@@ -45,10 +52,12 @@ class Adapter(ShoecalNode):
         self.joints = JointInput(self.robot, STALE_S)
         self.subscribe(JointState, "joint_states", self._hear, qos.NEWEST)
         self._arming = ArmedInput(self)
+        self._unwatched = Unwatched(self, self._arming)
         self._moves = False
         self._disarmings = 0
-        self._refused: Problem | None = None
-        self.trouble: Problem | None = None
+        self._begun_s = self.now_s
+        self._refused_s = -math.inf
+        self._refusal = ""
         self.subscribe(JointTrajectoryMsg, "joint_trajectory", self._take, qos.COMMAND)
 
     @abstractmethod
@@ -63,20 +72,52 @@ class Adapter(ShoecalNode):
     def stop(self) -> None:
         """Let the robot stay where it is, if it is on its way."""
 
+    @property
+    @abstractmethod
+    def missing(self) -> str:
+        """What of the robot's side nobody offers, and the cure; empty where all is there."""
+
+    @property
+    def trouble(self) -> Problem | None:
+        """What the robot's side does that it should not."""
+        return None
+
+    def stop_unwatched(self) -> None:
+        """Stop what the robot does without this adapter; nothing, where it only is told places."""
+
     def watch(self) -> None:
         """Stop what may move no more, and tell how things are."""
         armed = self._arming.armed
         # Armed again is not allowed to go on: who disarms and arms at once wants it stopped, too.
         if not armed or self._arming.disarmings != self._disarmings:
             self._stop()
-        problem = self._refused or self.trouble or self.joints.problem
-        state = "armed" if armed else "not armed"
-        self.health.note("robot", Condition.of(problem, state))
+        if self._unwatched.to_be_stopped():
+            self.stop_unwatched()
+        self.health.note("robot", self._condition("armed" if armed else "not armed"))
         super().watch()
 
     def close(self) -> None:
         """Leave no robot on its way."""
         self._stop()
+
+    def go_on(self) -> None:
+        """The robot goes on with the motion before: it did not take the last command."""
+        self._moves = True
+
+    def _condition(self, well: str) -> Condition:
+        """What lasts stands before what has happened."""
+        refused = (
+            Problem(Code.TRAJECTORY_REFUSED, self._refusal)
+            if self.now_s - self._refused_s < TOLD_S
+            else None
+        )
+        errors = [problem for problem in (self.trouble, self.joints.problem, refused) if problem]
+        missing = self.missing if self.now_s - self._begun_s > FOUND_S else ""
+        warnings = [Problem(Code.DRIVER_MISSING, missing)] if missing else []
+        told = joined([*errors, *warnings])
+        if told is None:
+            return Condition(Level.OK, well)
+        return Condition(Level.ERROR if errors else Level.WARN, told.message, code=told.code)
 
     def _stop(self) -> None:
         """A robot that is coming to rest already is left to it."""
@@ -96,10 +137,9 @@ class Adapter(ShoecalNode):
         for message in messages:
             try:
                 self._admit(trajectory_from_ros(message))
-                self._refused = None
+                self._refused_s = -math.inf
             except ShoecalError as error:
-                told = f"trajectory refused: {error}"
-                self._refused = Problem(Code.TRAJECTORY_REFUSED, told)
+                self._refused_s, self._refusal = self.now_s, f"trajectory refused: {error}"
 
     def _admit(self, trajectory: JointTrajectory) -> None:
         latest = self.joints.latest
@@ -117,7 +157,10 @@ class Adapter(ShoecalNode):
             return
         # Who sends two angles for one motor, or some beyond its limits, is refused here.
         trajectory.full(self.robot, measured)
+        if self.missing:
+            raise ShoecalError(self.missing)
         self.follow(trajectory, measured)
+        self._unwatched.replace()
         # What holds some joints, or takes long, is a motion that may have to be stopped.
         moved = {self.robot.joint_names[joint] for joint in self.robot.moved}
         rests = holds and moved <= set(trajectory.names) and trajectory.duration <= LONGEST_S

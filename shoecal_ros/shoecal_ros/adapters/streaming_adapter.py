@@ -6,6 +6,8 @@ import time
 from abc import abstractmethod
 from collections.abc import Sequence
 
+from rclpy.publisher import Publisher
+
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.adapters.adapter import Adapter, FloatArray
 from shoecal_ros.adapters.stream import Stream
@@ -50,3 +52,10 @@ class StreamingAdapter(Adapter):
         angles = self._stream.at(self.now_s)
         if angles is not None:
             self.send(self._stream.names, angles)
+
+
+def unheard(publisher: Publisher, driver: str) -> str:
+    """That nobody listens to what a driver should; empty where somebody does."""
+    if publisher.get_subscription_count() > 0:
+        return ""
+    return f"nobody listens to {publisher.topic_name}; start {driver}"

@@ -71,6 +71,8 @@ class Code(StrEnum):
     TRAJECTORY_REFUSED = "trajectory-refused"
     CONTROLLER_REFUSED = "controller-refused"
     CONTROLLER_GAVE_UP = "controller-gave-up"
+    CONTROLLER_GOES_ON = "controller-goes-on"
+    DRIVER_MISSING = "driver-missing"
     ROBOT_FALLEN = "robot-fallen"
     LISTENER_HANGS = "listener-hangs"
 

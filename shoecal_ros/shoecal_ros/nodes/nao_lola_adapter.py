@@ -13,7 +13,7 @@ from shoecal_core.settings import Settings, setting
 from shoecal_ros.adapters.adapter import FloatArray
 from shoecal_ros.adapters.foreign import foreign
 from shoecal_ros.adapters.lola import NUMBERS, numbered
-from shoecal_ros.adapters.streaming_adapter import StreamingAdapter
+from shoecal_ros.adapters.streaming_adapter import StreamingAdapter, unheard
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import header_to_ros
 from shoecal_ros.common.process import run
@@ -47,6 +47,11 @@ class NaoLolaAdapter(StreamingAdapter):
         self._told_ns = 0
         self.subscribe(heat, "sensors/joint_temperatures", self._relay, qos.EITHER)
         self.send_at(settings.rate)
+
+    @property
+    def missing(self) -> str:
+        """Nobody takes positions."""
+        return unheard(self._effectors, "nao_lola")
 
     def send(self, names: Sequence[str], angles: FloatArray) -> None:
         """Tell the joints that LoLA numbers."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from shoecal_core.settings import Settings, setting
 from shoecal_ros.adapters.adapter import FloatArray
 from shoecal_ros.adapters.foreign import foreign
-from shoecal_ros.adapters.streaming_adapter import StreamingAdapter
+from shoecal_ros.adapters.streaming_adapter import StreamingAdapter, unheard
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import header_to_ros
 from shoecal_ros.common.process import run
@@ -41,6 +41,11 @@ class NaoqiAdapter(StreamingAdapter):
         self._angles = foreign("naoqi_bridge_msgs", "msg", "JointAnglesWithSpeed")
         self._publisher = self.create_publisher(self._angles, "joint_angles", qos.COMMAND)
         self.send_at(self._settings.rate)
+
+    @property
+    def missing(self) -> str:
+        """Nobody takes joint angles."""
+        return unheard(self._publisher, "naoqi_driver2")
 
     def send(self, names: Sequence[str], angles: FloatArray) -> None:
         """Tell joints that have a motor of their own."""

@@ -15,6 +15,7 @@ from ros.world import World
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_to_ros
+from shoecal_ros.common.health import Level
 
 Begin = Callable[..., "Adapted"]
 
@@ -32,20 +33,47 @@ class Adapted:
         **parameters: object,
     ) -> None:
         self.world = world
+        self._kind = kind
         self._adapter = adapter
-        world.start("robot", {"kind": kind, "adapter": adapter}, script=SCRIPT)
-        world.start(adapter, parameters)
+        self._parameters = parameters
+        self.start_robot()
+        self.start_adapter()
         if armed_by_test:
             self._armed = world.publisher(Bool, "shoe/armed", qos.ARMED)
+            self._armed.publish(Bool(data=False))
             self._commands = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
-        world.until_told(adapter, "robot", "not armed")
+        world.until(lambda: (told := self.told) and told.level < bytes([Level.ERROR]))
         self.settle()
+
+    def start_robot(self) -> None:
+        """It knows the adapter, once that is there, before it tells its joints."""
+        parameters = {"kind": self._kind, "adapter": self._adapter}
+        self.world.start("robot", parameters, script=SCRIPT)
+
+    def start_adapter(self) -> None:
+        self.world.start(self._adapter, self._parameters)
+
+    def kill_adapter(self) -> None:
+        self.world.kill(self._adapter)
+
+    @property
+    def told(self) -> Any:
+        """What the adapter last told of the robot; none before there was something."""
+        return self.world.diagnosis(self._adapter, "robot")
+
+    def until_told(self, text: str) -> Any:
+        """Wait until the adapter tells that of the robot."""
+        return self.world.until_told(self._adapter, "robot", text)
 
     def arm(self, *changes: bool) -> None:
         """Arm, or say something else, or one thing just after the other."""
         for armed in changes or (True,):
-            self._armed.publish(Bool(data=armed))
+            self.say(armed=armed)
         self.settle()
+
+    def say(self, *, armed: bool) -> None:
+        """Whoever hears that."""
+        self._armed.publish(Bool(data=armed))
 
     def settle(self) -> None:
         """Wait until the adapter has taken what was said and sent."""

@@ -16,6 +16,8 @@ PACKAGES = {
     "naoqi": ("naoqi_bridge_msgs",),
     "action": ("control_msgs",),
     "slow_action": ("control_msgs",),
+    "refusing_action": ("control_msgs",),
+    "hanging_action": ("control_msgs",),
     "topic": (),
 }
 

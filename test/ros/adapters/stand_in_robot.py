@@ -22,12 +22,14 @@ from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from sensor_msgs.msg import JointState
+from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 
 from ros.bodies import nao
 from ros.introduction import Introduction
 
 PERIOD_S = 0.02
+ASKED_TO_END = threading.Event()
 HANDS = ("LHand", "RHand")
 LOLA = (
     "HeadYaw", "HeadPitch", "LShoulderPitch", "LShoulderRoll", "LElbowYaw", "LElbowRoll",
@@ -141,7 +143,9 @@ def topic_controller() -> StandIn:
     return robot
 
 
-def action_controller(pace: float = 1.0) -> StandIn:
+def action_controller(
+    pace: float = 1.0, cancel: Callable[[Any], CancelResponse] = lambda _: CancelResponse.ACCEPT
+) -> StandIn:
     """Refuses goals without the arms, as a controller of all joints does."""
     robot = StandIn()
     kind = foreign("control_msgs", "action", "FollowJointTrajectory")
@@ -178,10 +182,40 @@ def action_controller(pace: float = 1.0) -> StandIn:
         "legs/follow_joint_trajectory",
         execute,
         goal_callback=judge,
-        cancel_callback=lambda _: CancelResponse.ACCEPT,
+        cancel_callback=cancel,
         callback_group=ReentrantCallbackGroup(),
     )
     return robot
+
+
+def refusing_controller() -> StandIn:
+    """Cancels nothing before it is told to give in."""
+    gives_in = threading.Event()
+    robot = action_controller(
+        cancel=lambda _: CancelResponse.ACCEPT if gives_in.is_set() else CancelResponse.REJECT
+    )
+
+    def give_in(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        gives_in.set()
+        response.success = True
+        return response
+
+    robot.create_service(Trigger, "robot/give_in", give_in)
+    return robot
+
+
+def hanging_controller() -> StandIn:
+    """Never answers the first who wants something cancelled."""
+    hung = threading.Event()
+
+    def cancel(_: Any) -> CancelResponse:
+        if hung.is_set():
+            return CancelResponse.ACCEPT
+        hung.set()
+        ASKED_TO_END.wait()
+        return CancelResponse.REJECT
+
+    return action_controller(cancel=cancel)
 
 
 KINDS = {
@@ -190,21 +224,22 @@ KINDS = {
     "topic": topic_controller,
     "action": action_controller,
     "slow_action": lambda: action_controller(40.0),
+    "refusing_action": refusing_controller,
+    "hanging_action": hanging_controller,
 }
 
 
 def main() -> None:
     # The threads leave before the middleware does.
     rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
-    asked_to_end = threading.Event()
-    signal.signal(signal.SIGINT, lambda *_: asked_to_end.set())
+    signal.signal(signal.SIGINT, lambda *_: ASKED_TO_END.set())
     words = dict(word.split(":=") for word in sys.argv if ":=" in word)
     robot = KINDS[words["kind"].strip('"')]()
     if "adapter" in words:
         robot.meet(words["adapter"].strip('"'))
     executor = MultiThreadedExecutor(4)
     executor.add_node(robot)
-    while not asked_to_end.is_set():
+    while not ASKED_TO_END.is_set():
         executor.spin_once(timeout_sec=0.1)
     executor.shutdown()
     robot.destroy_node()

@@ -9,20 +9,17 @@ from __future__ import annotations
 import time
 from dataclasses import fields
 
-import numpy as np
 import pytest
-from numpy.typing import NDArray
-from sensor_msgs.msg import JointState, Temperature
+from sensor_msgs.msg import Temperature
 
 from ros.adapters.conftest import Adapted, Begin
+from ros.adapters.motions import WAY, Knee, bent, squat
 from ros.bodies import nao
 from ros.policy import Rights, allowed, used
-from ros.world import Heard
-from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.common import qos
+from shoecal_ros.common.codes import Code
 from shoecal_ros.common.hold import LONGEST_S, hold
 
-FloatArray = NDArray[np.float64]
 OTHERS = "LShoulderPitch, RShoulderPitch"
 KINDS: dict[str, tuple[str, str, dict[str, object]]] = {
     "nao_lola": ("nao_lola", "nao_lola_adapter", {}),
@@ -31,39 +28,12 @@ KINDS: dict[str, tuple[str, str, dict[str, object]]] = {
     "action": ("action", "controller_adapter", {"controller": "legs", "others": OTHERS}),
 }
 CONTROLLER = "joint_trajectory_controller"
-KNEE = "LKneePitch"
-WAY = 0.1
-
-
-def squat(duration: float, way: float = WAY) -> JointTrajectory:
-    """Knees bend on; every joint of the legs is told."""
-    robot = nao()
-    names = tuple(robot.joint_names[joint] for joint in robot.moved)
-    times = np.linspace(0.0, duration, 1 + round(duration / 0.05))
-    positions = np.tile(robot.posture[robot.moved], (len(times), 1))
-    positions[:, names.index(KNEE)] += way * np.linspace(0.0, 1.0, len(times))
-    return JointTrajectory(names, times, positions)
-
-
-class Knee:
-    """What the robot tells of its left knee, against where it stood at the beginning [rad]."""
-
-    def __init__(self, robot: Adapted) -> None:
-        self._heard: Heard = robot.world.hear(JointState, "joint_states", qos.LIVE)
-        robot.world.until(lambda: len(self._heard) > 5)
-        self.first = self._now()
-
-    @property
-    def way(self) -> float:
-        return self._now() - self.first
-
-    @property
-    def count(self) -> int:
-        return len(self._heard)
-
-    def _now(self) -> float:
-        message = self._heard.last
-        return float(message.position[message.name.index(KNEE)])
+DRIVERS = {
+    "nao_lola": "nobody listens to /effectors/joint_positions; start nao_lola",
+    "naoqi": "nobody listens to /joint_angles; start naoqi_driver2",
+    "topic": "nobody offers /legs/joint_trajectory; start the controller",
+    "action": "nobody offers /legs/follow_joint_trajectory; start the controller",
+}
 
 
 @pytest.fixture(params=KINDS)
@@ -91,7 +61,7 @@ def test_it_follows_when_armed_and_stops_when_no_more(adapter: str, robot: Adapt
     world.until(lambda: knee.way < 0.0)
     robot.arm(False)
     world.until_told(node, "robot", "not armed")
-    world.until(lambda: _still(robot, knee))
+    world.until(knee.rests)
 
 
 def test_armed_again_at_once_it_does_not_go_on(adapter: str, robot: Adapted) -> None:
@@ -100,16 +70,9 @@ def test_armed_again_at_once_it_does_not_go_on(adapter: str, robot: Adapted) -> 
     robot.send(squat(60.0, way=-0.3))
     robot.world.until(lambda: knee.way < 0.0)
     robot.arm(False, True)
-    robot.world.until(lambda: _still(robot, knee))
+    robot.world.until(knee.rests)
     robot.send(squat(0.5))
     robot.world.until(lambda: abs(knee.way - WAY) < 1e-6)
-
-
-def _still(robot: Adapted, knee: Knee) -> bool:
-    """Whether nothing moves for half a second."""
-    where, count = knee.way, knee.count
-    robot.world.until(lambda: knee.count > count + 25)
-    return abs(knee.way - where) < 1e-9
 
 
 def test_a_command_to_hold_is_followed_to_its_end(adapter: str, robot: Adapted) -> None:
@@ -141,26 +104,19 @@ def test_not_armed_a_command_to_hold_stops_the_robot_and_never_moves_it(
     """Whoever disarms a moving robot stops it just after that; nobody walks it by such commands."""
     world, knee = robot.world, Knee(robot)
     robot.send(hold(nao(), bent(0.19), 0.01))
-    assert _still(robot, knee)
+    assert knee.rests()
     robot.arm()
     robot.send(squat(30.0, way=0.3))
     world.until(lambda: knee.way > 0.02)
     robot.arm(False)
     robot.send(hold(nao(), bent(0.19), 0.01))
-    world.until(lambda: _still(robot, knee))
+    world.until(knee.rests)
     rest = knee.way
     assert 0.0 < rest < 0.1
     for _ in range(5):
         robot.send(hold(nao(), bent(knee.way + 0.19), 0.01))
-        assert _still(robot, knee)
+        assert knee.rests()
     assert knee.way == pytest.approx(rest, abs=1e-9)
-
-
-def bent(way: float) -> FloatArray:
-    """(m,) joint angles with the knee so much farther bent than at the beginning [rad]."""
-    angles = nao().posture.copy()
-    angles[nao().joint(KNEE)] += way
-    return angles
 
 
 def test_an_adapter_that_ends_leaves_no_robot_on_its_way(adapter: str, robot: Adapted) -> None:
@@ -169,7 +125,7 @@ def test_an_adapter_that_ends_leaves_no_robot_on_its_way(adapter: str, robot: Ad
     robot.send(squat(10.0, way=0.5))
     world.until(lambda: knee.way > 0.05)
     assert world.stop(node) == 0
-    world.until(lambda: _still(robot, knee))
+    world.until(knee.rests)
     assert knee.way < 0.4
 
 
@@ -185,32 +141,25 @@ def test_lola_s_motors_tell_their_heat(begin: Begin) -> None:
     assert told["RHipRoll"] == 43.0
 
 
-def test_a_controller_that_refuses_is_told(begin: Begin) -> None:
-    robot = begin("action", "controller_adapter", controller="legs")
-    robot.arm()
+def test_a_driver_that_is_gone_is_told(adapter: str, robot: Adapted) -> None:
+    assert robot.world.stop("robot") == 0
+    robot.until_told(DRIVERS[adapter])
+
+
+def test_a_refusal_hides_nothing_that_lasts(adapter: str, robot: Adapted) -> None:
     robot.send(squat(0.5))
-    robot.world.until_told("controller_adapter", "robot", "legs refused the trajectory")
+    robot.until_told("trajectory refused: not armed")
+    robot.world.kill("robot")
+    told = robot.until_told("no joint angles for")
+    codes = {value.key: value.value for value in told.values}
+    assert codes["code"] == Code.JOINTS_STALE
 
 
-def test_a_controller_that_takes_longer_is_stopped_all_the_same(begin: Begin) -> None:
-    robot = begin("slow_action", "controller_adapter", controller="legs", others=OTHERS)
-    knee = Knee(robot)
-    robot.arm()
+def test_a_refusal_is_forgotten(begin: Begin) -> None:
+    robot = begin("naoqi", "naoqi_adapter")
     robot.send(squat(0.5))
-    # Long after the time that the motion should have taken.
-    robot.world.until(lambda: knee.way > 0.15 * WAY)
-    robot.arm(False)
-    robot.world.until(lambda: _still(robot, knee))
-    assert knee.way < 0.9 * WAY
-
-
-def test_a_controller_that_is_not_there_is_told(begin: Begin) -> None:
-    robot = begin("topic", "controller_adapter", controller="arms", interface="topic")
-    robot.arm()
-    robot.send(squat(0.5))
-    robot.world.until_told(
-        "controller_adapter", "robot", "nobody offers /arms/joint_trajectory; start the controller"
-    )
+    robot.until_told("trajectory refused: not armed")
+    robot.world.until(lambda: robot.told.message == "not armed")
 
 
 def test_motions_beyond_limits_are_refused(begin: Begin) -> None:

@@ -1,0 +1,53 @@
+"""A joint_trajectory_controller of ros2_control, however it is spoken to."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
+
+from shoecal_ros.common.codes import Problem
+
+
+class Controller(ABC):
+    """One trajectory at a time: a new one takes the place of the last."""
+
+    @property
+    @abstractmethod
+    def missing(self) -> str:
+        """What nobody offers, and the cure; empty where somebody does."""
+
+    @property
+    def trouble(self) -> Problem | None:
+        """What the controller does that it should not."""
+        return None
+
+    @abstractmethod
+    def send(self, message: JointTrajectoryMsg, duration_s: float) -> None:
+        """Let the robot follow a trajectory that takes so long [s].
+
+        Raises:
+            ShoecalError: when that cannot be now.
+        """
+
+    @abstractmethod
+    def stop(self) -> None:
+        """Let the robot stay where it is, if it is on its way."""
+
+    @abstractmethod
+    def stop_everything(self) -> None:
+        """Stop also what somebody else has sent, as soon as that can be."""
+
+    @abstractmethod
+    def watch(self) -> None:
+        """Do what is left to be done; to be called again and again."""
+
+    @property
+    @abstractmethod
+    def busy(self) -> bool:
+        """Whether something that it was told has not come there, or is not done."""
+
+
+def absent(name: str) -> str:
+    """Nobody offers a topic or an action of that name."""
+    return f"nobody offers {name}; start the controller, or correct 'controller'"

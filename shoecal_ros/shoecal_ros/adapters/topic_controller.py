@@ -1,0 +1,81 @@
+"""A controller that is sent trajectories by its topic."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+from rclpy.duration import Duration
+from rclpy.node import Node
+from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
+
+from shoecal_ros.adapters.controller import Controller, absent
+from shoecal_ros.common import qos
+
+LATE_S = 1.0
+"""For so long after its time a motion may go on: a topic does not tell when it has ended."""
+
+
+class TopicController(Controller):
+    """It is stopped by a trajectory, too."""
+
+    def __init__(
+        self,
+        node: Node,
+        name: str,
+        held: Callable[[], JointTrajectoryMsg | None],
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        """Nothing is under way.
+
+        Args:
+            node: that speaks to it.
+            name: of the controller.
+            held: a command to hold the joints where they are; none where nobody knows that.
+            clock: monotonic [s].
+        """
+        self._publisher = node.create_publisher(
+            JointTrajectoryMsg, f"{name}/joint_trajectory", qos.COMMAND
+        )
+        self._held = held
+        self._clock = clock
+        self._until_s = 0.0
+        self._everything = False
+
+    @property
+    def missing(self) -> str:
+        """Nobody listens to the topic."""
+        heard = self._publisher.get_subscription_count() > 0
+        return "" if heard else absent(self._publisher.topic_name)
+
+    def send(self, message: JointTrajectoryMsg, duration_s: float) -> None:
+        """Publish it."""
+        self._publisher.publish(message)
+        self._until_s = self._clock() + duration_s + LATE_S
+        self._everything = False
+
+    def stop(self) -> None:
+        """Hold."""
+        if self._clock() < self._until_s and self._hold():
+            self._until_s = self._clock()
+
+    def stop_everything(self) -> None:
+        """Hold, once there is somebody who listens and joint angles are known."""
+        self._everything = True
+
+    def watch(self) -> None:
+        """Hold where that could not be before."""
+        if self._everything and not self.missing:
+            self._everything = not self._hold()
+
+    @property
+    def busy(self) -> bool:
+        """Whether something that was sent has not come there."""
+        return not self._publisher.wait_for_all_acked(Duration())
+
+    def _hold(self) -> bool:
+        """Whether it could be told."""
+        command = self._held()
+        if command is not None:
+            self._publisher.publish(command)
+        return command is not None

@@ -1,0 +1,175 @@
+"""The adapter to controllers that go on by themselves with what they were sent, over real DDS."""
+
+from __future__ import annotations
+
+import pytest
+from diagnostic_msgs.msg import DiagnosticStatus
+from std_srvs.srv import Trigger
+from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
+
+from ros.adapters.conftest import Adapted, Begin
+from ros.adapters.motions import WAY, Knee, squat
+from shoecal_ros.common import qos
+from shoecal_ros.common.codes import Code
+from shoecal_ros.common.conversions import trajectory_to_ros
+
+NODE = "controller_adapter"
+OTHERS = "LShoulderPitch, RShoulderPitch"
+INTERFACES: dict[str, dict[str, object]] = {
+    "topic": {"controller": "legs", "interface": "topic"},
+    "action": {"controller": "legs", "others": OTHERS},
+}
+GOES_ON = "legs was told to stop and goes on; use the robot's emergency stop"
+
+
+@pytest.fixture(params=INTERFACES)
+def robot(request: pytest.FixtureRequest, begin: Begin) -> Adapted:
+    return begin(request.param, NODE, **INTERFACES[request.param])
+
+
+def behind_action(begin: Begin, kind: str) -> Adapted:
+    return begin(kind, NODE, **INTERFACES["action"])
+
+
+def moving(robot: Adapted, duration: float) -> Knee:
+    """Armed, and at the beginning of a motion."""
+    knee = Knee(robot)
+    robot.arm()
+    robot.send(squat(duration, way=0.3))
+    robot.world.until(lambda: knee.way > 0.005)
+    return knee
+
+
+def code(told: DiagnosticStatus) -> str:
+    return str(next(value.value for value in told.values if value.key == "code"))
+
+
+def test_started_again_it_stops_what_nobody_watches(robot: Adapted) -> None:
+    knee = moving(robot, 60.0)
+    robot.kill_adapter()
+    robot.start_adapter()
+    robot.world.until(knee.rests)
+    assert 0.0 < knee.way < 0.29
+    # And takes new ones.
+    robot.until_told("armed")
+    robot.settle()
+    robot.send(squat(0.5))
+    robot.world.until(lambda: abs(knee.way - WAY) < 1e-6)
+
+
+def test_started_again_where_nobody_has_armed_it_leaves_the_controller_alone(
+    robot: Adapted,
+) -> None:
+    knee = moving(robot, 12.0)
+    robot.kill_adapter()
+    robot.say(armed=False)
+    robot.start_adapter()
+    robot.until_told("not armed")
+    robot.settle()
+    assert not knee.rests()
+    robot.arm()
+    robot.world.until(lambda: abs(knee.way - 0.3) < 1e-6)
+
+
+def test_started_again_it_stops_as_well_what_somebody_else_sends_until_disarmed(
+    begin: Begin,
+) -> None:
+    robot = begin("topic", NODE, **INTERFACES["topic"])
+    knee = Knee(robot)
+    robot.arm()
+    sent = robot.world.hear(JointTrajectoryMsg, "legs/joint_trajectory", qos.COMMAND)
+    robot.kill_adapter()
+    robot.start_adapter()
+    robot.world.until(lambda: len(sent))
+    elsewhere = robot.world.publisher(JointTrajectoryMsg, "legs/joint_trajectory", qos.COMMAND)
+    elsewhere.publish(trajectory_to_ros(squat(60.0, way=0.3)))
+    robot.world.until(lambda: knee.way > 0.005)
+    robot.arm(False)
+    robot.world.until(knee.rests)
+    assert knee.way < 0.29
+
+
+def test_a_goal_that_is_not_cancelled_is_told_and_asked_to_end_again(begin: Begin) -> None:
+    robot = behind_action(begin, "refusing_action")
+    knee = moving(robot, 120.0)
+    robot.arm(False)
+    assert code(robot.until_told(GOES_ON)) == Code.CONTROLLER_GOES_ON
+    assert robot.world.call(Trigger, "robot/give_in", Trigger.Request()).success
+    robot.world.until(knee.rests)
+    assert knee.way < 0.29
+    robot.world.until(lambda: robot.told.message == "not armed")
+
+
+def test_a_goal_that_is_not_cancelled_may_end_by_itself(begin: Begin) -> None:
+    robot = behind_action(begin, "refusing_action")
+    knee = moving(robot, 8.0)
+    robot.arm(False)
+    robot.until_told(GOES_ON)
+    robot.world.until(lambda: robot.told.message == "not armed")
+    assert knee.way == pytest.approx(0.3)
+
+
+def test_a_controller_that_does_not_answer_is_asked_again(begin: Begin) -> None:
+    robot = behind_action(begin, "hanging_action")
+    knee = moving(robot, 60.0)
+    robot.arm(False)
+    robot.world.until(knee.rests)
+    assert knee.way < 0.29
+
+
+def test_started_again_it_asks_a_controller_that_does_not_answer_again(begin: Begin) -> None:
+    robot = behind_action(begin, "hanging_action")
+    knee = moving(robot, 60.0)
+    robot.kill_adapter()
+    robot.start_adapter()
+    robot.world.until(knee.rests)
+    assert knee.way < 0.29
+
+
+def test_a_goal_that_the_controller_does_not_know_has_ended(begin: Begin) -> None:
+    robot = behind_action(begin, "action")
+    moving(robot, 60.0)
+    robot.world.kill("robot")
+    robot.start_robot()
+    robot.until_told("no joint angles")
+    robot.until_told("armed")
+    robot.arm(False)
+    robot.world.until(lambda: robot.told.message == "not armed")
+
+
+def test_a_controller_that_refuses_is_told(begin: Begin) -> None:
+    robot = begin("action", "controller_adapter", controller="legs")
+    robot.arm()
+    robot.send(squat(0.5))
+    robot.until_told("legs refused the trajectory")
+
+
+def test_a_controller_that_takes_longer_is_stopped_all_the_same(begin: Begin) -> None:
+    robot = begin("slow_action", "controller_adapter", controller="legs", others=OTHERS)
+    knee = Knee(robot)
+    robot.arm()
+    robot.send(squat(0.5))
+    # Long after the time that the motion should have taken.
+    robot.world.until(lambda: knee.way > 0.15 * WAY)
+    robot.arm(False)
+    robot.world.until(knee.rests)
+    assert knee.way < 0.9 * WAY
+
+
+def test_a_controller_that_is_not_there_is_told(begin: Begin) -> None:
+    robot = begin("topic", "controller_adapter", controller="arms", interface="topic")
+    robot.arm()
+    robot.send(squat(0.5))
+    robot.world.until_told(
+        "controller_adapter", "robot", "nobody offers /arms/joint_trajectory; start the controller"
+    )
+
+
+@pytest.mark.parametrize("interface", INTERFACES)
+def test_a_controller_that_is_not_there_is_told_before_it_is_needed(
+    interface: str, begin: Begin
+) -> None:
+    parameters = {**INTERFACES[interface], "controller": "arms"}
+    told = begin(interface, NODE, **parameters).until_told("nobody offers /arms/")
+    assert told.level == DiagnosticStatus.WARN
+    assert code(told) == Code.DRIVER_MISSING
