@@ -232,7 +232,7 @@ def _options(argv: Sequence[str] | None) -> Options:
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the demo; its exit code."""
     # Whatever ends it, the nodes are ended first.
-    signal.signal(signal.SIGTERM, signal.getsignal(signal.SIGINT))
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         run(_options(argv))
     except ShoecalError as error:

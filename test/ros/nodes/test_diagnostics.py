@@ -20,11 +20,11 @@ INPUTS = {
     "calibrator: voltages",
 }  # fmt: skip
 FIRST = {
-    "shoe_driver: device": {"port-missing"},
-    "model: joints": {"no-joints"},
-    "planner: joints": {"no-joints"},
-    "calibrator: joints": {"no-joints"},
-    "calibrator: voltages": {"no-voltages"},
+    "shoe_driver: device": "port-missing",
+    "model: joints": "no-joints",
+    "planner: joints": "no-joints",
+    "calibrator: joints": "no-joints",
+    "calibrator: voltages": "no-voltages",
 }
 """What is wrong before there is a robot."""
 COUNTED = {"shoe_driver: device", "calibrator: voltages"}
@@ -110,6 +110,14 @@ def test_every_diagnostic_is_on_the_page(world: World) -> None:
         status = world.diagnosis(*name.split(": "))
         assert float(value(status, "age_s")) < 10.0
         assert value(status, "last_error")
-        assert value(status, "last_error_code") in FIRST[name]
         assert value(status, "last_error_age_s").isdigit()
+        wrong = [
+            value(one, "code")
+            for message in heard.messages
+            for one in message.status
+            if one.name == name and one.level != DiagnosticStatus.OK
+        ]
+        assert wrong[0] == FIRST[name]
+        # A busy machine may be late for more than the first time; one of them was the last.
+        assert value(status, "last_error_code") in wrong
         assert value(status, "lost_frames").isdigit() == (name in COUNTED)
