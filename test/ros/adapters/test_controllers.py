@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import pytest
 from diagnostic_msgs.msg import DiagnosticStatus
 from std_srvs.srv import Trigger
@@ -9,6 +11,7 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.adapters.conftest import Adapted, Begin
 from ros.adapters.motions import WAY, Knee, squat
+from shoecal_ros.adapters.goal import PATIENCE_S
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import trajectory_to_ros
@@ -134,6 +137,9 @@ def test_a_goal_that_the_controller_does_not_know_has_ended(begin: Begin) -> Non
     robot.until_told("no joint angles")
     robot.until_told("armed")
     robot.arm(False)
+    # Where it were supposed to go on, that would be told by then.
+    end = time.monotonic() + 2.0 * PATIENCE_S
+    robot.world.until(lambda: time.monotonic() > end)
     robot.world.until(lambda: robot.told.message == "not armed")
 
 
