@@ -1,10 +1,11 @@
 """Faults, tried very often: does the suite keep working, or say at once that it does not?
 
-    .venv/bin/python benchmarks/faults.py [--share 0.1] [--only ROW ...] [--renew] [--table]
+    .venv/bin/python benchmarks/faults.py [--share 0.1] [--only ROW ...] [--earlier-counts]
 
 Every row runs in a process of its own. Finished steps are kept in docs/reliability/, so a run that
-was stopped or killed is taken up where it was, on another computer too. Writes out/faults.json and
-docs/reliability.md; ends with 0 only if nothing failed.
+was stopped or killed is taken up where it was, on another computer too. What was tried with other
+code than this is tried again; with --earlier-counts only what was never tried is. --table runs
+nothing. Writes out/faults.json and docs/reliability.md; ends with 0 only if nothing failed.
 """
 
 from __future__ import annotations
@@ -37,7 +38,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--fresh", action="store_true", help="forget what these rows have kept")
     parser.add_argument(
-        "--renew", action="store_true", help="do again what was tried with other code than this"
+        "--earlier-counts",
+        action="store_true",
+        help="do only what was never tried, with whatever code",
     )
     parser.add_argument("--out", type=Path, default=OUT, help="folder of faults.json")
     parser.add_argument("--kept", type=Path, default=KEPT, help="folder of finished steps")
@@ -54,7 +57,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             found = find_row(args.alone)
             assert found is not None
             one = Kept(found.row, args.kept, args.seed, found.code)
-            run_row(found.row, one, args.share, fresh=args.fresh, renew=args.renew)
+            run_row(
+                found.row, one, args.share, fresh=args.fresh, earlier_counts=args.earlier_counts
+            )
             return 0
         rows = find_rows()
         wanted = args.only or list(rows)
@@ -75,18 +80,26 @@ def run_apart(found: Found, args: argparse.Namespace) -> bool:
     """Run a row in a process of its own; whether that came to its end."""
     command = [sys.executable, __file__, "--alone", found.module, "--share", str(args.share)]
     command += ["--seed", str(args.seed), "--kept", str(args.kept)]
-    command += [f"--{word}" for word in ("fresh", "renew") if getattr(args, word)]
+    switches = {"--fresh": args.fresh, "--earlier-counts": args.earlier_counts}
+    command += [option for option, given in switches.items() if given]
     done = subprocess.run(command, check=False)
     if done.returncode:
         print(f"{found.row.key}: its process ended with {done.returncode}", file=sys.stderr)
     return done.returncode == 0
 
 
-def run_row(row: Row, kept: Kept, share: float, *, fresh: bool, renew: bool = False) -> None:
+def run_row(
+    row: Row, kept: Kept, share: float, *, fresh: bool, earlier_counts: bool = False
+) -> None:
     """Do what is missing of a row, step by step."""
     if fresh:
         kept.forget()
-    steps = list(kept.missing(share, renew=renew))
+    steps = list(kept.missing(share, earlier_counts=earlier_counts))
+    if not steps:
+        tried, code = kept.present, "this very code"
+        if earlier_counts:
+            tried, code = kept.result.tried, "this code or an earlier one"
+        print(f"{row.key}: {tried:,} tries were done with {code}; --fresh does them again")
     tries = sum(count for _, count in steps)
     done, began = 0, time.monotonic()
     for first, count in steps:

@@ -75,18 +75,18 @@ class Kept:
         self._pieces = {}
         self._path.unlink(missing_ok=True)
 
-    def missing(self, share: float, *, renew: bool = False) -> Iterator[tuple[int, int]]:
+    def missing(self, share: float, *, earlier_counts: bool = False) -> Iterator[tuple[int, int]]:
         """First try and number of tries of each step that a share of the row still needs.
 
         Args:
             share: of all tries.
-            renew: also of those that ran with other code.
+            earlier_counts: whether tries that ran with other code need not be done again.
         """
         tries = min(self._row.tries, max(1, math.ceil(share * self._row.tries)))
         for first in range(0, tries, self._row.step):
             begin, end = first, min(first + self._row.step, tries)
             for done, piece in sorted(self._pieces.items()):
-                if renew and piece.code != self._code:
+                if piece.code != self._code and not earlier_counts:
                     continue
                 if begin < (until := min(done, end)):
                     yield begin, until - begin

@@ -17,7 +17,7 @@ HEAD = "# Under load and faults\n"
 BODY = """\
 Made by `make faults`; *tried* beside *full size* says how much of it has been run, *this code* how
 many of these tries ran with the very sources that stand beside this page (what the row can reach:
-its imports, the nodes it starts and theirs, configuration and messages); the others ran with
+its imports, the nodes it starts and theirs, configuration, messages and data); the others ran with
 earlier ones.
 *worst* is what came of the worst try; where it counts some out of a round number (4 of 500), they
 are those of one step of the row.

@@ -2,14 +2,16 @@
 
 Those are the row's module and all that it imports, directly or not, of the suite, of the tests'
 helpers and of this package; the nodes and programs that it starts, with all that those import; the
-files of config/ where one of them looks for it, and the messages where one speaks them.
+files of config/ where one of them looks for it, the messages where one speaks them, and files of
+data that one of them names.
 """
 
 from __future__ import annotations
 
 import ast
 import hashlib
-from collections.abc import Iterator
+import re
+from collections.abc import Iterable, Iterator
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -25,19 +27,21 @@ NODES = "shoecal_ros.nodes"
 
 _MESSAGES = "shoecal_msgs"
 _INTERFACES = ("msg", "srv", "action")
+_TESTS = ROOT / "test"
+_BASES = (ROOT, _TESTS, _TESTS / "ros")
+"""Folders from which files of data are named, besides that of whoever names them."""
+_FILE = re.compile(r"\w[\w./-]{0,99}\.[a-z]\w*")
+"""Name of a file, below some folder."""
 _WORLD = "world.py"
 """Starts whatever node it is told to: those who tell it name the node."""
 
 
 def digest(module: str) -> str:
     """SHA-256 of the sources that a module of this package can reach."""
-    folders = {name: _folder(name) for name in PACKAGES}
-    folders |= {name: ROOT / name for name in ("config", _MESSAGES)}
     whole = hashlib.sha256()
     for path in sorted(used(f"reliability.{module}")):
-        name = next(name for name, folder in folders.items() if path.is_relative_to(folder))
         content = hashlib.sha256(path.read_bytes()).hexdigest()
-        whole.update(f"{name}/{path.relative_to(folders[name])} {content}\n".encode())
+        whole.update(f"{_place(path)} {content}\n".encode())
     return whole.hexdigest()
 
 
@@ -57,7 +61,7 @@ def used(module: str) -> set[Path]:
 def _reached(path: Path) -> frozenset[Path]:
     """What a file imports, starts or reads."""
     if path.suffix != ".py":
-        return frozenset()
+        return frozenset(_data(_FILE.findall(path.read_text(errors="replace")), path))
     tree = ast.parse(path.read_text())
     names = {*_imported(tree), *_started(tree, path)}
     inside = {name for name in names if name.partition(".")[0] in PACKAGES}
@@ -65,6 +69,7 @@ def _reached(path: Path) -> frozenset[Path]:
     files = {_file(around) for name in inside for around in _lineage(name)}
     texts = {text for node in ast.walk(tree) if (text := _text(node))}
     files |= {path.parent / text for text in texts if text.endswith(".py")}
+    files |= set(_data(filter(_FILE.fullmatch, texts), path))
     if any(name.startswith(f"{_MESSAGES}.") for name in names):
         files |= {file for kind in _INTERFACES for file in (ROOT / _MESSAGES / kind).iterdir()}
     if any(text.partition("/")[0] == "config" for text in texts):
@@ -85,7 +90,7 @@ def _started(tree: ast.Module, path: Path) -> Iterator[str]:
     within = any(path.is_relative_to(_folder(package)) for package in SUITE)
     for node in ast.walk(tree):
         if isinstance(node, ast.JoinedStr) and path.name != _WORLD:
-            beginning = _text(node.values[0])
+            beginning = next(map(_text, node.values), "")
             yield from (name for name in _suite() if _begins(name, beginning))
         elif text := _text(node):
             yield from _suite().intersection((text,) if within else (text, f"{NODES}.{text}"))
@@ -94,6 +99,26 @@ def _started(tree: ast.Module, path: Path) -> Iterator[str]:
 def _begins(name: str, beginning: str) -> bool:
     """Whether a module's name begins with that of a package."""
     return beginning.count(".") > 1 and beginning.endswith(".") and name.startswith(beginning)
+
+
+def _data(names: Iterable[str], path: Path) -> Iterator[Path]:
+    """Files of data that a file names, beside it or below one of the bases."""
+    for name in names:
+        for base in (path.parent, *_BASES):
+            file = base / name
+            # Pages and results shape nothing, and change with every run.
+            if file.suffix != ".py" and file.is_file() and _place(file):
+                yield file
+
+
+def _place(path: Path) -> str:
+    """Of a file that a row can reach, wherever this copy of the project is; empty for others."""
+    folders = {name: _folder(name) for name in PACKAGES}
+    folders |= {name: ROOT / name for name in ("config", _MESSAGES, "test")}
+    for name, folder in folders.items():
+        if path.is_relative_to(folder):
+            return f"{name}/{path.relative_to(folder)}"
+    return ""
 
 
 def _text(node: ast.AST) -> str:

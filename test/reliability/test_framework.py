@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from argparse import Namespace
 from pathlib import Path
 
 import pytest
@@ -18,7 +19,7 @@ from reliability import live_world, serial_counter, sources
 from reliability.kept import Kept
 from reliability.page import write_json, write_page
 from reliability.row import Progress, Result, Row, Run, merge
-from reliability.rows import Found, find_rows
+from reliability.rows import Found, find_row, find_rows
 from shoecal_core.errors import FileError
 
 SUITE = [Path(package.__path__[0]) for package in (shoecal_core, shoecal_ros)]
@@ -139,13 +140,44 @@ def test_tries_that_are_missing_without_a_reason_are_a_fault(tmp_path: Path) -> 
         faults.run_row(row(lazy), kept(tmp_path, row(lazy)), 1.0, fresh=False)
 
 
-def test_what_ran_with_other_code_is_told_and_done_anew_where_asked(tmp_path: Path) -> None:
+def test_what_ran_with_other_code_is_done_anew_unless_it_shall_count(tmp_path: Path) -> None:
     faults.run_row(row(odd), kept(tmp_path, code="before"), 0.4, fresh=False)
-    faults.run_row(row(odd), kept(tmp_path), 1.0, fresh=False)
+    faults.run_row(row(odd), kept(tmp_path), 1.0, fresh=False, earlier_counts=True)
     assert (kept(tmp_path).result.tried, kept(tmp_path).present) == (25, 15)
     assert kept(tmp_path, code="later").present == 0
-    faults.run_row(row(odd), kept(tmp_path), 1.0, fresh=False, renew=True)
+    faults.run_row(row(odd), kept(tmp_path), 1.0, fresh=False)
     assert (kept(tmp_path).result, kept(tmp_path).present) == (Result(25, 12, "at 24", 24.0), 25)
+
+
+@pytest.mark.parametrize(
+    ("code", "earlier_counts", "told"),
+    [
+        ("now", False, "with this very code"),
+        ("before", True, "with this code or an earlier one"),
+    ],
+)
+def test_a_row_of_which_nothing_is_left_says_so(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], code: str, earlier_counts: bool, told: str
+) -> None:
+    def again() -> None:
+        faults.run_row(row(odd), kept(tmp_path), 1.0, fresh=False, earlier_counts=earlier_counts)
+
+    line = f"odd: 25 tries were done {told}; --fresh does them again"
+    faults.run_row(row(odd), kept(tmp_path, code=code), 0.4, fresh=False)
+    again()
+    assert line not in capsys.readouterr().out
+    again()
+    assert line in capsys.readouterr().out
+
+
+def test_a_rows_process_is_told_whether_earlier_tries_count(tmp_path: Path) -> None:
+    found = find_row("serial_counter")
+    assert found is not None
+    asked = Namespace(share=0.001, seed=0, kept=tmp_path / "faults", fresh=False)
+    faults.run_row(found.row, kept(tmp_path, found.row, "before"), asked.share, fresh=False)
+    for asked.earlier_counts, present in (True, 0), (False, 10):
+        assert faults.run_apart(found, asked)
+        assert kept(tmp_path, found.row, found.code).present == present
 
 
 def test_results_from_before_codes_were_kept_count_as_other_code(tmp_path: Path) -> None:
@@ -154,7 +186,7 @@ def test_results_from_before_codes_were_kept_count_as_other_code(tmp_path: Path)
     held = {"seed": 0, "step": 10, "steps": {"0": piece}}
     (tmp_path / "faults" / "odd.json").write_text(json.dumps(held))
     assert (kept(tmp_path).result.tried, kept(tmp_path).present) == (10, 0)
-    faults.run_row(row(odd), kept(tmp_path), 1.0, fresh=False)
+    faults.run_row(row(odd), kept(tmp_path), 1.0, fresh=False, earlier_counts=True)
     assert (kept(tmp_path).result.tried, kept(tmp_path).present) == (25, 15)
 
 
@@ -188,6 +220,25 @@ def test_configuration_and_messages_count_where_they_are_used() -> None:
     assert messages
     assert messages <= live
     assert messages.isdisjoint(bare)
+
+
+def test_files_of_data_count_where_they_are_named() -> None:
+    live, bare = sources.used("reliability.stale"), sources.used("reliability.serial_random")
+    data = {ROOT / "test" / "ros" / "quick_discovery.xml"}
+    # The URDF is named by the robot's file.
+    data |= {ROOT / "test" / "data" / "robots" / f"odd_biped.{kind}" for kind in ("yaml", "urdf")}
+    assert data <= live
+    assert data.isdisjoint(bare)
+
+
+def test_pages_results_and_what_is_no_file_of_the_project_do_not_count(tmp_path: Path) -> None:
+    (tmp_path / "beside.yaml").touch()
+    program = tmp_path / "names.py"
+    program.write_text(
+        "f''\n'docs/reliability.md'\n'docs/reliability/soak.json'\n'/etc/passwd'\n"
+        "'test/data/robots'\n'beside.yaml'\n'test/data/shoes/odd_shoe.yaml'\n"
+    )
+    assert sources._reached(program) == {ROOT / "test" / "data" / "shoes" / "odd_shoe.yaml"}
 
 
 def test_a_row_that_needs_the_tests_helpers_finds_them() -> None:
@@ -233,7 +284,7 @@ def test_steps_of_another_size_are_filled_up(tmp_path: Path) -> None:
     faults.run_row(other, kept(tmp_path, other), 1.0, fresh=False)
     assert kept(tmp_path).result == Result(25, 12, "at 23", 23.0)
     # Done anew, each is done once, however it was cut before.
-    faults.run_row(row(odd), kept(tmp_path, code="later"), 1.0, fresh=False, renew=True)
+    faults.run_row(row(odd), kept(tmp_path, code="later"), 1.0, fresh=False)
     assert kept(tmp_path, code="later").present == 25
     assert kept(tmp_path).result == Result(25, 12, "at 24", 24.0)
 
