@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from contextlib import ExitStack
 from itertools import pairwise
 from types import TracebackType
 from typing import Any, Self
@@ -42,20 +43,28 @@ class Conductor:
     """
 
     def __init__(self, nodes: Nodes, domain: int) -> None:
-        self._asked = EndAsked()
         self._nodes = nodes
-        self._context = rclpy.Context()
-        rclpy.init(
-            args=[],
-            context=self._context,
-            domain_id=domain,
-            signal_handler_options=SignalHandlerOptions.NO,
-        )
-        self._node = Node("demo", context=self._context)
-        self._executor = SingleThreadedExecutor(context=self._context)
-        self._executor.add_node(self._node)
         self._told: dict[str, tuple[bytes, str]] = {}
-        self._node.create_subscription(DiagnosticArray, "diagnostics", self._hear, qos.DIAGNOSTICS)
+        self._asked = EndAsked()
+        with ExitStack() as undo:
+            undo.callback(self._asked.close)
+            context = rclpy.Context()
+            rclpy.init(
+                args=[],
+                context=context,
+                domain_id=domain,
+                signal_handler_options=SignalHandlerOptions.NO,
+            )
+            undo.callback(rclpy.shutdown, context=context)
+            self._node = Node("demo", context=context)
+            undo.callback(self._node.destroy_node)
+            self._executor = SingleThreadedExecutor(context=context)
+            undo.callback(self._executor.shutdown)
+            self._executor.add_node(self._node)
+            self._node.create_subscription(
+                DiagnosticArray, "diagnostics", self._hear, qos.DIAGNOSTICS
+            )
+            self._undo = undo.pop_all()
 
     def wait_for_nodes(self) -> None:
         """Until the planner is ready and joint angles and voltages come."""
@@ -141,10 +150,7 @@ class Conductor:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        self._executor.shutdown()
-        self._node.destroy_node()
-        rclpy.shutdown(context=self._context)
-        self._asked.close()
+        self._undo.close()
         self._end_where_asked()
 
     def _hear(self, message: DiagnosticArray) -> None:

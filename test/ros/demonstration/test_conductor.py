@@ -41,6 +41,11 @@ def test_ctrl_c_waits_for_the_next_message_to_be_done(tmp_path: Path, number: in
     assert reached == ["what was under way"]
 
 
+def test_one_that_cannot_begin_gives_its_handlers_back(tmp_path: Path) -> None:
+    with pytest.raises(RuntimeError, match="Domain id"):
+        Conductor(Nodes(tmp_path, {}), -1)
+
+
 def test_ctrl_c_at_the_very_end_counts(tmp_path: Path) -> None:
     is_interrupted(tmp_path, lambda _: signal.raise_signal(signal.SIGINT))
 
