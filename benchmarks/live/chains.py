@@ -18,6 +18,7 @@ from live import bodies
 from live.line import Line
 from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.workspace import ros_environment
+from shoecal_ros.common.end_with_parent import ending_with_parent
 from shoecal_ros.demo import write_device
 from shoecal_ros.demonstration.domain import reserve_domain
 from shoecal_ros.serial.config import load_driver_config
@@ -65,7 +66,7 @@ class Chains:
         self.start(node, "-m", f"shoecal_ros.nodes.{node}", "--ros-args", *pairs)
 
     def start(self, name: str, *arguments: str) -> None:
-        """Start a process of Python."""
+        """Start a process of Python, which ends with this one even where that is killed."""
         environment = ros_environment() | {
             "ROS_DOMAIN_ID": str(self._domain),
             "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST",
@@ -75,7 +76,7 @@ class Chains:
         environment["PYTHONPATH"] = os.pathsep.join(path for path in paths if path)
         with self.log(name).open("w") as log:
             self._processes[name] = subprocess.Popen(
-                [sys.executable, *arguments], env=environment,
+                ending_with_parent([sys.executable, *arguments]), env=environment,
                 stdin=subprocess.DEVNULL, stdout=log, stderr=log,
             )  # fmt: skip
 
