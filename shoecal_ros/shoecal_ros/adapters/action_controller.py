@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from typing import Any
@@ -13,22 +14,15 @@ from rclpy.task import Future
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from shoecal_core.errors import ShoecalError
-from shoecal_ros.adapters.controller import Controller, absent
-from shoecal_ros.adapters.goal import Everything, Goal
+from shoecal_ros.adapters.controller import FOUND_S, Controller, absent
+from shoecal_ros.adapters.goal import PATIENCE_S, AllGoals, Goal
 from shoecal_ros.common.codes import Code, Problem
 
 
 class ActionController(Controller):
     """It holds by itself when it is cancelled."""
 
-    def __init__(
-        self,
-        node: Node,
-        kind: Any,
-        name: str,
-        goes_on: Callable[[], None],
-        clock: Callable[[], float] = time.monotonic,
-    ) -> None:
+    def __init__(self, node: Node, kind: Any, name: str, goes_on: Callable[[], None]) -> None:
         """Nothing is under way.
 
         Args:
@@ -36,19 +30,18 @@ class ActionController(Controller):
             kind: control_msgs/action/FollowJointTrajectory.
             name: of the controller.
             goes_on: called where it refuses a trajectory: it goes on with the one before.
-            clock: monotonic [s].
         """
         self._kind = kind
         self._name = name
         self._action = node.resolve_topic_name(f"{name}/follow_joint_trajectory")
         self._client = ActionClient(node, self._kind, self._action)
         self._goes_on = goes_on
-        self._clock = clock
         self._newest = 0
         self._unanswered = 0
+        self._stopped_s = math.inf
         self._goals: list[Goal] = []
-        self._all_to_end = False
-        self._everything: Everything | None = None
+        self._all_to_end_until_s = -math.inf
+        self._all_goals = AllGoals(node, self._client, kind, self._action)
         self._refusal: Problem | None = None
 
     @property
@@ -70,9 +63,10 @@ class ActionController(Controller):
     def send(self, message: JointTrajectoryMsg, duration_s: float) -> None:
         """Send a goal; it ends the one before."""
         del duration_s
-        if self._everything is not None and self._everything.unanswered:
+        # It would be cancelled, too; or refused, and what nobody watches go on.
+        if self._all_goals.ending or time.monotonic() < self._all_to_end_until_s:
             raise ShoecalError("what was under way before is being stopped; send it again")
-        self._all_to_end, self._everything, self._refusal = False, None, None
+        self._refusal, self._stopped_s = None, math.inf
         self._newest += 1
         number = self._newest
         sent = self._client.send_goal_async(self._kind.Goal(trajectory=message))
@@ -83,22 +77,32 @@ class ActionController(Controller):
         """Cancel the goal."""
         # One that is still on its way there is cancelled when it has been accepted.
         self._newest += 1
+        self._stopped_s = time.monotonic()
         for goal in self._goals:
             goal.cancel()
         self.watch()
 
     def stop_everything(self) -> None:
-        """Cancel all goals, once the controller is there."""
-        self._all_to_end = True
+        """Cancel all goals, if the controller is there or is found soon."""
+        self._all_to_end_until_s = time.monotonic() + FOUND_S
+        self.watch()
 
     def watch(self) -> None:
         """Cancel again what has not ended."""
+        now = time.monotonic()
         if self._client.server_is_ready():
-            if self._all_to_end:
-                self._all_to_end = False
-                self._everything = Everything(self._client, self._kind, self._clock)
+            if self._unanswered and now - self._stopped_s > PATIENCE_S:
+                # Accepted or not: the answer may be lost.
+                self._unanswered, self._stopped_s = 0, math.inf
+                self._all_to_end_until_s = math.inf
+            if now < self._all_to_end_until_s:
+                self._all_to_end_until_s = -math.inf
+                self._all_goals.cancel()
             for goal in self._to_watch:
                 goal.watch()
+        else:
+            # It is another one that comes: what that does is somebody else's business.
+            self._all_goals.forget()
         self._goals = [goal for goal in self._goals if not goal.ended]
 
     @property
@@ -108,10 +112,10 @@ class ActionController(Controller):
 
     @property
     def _to_watch(self) -> list[Goal]:
-        return self._goals if self._everything is None else [*self._goals, self._everything]
+        return [*self._goals, self._all_goals]
 
     def _answered(self, number: int, future: Future) -> None:
-        self._unanswered -= 1
+        self._unanswered = max(0, self._unanswered - 1)
         handle: ClientGoalHandle = future.result()
         if not handle.accepted:
             self._goes_on()
@@ -121,7 +125,7 @@ class ActionController(Controller):
                 "'others')",
             )
             return
-        goal = Goal(handle, self._clock)
+        goal = Goal(handle)
         self._goals.append(goal)
         handle.get_result_async().add_done_callback(lambda done: self._ended(number, goal, done))
         if number != self._newest:

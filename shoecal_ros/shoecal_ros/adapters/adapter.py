@@ -14,6 +14,7 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_ros.adapters.controller import FOUND_S
 from shoecal_ros.adapters.unwatched import Unwatched
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code, Problem, joined
@@ -27,8 +28,6 @@ from shoecal_ros.inputs.joints import JointInput
 
 FloatArray = NDArray[np.float64]
 STALE_S = 0.5
-FOUND_S = 3.0
-"""In which a node that has just begun finds who is there."""
 TOLD_S = 10.0
 """For so long it is told that a trajectory was refused."""
 
@@ -103,6 +102,7 @@ class Adapter(ShoecalNode):
     def go_on(self) -> None:
         """The robot goes on with the motion before: it did not take the last command."""
         self._moves = True
+        self._unwatched.come_back()
 
     def _condition(self, well: str) -> Condition:
         """What lasts stands before what has happened."""
@@ -142,6 +142,9 @@ class Adapter(ShoecalNode):
                 self._refused_s, self._refusal = self.now_s, f"trajectory refused: {error}"
 
     def _admit(self, trajectory: JointTrajectory) -> None:
+        if self._arming.disarmings != self._disarmings:
+            # Even if it may move again by now, and the new one be refused.
+            self._stop()
         latest = self.joints.latest
         if latest is None:
             raise ShoecalError(str(self.joints.problem))
@@ -157,8 +160,10 @@ class Adapter(ShoecalNode):
             return
         # Who sends two angles for one motor, or some beyond its limits, is refused here.
         trajectory.full(self.robot, measured)
-        if self.missing:
-            raise ShoecalError(self.missing)
+        if missing := self.missing:
+            if holds:
+                self._stop()
+            raise ShoecalError(missing)
         self.follow(trajectory, measured)
         self._unwatched.replace()
         # What holds some joints, or takes long, is a motion that may have to be stopped.

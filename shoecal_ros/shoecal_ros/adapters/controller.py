@@ -8,6 +8,9 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from shoecal_ros.common.codes import Problem
 
+FOUND_S = 3.0
+"""In which a node that has just begun finds who is there."""
+
 
 class Controller(ABC):
     """One trajectory at a time: a new one takes the place of the last."""
@@ -36,7 +39,7 @@ class Controller(ABC):
 
     @abstractmethod
     def stop_everything(self) -> None:
-        """Stop also what somebody else has sent, as soon as that can be."""
+        """Stop also what somebody else has sent, now or as soon as that can be within FOUND_S."""
 
     @abstractmethod
     def watch(self) -> None:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from typing import Any
 
-from action_msgs.msg import GoalStatus
+from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from rclpy.action import ActionClient
 from rclpy.action.client import ClientGoalHandle
+from rclpy.node import Node
+from rclpy.qos import qos_profile_action_status_default
 from rclpy.task import Future
 
 AGAIN_S = 0.5
@@ -27,21 +28,12 @@ class Goal:
     does.
     """
 
-    def __init__(
-        self, handle: ClientGoalHandle, clock: Callable[[], float] = time.monotonic
-    ) -> None:
-        """It is under way.
-
-        Args:
-            handle: by which it is asked for.
-            clock: monotonic [s].
-        """
+    def __init__(self, handle: ClientGoalHandle) -> None:
+        """It is under way; by its handle it is asked for."""
         self._handle = handle
-        self._clock = clock
         self._ended = False
         self._canceled_s = math.inf
         self._asked_s = -math.inf
-        self._unanswered = False
 
     @property
     def ended(self) -> bool:
@@ -56,12 +48,7 @@ class Goal:
     @property
     def overdue(self) -> bool:
         """Whether it should have ended by now."""
-        return not self.ended and self._clock() - self._canceled_s > PATIENCE_S
-
-    @property
-    def unanswered(self) -> bool:
-        """Whether it was asked to end, and nothing was said to that."""
-        return self._unanswered
+        return self.ending and time.monotonic() - self._canceled_s > PATIENCE_S
 
     def end(self) -> None:
         """The controller told how it ended."""
@@ -69,16 +56,13 @@ class Goal:
 
     def cancel(self) -> None:
         """It is to end: `watch` asks for that."""
-        self._canceled_s = min(self._canceled_s, self._clock())
+        self._canceled_s = min(self._canceled_s, time.monotonic())
 
     def watch(self) -> None:
         """Ask where that is due; to be called again and again while the controller is there."""
-        # A controller that is about to end it needs not be asked.
-        if not self.ending or self._handle.status == GoalStatus.STATUS_CANCELING:
-            return
-        now = self._clock()
-        if now - self._asked_s >= AGAIN_S:
-            self._asked_s, self._unanswered = now, True
+        now = time.monotonic()
+        if self.ending and now - self._asked_s >= AGAIN_S:
+            self._asked_s = now
             self._handle.cancel_goal_async().add_done_callback(self._answered)
 
     def judge(self, answer: CancelGoal.Response) -> bool:
@@ -89,29 +73,49 @@ class Goal:
         return bool(answer.return_code == CancelGoal.Response.ERROR_UNKNOWN_GOAL_ID)
 
     def _answered(self, future: Future) -> None:
-        self._unanswered = False
         self._ended = self._ended or self.judge(future.result())
 
 
-class Everything(Goal):
-    """All goals that a controller has, whoever sent them: ended once it agrees to cancel them."""
+class AllGoals(Goal):
+    """Whatever a controller carries out, whoever sent it: what the controller tells of it counts.
 
-    def __init__(
-        self, client: ActionClient, kind: Any, clock: Callable[[], float] = time.monotonic
-    ) -> None:
-        """They are to end.
+    They have ended once it has answered, and tells of none that goes on; then others may come, and
+    may be cancelled again.
+    """
+
+    def __init__(self, node: Node, client: ActionClient, kind: Any, action: str) -> None:
+        """They may go on.
 
         Args:
-            client: of the controller's action.
+            node: that listens to what the controller tells.
+            client: of its action.
             kind: of that action.
-            clock: monotonic [s].
+            action: its name.
         """
         # An id of zeros stands for every goal.
         every = kind.Impl.SendGoalService.Request().goal_id
         accepted = kind.Impl.SendGoalService.Response(accepted=True)
-        super().__init__(ClientGoalHandle(client, every, accepted), clock)
-        self.cancel()
+        super().__init__(ClientGoalHandle(client, every, accepted))
+        self._going_on = False
+        node.create_subscription(
+            GoalStatusArray, f"{action}/_action/status", self._hear,
+            qos_profile_action_status_default,
+        )  # fmt: skip
+
+    def cancel(self) -> None:
+        """Those of this moment are to end."""
+        if self._ended:
+            self.forget()
+        super().cancel()
+
+    def forget(self) -> None:
+        """They may go on."""
+        self._ended, self._canceled_s, self._asked_s = False, math.inf, -math.inf
 
     def judge(self, answer: CancelGoal.Response) -> bool:
-        """Whether the controller did not refuse."""
-        return bool(answer.return_code != CancelGoal.Response.ERROR_REJECTED)
+        """Whether nothing goes on: some refuse without saying so."""
+        refused = answer.return_code == CancelGoal.Response.ERROR_REJECTED
+        return not refused and not answer.goals_canceling and not self._going_on
+
+    def _hear(self, told: GoalStatusArray) -> None:
+        self._going_on = any(one.status not in _ENDED for one in told.status_list)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 
@@ -9,7 +10,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
-from shoecal_ros.adapters.controller import Controller, absent
+from shoecal_ros.adapters.controller import FOUND_S, Controller, absent
 from shoecal_ros.common import qos
 
 LATE_S = 1.0
@@ -24,7 +25,6 @@ class TopicController(Controller):
         node: Node,
         name: str,
         held: Callable[[], JointTrajectoryMsg | None],
-        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         """Nothing is under way.
 
@@ -32,15 +32,13 @@ class TopicController(Controller):
             node: that speaks to it.
             name: of the controller.
             held: a command to hold the joints where they are; none where nobody knows that.
-            clock: monotonic [s].
         """
         self._publisher = node.create_publisher(
             JointTrajectoryMsg, f"{name}/joint_trajectory", qos.COMMAND
         )
         self._held = held
-        self._clock = clock
-        self._until_s = 0.0
-        self._everything = False
+        self._until_s = -math.inf
+        self._hold_until_s = -math.inf
 
     @property
     def missing(self) -> str:
@@ -51,22 +49,24 @@ class TopicController(Controller):
     def send(self, message: JointTrajectoryMsg, duration_s: float) -> None:
         """Publish it."""
         self._publisher.publish(message)
-        self._until_s = self._clock() + duration_s + LATE_S
-        self._everything = False
+        self._until_s = time.monotonic() + duration_s + LATE_S
+        self._hold_until_s = -math.inf
 
     def stop(self) -> None:
-        """Hold."""
-        if self._clock() < self._until_s and self._hold():
-            self._until_s = self._clock()
+        """Hold, where it may be on its way."""
+        if time.monotonic() < self._until_s:
+            self._until_s = -math.inf
+            self.stop_everything()
 
     def stop_everything(self) -> None:
-        """Hold, once there is somebody who listens and joint angles are known."""
-        self._everything = True
+        """Hold, if there is somebody who listens and joint angles are known, now or soon."""
+        self._hold_until_s = time.monotonic() + FOUND_S
+        self.watch()
 
     def watch(self) -> None:
         """Hold where that could not be before."""
-        if self._everything and not self.missing:
-            self._everything = not self._hold()
+        if time.monotonic() < self._hold_until_s and not self.missing and self._hold():
+            self._hold_until_s = -math.inf
 
     @property
     def busy(self) -> bool:

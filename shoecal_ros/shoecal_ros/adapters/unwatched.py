@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable
 from typing import Any
 
 from rclpy.subscription import Subscription
@@ -25,21 +24,12 @@ class Unwatched:
     else's business what it does.
     """
 
-    def __init__(
-        self, node: ShoecalNode, arming: ArmedInput, clock: Callable[[], float] = time.monotonic
-    ) -> None:
-        """Nothing is known yet.
-
-        Args:
-            node: that has just begun.
-            arming: its own.
-            clock: monotonic [s].
-        """
+    def __init__(self, node: ShoecalNode, arming: ArmedInput) -> None:
+        """Nothing is known yet, of a node that has just begun."""
         self._arming = arming
-        self._clock = clock
         self._heard_s = math.inf
         self._disarmings: int | None = None
-        self._over = False
+        self._over = self._replaced = False
         self._subscription: Subscription = node.subscribe(Bool, "shoe/armed", self._hear, qos.ARMED)
 
     def to_be_stopped(self) -> bool:
@@ -47,7 +37,7 @@ class Unwatched:
         if self._over:
             return False
         if self._disarmings is None:
-            if self._clock() - self._heard_s < HISTORY_S:
+            if time.monotonic() - self._heard_s < HISTORY_S:
                 return False
             self._disarmings = self._arming.disarmings
             self._over = not self._arming.told
@@ -57,8 +47,12 @@ class Unwatched:
 
     def replace(self) -> None:
         """Another motion takes its place."""
-        self._over = True
+        self._replaced, self._over = not self._over, True
+
+    def come_back(self) -> None:
+        """The robot did not take that other one."""
+        self._over = self._over and not self._replaced
 
     def _hear(self, messages: list[Any]) -> None:
         del messages
-        self._heard_s = min(self._heard_s, self._clock())
+        self._heard_s = min(self._heard_s, time.monotonic())

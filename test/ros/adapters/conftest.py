@@ -65,6 +65,10 @@ class Adapted:
         """Wait until the adapter tells that of the robot."""
         return self.world.until_told(self._adapter, "robot", text)
 
+    def until_well(self, state: str) -> None:
+        """Wait until the adapter tells nothing but whether it is armed."""
+        self.world.until(lambda: (told := self.told) and told.message == state)
+
     def arm(self, *changes: bool) -> None:
         """Arm, or say something else, or one thing just after the other."""
         for armed in changes or (True,):

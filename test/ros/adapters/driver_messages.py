@@ -18,6 +18,7 @@ PACKAGES = {
     "slow_action": ("control_msgs",),
     "refusing_action": ("control_msgs",),
     "hanging_action": ("control_msgs",),
+    "stuck_action": ("control_msgs",),
     "topic": (),
 }
 

@@ -144,9 +144,15 @@ def topic_controller() -> StandIn:
 
 
 def action_controller(
-    pace: float = 1.0, cancel: Callable[[Any], CancelResponse] = lambda _: CancelResponse.ACCEPT
+    pace: float = 1.0,
+    cancel: Callable[[Any], CancelResponse] = lambda _: CancelResponse.ACCEPT,
+    *,
+    stuck: bool = False,
 ) -> StandIn:
-    """Refuses goals without the arms, as a controller of all joints does."""
+    """Refuses goals without the arms, as a controller of all joints does.
+
+    One that is stuck agrees to end a goal, and never does.
+    """
     robot = StandIn()
     kind = foreign("control_msgs", "action", "FollowJointTrajectory")
     newest: list[Any] = [None]
@@ -165,7 +171,7 @@ def action_controller(
         elif _followed(
             robot,
             goal.request.trajectory,
-            lambda: goal.is_cancel_requested or newest[0] is not goal,
+            lambda: (goal.is_cancel_requested and not stuck) or newest[0] is not goal,
             pace,
         ):
             goal.succeed()
@@ -226,6 +232,7 @@ KINDS = {
     "slow_action": lambda: action_controller(40.0),
     "refusing_action": refusing_controller,
     "hanging_action": hanging_controller,
+    "stuck_action": lambda: action_controller(stuck=True),
 }
 
 

@@ -18,6 +18,7 @@ from ros.bodies import nao
 from ros.policy import Rights, allowed, used
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code
+from shoecal_ros.common.health import Level
 from shoecal_ros.common.hold import LONGEST_S, hold
 
 OTHERS = "LShoulderPitch, RShoulderPitch"
@@ -73,6 +74,24 @@ def test_armed_again_at_once_it_does_not_go_on(adapter: str, robot: Adapted) -> 
     robot.world.until(knee.rests)
     robot.send(squat(0.5))
     robot.world.until(lambda: abs(knee.way - WAY) < 1e-6)
+
+
+def test_a_hold_counts_while_the_driver_is_gone(adapter: str, robot: Adapted) -> None:
+    """Else one that comes back would be told to be where the motion has come to meanwhile."""
+    knee = Knee(robot)
+    robot.arm()
+    robot.send(squat(30.0, way=0.3))
+    robot.world.until(lambda: knee.way > 0.005)
+    robot.world.stop("robot")
+    robot.until_told(DRIVERS[adapter])
+    robot.settle()
+    robot.send(hold(nao(), bent(knee.way), 0.5))
+    robot.until_told("trajectory refused: nobody")
+    robot.start_robot()
+    robot.until_told("armed")
+    robot.world.until(lambda: robot.told.level < bytes([Level.ERROR]))
+    robot.world.until(knee.rests)
+    assert knee.way < 0.05
 
 
 def test_a_command_to_hold_is_followed_to_its_end(adapter: str, robot: Adapted) -> None:

@@ -11,6 +11,7 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.adapters.conftest import Adapted, Begin
 from ros.adapters.motions import WAY, Knee, squat
+from shoecal_ros.adapters.controller import FOUND_S
 from shoecal_ros.adapters.goal import PATIENCE_S
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code
@@ -53,11 +54,46 @@ def test_started_again_it_stops_what_nobody_watches(robot: Adapted) -> None:
     robot.start_adapter()
     robot.world.until(knee.rests)
     assert 0.0 < knee.way < 0.29
-    # And takes new ones.
-    robot.until_told("armed")
+    # And takes new ones, once the controller has told that nothing goes on.
+    while abs(knee.way - WAY) > 1e-6:
+        robot.send(squat(0.5))
+        robot.settle()
+        robot.world.until(
+            lambda: abs(knee.way - WAY) < 1e-6 or "send it again" in robot.told.message
+        )
+
+
+def test_started_again_it_tells_a_controller_that_goes_on_and_sends_it_nothing_more(
+    begin: Begin,
+) -> None:
+    robot = behind_action(begin, "refusing_action")
+    knee = moving(robot, 120.0)
+    robot.kill_adapter()
+    robot.start_adapter()
+    assert code(robot.until_told(GOES_ON)) == Code.CONTROLLER_GOES_ON
     robot.settle()
     robot.send(squat(0.5))
-    robot.world.until(lambda: abs(knee.way - WAY) < 1e-6)
+    robot.until_told("trajectory refused: what was under way before is being stopped")
+    assert robot.world.call(Trigger, "robot/give_in", Trigger.Request()).success
+    robot.world.until(knee.rests)
+    assert knee.way < 0.29
+
+
+def test_started_again_it_leaves_a_controller_alone_that_comes_later(begin: Begin) -> None:
+    robot = begin("topic", NODE, **INTERFACES["topic"])
+    robot.arm()
+    robot.world.stop("robot")
+    robot.kill_adapter()
+    robot.start_adapter()
+    robot.until_told("nobody offers")
+    robot.settle()
+    end = time.monotonic() + FOUND_S
+    robot.world.until(lambda: time.monotonic() > end)
+    sent = robot.world.hear(JointTrajectoryMsg, "legs/joint_trajectory", qos.COMMAND)
+    robot.start_robot()
+    robot.until_well("armed")
+    robot.settle()
+    assert not sent.messages
 
 
 def test_started_again_where_nobody_has_armed_it_leaves_the_controller_alone(
@@ -67,7 +103,7 @@ def test_started_again_where_nobody_has_armed_it_leaves_the_controller_alone(
     robot.kill_adapter()
     robot.say(armed=False)
     robot.start_adapter()
-    robot.until_told("not armed")
+    robot.until_well("not armed")
     robot.settle()
     assert not knee.rests()
     robot.arm()
@@ -100,7 +136,7 @@ def test_a_goal_that_is_not_cancelled_is_told_and_asked_to_end_again(begin: Begi
     assert robot.world.call(Trigger, "robot/give_in", Trigger.Request()).success
     robot.world.until(knee.rests)
     assert knee.way < 0.29
-    robot.world.until(lambda: robot.told.message == "not armed")
+    robot.until_well("not armed")
 
 
 def test_a_goal_that_is_not_cancelled_may_end_by_itself(begin: Begin) -> None:
@@ -108,7 +144,7 @@ def test_a_goal_that_is_not_cancelled_may_end_by_itself(begin: Begin) -> None:
     knee = moving(robot, 8.0)
     robot.arm(False)
     robot.until_told(GOES_ON)
-    robot.world.until(lambda: robot.told.message == "not armed")
+    robot.until_well("not armed")
     assert knee.way == pytest.approx(0.3)
 
 
@@ -129,18 +165,22 @@ def test_started_again_it_asks_a_controller_that_does_not_answer_again(begin: Be
     assert knee.way < 0.29
 
 
-def test_a_goal_that_the_controller_does_not_know_has_ended(begin: Begin) -> None:
-    robot = behind_action(begin, "action")
+@pytest.mark.parametrize("kind", ["action", "stuck_action"])
+def test_a_goal_that_the_controller_does_not_know_has_ended(kind: str, begin: Begin) -> None:
+    robot = behind_action(begin, kind)
     moving(robot, 60.0)
+    if kind == "stuck_action":
+        robot.arm(False)
+        robot.until_told(GOES_ON)
     robot.world.kill("robot")
     robot.start_robot()
     robot.until_told("no joint angles")
-    robot.until_told("armed")
+    robot.until_well("not armed" if kind == "stuck_action" else "armed")
     robot.arm(False)
     # Where it were supposed to go on, that would be told by then.
     end = time.monotonic() + 2.0 * PATIENCE_S
     robot.world.until(lambda: time.monotonic() > end)
-    robot.world.until(lambda: robot.told.message == "not armed")
+    robot.until_well("not armed")
 
 
 def test_a_controller_that_refuses_is_told(begin: Begin) -> None:
