@@ -41,7 +41,7 @@ class ActionController(Controller):
         self._stopped_s = math.inf
         self._goals: list[Goal] = []
         self._all_to_end_until_s = -math.inf
-        self._all_goals = AllGoals(node, self._client, kind, self._action)
+        self._all_goals = AllGoals(node, self._client, self._action)
         self._refusal: Problem | None = None
 
     @property

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 import time
-from typing import Any
+from dataclasses import dataclass, field
 
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
+from builtin_interfaces.msg import Time
 from rclpy.action import ActionClient
 from rclpy.action.client import ClientGoalHandle
 from rclpy.node import Node
@@ -76,6 +77,14 @@ class Goal:
         self._ended = self._ended or self.judge(future.result())
 
 
+@dataclass(frozen=True)
+class _Accepted:
+    """What a controller says of a goal that it has accepted."""
+
+    accepted: bool = True
+    stamp: Time = field(default_factory=Time)
+
+
 class AllGoals(Goal):
     """Whatever a controller carries out, whoever sent it: what the controller tells of it counts.
 
@@ -83,19 +92,17 @@ class AllGoals(Goal):
     may be cancelled again.
     """
 
-    def __init__(self, node: Node, client: ActionClient, kind: Any, action: str) -> None:
+    def __init__(self, node: Node, client: ActionClient, action: str) -> None:
         """They may go on.
 
         Args:
             node: that listens to what the controller tells.
             client: of its action.
-            kind: of that action.
             action: its name.
         """
         # An id of zeros stands for every goal.
-        every = kind.Impl.SendGoalService.Request().goal_id
-        accepted = kind.Impl.SendGoalService.Response(accepted=True)
-        super().__init__(ClientGoalHandle(client, every, accepted))
+        every = CancelGoal.Request().goal_info.goal_id
+        super().__init__(ClientGoalHandle(client, every, _Accepted()))
         self._going_on = False
         node.create_subscription(
             GoalStatusArray, f"{action}/_action/status", self._hear,
