@@ -97,7 +97,7 @@ class SoakRobot:
         Raises:
             BrokenError: when a frame gives no CoP, or the driver never tells of all.
         """
-        if wrong := self._wait(0):
+        if wrong := self._wait(self._stamp_ns) or self._wrong:
             raise BrokenError(wrong)
         try:
             self._world.until(lambda: self._told(*FRAMES) == self.whole, PATIENCE_S)
@@ -150,14 +150,14 @@ class SoakRobot:
 
         It ends when the frames of the step before have given their CoPs: all processes are busy.
         """
-        self._wrong = ""
+        self._wrong, before_ns = "", self._stamp_ns
         self._pass_time(hurt=True)
-        return self._wait(TICK) or self._wrong
+        return self._wait(before_ns) or self._wrong
 
-    def _wait(self, missing: int) -> str:
-        """Wait until no more CoPs are missing; what is wrong when they do not come."""
+    def _wait(self, last_ns: int) -> str:
+        """Wait for the CoPs of all frames up to one; what is wrong when they do not come."""
         try:
-            self._world.until(lambda: len(self._missing) <= missing, PATIENCE_S)
+            self._world.until(lambda: all(one > last_ns for one in self._missing), PATIENCE_S)
         except AssertionError:
             told = f"{len(self._missing)} frames gave no CoP, the first of {min(self._missing)} ns"
             self._missing.clear()

@@ -123,7 +123,9 @@ class Scene:
         period_ns = int(rng.choice(PERIODS_NS))
         robot, period_s = self.robot, period_ns / 1e9
         robot.tell_every(period_ns)
-        self.wait(LEARN * period_s + float(rng.uniform(0.0, 0.1)))
+        told = robot.stamp_ns
+        self.world.until(lambda: robot.stamp_ns >= told + LEARN * period_ns)
+        self.wait(float(rng.uniform(0.0, 0.1)))
         for one in (self.state, self.cop, self.grf, self.foot):
             one.heard[:] = one.heard[-1:]
         needed = self._needed()

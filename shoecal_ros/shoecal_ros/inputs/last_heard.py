@@ -11,6 +11,8 @@ SILENT_S = 0.08
 """Without news for so long an input may be silent: told within 0.1 s, what it takes included."""
 SILENT_PERIODS = 2.7
 """Where it comes more seldom, without news for so many of its periods: told within three."""
+LOOK_S = 0.01
+"""From one look to the next where patience is longer: it ends early once news come faster."""
 _INTERVALS = 9
 RATE_S = 2.0
 """Rates are told over so long a time."""
@@ -48,6 +50,16 @@ class LastHeard:
         """Whether news are overdue."""
         age_s = self.age_s
         return age_s > self._silent_s and age_s > self.patience_s
+
+    @property
+    def next_look_s(self) -> float:
+        """Time in which no silence can begin that is not seen LOOK_S later, come what may [s]."""
+        age_s = self.age_s
+        if self.silent:
+            return self._silent_s
+        if age_s < self._silent_s:
+            return self._silent_s - age_s
+        return min(self.patience_s - age_s, LOOK_S)
 
     def figures(self) -> dict[str, str]:
         """Rate [Hz] and age [s], for diagnostics; to be asked several times in RATE_S."""

@@ -12,7 +12,7 @@ LEAST_S = 1e-3
 
 
 class Overdue:
-    """A timer for the moment at which news would be overdue, by what is known now."""
+    """A timer for the moment at which news may be overdue."""
 
     def __init__(self, node: ShoecalNode, heard: LastHeard, tell: Callable[[], None]) -> None:
         """Wait from now on.
@@ -23,14 +23,11 @@ class Overdue:
             tell: called when that has been for too long.
         """
         self._node, self._heard, self._tell = node, heard, tell
-        self._timer = node.wall_timer(heard.patience_s, lambda: node.start(self._look))
+        self._timer = node.wall_timer(heard.next_look_s, lambda: node.start(self._look))
 
     async def _look(self) -> None:
         """After what has come meanwhile was taken: a node that was held up hears late itself."""
-        patience_s = self._heard.patience_s
         if self._heard.silent:
             self._tell()
-        else:
-            patience_s = max(patience_s - self._heard.age_s, LEAST_S)
-        self._timer.timer_period_ns = round(1e9 * patience_s)
+        self._timer.timer_period_ns = round(1e9 * max(self._heard.next_look_s, LEAST_S))
         self._timer.reset()

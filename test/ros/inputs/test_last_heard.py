@@ -1,9 +1,11 @@
 from __future__ import annotations
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from ros.clock import Clock
-from shoecal_ros.inputs.last_heard import LastHeard
+from shoecal_ros.inputs.last_heard import LOOK_S, LastHeard
 
 
 @pytest.mark.parametrize(("period", "silent"), [(0.001, 0.08), (0.01, 0.08), (0.1, 0.27)])
@@ -44,3 +46,28 @@ def test_rate_and_age_are_told() -> None:
     clock.now += 1.0
     assert heard.figures()["age_s"] == "1.000"
     assert float(heard.figures()["rate_hz"]) < 60.0
+
+
+PERIODS = st.lists(st.sampled_from([0.001, 0.005, 0.033, 0.05, 0.1]), min_size=1, max_size=40)
+
+
+@given(periods=PERIODS)
+def test_who_looks_when_told_to_misses_no_silence_when_the_period_changes(
+    periods: list[float],
+) -> None:
+    """What comes every 0.1 s is waited for longer; once it comes every 5 ms, no longer."""
+    clock = Clock()
+    heard = LastHeard(clock)
+    look = clock.now + heard.next_look_s
+    for period in periods:
+        news = clock.now + period
+        while look < news:
+            clock.now = look
+            look += heard.next_look_s + 1e-9
+        clock.now = news
+        heard.note()
+    last = clock.now
+    while not heard.silent:
+        clock.now = look
+        look += heard.next_look_s + 1e-9
+    assert clock.now - last <= heard.patience_s + LOOK_S
