@@ -11,6 +11,7 @@ a calibration in force. No executor: this must not be what is slow.
 
 from __future__ import annotations
 
+import gc
 import json
 import sys
 import time
@@ -123,6 +124,8 @@ def serve(node: Node) -> None:
 def main() -> None:
     """Call or serve."""
     rclpy.init(args=[])
+    gc.collect()
+    gc.freeze()
     if sys.argv[1] == "--serve":
         serve(Node("bare"))
         return

@@ -12,6 +12,7 @@ Simulated: the robot, of which only messages exist.
 
 from __future__ import annotations
 
+import gc
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -105,6 +106,9 @@ class Scene:
         self.cop = Listener(world, PointStamped, "shoe/cop")
         self.grf = Listener(world, WrenchStamped, "shoe/grf")
         self.foot = Listener(world, WrenchStamped, "shoe/left/grf")
+        # As nodes do: looking through what stays makes who listens late by itself.
+        gc.collect()
+        gc.freeze()
 
     def wait(self, seconds: float) -> None:
         end = time.monotonic() + seconds
