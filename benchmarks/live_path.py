@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import shlex
 import sys
 import tempfile
 import time
@@ -136,15 +137,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--realtime", action="store_true",
         help="both chains at real-time priority, where other programs keep the machine busy",
     )  # fmt: skip
-    args = parser.parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else arguments
+    args = parser.parse_args(given)
     with tempfile.TemporaryDirectory(prefix="shoecal-live-") as folder:
         turns = run(Path(folder), args.rates, args.seconds, realtime=args.realtime)
     figures = figures_of(turns, args.rates)
     bench_json.record("live", figures)
     write_page(
-        figures, args.seconds, joints=RATE, turn=TURN_S, frames=figures["frames"], nice=NICE,
+        figures, args.seconds, ALLOWED,
+        joints=RATE, turn=TURN_S, frames=figures["frames"], nice=NICE,
         load=os.getloadavg()[0], priority=REALTIME if args.realtime else "",
-        command=COMMAND + (' ARGS="--realtime"' if args.realtime else ""),
+        command=COMMAND + (f' ARGS="{shlex.join(given)}"' if given else ""),
     )  # fmt: skip
     print(json.dumps(figures, indent=1))
     targets = ["vs_relay_median", "vs_relay_p99", *(f"while_{one}" for one in ACTIVITIES[1:])]

@@ -30,6 +30,7 @@ get frames in turns of {turn:g} s, {seconds:g} s a chain, rate and row, and end 
 - Ratio: shoecal's over the bare chain's. *With/without*: shoecal's median, and its 99 %, over its
   own while nothing goes on. Where the slowest hundredth of the bare chain grows as much, which has
   nothing to do with what goes on, it is the machine that is shared.
+- Asked for at most {allowed:g} as a ratio, and of a median with to one without. Above it: {above}.
 - Frames lost of {frames}: shoecal {lost_shoecal:.0f}, bare {lost_bare:.0f}.
 
 Readings and joint angles have a thread of their own in the calibrator, which waits for nothing
@@ -40,12 +41,15 @@ Measured on {cores} cores ({machine}) with a load of {load:.1f}, Python {python}
 """
 
 
-def write_page(figures: Mapping[str, Any], seconds: float, **values: object) -> None:
+def write_page(
+    figures: Mapping[str, Any], seconds: float, allowed: float, **values: object
+) -> None:
     """Write the section.
 
     Args:
         figures: as in out/bench.json.
         seconds: of each measurement.
+        allowed: ratio.
         values: for the text.
     """
     rows = [["", "rate [Hz]", "median [ms]", "99 % [ms]", "bare median [ms]", "bare 99 % [ms]",
@@ -71,7 +75,20 @@ def write_page(figures: Mapping[str, Any], seconds: float, **values: object) -> 
                     ),
                 ]
             )
+    above = [
+        f"{names} {value:.2f} ({activity}, {rate} Hz)"
+        for activity, rates in figures["activities"].items()
+        for rate, one in rates.items()
+        for names, value in (
+            ("medians", one["vs_relay_median"]),
+            ("99 %", one["vs_relay_p99"]),
+            ("median with/without", disturbance(one, quiet[rate], "shoecal_median")),
+        )
+        if value > allowed
+    ]
     body = BODY.format(
+        allowed=allowed,
+        above="; ".join(above) or "none",
         seconds=seconds,
         table=pages.table(rows),
         lost_shoecal=figures["lost"],

@@ -11,7 +11,6 @@ a calibration in force. No executor: this must not be what is slow.
 
 from __future__ import annotations
 
-import gc
 import json
 import sys
 import time
@@ -27,6 +26,8 @@ from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
 from shoecal_msgs.srv import GetCalibration, SelfCalibrate, SetCalibration
 from std_srvs.srv import Trigger
+
+from shoecal_ros.common.process import keep_what_stands
 
 WAIT_S = 60.0
 """For what is not answered when the last call was made."""
@@ -83,6 +84,7 @@ def call(node: Node, count: int, rate: float, requests: Sequence[Any]) -> dict[s
         if not caller.client.wait_for_service(60.0):
             sys.exit(f"nobody offers {caller.client.srv_name}")
     _until_known(Caller(node, GetCalibration, "shoe/get_calibration"))
+    keep_what_stands()
     took, bare_took = [-1.0] * count, [-1.0] * count
     begin, done = time.monotonic(), 0
     while done < count or (min(took) < 0.0 and time.monotonic() < begin + count / rate + WAIT_S):
@@ -124,8 +126,6 @@ def serve(node: Node) -> None:
 def main() -> None:
     """Call or serve."""
     rclpy.init(args=[])
-    gc.collect()
-    gc.freeze()
     if sys.argv[1] == "--serve":
         serve(Node("bare"))
         return

@@ -195,7 +195,7 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
     try:
         found = tried(first, count, seed, note)
     except AssertionError as error:
-        why = f"not told: {' '.join(str(error).split())[:200]}"
+        why = f"not told: {' '.join(str(error).split())[-200:]}"
         return Result(min(done + 1, count), 1, why, 60.0)
     worst = max(found, key=lambda one: one.took)
     return Result(count, 0, f"{worst.took:.1f} s until told ({worst.what})", worst.took)

@@ -150,9 +150,11 @@ class SoakRobot:
 
         It ends when the frames of the step before have given their CoPs: all processes are busy.
         """
-        self._wrong, before_ns = "", self._stamp_ns
+        before_ns = self._stamp_ns
         self._pass_time(hurt=True)
-        return self._wait(before_ns) or self._wrong
+        late, wrong = self._wait(before_ns), self._wrong
+        self._wrong = ""
+        return late or wrong
 
     def _wait(self, last_ns: int) -> str:
         """Wait for the CoPs of all frames up to one; what is wrong when they do not come."""

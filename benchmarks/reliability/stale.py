@@ -1,13 +1,14 @@
 """Joint angles or voltages stay away.
 
 A real calibrator is in force beside a robot that stands on both feet or on one of them and tells
-joints and voltages with a period that is drawn (5 to 100 ms). At a drawn moment one of the two
-stays away. From its last message `/shoe/state` must say so within 100 ms or three periods,
-whichever is longer; without joint angles `/shoe/cop` and `/shoe/grf` must end, whose point and
-torques are about one sole for both feet (on one foot, too), and those of each foot go on; without
-voltages nothing is published; when both come again, so must everything. Beside it stands how long a
-reading takes to `/shoe/left/grf`, at the worst of the same try: what the machine needs at any rate.
-Simulated: the robot, of which only messages exist.
+joints and voltages, each foot's in frames of their own, with a period that is drawn (5 to 100 ms).
+At a drawn moment joints, voltages or those of the right foot stay away. From its last message
+`/shoe/state` must say so, and not before, within 100 ms or three periods, whichever is longer;
+without joint angles or the right foot's voltages `/shoe/cop` and `/shoe/grf` must end, whose point
+and torques are about one sole for both feet (on one foot, too), and those of the left foot go on;
+without voltages nothing is published; when all come again, so must everything. Beside it stands how
+long a reading takes to `/shoe/left/grf`, at the worst of the same try: what the machine needs at
+any rate. Simulated: the robot, of which only messages exist.
 """
 
 from __future__ import annotations
@@ -30,7 +31,17 @@ from ros.standing_robot import StandingRobot
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import calibration_to_ros, time_from_ros
+from shoecal_ros.common.process import keep_what_stands
 
+AWAY: dict[str, tuple[str, Callable[[Any], bool]]] = {
+    "joints": ("joints", lambda state: state.joints_stale),
+    "voltages": ("voltages", lambda state: all(foot.stale for foot in state.feet)),
+    "right": (
+        "voltages of the right foot",
+        lambda state: state.feet[1].stale and not state.feet[0].stale,
+    ),
+}
+"""What stays away, in words, and how the state says so."""
 PERIODS_NS = tuple(round(1e6 * ms) for ms in (5, 10, 20, 33, 50, 100))
 WITHIN_S, WITHIN_PERIODS = 0.1, 3.0
 LOADS_N = (25.0, 0.5, nao().weight - 0.5)
@@ -64,7 +75,7 @@ class Try:
     """What came of one.
 
     Attributes:
-        held: what had to stop stopped, and nothing else.
+        held: what had to stop stopped, and nothing else; nothing was told stale before.
         what: stayed away.
         period_s: with which it had come [s].
         took: until the state said so [s].
@@ -85,10 +96,11 @@ class Try:
     @property
     def told(self) -> str:
         """In words."""
+        wrong = "" if self.held else "; others stopped, it went on, or was told before"
         return (
             f"{1e3 * self.took:.0f} of {1e3 * self.allowed:.0f} ms until {self.what} that came "
             f"every {1e3 * self.period_s:.0f} ms were told stale (a reading takes "
-            f"{1e3 * self.needed:.0f} ms){'' if self.held else '; others stopped, or it went on'}"
+            f"{1e3 * self.needed:.0f} ms){wrong}"
         )
 
 
@@ -98,6 +110,7 @@ class Scene:
     def __init__(self, world: World) -> None:
         self.world = world
         self.robot = StandingRobot(world, DoubleSupport(0.0, -0.112, 0.0))
+        self.robot.apart = True
         world.start("calibrator", {"state_dir": world.folder / "state"})
         made = calibration_to_ros(calibration(nao(), nao_shoe()))
         request = SetCalibration.Request(calibration=made)
@@ -106,9 +119,6 @@ class Scene:
         self.cop = Listener(world, PointStamped, "shoe/cop")
         self.grf = Listener(world, WrenchStamped, "shoe/grf")
         self.foot = Listener(world, WrenchStamped, "shoe/left/grf")
-        # As nodes do: looking through what stays makes who listens late by itself.
-        gc.collect()
-        gc.freeze()
 
     def wait(self, seconds: float) -> None:
         end = time.monotonic() + seconds
@@ -120,8 +130,9 @@ class Scene:
         return next(at for at, m in self.state.heard if at >= since and condition(m))
 
     def try_one(self, rng: np.random.Generator) -> Try:
-        """Let one of the two stay away, and come again."""
-        what = str(rng.choice(["joints", "voltages"]))
+        """Let something stay away, and come again."""
+        what = str(rng.choice(list(AWAY)))
+        name, stale = AWAY[what]
         on_left = float(rng.choice(LOADS_N))
         self.robot.forces = (on_left, nao().weight - on_left)
         period_ns = int(rng.choice(PERIODS_NS))
@@ -135,21 +146,21 @@ class Scene:
         needed = self._needed()
         setattr(robot, f"tells_{what}", False)
         last = robot.told_at[what]
-        at = self.told(
-            lambda state: state.joints_stale if what == "joints" else state.feet[0].stale, last
-        )
+        at = self.told(stale, last)
+        early = any(_any_stale(one) for when, one in self.state.heard[1:] if when < last)
         # By stamps: what was on its way may come late.
         after = robot.stamp_ns
         self.wait(GOES_ON * period_s + 0.05)
-        if what == "joints":
+        if what != "voltages":
             self.world.until(lambda: self.foot.of_after(after))
         stopped = not self.cop.of_after(after) and not self.grf.of_after(after)
-        held = stopped and (self.foot.of_after(after) > 0) == (what == "joints")
+        goes_on = self.foot.of_after(after) > 0
+        held = stopped and goes_on == (what != "voltages") and not early
         setattr(robot, f"tells_{what}", True)
         again = time.monotonic()
         self.world.until(lambda: all(one.after(again) for one in (self.cop, self.grf, self.foot)))
-        self.told(lambda state: not state.joints_stale and state.feet[0].valid, again)
-        return Try(held, what, period_s, at - last, needed)
+        self.told(lambda state: not _any_stale(state) and all(f.valid for f in state.feet), again)
+        return Try(held, name, period_s, at - last, needed)
 
     def _needed(self) -> float:
         """From a reading to `shoe/left/grf`, the worst of some [s]."""
@@ -163,14 +174,23 @@ class Scene:
         return next(at for at, _ in self.foot.heard if at > told) - told
 
 
+def _any_stale(state: ShoeState) -> bool:
+    return bool(state.joints_stale or any(foot.stale for foot in state.feet))
+
+
 def tried(first: int, count: int, seed: int, progress: Progress) -> list[Try]:
     """Tries first to first + count - 1."""
     found = []
     with live_world() as world:
         scene = Scene(world)
-        for index in range(first, first + count):
-            found.append(scene.try_one(np.random.default_rng([seed, index])))
-            progress(len(found))
+        # As nodes do, or who listens here would be late by itself.
+        keep_what_stands()
+        try:
+            for index in range(first, first + count):
+                found.append(scene.try_one(np.random.default_rng([seed, index])))
+                progress(len(found))
+        finally:
+            gc.unfreeze()
     return found
 
 

@@ -41,7 +41,11 @@ class StreamSettings(Settings):
 
     stale_s: float = setting(2.0, "s", "without voltages for that long it says so", minimum=0.01)
     hold_s: float = setting(
-        0.03, "s", "for how long a cell's reading counts beside those of other boards", minimum=1e-3
+        0.03,
+        "s",
+        "for how long a cell's reading counts beside those of other boards, or for 1.5 of its own "
+        "board's periods if that is longer",
+        minimum=1e-3,
     )
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,8 @@ class StandingRobot:
         drift: (n,) added to what the cells feel [N].
         status: of cells that are not good.
         tells_joints, tells_voltages: whether it does.
+        apart: whether each foot's readings come in frames of their own.
+        tells_right: whether those of the right one come then.
         speed: of its left knee [rad/s].
         stamp_ns: of the last sample [ns].
         ahead_ns: by which the shoes' clock is ahead of the robot's [ns].
@@ -42,7 +45,8 @@ class StandingRobot:
         waving: whether it moves its arms.
         pace: its own seconds in one of the wall clock's.
         modelled: whether the cells feel what the model expects, in place of `forces`.
-        told_at: when it last told joints and voltages, by the monotonic wall clock [s].
+        told_at: when it last told joints, voltages and those of the right foot, by the monotonic
+            wall clock [s].
     """
 
     def __init__(self, world: World, support: DoubleSupport, *, period_ns: int = PERIOD_NS) -> None:
@@ -54,6 +58,7 @@ class StandingRobot:
         self.drift = np.zeros(len(nao_shoe().names))
         self.status: dict[str, int] = {}
         self.tells_joints = self.tells_voltages = True
+        self.apart, self.tells_right = False, True
         self.speed = 0.0
         self.ahead_ns = 0
         self.temperature = math.nan
@@ -64,7 +69,7 @@ class StandingRobot:
         self._count = 0
         self._joints = world.node.create_publisher(JointState, "joint_states", qos.RAW)
         self._voltages = world.node.create_publisher(ShoeVoltages, "shoe/voltages", qos.RAW)
-        self.told_at = {"joints": 0.0, "voltages": 0.0}
+        self.told_at = {"joints": 0.0, "voltages": 0.0, "right": 0.0}
         self._timer = world.node.create_timer(period_ns / 1e9, self._tell)
 
     def tell_every(self, period_ns: int) -> None:
@@ -94,7 +99,6 @@ class StandingRobot:
         self.angles = nao().from_legs(stance(nao(), support))
 
     def _tell(self) -> None:
-        self._count += 1
         period_s = self.pace * self._period_ns / 1e9
         self.stamp_ns += self.pace * self._period_ns
         self.angles[nao().joint("LKneePitch")] += self.speed * period_s
@@ -108,8 +112,26 @@ class StandingRobot:
             self._joints.publish(joints_to_ros(sample))
             self.told_at["joints"] = time.monotonic()
         if self.tells_voltages:
-            self._voltages.publish(voltages_to_ros(self._frame()))
-            self.told_at["voltages"] = time.monotonic()
+            for frame in self._frames():
+                self._voltages.publish(voltages_to_ros(replace(frame, sequence=self._count)))
+                self._count += 1
+                self.told_at["voltages"] = time.monotonic()
+            if self.tells_right:
+                self.told_at["right"] = self.told_at["voltages"]
+
+    def _frames(self) -> list[VoltageFrame]:
+        whole, shoe = self._frame(), nao_shoe()
+        if not self.apart:
+            return [whole]
+        return [
+            replace(
+                whole,
+                cells=tuple(np.array(shoe.names)[own].tolist()),
+                voltage=whole.voltage[own],
+                status=whole.status[own],
+            )
+            for own in (shoe.of_foot(0), shoe.of_foot(1))[: 1 + self.tells_right]
+        ]
 
     def _frame(self) -> VoltageFrame:
         shoe = nao_shoe()

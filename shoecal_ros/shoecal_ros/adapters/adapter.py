@@ -48,7 +48,8 @@ class Adapter(ShoecalNode):
     def __init__(self, name: str) -> None:
         super().__init__(name)
         self.robot = self.settings(RobotFiles).load_robot()
-        self.joints = JointInput(self.robot, STALE_S)
+        senders = self.peers.expect_one_sender("joint_states")
+        self.joints = JointInput(self.robot, STALE_S, senders=senders)
         self.subscribe(JointState, "joint_states", self._hear, qos.NEWEST)
         self._arming = ArmedInput(self)
         self._unwatched = Unwatched(self, self._arming)
@@ -114,10 +115,11 @@ class Adapter(ShoecalNode):
         errors = [problem for problem in (self.trouble, self.joints.problem, refused) if problem]
         missing = self.missing if self.now_s - self._begun_s > FOUND_S else ""
         warnings = [Problem(Code.DRIVER_MISSING, missing)] if missing else []
-        told = joined([*errors, *warnings])
+        told, figures = joined([*errors, *warnings]), self.joints.heard.figures()
         if told is None:
-            return Condition(Level.OK, well)
-        return Condition(Level.ERROR if errors else Level.WARN, told.message, code=told.code)
+            return Condition(Level.OK, well, figures)
+        level = Level.ERROR if errors else Level.WARN
+        return Condition(level, told.message, figures, code=told.code)
 
     def _stop(self) -> None:
         """A robot that is coming to rest already is left to it."""

@@ -112,11 +112,15 @@ class AllGoals(Goal):
     def cancel(self) -> None:
         """Those of this moment are to end."""
         if self._ended:
-            self.forget()
+            self._forget()
         super().cancel()
 
-    def forget(self) -> None:
-        """They may go on."""
+    def lose(self) -> None:
+        """Whoever carried them out is gone: the next one tells of its own goals, if of any."""
+        self._going_on = False
+        self._forget()
+
+    def _forget(self) -> None:
         self._ended, self._canceled_s, self._asked_s = False, math.inf, -math.inf
 
     def judge(self, answer: CancelGoal.Response) -> bool:

@@ -126,13 +126,13 @@ class LiveSensing:
         self._last = lives[-1]
         return lives
 
-    def flags(self, *, stale: bool) -> tuple[FootFlags, FootFlags]:
+    def flags(self, stale: tuple[bool, bool]) -> tuple[FootFlags, FootFlags]:
         """How both feet fare, left and right.
 
         Args:
-            stale: no fresh readings.
+            stale: which of them has no fresh readings.
         """
-        return self._flags(LEFT, stale), self._flags(RIGHT, stale)
+        return self._flags(LEFT, stale[LEFT]), self._flags(RIGHT, stale[RIGHT])
 
     def _flags(self, foot: int, stale: bool) -> FootFlags:
         status = self._status[self._of_foot[foot]]

@@ -33,6 +33,15 @@ def run(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None = None)
     return 0
 
 
+def keep_what_stands() -> None:
+    """Let the garbage collector pass over all there is by now.
+
+    Looking through it again and again holds messages up for a twentieth of a second.
+    """
+    gc.collect()
+    gc.freeze()
+
+
 def _live(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None) -> None:
     """Make a node and let it work until it is asked to end; whatever it ends with is raised."""
     node: ShoecalNode | None = None
@@ -50,9 +59,7 @@ def _live(make_node: Callable[[], ShoecalNode], args: Sequence[str] | None) -> N
         executor = SingleThreadedExecutor()
         executor.add_node(node)
         sys.setswitchinterval(SWITCH_S)
-        # What stands by now stays: looking through it again and again would hold messages up.
-        gc.collect()
-        gc.freeze()
+        keep_what_stands()
         node.quick.start()
         while rclpy.ok() and not asked.to_end:
             handler, _, _ = executor.wait_for_ready_callbacks()

@@ -6,6 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from statistics import median
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +20,9 @@ FloatArray = NDArray[np.float64]
 NO_DATA = 2
 """As in ShoeVoltages: the channel gave nothing."""
 
+HOLD_PERIODS = 1.5
+"""A reading counts for so many of its board's periods at least: else two slow boards never meet."""
+_INTERVALS = 5
 _STEPS = 50
 _BACK = 3
 """More steps back of a counter than this in so many: two devices send the same cells."""
@@ -63,7 +67,19 @@ class _Stream:
         self.in_order = bool(np.all(np.diff(columns) == 1))
         self._sequence: int | None = None
         self._back: deque[bool] = deque(maxlen=_STEPS)
+        self._intervals: deque[int] = deque(maxlen=_INTERVALS)
         self.stamp_ns = -(2**63)
+
+    def note(self, stamp_ns: int) -> None:
+        """A frame of a later instant."""
+        if self.stamp_ns > -(2**63):
+            self._intervals.append(stamp_ns - self.stamp_ns)
+        self.stamp_ns = stamp_ns
+
+    @property
+    def period_ns(self) -> float:
+        """From one frame to the next, by their stamps [ns]; 0 before there were two."""
+        return median(self._intervals) if self._intervals else 0.0
 
     def doubled(self, sequence: int) -> bool:
         """Whether the counter runs back too often for one device."""
@@ -77,8 +93,8 @@ class _Stream:
 class FrameJoiner:
     """Joins frames, each with any subset of the cells, into all channels.
 
-    A cell's last reading counts for a little while. The frames that carry the cell heard first
-    give the instants.
+    A cell's last reading counts for a little while, as long as the next one may take. The frames
+    that carry the cell heard first give the instants.
 
     Attributes:
         left_out: frames whose stamps were not later than those before them.
@@ -94,13 +110,14 @@ class FrameJoiner:
 
         Args:
             channels: n names, the shoe's.
-            hold_s: for how long a reading counts [s].
+            hold_s: for how long a reading counts at least [s].
             clock: monotonic [s].
         """
         self._clock = clock
         self._column = {name: index for index, name in enumerate(channels)}
         self._names = tuple(channels)
         self._hold_ns = round(hold_s * 1e9)
+        self._told = np.zeros(len(channels), dtype=np.bool_)
         self._reference = 0
         self.left_out = 0
         self.forget()
@@ -113,6 +130,16 @@ class FrameJoiner:
         self._heard: dict[str, float] = {}
         self._restart()
         self._status = np.full(count, NO_DATA, dtype=np.uint8)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of the channels."""
+        return self._names
+
+    def told(self) -> NDArray[np.bool_]:
+        """(n,) Which channels frames have carried since this was asked last."""
+        told, self._told = self._told, np.zeros(len(self._names), dtype=np.bool_)
+        return told
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -143,8 +170,9 @@ class FrameJoiner:
                 self.left_out += 1
                 return None
             self._restart()
-        stream.stamp_ns = stamp
+        stream.note(stamp)
         columns = stream.columns
+        self._told[columns] = True
         if len(columns) == len(self._names) and stream.in_order:
             # One board sends all there is: there is nothing to join.
             self._readings[:], self._status[:], self._stamps[:] = frame.voltage, frame.status, stamp
@@ -152,11 +180,12 @@ class FrameJoiner:
         self._readings[columns] = frame.voltage
         self._status[columns] = frame.status
         self._stamps[columns] = stamp
-        if stamp - self._stamps[self._reference] > self._hold_ns:
+        self._holds[columns] = max(self._hold_ns, HOLD_PERIODS * stream.period_ns)
+        if stamp - self._stamps[self._reference] > self._holds[self._reference]:
             self._reference = int(columns[0])
         if self._reference not in columns:
             return None
-        old = np.abs(stamp - self._stamps) > self._hold_ns
+        old = np.abs(stamp - self._stamps) > self._holds
         return Joined(
             stamp,
             np.where(old, np.nan, self._readings),
@@ -167,6 +196,7 @@ class FrameJoiner:
         count = len(self._names)
         self._readings = np.full(count, np.nan)
         self._stamps = np.full(count, -(2**62), dtype=np.int64)
+        self._holds = np.full(count, self._hold_ns, dtype=np.int64)
 
     def _stream(self, frame: VoltageFrame) -> _Stream:
         key = (frame.source, frame.cells)

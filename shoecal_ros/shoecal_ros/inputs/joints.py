@@ -72,7 +72,7 @@ class JointInput:
         self._senders = senders
         self._sender = OneSender(robot)
         self._mismatch: Problem | None = None
-        self._contradiction: Problem | None = None
+        self._contradicted = False
 
     @property
     def age_s(self) -> float:
@@ -82,20 +82,23 @@ class JointInput:
     @property
     def fresh(self) -> bool:
         """Whether usable angles have come lately enough to go on."""
-        return self.age_s <= self._stale_s and self._contradiction is None
+        return self.age_s <= self._stale_s and not self._contradicted
 
     @property
     def silent(self) -> bool:
         """Whether nothing may be made of the last angles any more: none come, or two tell them."""
-        return self._contradiction is not None or self.heard.silent
+        return self._contradicted or self.heard.silent
 
     @property
     def problem(self) -> Problem | None:
         """What is wrong; of messages that cannot be used only once angles are stale."""
         if self.fresh:
             return None
-        if self._contradiction or self._mismatch:
-            return self._contradiction or self._mismatch
+        if self._contradicted:
+            # Asked anew each time: who has just come may not have told its name yet.
+            return Problem(Code.JOINTS_CONTRADICT, self._who_contradicts())
+        if self._mismatch:
+            return self._mismatch
         if self.latest is None:
             told = "no joint angles yet; start the robot's driver (joint_states)"
             return Problem(Code.NO_JOINTS, told)
@@ -136,12 +139,8 @@ class JointInput:
             self._mismatch = Problem.of(UnusableJointsError(told))
             return None
         keep = self._sender.follows(stamps, angles)
-        if not self._sender.doubled:
-            self._contradiction = None
-        elif self._contradiction is None:
-            told = self._who_contradicts()
-            self._contradiction = Problem(Code.JOINTS_CONTRADICT, told)
-        if self._contradiction or not keep.any():
+        self._contradicted = self._sender.doubled
+        if self._contradicted or not keep.any():
             return None
         return JointBatch(stamps[keep], angles[keep])
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from shoecal_core.errors import ShoecalError
+from shoecal_core.sensing.shoe import FEET
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import VoltageFrame
 from shoecal_ros.inputs.cell_watch import CellWatch
@@ -26,6 +27,7 @@ class VoltageInput:
     Attributes:
         latest: the last instant of all channels, None before there was one.
         heard: since when there was none.
+        feet: since when no frame has carried a cell of the left and of the right foot.
         temperature: that a device told last [degC], NaN where none does.
     """
 
@@ -53,6 +55,10 @@ class VoltageInput:
         self._clock = clock
         self._began = clock()
         self.heard = LastHeard(clock, silent_s)
+        self.feet = tuple(LastHeard(clock, silent_s) for _ in FEET)
+        self._of_foot = [
+            np.array([name.startswith(f"{foot}/") for name in joiner.names]) for foot in FEET
+        ]
         self._lost = LostFrames()
         self._trouble: Problem | None = None
         self._troubled = -np.inf
@@ -123,6 +129,10 @@ class VoltageInput:
                 instants.append(joined)
             if not math.isnan(frame.temperature):
                 self.temperature = frame.temperature
+        told = self._joiner.told()
+        for heard, own in zip(self.feet, self._of_foot, strict=True):
+            if told[own].any():
+                heard.note()
         if instants:
             if self._watch is not None:
                 instants = self._watch.take(instants)

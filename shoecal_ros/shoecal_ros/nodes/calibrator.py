@@ -80,7 +80,11 @@ class CalibratorSettings(Settings):
         minimum=0.01,
     )
     hold_s: float = setting(
-        0.03, "s", "for how long a cell's reading counts beside those of other boards", minimum=1e-3
+        0.03,
+        "s",
+        "for how long a cell's reading counts beside those of other boards, or for 1.5 of its own "
+        "board's periods if that is longer",
+        minimum=1e-3,
     )
     clock_gap: float = setting(
         2.0, "s", "stamps of joints and voltages farther apart are of two clocks", minimum=0.01
@@ -145,7 +149,7 @@ class Calibrator(ShoecalNode):
         self._one_clock = OneClock(self.joints, self.voltages, settings.clock_gap)
         self._overdue = [
             Overdue(self, heard, self._publish_state)
-            for heard in (self.joints.heard, self.voltages.heard)
+            for heard in (self.joints.heard, *self.voltages.feet)
         ]
         job = self.job_settings
         self.stillness = Stillness(job.still_speed, job.still_time, job.still_resolution)
@@ -307,13 +311,13 @@ class Calibrator(ShoecalNode):
     # Telling
 
     def _publish_state(self) -> None:
-        current = self.desk.store.current
+        current, (left, right) = self.desk.store.current, self.voltages.feet
         state = ShoeState.UNCALIBRATED if current is None else ShoeState.CALIBRATED
         self._out.publish_state(
             self.voltages.latest_ns or self.now_ns,
             ShoeState.CALIBRATING if self.calibrating else state,
             "" if current is None else current.id,
-            self.live.flags(stale=self.voltages.heard.silent),
+            self.live.flags((left.silent, right.silent)),
             joints_stale=self.joints.silent,
         )
 

@@ -184,11 +184,32 @@ def test_a_goal_that_the_controller_does_not_know_has_ended(kind: str, begin: Be
     robot.until_well("not armed")
 
 
+def test_what_a_controller_went_on_with_is_nothing_of_the_one_that_comes_after_it(
+    begin: Begin,
+) -> None:
+    robot = behind_action(begin, "stuck_action")
+    moving(robot, 60.0)
+    robot.kill_adapter()
+    robot.start_adapter()
+    robot.until_told(GOES_ON)
+    robot.world.kill("robot")
+    robot.start_robot()
+    robot.until_told("no joint angles")
+    robot.until_well("armed")
+    robot.arm(False)
+    robot.until_well("not armed")
+    knee = Knee(robot)
+    robot.arm()
+    robot.send(squat(0.5))
+    robot.world.until(lambda: abs(knee.way - WAY) < 1e-6)
+
+
 def test_a_controller_that_refuses_is_told(begin: Begin) -> None:
     robot = begin("action", "controller_adapter", controller="legs")
     robot.arm()
     robot.send(squat(0.5))
-    robot.until_told("legs refused the trajectory")
+    told = robot.until_told("legs refused the trajectory")
+    assert {"rate_hz", "age_s"} <= {value.key for value in told.values}
 
 
 def test_a_controller_that_takes_longer_is_stopped_all_the_same(begin: Begin) -> None:

@@ -116,7 +116,7 @@ def test_a_bad_cell_takes_its_foot_and_the_sum_away(state: int) -> None:
     assert found.wrench is None
     assert found.feet[1].cop is not None
     assert found.frame == 0, "the left foot has not left the floor"
-    left, right = live.flags(stale=False)
+    left, right = live.flags((False, False))
     assert (left.loaded, left.valid) == (True, False)
     assert (right.loaded, right.valid) == (True, True)
     assert left.status == (0, 0, state, 0)
@@ -126,14 +126,17 @@ def test_uncalibrated_nothing_comes_out() -> None:
     live = sensing()
     live.sensing = None
     assert live.take([instant((20.0, 0.0, 0.0), (30.0, 0.0, 0.0))], SUPPORT) == []
-    assert [flag.valid for flag in live.flags(stale=False)] == [False, False]
+    assert [flag.valid for flag in live.flags((False, False))] == [False, False]
 
 
 def test_stale_numbers_are_worth_nothing() -> None:
     live = sensing()
     one(live, instant((20.0, 0.0, 0.0), (30.0, 0.0, 0.0)))
-    assert [flag.valid for flag in live.flags(stale=False)] == [True, True]
-    assert [(flag.valid, flag.stale) for flag in live.flags(stale=True)] == [(False, True)] * 2
+    assert [flag.valid for flag in live.flags((False, False))] == [True, True]
+    for stale in ((True, True), (True, False), (False, True)):
+        flags = live.flags(stale)
+        assert tuple(flag.stale for flag in flags) == stale
+        assert tuple(not flag.valid for flag in flags) == stale
 
 
 def test_a_batch_is_as_good_as_one_after_another() -> None:

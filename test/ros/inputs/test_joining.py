@@ -82,6 +82,34 @@ def test_a_board_that_falls_silent_is_not_believed_for_long() -> None:
     assert late.status.tolist() == [0, 0, NO_DATA, NO_DATA]
 
 
+@given(
+    period_ms=st.integers(1, 200),
+    lag=st.floats(0.0, 0.99),
+    slower=st.integers(1, 4),
+    jitter=st.lists(st.floats(-0.1, 0.1), min_size=40, max_size=40),
+)
+def test_two_boards_meet_however_slow_they_are(
+    period_ms: int, lag: float, slower: int, jitter: list[float]
+) -> None:
+    join = joiner()
+    period_ns = period_ms * 1_000_000
+    told = []
+    for board, cells, period, begin in (
+        ("left", CELLS[:2], period_ns, 0.0),
+        ("right", CELLS[2:], slower * period_ns, lag * slower * period_ns),
+    ):
+        for index in range(40 // (slower if board == "right" else 1)):
+            shift = begin + (index + jitter[index]) * period
+            told.append(frame(0, cells, board, sequence=index, shift_ns=round(shift)))
+    last = max(one.stamp_ns for one in told if one.source == "right")
+    # Once both periods are known.
+    known = 10**9 + (2 + lag) * slower * period_ns + 2 * period_ns
+    for one in sorted(told, key=lambda one: one.stamp_ns):
+        found = join.add(one)
+        if known < one.stamp_ns <= last and found is not None:
+            assert np.isfinite(found.readings).all()
+
+
 def test_the_other_board_goes_on_alone() -> None:
     join = joiner()
     join.add(frame(0, CELLS[:2], "left"))
@@ -187,6 +215,22 @@ def test_time_may_begin_anew() -> None:
     join.add(frame(500))
     again = joined(join.add(frame(1, sequence=501)))
     np.testing.assert_allclose(again.readings, 1 + 0.1 * np.arange(4))
+
+
+def test_a_foot_whose_board_falls_silent_is_told_beside_the_other() -> None:
+    clock = Clock()
+    voltages = VoltageInput(joiner(), 0.5, clock)
+    for index in range(20):
+        clock.now += 0.01
+        voltages.take([frame(index, CELLS[:2], "left"), frame(index, CELLS[2:], "right")])
+    assert [foot.silent for foot in voltages.feet] == [False, False]
+    for index in range(20, 29):
+        clock.now += 0.01
+        voltages.take([frame(index, CELLS[:2], "left")])
+    assert [foot.silent for foot in voltages.feet] == [False, True]
+    assert not voltages.heard.silent
+    voltages.take([frame(29, CELLS[2:], "right")])
+    assert [foot.silent for foot in voltages.feet] == [False, False]
 
 
 def code(voltages: VoltageInput) -> str:

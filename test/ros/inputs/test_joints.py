@@ -171,6 +171,16 @@ def test_two_senders_of_the_same_joints_are_told_by_name_and_neither_is_used(
     assert joints.problem is None
 
 
+def test_who_contradicts_is_named_as_soon_as_its_name_is_known() -> None:
+    senders = ["/robot", "somebody without a node's name"]
+    joints = JointInput(nao(), 0.5, senders=lambda: senders)
+    for index in range(20):
+        taken(joints, [message((100 + index) * STEP_NS, AWAY if index % 2 else None)])
+    assert "'somebody without a node's name'" in str(joints.problem)
+    senders[1] = "/bag"
+    assert "between '/robot' and '/bag'" in str(joints.problem)
+
+
 def test_a_sample_that_leaps_and_comes_back_is_left_out() -> None:
     joints = JointInput(nao(), 0.5)
     for index in range(100):

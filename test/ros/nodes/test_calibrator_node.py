@@ -184,6 +184,26 @@ def test_stale_joints_silence_the_sum_and_stale_voltages_everything(world: World
     fresh(world, heard["shoe/cop"])
 
 
+def test_a_foot_whose_board_is_silent_is_stale_beside_the_other(world: World) -> None:
+    robot = StandingRobot(world, SUPPORT)
+    robot.apart = True
+    start(world)
+    assert set_calibration(world).success
+    heard = hear_all(world)
+    state(world, lambda one: all(foot.valid for foot in one.feet))
+    fresh(world, heard["shoe/cop"])
+    robot.tells_right = False
+    told = state(world, lambda one: one.feet[1].stale)
+    assert (told.feet[0].stale, told.feet[0].valid, told.feet[1].valid) == (False, True, False)
+    fresh(world, heard["shoe/left/cop"])
+    silent = {topic: len(heard[topic]) for topic in ("shoe/cop", "shoe/grf", "shoe/right/grf")}
+    fresh(world, heard["shoe/left/cop"])
+    assert silent == {topic: len(heard[topic]) for topic in silent}
+    robot.tells_right = True
+    state(world, lambda one: all(foot.valid for foot in one.feet))
+    fresh(world, heard["shoe/cop"])
+
+
 def test_uncalibrated_nothing_is_published(world: World, robot: StandingRobot) -> None:
     start(world)
     heard = hear_all(world)
