@@ -36,7 +36,6 @@ class ActionController(Controller):
         self._action = node.resolve_topic_name(f"{name}/follow_joint_trajectory")
         self._client = ActionClient(node, self._kind, self._action)
         self._goes_on = goes_on
-        self._there = False
         self._newest = 0
         self._unanswered = 0
         self._stopped_s = math.inf
@@ -91,8 +90,7 @@ class ActionController(Controller):
     def watch(self) -> None:
         """Cancel again what has not ended."""
         now = time.monotonic()
-        was_there, self._there = self._there, self._client.server_is_ready()
-        if self._there:
+        if self._client.server_is_ready():
             if self._unanswered and now - self._stopped_s > PATIENCE_S:
                 # Accepted or not: the answer may be lost.
                 self._unanswered, self._stopped_s = 0, math.inf
@@ -102,9 +100,9 @@ class ActionController(Controller):
                 self._all_goals.cancel()
             for goal in self._to_watch:
                 goal.watch()
-        elif was_there:
+        else:
             # It is another one that comes: what that does is somebody else's business.
-            self._all_goals.lose()
+            self._all_goals.forget()
         self._goals = [goal for goal in self._goals if not goal.ended]
 
     @property

@@ -28,6 +28,7 @@ from shoecal_ros.inputs.joints import JointInput
 
 FloatArray = NDArray[np.float64]
 STALE_S = 0.5
+NOT_HEARD = "not armed: nobody has said whether it is"
 TOLD_S = 10.0
 """For so long it is told that a trajectory was refused."""
 
@@ -93,7 +94,9 @@ class Adapter(ShoecalNode):
             self._stop()
         if self._unwatched.to_be_stopped():
             self.stop_unwatched()
-        self.health.note("robot", self._condition("armed" if armed else "not armed"))
+        known = armed or self._unwatched.judged
+        well = "armed" if armed else "not armed" if known else NOT_HEARD
+        self.health.note("robot", self._condition(well))
         super().watch()
 
     def close(self) -> None:

@@ -103,30 +103,39 @@ class AllGoals(Goal):
         # An id of zeros stands for every goal.
         every = CancelGoal.Request().goal_info.goal_id
         super().__init__(ClientGoalHandle(client, every, _Accepted()))
+        self._node, self._topic = node, f"{action}/_action/status"
         self._going_on = False
+        self._tellers: frozenset[bytes] = frozenset()
         node.create_subscription(
-            GoalStatusArray, f"{action}/_action/status", self._hear,
-            qos_profile_action_status_default,
-        )  # fmt: skip
+            GoalStatusArray, self._topic, self._hear, qos_profile_action_status_default
+        )
 
     def cancel(self) -> None:
         """Those of this moment are to end."""
         if self._ended:
-            self._forget()
+            self.forget()
         super().cancel()
 
-    def lose(self) -> None:
-        """Whoever carried them out is gone: the next one tells of its own goals, if of any."""
-        self._going_on = False
-        self._forget()
-
-    def _forget(self) -> None:
+    def forget(self) -> None:
+        """They may go on."""
         self._ended, self._canceled_s, self._asked_s = False, math.inf, -math.inf
 
     def judge(self, answer: CancelGoal.Response) -> bool:
         """Whether nothing goes on: some refuse without saying so."""
         refused = answer.return_code == CancelGoal.Response.ERROR_REJECTED
-        return not refused and not answer.goals_canceling and not self._going_on
+        return not refused and not answer.goals_canceling and not self._told_to_go_on()
+
+    def _told_to_go_on(self) -> bool:
+        """Whether somebody who is there has told of one: one that comes later may tell nothing."""
+        there = self._tellers_there()
+        # Heard before it was known that anybody is there.
+        self._tellers = self._tellers or there
+        return self._going_on and not (self._tellers and self._tellers.isdisjoint(there))
+
+    def _tellers_there(self) -> frozenset[bytes]:
+        infos = self._node.get_publishers_info_by_topic(self._topic)
+        return frozenset(bytes(info.endpoint_gid) for info in infos)
 
     def _hear(self, told: GoalStatusArray) -> None:
         self._going_on = any(one.status not in _ENDED for one in told.status_list)
+        self._tellers = self._tellers_there()

@@ -32,6 +32,11 @@ class Unwatched:
         self._over = self._replaced = False
         self._subscription: Subscription = node.subscribe(Bool, "shoe/armed", self._hear, qos.ARMED)
 
+    @property
+    def judged(self) -> bool:
+        """Whether it is known by now if there may be one."""
+        return self._over or self._disarmings is not None
+
     def to_be_stopped(self) -> bool:
         """Whether to stop it now: once as soon as it is supposed, once when it is disarmed."""
         if self._over:

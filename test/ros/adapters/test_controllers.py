@@ -224,6 +224,11 @@ def test_a_controller_that_takes_longer_is_stopped_all_the_same(begin: Begin) ->
     assert knee.way < 0.9 * WAY
 
 
+def test_before_anybody_has_said_whether_the_robot_is_armed_that_is_told(begin: Begin) -> None:
+    robot = begin("topic", NODE, armed_by_test=False, **INTERFACES["topic"])
+    assert robot.until_told("nobody has said whether it is").level == DiagnosticStatus.OK
+
+
 def test_a_controller_that_is_not_there_is_told(begin: Begin) -> None:
     robot = begin("topic", "controller_adapter", controller="arms", interface="topic")
     robot.arm()
