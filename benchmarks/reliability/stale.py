@@ -2,11 +2,12 @@
 
 A real calibrator is in force beside a robot that stands on both feet or on one of them and tells
 joints and voltages, each foot's in frames of their own, with a period that is drawn (5 to 100 ms).
-At a drawn moment joints, voltages or those of the right foot stay away. From its last message
+At a drawn moment joints, voltages or those of one foot stay away. From its last message
 `/shoe/state` must say so, and not before, within 100 ms or three periods, whichever is longer;
-without joint angles or the right foot's voltages `/shoe/cop` and `/shoe/grf` must end, whose point
-and torques are about one sole for both feet (on one foot, too), and those of the left foot go on;
-without voltages nothing is published; when all come again, so must everything. Beside it stands how
+without joint angles or one foot's voltages `/shoe/cop` and `/shoe/grf` must end, whose point and
+torques are about one sole for both feet (on one foot, too), and those of a foot whose voltages come
+go on; without voltages nothing is published; when all come again, so must everything. A robot that
+itself was late may be told stale before. Beside it stands how
 long a reading takes to `/shoe/left/grf`, at the worst of the same try: what the machine needs at
 any rate. Simulated: the robot, of which only messages exist.
 """
@@ -29,19 +30,26 @@ from reliability.row import Progress, Result, Row
 from ros.bodies import calibration, nao, nao_shoe
 from ros.standing_robot import StandingRobot
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.sensing.shoe import FEET
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import calibration_to_ros, time_from_ros
 from shoecal_ros.common.process import keep_what_stands
 
-AWAY: dict[str, tuple[str, Callable[[Any], bool]]] = {
-    "joints": ("joints", lambda state: state.joints_stale),
-    "voltages": ("voltages", lambda state: all(foot.stale for foot in state.feet)),
+AWAY: dict[str, tuple[str, Callable[[Any], bool], list[bool]]] = {
+    "joints": ("joints", lambda state: state.joints_stale, [True, True]),
+    "voltages": ("voltages", lambda state: _stale_feet(state) == [True, True], [False, False]),
+    "left": (
+        "voltages of the left foot",
+        lambda state: _stale_feet(state) == [True, False],
+        [False, True],
+    ),
     "right": (
         "voltages of the right foot",
-        lambda state: state.feet[1].stale and not state.feet[0].stale,
+        lambda state: _stale_feet(state) == [False, True],
+        [True, False],
     ),
 }
-"""What stays away, in words, and how the state says so."""
+"""What stays away, in words, how the state says so, and which foot's forces go on."""
 PERIODS_NS = tuple(round(1e6 * ms) for ms in (5, 10, 20, 33, 50, 100))
 WITHIN_S, WITHIN_PERIODS = 0.1, 3.0
 LOADS_N = (25.0, 0.5, nao().weight - 0.5)
@@ -49,6 +57,8 @@ LOADS_N = (25.0, 0.5, nao().weight - 0.5)
 LEARN = 12
 """Messages after which the period is known."""
 GOES_ON = 5
+LATE_S, LATE_PERIODS = 0.05, 2.0
+"""A robot that was silent for longer, of itself, may have been told stale, and rightly."""
 
 
 class Listener:
@@ -118,7 +128,7 @@ class Scene:
         self.state = Listener(world, ShoeState, "shoe/state", qos.LATCHED)
         self.cop = Listener(world, PointStamped, "shoe/cop")
         self.grf = Listener(world, WrenchStamped, "shoe/grf")
-        self.foot = Listener(world, WrenchStamped, "shoe/left/grf")
+        self.feet = [Listener(world, WrenchStamped, f"shoe/{foot}/grf") for foot in FEET]
 
     def wait(self, seconds: float) -> None:
         end = time.monotonic() + seconds
@@ -132,7 +142,7 @@ class Scene:
     def try_one(self, rng: np.random.Generator) -> Try:
         """Let something stay away, and come again."""
         what = str(rng.choice(list(AWAY)))
-        name, stale = AWAY[what]
+        name, stale, beside = AWAY[what]
         on_left = float(rng.choice(LOADS_N))
         self.robot.forces = (on_left, nao().weight - on_left)
         period_ns = int(rng.choice(PERIODS_NS))
@@ -141,24 +151,26 @@ class Scene:
         told = robot.stamp_ns
         self.world.until(lambda: robot.stamp_ns >= told + LEARN * period_ns)
         self.wait(float(rng.uniform(0.0, 0.1)))
-        for one in (self.state, self.cop, self.grf, self.foot):
+        for one in (self.state, self.cop, self.grf, *self.feet):
             one.heard[:] = one.heard[-1:]
+        robot.longest_s = 0.0
         needed = self._needed()
         setattr(robot, f"tells_{what}", False)
         last = robot.told_at[what]
         at = self.told(stale, last)
-        early = any(_any_stale(one) for when, one in self.state.heard[1:] if when < last)
+        late = robot.longest_s > max(LATE_S, LATE_PERIODS * period_s)
+        before = any(_any_stale(one) for when, one in self.state.heard[1:] if when < last)
         # By stamps: what was on its way may come late.
         after = robot.stamp_ns
         self.wait(GOES_ON * period_s + 0.05)
-        if what != "voltages":
-            self.world.until(lambda: self.foot.of_after(after))
+        others = [foot for foot, goes_on in zip(self.feet, beside, strict=True) if goes_on]
+        self.world.until(lambda: all(foot.of_after(after) for foot in others))
         stopped = not self.cop.of_after(after) and not self.grf.of_after(after)
-        goes_on = self.foot.of_after(after) > 0
-        held = stopped and goes_on == (what != "voltages") and not early
+        went_on = [foot.of_after(after) > 0 for foot in self.feet]
+        held = stopped and went_on == beside and (late or not before)
         setattr(robot, f"tells_{what}", True)
         again = time.monotonic()
-        self.world.until(lambda: all(one.after(again) for one in (self.cop, self.grf, self.foot)))
+        self.world.until(lambda: all(one.after(again) for one in (self.cop, self.grf, *self.feet)))
         self.told(lambda state: not _any_stale(state) and all(f.valid for f in state.feet), again)
         return Try(held, name, period_s, at - last, needed)
 
@@ -170,12 +182,16 @@ class Scene:
         last = self.robot.told_at["voltages"]
         self.world.until(lambda: self.robot.told_at["voltages"] > last)
         told = self.robot.told_at["voltages"]
-        self.world.until(lambda: self.foot.after(told) > 0)
-        return next(at for at, _ in self.foot.heard if at > told) - told
+        self.world.until(lambda: self.feet[0].after(told) > 0)
+        return next(at for at, _ in self.feet[0].heard if at > told) - told
+
+
+def _stale_feet(state: ShoeState) -> list[bool]:
+    return [foot.stale for foot in state.feet]
 
 
 def _any_stale(state: ShoeState) -> bool:
-    return bool(state.joints_stale or any(foot.stale for foot in state.feet))
+    return bool(state.joints_stale or any(_stale_feet(state)))
 
 
 def tried(first: int, count: int, seed: int, progress: Progress) -> list[Try]:

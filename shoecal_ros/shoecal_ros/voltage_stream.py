@@ -23,30 +23,23 @@ from rclpy.executors import ExternalShutdownException
 from shoecal_msgs.msg import ShoeVoltages
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.settings import Settings, setting
+from shoecal_core.settings import setting
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import voltages_from_ros
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
 from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.inputs.joining import FrameJoiner, Joined
+from shoecal_ros.inputs.joining import FrameJoiner, Joined, JoinSettings
 from shoecal_ros.inputs.voltages import VoltageInput
 
 _NO_DIGITS = str.maketrans("", "", string.digits)
 
 
 @dataclass(frozen=True)
-class StreamSettings(Settings):
+class StreamSettings(JoinSettings):
     """Of the stream alone."""
 
     stale_s: float = setting(2.0, "s", "without voltages for that long it says so", minimum=0.01)
-    hold_s: float = setting(
-        0.03,
-        "s",
-        "for how long a cell's reading counts beside those of other boards, or for 1.5 of its own "
-        "board's periods if that is longer",
-        minimum=1e-3,
-    )
 
 
 class VoltageStream(ShoecalNode):

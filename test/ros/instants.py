@@ -17,7 +17,7 @@ def joined(step: int, value: float = 1.0, *, bad: int | None = None) -> Joined:
     status = np.zeros(COUNT, dtype=np.uint8)
     if bad is not None:
         status[bad] = 2
-    return Joined(step * STEP_NS, np.full(COUNT, value), status)
+    return Joined(step * STEP_NS, np.full(COUNT, value), status, np.ones(COUNT, dtype=np.bool_))
 
 
 def batch(value: float = 0.0) -> JointBatch:

@@ -37,7 +37,7 @@ class StandingRobot:
         status: of cells that are not good.
         tells_joints, tells_voltages: whether it does.
         apart: whether each foot's readings come in frames of their own.
-        tells_right: whether those of the right one come then.
+        tells_left, tells_right: whether those of each foot come then.
         speed: of its left knee [rad/s].
         stamp_ns: of the last sample [ns].
         ahead_ns: by which the shoes' clock is ahead of the robot's [ns].
@@ -45,8 +45,10 @@ class StandingRobot:
         waving: whether it moves its arms.
         pace: its own seconds in one of the wall clock's.
         modelled: whether the cells feel what the model expects, in place of `forces`.
-        told_at: when it last told joints, voltages and those of the right foot, by the monotonic
-            wall clock [s].
+        told_at: when it last told joints, voltages and those of the left and of the right foot, by
+            the monotonic wall clock [s].
+        longest_s: longest time from one telling to the next, by the same clock, since this was set
+            to zero [s].
     """
 
     def __init__(self, world: World, support: DoubleSupport, *, period_ns: int = PERIOD_NS) -> None:
@@ -58,7 +60,8 @@ class StandingRobot:
         self.drift = np.zeros(len(nao_shoe().names))
         self.status: dict[str, int] = {}
         self.tells_joints = self.tells_voltages = True
-        self.apart, self.tells_right = False, True
+        self.apart, self.tells_left, self.tells_right = False, True, True
+        self.longest_s, self._told = 0.0, time.monotonic()
         self.speed = 0.0
         self.ahead_ns = 0
         self.temperature = math.nan
@@ -69,7 +72,7 @@ class StandingRobot:
         self._count = 0
         self._joints = world.node.create_publisher(JointState, "joint_states", qos.RAW)
         self._voltages = world.node.create_publisher(ShoeVoltages, "shoe/voltages", qos.RAW)
-        self.told_at = {"joints": 0.0, "voltages": 0.0, "right": 0.0}
+        self.told_at = dict.fromkeys(("joints", "voltages", "left", "right"), 0.0)
         self._timer = world.node.create_timer(period_ns / 1e9, self._tell)
 
     def tell_every(self, period_ns: int) -> None:
@@ -99,6 +102,8 @@ class StandingRobot:
         self.angles = nao().from_legs(stance(nao(), support))
 
     def _tell(self) -> None:
+        before, self._told = self._told, time.monotonic()
+        self.longest_s = max(self.longest_s, self._told - before)
         period_s = self.pace * self._period_ns / 1e9
         self.stamp_ns += self.pace * self._period_ns
         self.angles[nao().joint("LKneePitch")] += self.speed * period_s
@@ -116,8 +121,9 @@ class StandingRobot:
                 self._voltages.publish(voltages_to_ros(replace(frame, sequence=self._count)))
                 self._count += 1
                 self.told_at["voltages"] = time.monotonic()
-            if self.tells_right:
-                self.told_at["right"] = self.told_at["voltages"]
+            for foot, tells in (("left", self.tells_left), ("right", self.tells_right)):
+                if tells:
+                    self.told_at[foot] = self.told_at["voltages"]
 
     def _frames(self) -> list[VoltageFrame]:
         whole, shoe = self._frame(), nao_shoe()
@@ -130,7 +136,9 @@ class StandingRobot:
                 voltage=whole.voltage[own],
                 status=whole.status[own],
             )
-            for own in (shoe.of_foot(0), shoe.of_foot(1))[: 1 + self.tells_right]
+            for foot, tells in enumerate((self.tells_left, self.tells_right))
+            if tells
+            for own in (shoe.of_foot(foot),)
         ]
 
     def _frame(self) -> VoltageFrame:

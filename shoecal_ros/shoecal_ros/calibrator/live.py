@@ -13,7 +13,6 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.recording.schemas import GOOD
 from shoecal_core.sensing.instant import FootInstant, InstantSensing, Place
 from shoecal_core.sensing.sensing import Sensing
-from shoecal_core.sensing.shoe import FEET
 from shoecal_ros.calibrator.load import LEFT, RIGHT, LoadSwitch
 from shoecal_ros.inputs.joining import NO_DATA, Joined
 
@@ -81,21 +80,21 @@ class LiveSensing:
     """Turns joined readings into what is published."""
 
     def __init__(
-        self, channel_feet: NDArray[np.int64], switch: LoadSwitch, low_pass: LowPass
+        self, of_foot: Sequence[NDArray[np.int64]], switch: LoadSwitch, low_pass: LowPass
     ) -> None:
         """Uncalibrated.
 
         Args:
-            channel_feet: (n,) index of each channel's foot.
+            of_foot: indices of each foot's channels.
             switch: tells loaded feet.
             low_pass: of the readings.
         """
         self._sensing: Sensing | None = None
         self._instant: InstantSensing | None = None
-        self._of_foot = [np.flatnonzero(channel_feet == foot) for foot in range(len(FEET))]
+        self._of_foot = of_foot
         self._switch = switch
         self._low_pass = low_pass
-        self._status = np.full(len(channel_feet), NO_DATA, dtype=np.uint8)
+        self._status = np.full(sum(map(len, of_foot)), NO_DATA, dtype=np.uint8)
         self._last: Live | None = None
 
     @property

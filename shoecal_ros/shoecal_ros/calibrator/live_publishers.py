@@ -25,7 +25,7 @@ class LivePublishers:
         self._feet = [_pair(node, f"shoe/{foot}") for foot in FEET]
         self._state = node.create_publisher(ShoeState, "shoe/state", qos.LATCHED)
         self._cells = [
-            [name for name in shoe.names if name.startswith(f"{foot}/")] for foot in FEET
+            [shoe.names[index] for index in shoe.of_foot(foot)] for foot in range(len(FEET))
         ]
 
     @property

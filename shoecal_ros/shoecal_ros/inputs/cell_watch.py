@@ -44,7 +44,7 @@ ALONE = 5.0
 LEAP_FRAMES = 3
 """Who has not come back from a leap by then has been loaded."""
 LEAP_PERIOD_S = 0.05
-"""Frames further apart tell no leaps."""
+"""Readings of a cell further apart tell no leaps."""
 SPIKE_S = 0.3
 """For so long after a spike its cell counts as broken."""
 LEARN_S, LEARN_FRAMES = 0.04, 1000
@@ -91,7 +91,6 @@ class CellWatch:
         near = (shoe.foot[:, None] == shoe.foot) & (shoe.torque[:, None] == shoe.torque)
         np.fill_diagonal(near, val=False)
         self._near = near.astype(np.float64)
-        self._accompanied = near.any(axis=1)
         self.spikes = np.zeros(count, dtype=np.int64)
         self._status = np.zeros(count, dtype=np.uint8)
         self._calm = True
@@ -156,6 +155,7 @@ class CellWatch:
         self._frozen = np.zeros(count, dtype=bool)
         self._leaps = np.zeros(count, dtype=np.int64)
         self._level = readings
+        self._read_ns = np.zeros(count, dtype=np.int64)
         self._spiky_until_ns = np.zeros(count, dtype=np.int64)
         self._spiky = np.zeros(count, dtype=bool)
 
@@ -172,15 +172,16 @@ class CellWatch:
         inside = np.abs(readings - self._middle) < self._reach
         if self._calm and (inside & (leaving <= self._bound)).all() and not one.status.any():
             self._level = readings
-            return one
-        return self._mark(one, inside, leaving, elapsed_s)
+            marked = one
+        else:
+            marked = self._mark(one, inside, leaving)
+        self._read_ns[one.new] = stamp_ns
+        return marked
 
-    def _mark(
-        self, one: Joined, inside: BoolArray, leaving: FloatArray, elapsed_s: float
-    ) -> Joined:
+    def _mark(self, one: Joined, inside: BoolArray, leaving: FloatArray) -> Joined:
         """The readings with the status of each cell as it is seen; `inside`, `leaving` are (n,)."""
         known = np.isfinite(one.readings)
-        self._look_for_leaps(one, np.where(known & np.isfinite(leaving), leaving, 0.0), elapsed_s)
+        self._look_for_leaps(one, np.where(known & np.isfinite(leaving), leaving, 0.0))
         status = one.status.copy()
         well = status == GOOD
         status[well & ~known] = NO_DATA
@@ -212,18 +213,24 @@ class CellWatch:
         self._frozen = beside_others | self._own_noise.ended
         self._calm = self._calm and not self._frozen.any()
 
-    def _look_for_leaps(self, one: Joined, leaving: FloatArray, elapsed_s: float) -> None:
-        """From the last level that was believed; `leaving` is (n,)."""
+    def _look_for_leaps(self, one: Joined, leaving: FloatArray) -> None:
+        """From the last level that was believed; `leaving` is (n,).
+
+        A slow board's reading stands beside several of a fast one's: it has leapt once.
+        """
         far = leaving > self._bound
-        back = (self._leaps > 0) & ~far
+        back = (self._leaps > 0) & ~far & one.new
         self.spikes += back
         self._spiky_until_ns[back] = one.stamp_ns + round(1e9 * SPIKE_S)
         self._spiky = one.stamp_ns < self._spiky_until_ns
-        alone = (self._near * leaving).max(axis=1) * ALONE < leaving
-        begun = far & alone & self._accompanied & (elapsed_s <= LEAP_PERIOD_S)
+        near = self._near * one.new
+        alone = (near * leaving).max(axis=1) * ALONE < leaving
+        soon = one.stamp_ns - self._read_ns <= LEAP_PERIOD_S * 1e9
+        begun = far & alone & near.any(axis=1) & soon
         away = far & ((self._leaps > 0) | begun)
-        self._leaps = np.where(away, self._leaps + 1, 0)
-        self._leaps[self._leaps > LEAP_FRAMES] = 0
+        leaps = np.where(away, self._leaps + 1, 0)
+        leaps[leaps > LEAP_FRAMES] = 0
+        self._leaps = np.where(one.new, leaps, self._leaps)
         # What is no number leads from no level.
         level = np.where(np.isfinite(one.readings), one.readings, np.nan)
         self._level = np.where(self._leaps > 0, self._level, level)

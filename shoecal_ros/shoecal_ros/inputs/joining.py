@@ -12,22 +12,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
+from shoecal_core.settings import Settings, setting
 from shoecal_ros.common.conversions import VoltageFrame
 from shoecal_ros.inputs.stamps import CLOCK_SET_NS
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 
 NO_DATA = 2
 """As in ShoeVoltages: the channel gave nothing."""
 
-HOLD_PERIODS = 1.5
-"""A reading counts for so many of its board's periods at least: else two slow boards never meet."""
-_INTERVALS = 5
+HOLD_PERIODS, MOST_HOLD_S = 1.5, 0.15
+"""A reading counts for so many of its board's periods at least, else two slow boards never meet;
+but for no longer than this: what is older is not of the same instant."""
+_INTERVALS, _LEAST_INTERVALS = 5, 3
 _STEPS = 50
 _BACK = 3
 """More steps back of a counter than this in so many: two devices send the same cells."""
 _GONE_S = 1.0
 """A source that has sent nothing for so long, by the wall clock, has its cells no longer."""
+_NEVER_NS = -(2**62)
+"""Stamp of what has not come."""
 _MOST_STREAMS = 64
 """Sets of cells that frames may carry: a board has one, or a few in turn."""
 
@@ -45,18 +50,34 @@ class UnknownCellError(ShoecalError):
 
 
 @dataclass(frozen=True)
+class JoinSettings(Settings):
+    """How frames of several boards meet."""
+
+    hold_s: float = setting(
+        0.03,
+        "s",
+        "for how long a cell's reading counts beside those of other boards, or for "
+        f"{HOLD_PERIODS:g} of its own board's periods if that is longer, but at most for "
+        f"{MOST_HOLD_S:g} s (or this, if longer)",
+        minimum=1e-3,
+    )
+
+
+@dataclass(frozen=True)
 class Joined:
     """All channels at one instant.
 
     Attributes:
-        stamp_ns: time of sampling [ns].
+        stamp_ns: time of sampling of those that are new [ns].
         readings: (n,) in the shoe's order, NaN where none came.
         status: (n,) constants of ShoeVoltages.
+        new: (n,) which were told since the instant before; others are that one's still.
     """
 
     stamp_ns: int
     readings: FloatArray
     status: NDArray[np.uint8]
+    new: BoolArray
 
 
 class _Stream:
@@ -68,18 +89,18 @@ class _Stream:
         self._sequence: int | None = None
         self._back: deque[bool] = deque(maxlen=_STEPS)
         self._intervals: deque[int] = deque(maxlen=_INTERVALS)
-        self.stamp_ns = -(2**63)
+        self.stamp_ns = _NEVER_NS
 
     def note(self, stamp_ns: int) -> None:
-        """A frame of a later instant."""
-        if self.stamp_ns > -(2**63):
+        """A frame, of a later instant unless the clock was set back."""
+        if stamp_ns > self.stamp_ns > _NEVER_NS:
             self._intervals.append(stamp_ns - self.stamp_ns)
         self.stamp_ns = stamp_ns
 
     @property
     def period_ns(self) -> float:
-        """From one frame to the next, by their stamps [ns]; 0 before there were two."""
-        return median(self._intervals) if self._intervals else 0.0
+        """From one frame to the next, by their stamps [ns]; 0 before there were a few."""
+        return median(self._intervals) if len(self._intervals) >= _LEAST_INTERVALS else 0.0
 
     def doubled(self, sequence: int) -> bool:
         """Whether the counter runs back too often for one device."""
@@ -94,7 +115,7 @@ class FrameJoiner:
     """Joins frames, each with any subset of the cells, into all channels.
 
     A cell's last reading counts for a little while, as long as the next one may take. The frames
-    that carry the cell heard first give the instants.
+    that carry the cell heard first give the instants; those of another one as soon as it is late.
 
     Attributes:
         left_out: frames whose stamps were not later than those before them.
@@ -117,7 +138,8 @@ class FrameJoiner:
         self._column = {name: index for index, name in enumerate(channels)}
         self._names = tuple(channels)
         self._hold_ns = round(hold_s * 1e9)
-        self._told = np.zeros(len(channels), dtype=np.bool_)
+        self._most_ns = max(self._hold_ns, round(MOST_HOLD_S * 1e9))
+        self._all_new = np.ones(len(channels), dtype=np.bool_)
         self._reference = 0
         self.left_out = 0
         self.forget()
@@ -130,16 +152,6 @@ class FrameJoiner:
         self._heard: dict[str, float] = {}
         self._restart()
         self._status = np.full(count, NO_DATA, dtype=np.uint8)
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of the channels."""
-        return self._names
-
-    def told(self) -> NDArray[np.bool_]:
-        """(n,) Which channels frames have carried since this was asked last."""
-        told, self._told = self._told, np.zeros(len(self._names), dtype=np.bool_)
-        return told
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -172,30 +184,37 @@ class FrameJoiner:
             self._restart()
         stream.note(stamp)
         columns = stream.columns
-        self._told[columns] = True
         if len(columns) == len(self._names) and stream.in_order:
             # One board sends all there is: there is nothing to join.
             self._readings[:], self._status[:], self._stamps[:] = frame.voltage, frame.status, stamp
-            return Joined(stamp, frame.voltage, frame.status)
+            self._new[:] = False
+            return Joined(stamp, frame.voltage, frame.status, self._all_new)
         self._readings[columns] = frame.voltage
         self._status[columns] = frame.status
         self._stamps[columns] = stamp
-        self._holds[columns] = max(self._hold_ns, HOLD_PERIODS * stream.period_ns)
-        if stamp - self._stamps[self._reference] > self._holds[self._reference]:
+        self._new[columns] = True
+        self._holds[columns] = min(
+            max(self._hold_ns, HOLD_PERIODS * stream.period_ns), self._most_ns
+        )
+        if stamp - self._stamps[self._reference] > self._hold_ns:
             self._reference = int(columns[0])
         if self._reference not in columns:
             return None
         old = np.abs(stamp - self._stamps) > self._holds
+        new = self._new & ~old
+        self._new[:] = False
         return Joined(
             stamp,
             np.where(old, np.nan, self._readings),
             np.where(old, NO_DATA, self._status).astype(np.uint8),
+            new,
         )
 
     def _restart(self) -> None:
         count = len(self._names)
         self._readings = np.full(count, np.nan)
-        self._stamps = np.full(count, -(2**62), dtype=np.int64)
+        self._stamps = np.full(count, _NEVER_NS, dtype=np.int64)
+        self._new = np.zeros(count, dtype=np.bool_)
         self._holds = np.full(count, self._hold_ns, dtype=np.int64)
 
     def _stream(self, frame: VoltageFrame) -> _Stream:

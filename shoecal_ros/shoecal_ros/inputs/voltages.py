@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.sensing.shoe import FEET
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import VoltageFrame
 from shoecal_ros.inputs.cell_watch import CellWatch
@@ -27,7 +27,7 @@ class VoltageInput:
     Attributes:
         latest: the last instant of all channels, None before there was one.
         heard: since when there was none.
-        feet: since when no frame has carried a cell of the left and of the right foot.
+        feet: since when no instant told anything new of a foot.
         temperature: that a device told last [degC], NaN where none does.
     """
 
@@ -39,6 +39,7 @@ class VoltageInput:
         *,
         silent_s: float = SILENT_S,
         watch: CellWatch | None = None,
+        of_foot: Sequence[NDArray[np.int64]] = (),
     ) -> None:
         """Nothing heard.
 
@@ -48,6 +49,7 @@ class VoltageInput:
             clock: monotonic [s].
             silent_s: for that long at least, they are silent [s].
             watch: marks readings of broken cells.
+            of_foot: indices of each foot's channels, where feet are asked for.
         """
         self._joiner = joiner
         self._stale_s = stale_s
@@ -55,10 +57,8 @@ class VoltageInput:
         self._clock = clock
         self._began = clock()
         self.heard = LastHeard(clock, silent_s)
-        self.feet = tuple(LastHeard(clock, silent_s) for _ in FEET)
-        self._of_foot = [
-            np.array([name.startswith(f"{foot}/") for name in joiner.names]) for foot in FEET
-        ]
+        self.feet = tuple(LastHeard(clock, silent_s) for _ in of_foot)
+        self._of_foot = of_foot
         self._lost = LostFrames()
         self._trouble: Problem | None = None
         self._troubled = -np.inf
@@ -129,11 +129,10 @@ class VoltageInput:
                 instants.append(joined)
             if not math.isnan(frame.temperature):
                 self.temperature = frame.temperature
-        told = self._joiner.told()
-        for heard, own in zip(self.feet, self._of_foot, strict=True):
-            if told[own].any():
-                heard.note()
         if instants:
+            for heard, own in zip(self.feet, self._of_foot, strict=True):
+                if any(one.new[own].any() for one in instants):
+                    heard.note()
             if self._watch is not None:
                 instants = self._watch.take(instants)
             self.heard.note(len(instants))

@@ -24,7 +24,8 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording import schemas
-from shoecal_core.settings import Settings, load_settings, setting
+from shoecal_core.sensing.shoe import FEET
+from shoecal_core.settings import load_settings, setting
 from shoecal_core.workspace import config_dir
 from shoecal_ros.calibrator.calibration_desk import CalibrationDesk
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
@@ -51,7 +52,7 @@ from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.inputs.armed_input import ArmedInput
 from shoecal_ros.inputs.cell_watch import CellWatch
-from shoecal_ros.inputs.joining import FrameJoiner
+from shoecal_ros.inputs.joining import FrameJoiner, JoinSettings
 from shoecal_ros.inputs.joints import JointInput
 from shoecal_ros.inputs.last_heard import SILENT_S
 from shoecal_ros.inputs.one_clock import OneClock
@@ -63,7 +64,7 @@ from shoecal_ros.inputs.voltages import VoltageInput
 
 
 @dataclass(frozen=True)
-class CalibratorSettings(Settings):
+class CalibratorSettings(JoinSettings):
     """Of the live side; wall-clock times."""
 
     state_dir: str = setting(
@@ -78,13 +79,6 @@ class CalibratorSettings(Settings):
         "when they did not come for so long, or for 2.7 of their periods if that is longer, "
         "they are stale: what depends on them stops, and shoe/state says so",
         minimum=0.01,
-    )
-    hold_s: float = setting(
-        0.03,
-        "s",
-        "for how long a cell's reading counts beside those of other boards, or for 1.5 of its own "
-        "board's periods if that is longer",
-        minimum=1e-3,
     )
     clock_gap: float = setting(
         2.0, "s", "stamps of joints and voltages farther apart are of two clocks", minimum=0.01
@@ -140,11 +134,13 @@ class Calibrator(ShoecalNode):
         senders = self.peers.expect_one_sender(relative(schemas.JOINT_STATES))
         self.joints = JointInput(self.robot, settings.stale_s, silent_s=silent_s, senders=senders)
         self.cells = CellWatch(self.shoe)
+        of_foot = [self.shoe.of_foot(foot) for foot in range(len(FEET))]
         self.voltages = VoltageInput(
             FrameJoiner(self.shoe.names, settings.hold_s),
             settings.stale_s,
             silent_s=silent_s,
             watch=self.cells,
+            of_foot=of_foot,
         )
         self._one_clock = OneClock(self.joints, self.voltages, settings.clock_gap)
         self._overdue = [
@@ -156,7 +152,7 @@ class Calibrator(ShoecalNode):
         self.recorder = Recorder(lambda: self.now_ns, job.lead_s)
         self._low_pass = LowPass(settings.low_pass_hz)
         self.live = LiveSensing(
-            self.shoe.foot, LoadSwitch(settings.load_on_n, settings.load_off_n), self._low_pass
+            of_foot, LoadSwitch(settings.load_on_n, settings.load_off_n), self._low_pass
         )
         self._out = LivePublishers(self, self.shoe)
         self.peers.alone |= self._out.topics

@@ -22,7 +22,9 @@ SATURATED = 1
 
 
 def sensing(cutoff_hz: float = 0.0) -> LiveSensing:
-    live = LiveSensing(SHOE.foot, LoadSwitch(6.0, 3.0), LowPass(cutoff_hz))
+    live = LiveSensing(
+        [SHOE.of_foot(foot) for foot in (0, 1)], LoadSwitch(6.0, 3.0), LowPass(cutoff_hz)
+    )
     live.sensing = Sensing(SHOE, LAW)
     return live
 
@@ -46,7 +48,7 @@ def instant(
         states[SHOE.index(name)] = state
         if state == NO_DATA:
             values[SHOE.index(name)] = math.nan
-    return Joined(stamp_ns, values, states)
+    return Joined(stamp_ns, values, states, np.ones(len(values), dtype=np.bool_))
 
 
 def one(live: LiveSensing, joined: Joined, support: DoubleSupport | None = SUPPORT) -> Live:

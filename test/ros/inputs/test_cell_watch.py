@@ -17,6 +17,7 @@ from shoecal_ros.inputs.joining import Joined
 FloatArray = NDArray[np.float64]
 COUNT, CELL = 8, 2
 NAME = nao_shoe().names[CELL]
+NEW = np.ones(COUNT, dtype=np.bool_)
 
 
 def stream(rate: float = 100.0, seconds: float = 2.0, noise: float = 1e-3) -> list[Joined]:
@@ -26,7 +27,7 @@ def stream(rate: float = 100.0, seconds: float = 2.0, noise: float = 1e-3) -> li
     sway = np.sin(2.0 * np.pi * times)[:, None] * np.linspace(-0.5, 0.5, COUNT)
     values = 1.0 + sway + noise * rng.standard_normal((len(times), COUNT))
     return [
-        Joined(round(1e9 * (1.0 + time)), row, np.zeros(COUNT, dtype=np.uint8))
+        Joined(round(1e9 * (1.0 + time)), row, np.zeros(COUNT, dtype=np.uint8), NEW)
         for time, row in zip(times.tolist(), values, strict=True)
     ]
 
@@ -142,7 +143,7 @@ def test_stamps_that_creep_fill_no_memory() -> None:
     watch = CellWatch(nao_shoe())
     for index in range(5000):
         status = np.zeros(COUNT, dtype=np.uint8)
-        taken(watch, [Joined(10**9 + index, np.full(COUNT, 1.0 + index % 2), status)])
+        taken(watch, [Joined(10**9 + index, np.full(COUNT, 1.0 + index % 2), status, NEW)])
         assert len(watch._taken) <= 1000
 
 
@@ -201,3 +202,32 @@ def test_what_the_device_says_stays() -> None:
     told = f"{NAME} is broken, says its device: check cable, clamp and board"
     assert watch.condition.message == told
     assert watch.condition.code == Code.CELL_FAULT
+
+
+def beside_slow(spike: int) -> list[Joined]:
+    """One foot's board sends every fourth time; once its cell gives what it must not."""
+    slow = nao_shoe().foot == nao_shoe().foot[CELL]
+    told: list[Joined] = []
+    for number, one in enumerate(stream()):
+        new = ~slow | (number % 4 == 0)
+        if number == spike:
+            one.readings[CELL] += 2.0
+        values = np.where(new, one.readings, told[-1].readings) if told else one.readings
+        told.append(replace(one, readings=values, new=new))
+    return told
+
+
+def test_a_slow_boards_spike_is_one_however_long_it_stands_there() -> None:
+    spike = 120
+    watch = CellWatch(nao_shoe())
+    marked = taken(watch, beside_slow(spike))
+    fault = [one.status[CELL] == ShoeVoltages.FAULT for one in marked]
+    assert all(fault[spike : spike + 4]), "no force is made of it"
+    assert not any(fault[:spike])
+    assert watch.spikes[CELL] == 1
+    assert not any(np.delete(one.status, CELL).any() for one in marked)
+
+
+def test_a_board_that_is_slower_than_the_other_is_well() -> None:
+    watch = CellWatch(nao_shoe())
+    assert not any(one.status.any() for one in taken(watch, beside_slow(-1)))

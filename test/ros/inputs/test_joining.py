@@ -83,16 +83,16 @@ def test_a_board_that_falls_silent_is_not_believed_for_long() -> None:
 
 
 @given(
-    period_ms=st.integers(1, 200),
+    period_ms=st.integers(1, 100),
     lag=st.floats(0.0, 0.99),
     slower=st.integers(1, 4),
     jitter=st.lists(st.floats(-0.1, 0.1), min_size=40, max_size=40),
 )
-def test_two_boards_meet_however_slow_they_are(
+def test_two_boards_meet_where_they_are_slow(
     period_ms: int, lag: float, slower: int, jitter: list[float]
 ) -> None:
     join = joiner()
-    period_ns = period_ms * 1_000_000
+    period_ns = period_ms * 1_000_000 // slower
     told = []
     for board, cells, period, begin in (
         ("left", CELLS[:2], period_ns, 0.0),
@@ -103,7 +103,7 @@ def test_two_boards_meet_however_slow_they_are(
             told.append(frame(0, cells, board, sequence=index, shift_ns=round(shift)))
     last = max(one.stamp_ns for one in told if one.source == "right")
     # Once both periods are known.
-    known = 10**9 + (2 + lag) * slower * period_ns + 2 * period_ns
+    known = 10**9 + (4 + lag) * slower * period_ns
     for one in sorted(told, key=lambda one: one.stamp_ns):
         found = join.add(one)
         if known < one.stamp_ns <= last and found is not None:
@@ -116,6 +116,33 @@ def test_the_other_board_goes_on_alone() -> None:
     join.add(frame(0, CELLS[2:], "right"))
     found = [join.add(frame(index, CELLS[2:], "right")) for index in range(1, 8)]
     assert joined(found[-1]).status.tolist() == [NO_DATA, NO_DATA, 0, 0]
+
+
+def test_a_board_with_a_bad_line_holds_nobody_up() -> None:
+    """It was heard first: its frames would give the instants."""
+    join = joiner()
+    instants = []
+    for index in range(1000):
+        if index % 200 == 0:
+            join.add(frame(index, CELLS[:2], "left"))
+        one = join.add(frame(index, CELLS[2:], "right", shift_ns=1))
+        if one is not None:
+            instants.append(one)
+            age_ns = one.stamp_ns - (10**9 + index // 200 * 200 * STEP_NS)
+            assert age_ns <= 150_000_001 or np.isnan(one.readings[:2]).all(), "it is old"
+            assert one.new.tolist() == [index % 200 == 0] * 2 + [True] * 2
+    assert len(instants) > 990
+
+
+def test_the_slower_board_does_not_set_the_pace() -> None:
+    join = joiner()
+    instants = []
+    for index in range(100):
+        if index % 8 == 0:
+            join.add(frame(index, CELLS[:2], "left"))
+        if index >= 50:
+            instants.append(join.add(frame(index, CELLS[2:], "right", shift_ns=1)))
+    assert len([one for one in instants if one is not None]) > 40
 
 
 def test_one_device_may_send_its_cells_in_turns() -> None:
@@ -217,19 +244,28 @@ def test_time_may_begin_anew() -> None:
     np.testing.assert_allclose(again.readings, 1 + 0.1 * np.arange(4))
 
 
-def test_a_foot_whose_board_falls_silent_is_told_beside_the_other() -> None:
+LEFT, RIGHT = (CELLS[:2], "left"), (CELLS[2:], "right")
+
+
+@pytest.mark.parametrize(
+    ("away", "there", "silent"), [(RIGHT, LEFT, [False, True]), (LEFT, RIGHT, [True, False])]
+)
+def test_a_foot_whose_board_falls_silent_is_told_beside_the_other(
+    away: tuple[tuple[str, ...], str], there: tuple[tuple[str, ...], str], silent: list[bool]
+) -> None:
     clock = Clock()
-    voltages = VoltageInput(joiner(), 0.5, clock)
+    voltages = VoltageInput(joiner(), 0.5, clock, of_foot=[np.arange(2), np.arange(2, 4)])
     for index in range(20):
         clock.now += 0.01
         voltages.take([frame(index, CELLS[:2], "left"), frame(index, CELLS[2:], "right")])
     assert [foot.silent for foot in voltages.feet] == [False, False]
-    for index in range(20, 29):
+    for index in range(20, 32):
         clock.now += 0.01
-        voltages.take([frame(index, CELLS[:2], "left")])
-    assert [foot.silent for foot in voltages.feet] == [False, True]
+        voltages.take([frame(index, *there)])
+    assert [foot.silent for foot in voltages.feet] == silent
     assert not voltages.heard.silent
-    voltages.take([frame(29, CELLS[2:], "right")])
+    for index in (32, 33):
+        voltages.take([frame(index, *there), frame(index, *away)])
     assert [foot.silent for foot in voltages.feet] == [False, False]
 
 

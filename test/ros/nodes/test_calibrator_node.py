@@ -25,6 +25,7 @@ from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.session import Session
+from shoecal_core.sensing.shoe import FEET
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import (
@@ -184,7 +185,8 @@ def test_stale_joints_silence_the_sum_and_stale_voltages_everything(world: World
     fresh(world, heard["shoe/cop"])
 
 
-def test_a_foot_whose_board_is_silent_is_stale_beside_the_other(world: World) -> None:
+@pytest.mark.parametrize("away", [0, 1])
+def test_a_foot_whose_board_is_silent_is_stale_beside_the_other(world: World, away: int) -> None:
     robot = StandingRobot(world, SUPPORT)
     robot.apart = True
     start(world)
@@ -192,14 +194,15 @@ def test_a_foot_whose_board_is_silent_is_stale_beside_the_other(world: World) ->
     heard = hear_all(world)
     state(world, lambda one: all(foot.valid for foot in one.feet))
     fresh(world, heard["shoe/cop"])
-    robot.tells_right = False
-    told = state(world, lambda one: one.feet[1].stale)
-    assert (told.feet[0].stale, told.feet[0].valid, told.feet[1].valid) == (False, True, False)
-    fresh(world, heard["shoe/left/cop"])
-    silent = {topic: len(heard[topic]) for topic in ("shoe/cop", "shoe/grf", "shoe/right/grf")}
-    fresh(world, heard["shoe/left/cop"])
+    gone, there = FEET[away], FEET[1 - away]
+    setattr(robot, f"tells_{gone}", False)
+    told = state(world, lambda one: one.feet[away].stale and not one.feet[1 - away].stale)
+    assert (told.feet[1 - away].valid, told.feet[away].valid) == (True, False)
+    fresh(world, heard[f"shoe/{there}/cop"])
+    silent = {topic: len(heard[topic]) for topic in ("shoe/cop", "shoe/grf", f"shoe/{gone}/grf")}
+    fresh(world, heard[f"shoe/{there}/cop"])
     assert silent == {topic: len(heard[topic]) for topic in silent}
-    robot.tells_right = True
+    setattr(robot, f"tells_{gone}", True)
     state(world, lambda one: all(foot.valid for foot in one.feet))
     fresh(world, heard["shoe/cop"])
 
