@@ -112,8 +112,7 @@ def _keep(file: Path, motions: Sequence[PlannedMotion]) -> None:
         arrays[f"{index}_time"] = one.trajectory.times
         arrays[f"{index}_positions"] = one.trajectory.positions
     buffer = io.BytesIO()
-    # Any of these names might be `allow_pickle`, a keyword of the function's own; none is.
-    np.savez_compressed(buffer, **arrays)  # type: ignore[arg-type]
+    np.savez_compressed(buffer, **arrays)  # type: ignore[arg-type]  # none is its `allow_pickle`
     file.parent.mkdir(parents=True, exist_ok=True)
     atomic_write(file, buffer.getvalue())
 

@@ -43,8 +43,7 @@ def shut_out(sealed: Path) -> None:
 def main() -> None:
     """Serve until nothing more is asked."""
     shut_out(Path(sys.argv[1]))
-    # Not before: what the command imports is watched as well.
-    from shoecal_core.cli import main as shoecal  # noqa: PLC0415
+    from shoecal_core.cli import main as shoecal  # noqa: PLC0415 - its imports are watched as well
 
     told = sys.stdout
     for line in sys.stdin:

@@ -66,6 +66,7 @@ class ActionController(Controller):
         # It would be cancelled, too; or refused, and what nobody watches go on.
         if self._all_goals.ending or time.monotonic() < self._all_to_end_until_s:
             raise ShoecalError("what was under way before is being stopped; send it again")
+        self._all_goals.give_way()
         self._refusal, self._stopped_s = None, math.inf
         self._newest += 1
         number = self._newest

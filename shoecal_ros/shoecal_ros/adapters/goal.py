@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 import time
-from dataclasses import dataclass, field
 
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
-from builtin_interfaces.msg import Time
 from rclpy.action import ActionClient
 from rclpy.action.client import ClientGoalHandle
 from rclpy.node import Node
@@ -77,19 +75,12 @@ class Goal:
         self._ended = self._ended or self.judge(future.result())
 
 
-@dataclass(frozen=True)
-class _Accepted:
-    """What a controller says of a goal that it has accepted."""
-
-    accepted: bool = True
-    stamp: Time = field(default_factory=Time)
-
-
 class AllGoals(Goal):
     """Whatever a controller carries out, whoever sent it: what the controller tells of it counts.
 
     They have ended once it has answered, and tells of none that goes on; then others may come, and
-    may be cancelled again.
+    may be cancelled again. One that never had a goal tells nothing at all; what another one told
+    may come later than its answer, and counts all the same.
     """
 
     def __init__(self, node: Node, client: ActionClient, action: str) -> None:
@@ -100,11 +91,11 @@ class AllGoals(Goal):
             client: of its action.
             action: its name.
         """
-        # An id of zeros stands for every goal.
+        # An id of zeros stands for every goal; nothing asks how that was answered.
         every = CancelGoal.Request().goal_info.goal_id
-        super().__init__(ClientGoalHandle(client, every, _Accepted()))
+        super().__init__(ClientGoalHandle(client, every, None))
         self._node, self._topic = node, f"{action}/_action/status"
-        self._going_on = False
+        self._told = self._going_on = self._unsure = False
         self._tellers: frozenset[bytes] = frozenset()
         node.create_subscription(
             GoalStatusArray, self._topic, self._hear, qos_profile_action_status_default
@@ -119,23 +110,38 @@ class AllGoals(Goal):
     def forget(self) -> None:
         """They may go on."""
         self._ended, self._canceled_s, self._asked_s = False, math.inf, -math.inf
+        self._unsure = False
+
+    def give_way(self) -> None:
+        """Another goal is sent: what the controller tells from now on may be of that."""
+        self._unsure = False
+
+    def watch(self) -> None:
+        """Ask where that is due, and see who is there."""
+        if self._told and not self._tellers:
+            # It was heard before it was known that anybody is there.
+            self._tellers = self._tellers_there()
+        super().watch()
 
     def judge(self, answer: CancelGoal.Response) -> bool:
         """Whether nothing goes on: some refuse without saying so."""
         refused = answer.return_code == CancelGoal.Response.ERROR_REJECTED
-        return not refused and not answer.goals_canceling and not self._told_to_go_on()
-
-    def _told_to_go_on(self) -> bool:
-        """Whether somebody who is there has told of one: one that comes later may tell nothing."""
-        there = self._tellers_there()
-        # Heard before it was known that anybody is there.
-        self._tellers = self._tellers or there
-        return self._going_on and not (self._tellers and self._tellers.isdisjoint(there))
+        if refused or answer.goals_canceling:
+            return False
+        gone = self._tellers and self._tellers.isdisjoint(self._tellers_there())
+        if self._told and not gone:
+            return not self._going_on
+        self._unsure = True
+        return True
 
     def _tellers_there(self) -> frozenset[bytes]:
         infos = self._node.get_publishers_info_by_topic(self._topic)
         return frozenset(bytes(info.endpoint_gid) for info in infos)
 
     def _hear(self, told: GoalStatusArray) -> None:
+        self._told = True
         self._going_on = any(one.status not in _ENDED for one in told.status_list)
         self._tellers = self._tellers_there()
+        if self._going_on and self._unsure:
+            self._ended = False
+        self._unsure = False

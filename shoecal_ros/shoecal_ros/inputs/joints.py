@@ -73,6 +73,7 @@ class JointInput:
         self._sender = OneSender(robot)
         self._mismatch: Problem | None = None
         self._contradicted = False
+        self._contradicting: Sequence[str] = ()
 
     @property
     def age_s(self) -> float:
@@ -95,7 +96,6 @@ class JointInput:
         if self.fresh:
             return None
         if self._contradicted:
-            # Asked anew each time: who has just come may not have told its name yet.
             return Problem(Code.JOINTS_CONTRADICT, self._who_contradicts())
         if self._mismatch:
             return self._mismatch
@@ -140,12 +140,19 @@ class JointInput:
             return None
         keep = self._sender.follows(stamps, angles)
         self._contradicted = self._sender.doubled
+        self._contradicting = self._those_who_send() if self._contradicted else ()
         if self._contradicted or not keep.any():
             return None
         return JointBatch(stamps[keep], angles[keep])
 
+    def _those_who_send(self) -> Sequence[str]:
+        """By name; where there were several, whoever is left alone is not what is wrong."""
+        # Asked anew each time: who has just come may not have told its name yet.
+        names = tuple(self._senders())
+        return names if len(names) >= min(len(self._contradicting), 2) else self._contradicting
+
     def _who_contradicts(self) -> str:
-        names = [f"'{name}'" for name in self._senders()]
+        names = [f"'{name}'" for name in self._contradicting]
         if len(names) > 1:
             return (
                 f"joint angles run to and fro between {' and '.join(names)}; stop all but one "

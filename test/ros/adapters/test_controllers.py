@@ -44,6 +44,16 @@ def moving(robot: Adapted, duration: float) -> Knee:
     return knee
 
 
+def squats_once_nothing_goes_on(robot: Adapted, knee: Knee) -> None:
+    """Sent again until the controller has told that: what comes before is refused."""
+    while abs(knee.way - WAY) > 1e-6:
+        robot.send(squat(0.5))
+        robot.settle()
+        robot.world.until(
+            lambda: abs(knee.way - WAY) < 1e-6 or "send it again" in robot.told.message
+        )
+
+
 def code(told: DiagnosticStatus) -> str:
     return str(next(value.value for value in told.values if value.key == "code"))
 
@@ -54,13 +64,7 @@ def test_started_again_it_stops_what_nobody_watches(robot: Adapted) -> None:
     robot.start_adapter()
     robot.world.until(knee.rests)
     assert 0.0 < knee.way < 0.29
-    # And takes new ones, once the controller has told that nothing goes on.
-    while abs(knee.way - WAY) > 1e-6:
-        robot.send(squat(0.5))
-        robot.settle()
-        robot.world.until(
-            lambda: abs(knee.way - WAY) < 1e-6 or "send it again" in robot.told.message
-        )
+    squats_once_nothing_goes_on(robot, knee)
 
 
 def test_started_again_it_tells_a_controller_that_goes_on_and_sends_it_nothing_more(
@@ -200,8 +204,7 @@ def test_what_a_controller_went_on_with_is_nothing_of_the_one_that_comes_after_i
     robot.until_well("not armed")
     knee = Knee(robot)
     robot.arm()
-    robot.send(squat(0.5))
-    robot.world.until(lambda: abs(knee.way - WAY) < 1e-6)
+    squats_once_nothing_goes_on(robot, knee)
 
 
 def test_a_controller_that_refuses_is_told(begin: Begin) -> None:

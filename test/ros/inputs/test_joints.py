@@ -171,14 +171,32 @@ def test_two_senders_of_the_same_joints_are_told_by_name_and_neither_is_used(
     assert joints.problem is None
 
 
-def test_who_contradicts_is_named_as_soon_as_its_name_is_known() -> None:
+def to_and_fro(joints: JointInput, samples: range) -> None:
+    taken(joints, [message(i * STEP_NS, AWAY if i % 2 else None) for i in samples])
+
+
+def test_who_contradicts_is_named_as_soon_as_its_name_is_known_and_as_long_as_that_lasts() -> None:
     senders = ["/robot", "somebody without a node's name"]
     joints = JointInput(nao(), 0.5, senders=lambda: senders)
-    for index in range(20):
-        taken(joints, [message((100 + index) * STEP_NS, AWAY if index % 2 else None)])
+    to_and_fro(joints, range(100, 120))
     assert "'somebody without a node's name'" in str(joints.problem)
     senders[1] = "/bag"
-    assert "between '/robot' and '/bag'" in str(joints.problem)
+    to_and_fro(joints, range(120, 122))
+    between = "between '/robot' and '/bag'; stop all but one"
+    assert between in str(joints.problem)
+    senders.remove("/bag")
+    taken(joints, [message(i * STEP_NS) for i in range(122, 130)])
+    assert between in str(joints.problem), "the robot left alone is not to blame"
+    senders.clear()
+    assert between in str(joints.problem), "nor does it lose the name where nothing more comes"
+    senders += ["/robot"]
+    taken(joints, [message(i * STEP_NS) for i in range(130, 180)])
+    assert joints.problem is None
+    to_and_fro(joints, range(180, 200))
+    assert "all from '/robot'; let one node alone" in str(joints.problem), "that was another time"
+    senders.clear()
+    to_and_fro(joints, range(200, 202))
+    assert "all from '/robot'" in str(joints.problem)
 
 
 def test_a_sample_that_leaps_and_comes_back_is_left_out() -> None:

@@ -1,0 +1,87 @@
+"""Whether a controller that is told to end everything has done so."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+from typing import Any
+
+from action_msgs.msg import GoalStatus, GoalStatusArray
+from action_msgs.srv import CancelGoal
+from rclpy.task import Future
+
+from shoecal_ros.adapters.goal import AllGoals
+
+
+class Listener:
+    """In place of a node: who is there is told by the test."""
+
+    def __init__(self) -> None:
+        self.there: list[bytes] = []
+        self.hear: Callable[[GoalStatusArray], None]
+
+    def create_subscription(self, _kind: Any, _topic: str, hear: Any, _profile: Any) -> None:
+        self.hear = hear
+
+    def get_publishers_info_by_topic(self, _topic: str) -> list[SimpleNamespace]:
+        return [SimpleNamespace(endpoint_gid=list(gid)) for gid in self.there]
+
+
+GOES_ON = GoalStatusArray(status_list=[GoalStatus(status=GoalStatus.STATUS_EXECUTING)])
+
+
+def all_goals(node: Listener) -> AllGoals:
+    return AllGoals(node, None, "legs")  # type: ignore[arg-type]  # all that is asked of a node
+
+
+def answered(goals: AllGoals) -> None:
+    """The controller has answered that there is nothing to cancel."""
+    done: Future = Future()
+    done.set_result(CancelGoal.Response())
+    goals._answered(done)
+
+
+def test_what_was_heard_before_its_teller_was_there_is_nothing_of_the_next_one() -> None:
+    node = Listener()
+    goals = all_goals(node)
+    node.hear(GOES_ON)
+    # As where the controller's services are not found yet.
+    goals.forget()
+    node.there = [b"first"]
+    goals.watch()
+    goals.cancel()
+    answered(goals)
+    assert goals.ending
+    node.there = [b"second"]
+    answered(goals)
+    assert not goals.ending
+
+
+def test_what_a_controller_told_may_come_later_than_its_answer() -> None:
+    """Some refuse to cancel without saying so."""
+    node = Listener()
+    node.there = [b"one"]
+    goals = all_goals(node)
+    goals.cancel()
+    answered(goals)
+    assert not goals.ending
+    node.hear(GOES_ON)
+    assert goals.ending
+    answered(goals)
+    assert goals.ending
+    node.hear(GoalStatusArray())
+    answered(goals)
+    assert not goals.ending
+    node.hear(GOES_ON)
+    assert not goals.ending, "that is a later one"
+
+
+def test_what_was_sent_since_is_not_taken_for_what_was_to_end() -> None:
+    node = Listener()
+    node.there = [b"one"]
+    goals = all_goals(node)
+    goals.cancel()
+    answered(goals)
+    goals.give_way()
+    node.hear(GOES_ON)
+    assert not goals.ending
