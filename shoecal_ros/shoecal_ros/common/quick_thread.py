@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
-from rclpy.event_handler import SubscriptionEventCallbacks
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
@@ -100,10 +99,8 @@ class QuickThread:
             raw: do not deserialise.
         """
         subscription = self._node.create_subscription(
-            kind, topic, lambda _: None, profile, callback_group=_PassedBy(), raw=raw,
-            # An executor that waits for a reader's events is woken by its data, too.
-            event_callbacks=SubscriptionEventCallbacks(use_default_callbacks=False),
-        )  # fmt: skip
+            kind, topic, lambda _: None, profile, callback_group=_PassedBy(), raw=raw
+        )
         self._listening += (_Listening(subscription, kind, raw, callback),)
 
     def start(self) -> None:
