@@ -32,6 +32,8 @@ from shoecal_ros.common.process import keep_what_stands
 WAIT_S = 60.0
 """For what is not answered when the last call was made."""
 AGAIN_S = 1.0
+LOOK_S = 2e-3
+"""How closely answers are timed: looking more often takes a core from those who are called."""
 MANY = QoSProfile(depth=1000)
 CHANGE = "shoe/set_calibration"
 BARE, BARE_SHARE = "bare", 20
@@ -97,7 +99,7 @@ def call(node: Node, count: int, rate: float, requests: Sequence[Any]) -> dict[s
         for caller in callers.values():
             caller.collect(took)
         bare.collect(bare_took)
-        time.sleep(5e-4)
+        time.sleep(LOOK_S)
     return {
         "took": took,
         "accepted": callers["shoe/self_calibrate"].accepted,
@@ -114,7 +116,7 @@ def _until_known(last: Caller) -> None:
         again = time.monotonic() + AGAIN_S
         while min(answered) < 0.0 and time.monotonic() < again:
             last.collect(answered)
-            time.sleep(5e-4)
+            time.sleep(LOOK_S)
 
 
 def serve(node: Node) -> None:
