@@ -280,13 +280,19 @@ def test_a_damaged_state_is_told(world: World, robot: StandingRobot) -> None:
     assert "update shoecal" in status.message
 
 
+def rezero(world: World) -> Rezero.Response:
+    """Once the calibrator hears the robot."""
+    for subject in ("joints", "voltages"):
+        world.until_told("calibrator", subject, "come")
+    return world.call(Rezero, "shoe/rezero", Rezero.Request())
+
+
 def test_offsets_are_corrected_at_a_standstill(live: World, robot: StandingRobot) -> None:
     robot.stand_as_modelled()
     robot.drift[:] = np.linspace(-0.5, 0.8, len(robot.drift))
     cop = live.hear(PointStamped, "shoe/cop", qos.LIVE)
     grf = live.hear(WrenchStamped, "shoe/grf", qos.LIVE)
-    live.until_told("calibrator", "joints", "come")
-    answer = live.call(Rezero, "shoe/rezero", Rezero.Request())
+    answer = rezero(live)
     assert answer.success, answer.message
     assert tuple(answer.channel) == nao_shoe().names
     assert sum(answer.change) == pytest.approx(-robot.drift.sum(), abs=1e-6)
@@ -295,7 +301,7 @@ def test_offsets_are_corrected_at_a_standstill(live: World, robot: StandingRobot
     assert fresh(live, grf).wrench.force.z == pytest.approx(nao().weight, abs=1e-6)
     assert in_force(live).startswith("rezero-")
     robot.drift += 20.0
-    refused = live.call(Rezero, "shoe/rezero", Rezero.Request())
+    refused = rezero(live)
     assert not refused.success
     assert refused.error_code == Rezero.Response.TOO_FAR
     assert "calibrate anew" in refused.message
@@ -306,7 +312,7 @@ def test_offsets_are_not_corrected_while_the_robot_moves(world: World) -> None:
     start(world, rezero_time=0.3)
     assert set_calibration(world).success
     robot.speed = 0.05
-    refused = world.call(Rezero, "shoe/rezero", Rezero.Request())
+    refused = rezero(world)
     assert not refused.success
     assert refused.error_code == Rezero.Response.NOT_STILL
     assert "stand still" in refused.message
@@ -456,7 +462,7 @@ def test_another_temperature_asks_for_a_rezero(world: World, robot: StandingRobo
     assert told.level == bytes([Level.WARN])
     found = got(world)
     assert (found.calibration.temperature, found.temperature) == (22.0, 31.25)
-    assert world.call(Rezero, "shoe/rezero", Rezero.Request()).success
+    assert rezero(world).success
     world.until_told("calibrator", "calibration", "' in force (PASS)")
     assert got(world).calibration.temperature == 31.25
 
@@ -477,7 +483,7 @@ def test_drift_is_told_and_cured(world: World, robot: StandingRobot) -> None:
     assert told.level == bytes([Level.WARN])
     assert "call shoe/rezero" in told.message
     assert {value.key for value in told.values} >= {"grf_error_n", "grf_limit_n", "cop_error_mm"}
-    answer = world.call(Rezero, "shoe/rezero", Rezero.Request())
+    answer = rezero(world)
     assert answer.success, answer.message
     assert (answer.directions, answer.channels) == (3, 8)
     assert answer.grf_before == pytest.approx(1.0, abs=1e-6)
@@ -502,8 +508,7 @@ def test_somebody_who_touches_the_robot_is_no_drift(world: World, robot: Standin
         robot.forces = (left + next(pushes), right)
 
     world.node.create_timer(0.06, push)
-    world.until_told("calibrator", "joints", "come")
-    refused = world.call(Rezero, "shoe/rezero", Rezero.Request())
+    refused = rezero(world)
     assert not refused.success
     assert "nothing touches" in refused.message
 
