@@ -1,9 +1,9 @@
 """Joint angles or voltages stay away.
 
 A real calibrator is in force beside a robot that stands on both feet or on one of them and tells
-joints and voltages, each foot's in frames of their own, with a period that is drawn (5 to 100 ms).
-At a drawn moment joints, voltages or those of one foot stay away. From its last message
-`/shoe/state` must say so, and not before, within 100 ms or three periods, whichever is longer;
+joints and voltages, each foot's in frames of their own, either first, with a period that is drawn
+(5 to 100 ms). At a drawn moment joints, voltages or those of one foot stay away. From its last
+message `/shoe/state` must say so, and not before, within 100 ms or three periods, whichever is longer;
 without joint angles or one foot's voltages `/shoe/cop` and `/shoe/grf` must end, whose point and
 torques are about one sole for both feet (on one foot, too), and those of a foot whose voltages come
 go on; without voltages nothing is published; when all come again, so must everything. A robot that
@@ -147,6 +147,7 @@ class Scene:
         self.robot.forces = (on_left, nao().weight - on_left)
         period_ns = int(rng.choice(PERIODS_NS))
         robot, period_s = self.robot, period_ns / 1e9
+        robot.first = int(rng.integers(2))
         robot.tell_every(period_ns)
         told = robot.stamp_ns
         self.world.until(lambda: robot.stamp_ns >= told + LEARN * period_ns)
@@ -157,8 +158,8 @@ class Scene:
         needed = self._needed()
         setattr(robot, f"tells_{what}", False)
         last = robot.told_at[what]
-        at = self.told(stale, last)
         late = robot.longest_s > max(LATE_S, LATE_PERIODS * period_s)
+        at = self.told(stale, last)
         before = any(_any_stale(one) for when, one in self.state.heard[1:] if when < last)
         # By stamps: what was on its way may come late.
         after = robot.stamp_ns

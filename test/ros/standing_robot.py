@@ -38,6 +38,7 @@ class StandingRobot:
         tells_joints, tells_voltages: whether it does.
         apart: whether each foot's readings come in frames of their own.
         tells_left, tells_right: whether those of each foot come then.
+        first: foot whose frame is sent first then.
         speed: of its left knee [rad/s].
         stamp_ns: of the last sample [ns].
         ahead_ns: by which the shoes' clock is ahead of the robot's [ns].
@@ -61,6 +62,7 @@ class StandingRobot:
         self.status: dict[str, int] = {}
         self.tells_joints = self.tells_voltages = True
         self.apart, self.tells_left, self.tells_right = False, True, True
+        self.first = 0
         self.longest_s, self._told = 0.0, time.monotonic()
         self.speed = 0.0
         self.ahead_ns = 0
@@ -136,8 +138,8 @@ class StandingRobot:
                 voltage=whole.voltage[own],
                 status=whole.status[own],
             )
-            for foot, tells in enumerate((self.tells_left, self.tells_right))
-            if tells
+            for foot in (self.first, 1 - self.first)
+            if (self.tells_left, self.tells_right)[foot]
             for own in (shoe.of_foot(foot),)
         ]
 

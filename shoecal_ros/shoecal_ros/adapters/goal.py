@@ -17,6 +17,8 @@ AGAIN_S = 0.5
 """Whoever has not been heard to end is asked again after so long."""
 PATIENCE_S = 1.0
 """In which a goal that was asked to end should have ended."""
+UNSURE_S = 3.0
+"""What a controller told of its goals comes within so long, or is of later ones."""
 _ENDED = (GoalStatus.STATUS_SUCCEEDED, GoalStatus.STATUS_CANCELED, GoalStatus.STATUS_ABORTED)
 
 
@@ -80,7 +82,7 @@ class AllGoals(Goal):
 
     They have ended once it has answered, and tells of none that goes on; then others may come, and
     may be cancelled again. One that never had a goal tells nothing at all; what another one told
-    may come later than its answer, and counts all the same.
+    may come a little later than its answer, and counts all the same.
     """
 
     def __init__(self, node: Node, client: ActionClient, action: str) -> None:
@@ -95,7 +97,8 @@ class AllGoals(Goal):
         every = CancelGoal.Request().goal_info.goal_id
         super().__init__(ClientGoalHandle(client, every, None))
         self._node, self._topic = node, f"{action}/_action/status"
-        self._told = self._going_on = self._unsure = False
+        self._told = self._going_on = False
+        self._unsure_until_s = -math.inf
         self._tellers: frozenset[bytes] = frozenset()
         node.create_subscription(
             GoalStatusArray, self._topic, self._hear, qos_profile_action_status_default
@@ -110,11 +113,11 @@ class AllGoals(Goal):
     def forget(self) -> None:
         """They may go on."""
         self._ended, self._canceled_s, self._asked_s = False, math.inf, -math.inf
-        self._unsure = False
+        self._unsure_until_s = -math.inf
 
     def give_way(self) -> None:
         """Another goal is sent: what the controller tells from now on may be of that."""
-        self._unsure = False
+        self._unsure_until_s = -math.inf
 
     def watch(self) -> None:
         """Ask where that is due, and see who is there."""
@@ -131,7 +134,7 @@ class AllGoals(Goal):
         gone = self._tellers and self._tellers.isdisjoint(self._tellers_there())
         if self._told and not gone:
             return not self._going_on
-        self._unsure = True
+        self._unsure_until_s = time.monotonic() + UNSURE_S
         return True
 
     def _tellers_there(self) -> frozenset[bytes]:
@@ -142,6 +145,6 @@ class AllGoals(Goal):
         self._told = True
         self._going_on = any(one.status not in _ENDED for one in told.status_list)
         self._tellers = self._tellers_there()
-        if self._going_on and self._unsure:
-            self._ended = False
-        self._unsure = False
+        if self._going_on and time.monotonic() <= self._unsure_until_s:
+            self._ended, self._canceled_s = False, time.monotonic()
+        self._unsure_until_s = -math.inf

@@ -27,6 +27,7 @@ class Live:
     Attributes:
         stamp_ns: time of sampling [ns].
         feet: left, right; without a CoP where a foot carries no load.
+        told: of which feet there is something new.
         frame: foot in whose sole frame `wrench` and `cop` are.
         wrench: F [N], Mx, My [N m] of both feet; None where it is not known.
         cop: of both feet [m]; None where no foot carries load, or it is not known.
@@ -35,6 +36,7 @@ class Live:
 
     stamp_ns: int
     feet: tuple[FootInstant, FootInstant]
+    told: tuple[bool, bool]
     frame: int
     wrench: Wrench | None
     cop: Place | None
@@ -160,7 +162,9 @@ class LiveSensing:
         both = None
         if wrench is not None and any(loaded):
             both = (-wrench[2] / wrench[0], wrench[1] / wrench[0])
-        return Live(one.stamp_ns, (left, right), self._switch.frame, wrench, both, loaded)
+        on_left, on_right = self._of_foot
+        told = bool(one.new[on_left].any()), bool(one.new[on_right].any())
+        return Live(one.stamp_ns, (left, right), told, self._switch.frame, wrench, both, loaded)
 
 
 class _Turn:

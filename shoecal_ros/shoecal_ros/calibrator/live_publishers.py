@@ -100,7 +100,9 @@ def _combined_grf(live: Live) -> Any:
 def _foot_cop(foot: int) -> Any:
     def message(live: Live) -> Any:
         cop = live.feet[foot].cop
-        return None if cop is None else point_to_ros(live.stamp_ns, SOLES[foot], cop)
+        if cop is None or not live.told[foot]:
+            return None
+        return point_to_ros(live.stamp_ns, SOLES[foot], cop)
 
     return message
 
@@ -108,8 +110,8 @@ def _foot_cop(foot: int) -> Any:
 def _foot_grf(foot: int) -> Any:
     def message(live: Live) -> Any:
         wrench = wrench_of(live.feet[foot])
-        # A force that is not known is nothing for a controller.
-        if math.isnan(wrench[0]):
+        # A force that is not known is nothing for a controller, nor is one it has been told.
+        if math.isnan(wrench[0]) or not live.told[foot]:
             return None
         return wrench_to_ros(live.stamp_ns, SOLES[foot], wrench)
 

@@ -22,8 +22,8 @@ from shoecal_msgs.msg import ShoeVoltages
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
-from shoecal_ros.inputs.joining import Joined
-from shoecal_ros.inputs.own_noise import OwnNoise
+from shoecal_ros.inputs.joining import NEVER_NS, Joined
+from shoecal_ros.inputs.own_noise import ALL, Cells, OwnNoise
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -133,22 +133,58 @@ class CellWatch:
         elapsed_s = (self._taken[-1].stamp_ns - self._taken[0].stamp_ns) / 1e9
         if elapsed_s < LEARN_S and len(self._taken) < LEARN_FRAMES:
             return
-        with np.errstate(invalid="ignore"):
-            steps = np.diff([one.readings for one in self._taken], axis=0)
-        change = np.abs(steps)
-        self._own_noise.take(steps, elapsed_s)
-        self._look_for_frozen(np.mean(change != 0.0, axis=0), elapsed_s, len(change))
-        usual = np.minimum(np.nan_to_num(change).mean(axis=0), 3.0 * self._noise + self._least)
-        self._noise += (1.0 - math.exp(-elapsed_s / NOISE_S)) * (usual - self._noise)
+        stamps = np.array([one.stamp_ns for one in self._taken])
+        readings = np.array([one.readings for one in self._taken])
+        new = np.array([one.new for one in self._taken])
+        self._taken.clear()
+        if new.all():
+            self._learn(ALL, stamps, readings)
+        else:
+            # Each board's cells from its own readings: those of a slow one stand beside several.
+            patterns, board = np.unique(new, axis=1, return_inverse=True)
+            for index, own in enumerate(patterns.T):
+                columns = np.flatnonzero(board.ravel() == index)
+                if own.any():
+                    self._learn(columns, stamps[own], readings[own][:, columns])
         self._bound = np.maximum(self._least, LEAP_NOISE * self._noise)
-        del self._taken[:-1]
+        self._look_for_frozen()
+
+    def _learn(self, cells: Cells, stamps: NDArray[np.int64], readings: FloatArray) -> None:
+        """From (k, m) readings of some cells that were all new at each of k instants [ns]."""
+        before_ns = self._learnt_ns[cells].min()
+        if stamps[0] - before_ns <= RESTART_S * 1e9:
+            stamps = np.concatenate([[before_ns], stamps])
+            readings = np.concatenate([self._learnt[cells][None], readings])
+        self._learnt_ns[cells], self._learnt[cells] = stamps[-1], readings[-1]
+        if len(stamps) < 2:
+            return
+        elapsed_s = float(stamps[-1] - stamps[0]) / 1e9
+        with np.errstate(invalid="ignore"):
+            steps = np.diff(readings, axis=0)
+        change = np.abs(steps)
+        self._own_noise.take(steps, elapsed_s, cells)
+        noise = self._noise[cells]
+        usual = np.minimum(np.nan_to_num(change).mean(axis=0), 3.0 * noise + self._least[cells])
+        self._noise[cells] += (1.0 - math.exp(-elapsed_s / NOISE_S)) * (usual - noise)
+        # How often a reading changes, lately and usually.
+        changing = np.mean(change != 0.0, axis=0)
+        constant_s = max(FREEZE_S, FREEZE_FRAMES * elapsed_s / len(change))
+        lately = 1.0 - math.exp(-elapsed_s / constant_s)
+        self._changing[cells] += lately * (changing - self._changing[cells])
+        # A converter with few bits repeats itself: that is how it is, unless it never does else.
+        share = 1.0 - math.exp(-elapsed_s / KNOWN_S)
+        self._usual_weight[cells] += share * (1.0 - self._usual_weight[cells])
+        unchanged = self._frozen[cells]
+        self._usual[cells] += np.where(unchanged, 0.0, share * (changing - self._usual[cells]))
 
     def _restart(self, readings: FloatArray) -> None:
         count = len(self._names)
         self._taken: list[Joined] = []
         self._changing = np.ones(count)
         self._usual = np.zeros(count)
-        self._usual_weight = 0.0
+        self._usual_weight = np.zeros(count)
+        self._learnt = readings.copy()
+        self._learnt_ns = np.full(count, NEVER_NS)
         self._own_noise = OwnNoise(count)
         self._noise = np.zeros(count)
         self._bound = self._least
@@ -192,20 +228,8 @@ class CellWatch:
         self._calm = not (status.any() or broken.any())
         return replace(one, readings=np.where(known, one.readings, np.nan), status=status)
 
-    def _look_for_frozen(self, changing: FloatArray, elapsed_s: float, frames: int) -> None:
-        """Against what the others do, or what the cell itself always did.
-
-        Args:
-            changing: (n,) share of the last readings that differ from the ones before.
-            elapsed_s: time that they took [s].
-            frames: number of them.
-        """
-        constant_s = max(FREEZE_S, FREEZE_FRAMES * elapsed_s / frames)
-        self._changing += (1.0 - math.exp(-elapsed_s / constant_s)) * (changing - self._changing)
-        # A converter with few bits repeats itself: that is how it is, unless it never does else.
-        share = 1.0 - math.exp(-elapsed_s / KNOWN_S)
-        self._usual_weight += share * (1.0 - self._usual_weight)
-        self._usual += np.where(self._frozen, 0.0, share * (changing - self._usual))
+    def _look_for_frozen(self) -> None:
+        """Against what the others do, or what the cell itself always did."""
         strange = (self._usual > THAWED * self._usual_weight) | (self._usual == 0.0)
         bound = np.where(self._frozen, THAWED, FROZEN)
         others_change = float(np.median(self._changing)) > LIVELY

@@ -31,14 +31,21 @@ _BACK = 3
 """More steps back of a counter than this in so many: two devices send the same cells."""
 _GONE_S = 1.0
 """A source that has sent nothing for so long, by the wall clock, has its cells no longer."""
-_NEVER_NS = -(2**62)
+_APART_S = 1.0
+"""Who catches up is behind others; who is so for as long has another clock."""
+NEVER_NS = -(2**62)
 """Stamp of what has not come."""
+_MOST_HOLD_NS = round(MOST_HOLD_S * 1e9)
 _MOST_STREAMS = 64
 """Sets of cells that frames may carry: a board has one, or a few in turn."""
 
 
 class TwoSourcesError(ShoecalError):
     """One cell's voltage comes from two places."""
+
+
+class ClocksApartError(ShoecalError):
+    """Boards whose stamps are of different clocks."""
 
 
 class UnsteadyCellsError(ShoecalError):
@@ -58,8 +65,9 @@ class JoinSettings(Settings):
         "s",
         "for how long a cell's reading counts beside those of other boards, or for "
         f"{HOLD_PERIODS:g} of its own board's periods if that is longer, but at most for "
-        f"{MOST_HOLD_S:g} s (or this, if longer)",
+        f"{MOST_HOLD_S:g} s",
         minimum=1e-3,
+        maximum=MOST_HOLD_S,
     )
 
 
@@ -68,7 +76,7 @@ class Joined:
     """All channels at one instant.
 
     Attributes:
-        stamp_ns: time of sampling of those that are new [ns].
+        stamp_ns: time of sampling of the board that gives instants; no other's is later [ns].
         readings: (n,) in the shoe's order, NaN where none came.
         status: (n,) constants of ShoeVoltages.
         new: (n,) which were told since the instant before; others are that one's still.
@@ -89,11 +97,12 @@ class _Stream:
         self._sequence: int | None = None
         self._back: deque[bool] = deque(maxlen=_STEPS)
         self._intervals: deque[int] = deque(maxlen=_INTERVALS)
-        self.stamp_ns = _NEVER_NS
+        self.stamp_ns = NEVER_NS
+        self.behind_since: float | None = None
 
     def note(self, stamp_ns: int) -> None:
         """A frame, of a later instant unless the clock was set back."""
-        if stamp_ns > self.stamp_ns > _NEVER_NS:
+        if stamp_ns > self.stamp_ns > NEVER_NS:
             self._intervals.append(stamp_ns - self.stamp_ns)
         self.stamp_ns = stamp_ns
 
@@ -118,7 +127,9 @@ class FrameJoiner:
     that carry the cell heard first give the instants; those of another one as soon as it is late.
 
     Attributes:
+        clock: monotonic [s].
         left_out: frames whose stamps were not later than those before them.
+        came: (n,) when each channel's last reading came, by the clock [s].
     """
 
     def __init__(
@@ -134,24 +145,22 @@ class FrameJoiner:
             hold_s: for how long a reading counts at least [s].
             clock: monotonic [s].
         """
-        self._clock = clock
+        self.clock = clock
         self._column = {name: index for index, name in enumerate(channels)}
         self._names = tuple(channels)
         self._hold_ns = round(hold_s * 1e9)
-        self._most_ns = max(self._hold_ns, round(MOST_HOLD_S * 1e9))
         self._all_new = np.ones(len(channels), dtype=np.bool_)
         self._reference = 0
         self.left_out = 0
+        self.came = np.full(len(channels), -np.inf)
         self.forget()
 
     def forget(self) -> None:
         """Begin anew: boards may have been plugged differently."""
-        count = len(self._names)
         self._streams: dict[tuple[str, tuple[str, ...]], _Stream] = {}
         self._owner: dict[str, str] = {}
         self._heard: dict[str, float] = {}
         self._restart()
-        self._status = np.full(count, NO_DATA, dtype=np.uint8)
 
     @property
     def missing(self) -> tuple[str, ...]:
@@ -162,7 +171,9 @@ class FrameJoiner:
         """Take one frame; all channels when it gives an instant.
 
         Raises:
-            TwoSourcesError: when a cell comes from two places; the frame is left out.
+            ClocksApartError: for a frame with stamps far behind those of others, as before; it is
+                left out.
+            TwoSourcesError: when a cell comes from two places; likewise.
             UnknownCellError: for a cell the shoe does not have; likewise.
             UnsteadyCellsError: for yet another set of cells after very many; likewise.
         """
@@ -170,7 +181,7 @@ class FrameJoiner:
             # A device whose channels nobody named: its driver says so.
             return None
         stream = self._stream(frame)
-        self._heard[frame.source] = self._clock()
+        now = self._heard[frame.source] = self.clock()
         if stream.doubled(frame.sequence):
             raise TwoSourcesError(
                 f"two drivers named '{frame.source}' send {', '.join(frame.cells)}; stop one of "
@@ -184,22 +195,42 @@ class FrameJoiner:
             self._restart()
         stream.note(stamp)
         columns = stream.columns
+        self.came[columns] = now
         if len(columns) == len(self._names) and stream.in_order:
             # One board sends all there is: there is nothing to join.
             self._readings[:], self._status[:], self._stamps[:] = frame.voltage, frame.status, stamp
             self._new[:] = False
+            self._instant_ns = stamp
             return Joined(stamp, frame.voltage, frame.status, self._all_new)
         self._readings[columns] = frame.voltage
         self._status[columns] = frame.status
         self._stamps[columns] = stamp
         self._new[columns] = True
         self._holds[columns] = min(
-            max(self._hold_ns, HOLD_PERIODS * stream.period_ns), self._most_ns
+            max(self._hold_ns, HOLD_PERIODS * stream.period_ns), _MOST_HOLD_NS
         )
-        if stamp - self._stamps[self._reference] > self._hold_ns:
+        if self._late(stamp, now):
             self._reference = int(columns[0])
         if self._reference not in columns:
+            self._see_whether_apart(stream, frame, now)
             return None
+        stream.behind_since = None
+        return self._instant(stamp)
+
+    def _late(self, stamp: int, now: float) -> bool:
+        """Whether the board that gives the instants is, beside a frame that came now."""
+        ahead = self._stamps[self._reference] > stamp
+        if ahead and now - self.came[self._reference] > MOST_HOLD_S:
+            # It is gone, whatever its stamps say.
+            self._stamps[now - self.came > MOST_HOLD_S] = NEVER_NS
+        return bool(stamp - self._stamps[self._reference] > self._hold_ns)
+
+    def _instant(self, stamp: int) -> Joined | None:
+        """What is known at a time; None where a board that is gone has given a later one."""
+        if 0 <= self._instant_ns - stamp < CLOCK_SET_NS:
+            self.left_out += 1
+            return None
+        self._instant_ns = stamp
         old = np.abs(stamp - self._stamps) > self._holds
         new = self._new & ~old
         self._new[:] = False
@@ -210,12 +241,29 @@ class FrameJoiner:
             new,
         )
 
+    def _see_whether_apart(self, stream: _Stream, frame: VoltageFrame, now: float) -> None:
+        """ClocksApartError where a board was behind who gives the instants all the time."""
+        behind_ns = int(self._stamps[self._reference]) - frame.stamp_ns
+        if behind_ns <= _MOST_HOLD_NS:
+            stream.behind_since = None
+        elif stream.behind_since is None:
+            stream.behind_since = now
+        elif now - stream.behind_since > _APART_S:
+            raise ClocksApartError(
+                f"stamps of {', '.join(frame.cells)} are {behind_ns / 1e9:.2f} s behind those of "
+                "the other cells, which come at the same time; let the computers of all drivers "
+                "keep one clock"
+            )
+
     def _restart(self) -> None:
         count = len(self._names)
-        self._readings = np.full(count, np.nan)
-        self._stamps = np.full(count, _NEVER_NS, dtype=np.int64)
-        self._new = np.zeros(count, dtype=np.bool_)
-        self._holds = np.full(count, self._hold_ns, dtype=np.int64)
+        self._instant_ns = NEVER_NS
+        self.came[:] = -np.inf
+        self._status: NDArray[np.uint8] = np.full(count, NO_DATA, dtype=np.uint8)
+        self._readings: FloatArray = np.full(count, np.nan)
+        self._stamps: NDArray[np.int64] = np.full(count, NEVER_NS, dtype=np.int64)
+        self._new: BoolArray = np.zeros(count, dtype=np.bool_)
+        self._holds: NDArray[np.int64] = np.full(count, self._hold_ns, dtype=np.int64)
 
     def _stream(self, frame: VoltageFrame) -> _Stream:
         key = (frame.source, frame.cells)
@@ -246,7 +294,7 @@ class FrameJoiner:
     def _owned(self, cell: str, source: str) -> bool:
         """Whether somebody else sends a cell; whoever has fallen silent has none any more."""
         owner = self._owner.get(cell, source)
-        if owner != source and self._clock() - self._heard[owner] > _GONE_S:
+        if owner != source and self.clock() - self._heard[owner] > _GONE_S:
             self._heard.pop(owner)
             self._streams = {key: one for key, one in self._streams.items() if key[0] != owner}
             self._owner = {name: one for name, one in self._owner.items() if one != owner}

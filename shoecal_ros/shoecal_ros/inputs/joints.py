@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -19,6 +20,9 @@ from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard
 from shoecal_ros.inputs.one_sender import OneSender
 
 FloatArray = NDArray[np.float64]
+
+ASK_S = 0.1
+"""From one look for who sends to the next, while they contradict each other."""
 
 
 class UnusableJointsError(ShoecalError):
@@ -68,12 +72,14 @@ class JointInput:
         self.robot = robot
         self.latest: JointBatch | None = None
         self._stale_s = stale_s
+        self._clock = clock
         self.heard = LastHeard(clock, silent_s)
         self._senders = senders
         self._sender = OneSender(robot)
         self._mismatch: Problem | None = None
         self._contradicted = False
         self._contradicting: Sequence[str] = ()
+        self._asked_s = -math.inf
 
     @property
     def age_s(self) -> float:
@@ -140,16 +146,19 @@ class JointInput:
             return None
         keep = self._sender.follows(stamps, angles)
         self._contradicted = self._sender.doubled
-        self._contradicting = self._those_who_send() if self._contradicted else ()
+        if not self._contradicted:
+            self._contradicting, self._asked_s = (), -math.inf
+        elif self._clock() - self._asked_s >= ASK_S:
+            self._contradicting, self._asked_s = self._those_who_send(), self._clock()
         if self._contradicted or not keep.any():
             return None
         return JointBatch(stamps[keep], angles[keep])
 
     def _those_who_send(self) -> Sequence[str]:
-        """By name; where there were several, whoever is left alone is not what is wrong."""
-        # Asked anew each time: who has just come may not have told its name yet.
+        """By name; where there were more, those who are left are not what was wrong."""
+        # Asked again and again: who has just come may not have told its name yet.
         names = tuple(self._senders())
-        return names if len(names) >= min(len(self._contradicting), 2) else self._contradicting
+        return names if len(names) >= len(self._contradicting) else self._contradicting
 
     def _who_contradicts(self) -> str:
         names = [f"'{name}'" for name in self._contradicting]

@@ -72,10 +72,10 @@ class LastHeard:
         age = "never" if self._at == -math.inf else f"{now - self._at:.3f}"
         return {"rate_hz": f"{rate:.1f}", "age_s": age}
 
-    def note(self, count: int = 1) -> None:
-        """Something has come, `count` of it at once."""
+    def note(self, count: int = 1, at: float | None = None) -> None:
+        """Something has come, `count` of it at once; where not now, at a time of the clock [s]."""
         self._count += count
-        now = self._clock()
+        came = self._clock() if at is None else at
         if self._at > -math.inf:
-            self._intervals.append(now - self._at)
-        self._at = now
+            self._intervals.append(came - self._at)
+        self._at = came

@@ -18,6 +18,9 @@ from numpy.typing import NDArray
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+Cells = slice | NDArray[np.int64]
+"""Some channels."""
+ALL = slice(None)
 
 NOISY = 0.35
 """Share of extrema from which noise is known."""
@@ -49,19 +52,20 @@ class OwnNoise:
         ended: BoolArray = self.noisy & long
         return ended
 
-    def take(self, steps: FloatArray, elapsed_s: float) -> None:
-        """Take (k, n) changes from reading to reading, over so long a time [s]."""
+    def take(self, steps: FloatArray, elapsed_s: float, cells: Cells = ALL) -> None:
+        """Take (k, m) changes from reading to reading of m channels, over so long a time [s]."""
         changes = steps != 0.0
         changed = changes.any(axis=0)
         # Who rests by nature, and was only shaken, is not told a second time before it is known.
-        thawed = self.ended & changed
-        self.noisy[thawed], self._share[thawed] = False, 0.0
-        pairs = np.sign(np.concatenate([self._before[None], steps]))
+        thawed = self.ended[cells] & changed
+        noisy, share = self.noisy[cells] & ~thawed, np.where(thawed, 0.0, self._share[cells])
+        pairs = np.sign(np.concatenate([self._before[cells][None], steps]))
         extrema = np.mean(pairs[1:] * pairs[:-1] < 0.0, axis=0)
-        self._share += (1.0 - math.exp(-elapsed_s / KNOWN_S)) * (extrema - self._share)
-        self.noisy |= self._share >= NOISY
+        share += (1.0 - math.exp(-elapsed_s / KNOWN_S)) * (extrema - share)
+        self._share[cells], self.noisy[cells] = share, noisy | (share >= NOISY)
         since = np.argmax(changes[::-1], axis=0)
         rest_s = since * (elapsed_s / len(steps))
-        self._rest_s = np.where(changed, rest_s, self._rest_s + elapsed_s)
-        self._rest_frames = np.where(changed, since, self._rest_frames + len(steps))
-        self._before = steps[-1]
+        self._rest_s[cells] = np.where(changed, rest_s, self._rest_s[cells] + elapsed_s)
+        rest_frames = self._rest_frames[cells]
+        self._rest_frames[cells] = np.where(changed, since, rest_frames + len(steps))
+        self._before[cells] = steps[-1]

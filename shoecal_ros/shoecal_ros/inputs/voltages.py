@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +34,6 @@ class VoltageInput:
         self,
         joiner: FrameJoiner,
         stale_s: float,
-        clock: Callable[[], float] = time.monotonic,
         *,
         silent_s: float = SILENT_S,
         watch: CellWatch | None = None,
@@ -44,9 +42,8 @@ class VoltageInput:
         """Nothing heard.
 
         Args:
-            joiner: of the frames.
+            joiner: of the frames, whose clock is this one's, too.
             stale_s: without frames for that long there is a problem, by the wall clock [s].
-            clock: monotonic [s].
             silent_s: for that long at least, they are silent [s].
             watch: marks readings of broken cells.
             of_foot: indices of each foot's channels, where feet are asked for.
@@ -54,10 +51,10 @@ class VoltageInput:
         self._joiner = joiner
         self._stale_s = stale_s
         self._watch = watch
-        self._clock = clock
-        self._began = clock()
-        self.heard = LastHeard(clock, silent_s)
-        self.feet = tuple(LastHeard(clock, silent_s) for _ in of_foot)
+        self._clock = joiner.clock
+        self._began = joiner.clock()
+        self.heard = LastHeard(joiner.clock, silent_s)
+        self.feet = tuple(LastHeard(joiner.clock, silent_s) for _ in of_foot)
         self._of_foot = of_foot
         self._lost = LostFrames()
         self._trouble: Problem | None = None
@@ -132,7 +129,8 @@ class VoltageInput:
         if instants:
             for heard, own in zip(self.feet, self._of_foot, strict=True):
                 if any(one.new[own].any() for one in instants):
-                    heard.note()
+                    # Since it came: the instant may have waited a period for the other board.
+                    heard.note(at=float(self._joiner.came[own].max()))
             if self._watch is not None:
                 instants = self._watch.take(instants)
             self.heard.note(len(instants))

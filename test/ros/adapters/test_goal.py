@@ -6,11 +6,13 @@ from collections.abc import Callable
 from types import SimpleNamespace
 from typing import Any
 
+import pytest
 from action_msgs.msg import GoalStatus, GoalStatusArray
 from action_msgs.srv import CancelGoal
 from rclpy.task import Future
 
-from shoecal_ros.adapters.goal import AllGoals
+from ros.clock import Clock
+from shoecal_ros.adapters.goal import PATIENCE_S, UNSURE_S, AllGoals
 
 
 class Listener:
@@ -74,6 +76,37 @@ def test_what_a_controller_told_may_come_later_than_its_answer() -> None:
     assert not goals.ending
     node.hear(GOES_ON)
     assert not goals.ending, "that is a later one"
+
+
+def test_what_comes_long_after_the_answer_is_a_later_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A controller that never had a goal tells nothing until it gets one."""
+    clock = Clock()
+    monkeypatch.setattr("shoecal_ros.adapters.goal.time.monotonic", clock)
+    node = Listener()
+    node.there = [b"one"]
+    goals = all_goals(node)
+    goals.cancel()
+    answered(goals)
+    clock.now += UNSURE_S + 0.1
+    node.hear(GOES_ON)
+    assert not goals.ending
+    assert not goals.overdue
+
+
+def test_what_was_heard_late_is_given_its_time_to_end(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = Clock()
+    monkeypatch.setattr("shoecal_ros.adapters.goal.time.monotonic", clock)
+    node = Listener()
+    node.there = [b"one"]
+    goals = all_goals(node)
+    goals.cancel()
+    answered(goals)
+    clock.now += UNSURE_S - 0.1
+    node.hear(GOES_ON)
+    assert goals.ending
+    assert not goals.overdue
+    clock.now += PATIENCE_S + 0.1
+    assert goals.overdue
 
 
 def test_what_was_sent_since_is_not_taken_for_what_was_to_end() -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -70,6 +71,15 @@ def test_both_feet_give_one_cop_in_the_left_soles_frame(
     np.testing.assert_allclose(found.wrench, at_cop(np.array(left + right), expected), atol=1e-9)
     for foot, force in zip(found.feet, (left, right), strict=True):
         assert foot.force == pytest.approx(force)
+
+
+def test_a_foot_of_which_nothing_new_came_is_not_told_again() -> None:
+    live, both = sensing(), instant((20.0, 0.01, 0.0), (30.0, 0.02, 0.0))
+    assert one(live, both).told == (True, True)
+    for foot in (0, 1):
+        new = np.zeros(len(SHOE.names), dtype=np.bool_)
+        new[SHOE.of_foot(foot)[0]] = True
+        assert one(live, replace(both, new=new)).told == (foot == 0, foot == 1)
 
 
 def test_a_foot_in_the_air_has_no_cop() -> None:

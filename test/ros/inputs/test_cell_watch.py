@@ -204,14 +204,12 @@ def test_what_the_device_says_stays() -> None:
     assert watch.condition.code == Code.CELL_FAULT
 
 
-def beside_slow(spike: int) -> list[Joined]:
-    """One foot's board sends every fourth time; once its cell gives what it must not."""
+def beside_slow(readings: list[Joined], slower: int = 4) -> list[Joined]:
+    """As if the board of the cell's foot sent every fourth time only."""
     slow = nao_shoe().foot == nao_shoe().foot[CELL]
     told: list[Joined] = []
-    for number, one in enumerate(stream()):
-        new = ~slow | (number % 4 == 0)
-        if number == spike:
-            one.readings[CELL] += 2.0
+    for number, one in enumerate(readings):
+        new = ~slow | (number % slower == 0)
         values = np.where(new, one.readings, told[-1].readings) if told else one.readings
         told.append(replace(one, readings=values, new=new))
     return told
@@ -220,7 +218,9 @@ def beside_slow(spike: int) -> list[Joined]:
 def test_a_slow_boards_spike_is_one_however_long_it_stands_there() -> None:
     spike = 120
     watch = CellWatch(nao_shoe())
-    marked = taken(watch, beside_slow(spike))
+    readings = stream()
+    readings[spike].readings[CELL] += 2.0
+    marked = taken(watch, beside_slow(readings))
     fault = [one.status[CELL] == ShoeVoltages.FAULT for one in marked]
     assert all(fault[spike : spike + 4]), "no force is made of it"
     assert not any(fault[:spike])
@@ -230,4 +230,48 @@ def test_a_slow_boards_spike_is_one_however_long_it_stands_there() -> None:
 
 def test_a_board_that_is_slower_than_the_other_is_well() -> None:
     watch = CellWatch(nao_shoe())
-    assert not any(one.status.any() for one in taken(watch, beside_slow(-1)))
+    assert not any(one.status.any() for one in taken(watch, beside_slow(stream())))
+
+
+@pytest.mark.parametrize(("rate", "slower"), [(100.0, 2), (100.0, 4), (1000.0, 10), (1000.0, 40)])
+def test_a_cell_that_is_stuck_is_told_beside_a_faster_board(rate: float, slower: int) -> None:
+    readings = beside_slow(spoilt(stream(rate, 4.0), lambda _, __: 1.0), slower)
+    after_s, code = first_told(readings)
+    assert code == Code.CELL_STUCK
+    # As long as it takes where both are as slow.
+    assert after_s <= 0.3 * max(1.0, 80.0 * slower / rate)
+
+
+def test_a_board_that_hangs_is_told_beside_a_faster_one() -> None:
+    slow = np.flatnonzero(nao_shoe().foot == nao_shoe().foot[CELL])
+    readings = stream(200.0, 16.0, noise=0.0)
+    rng = np.random.default_rng(2)
+    for number, one in enumerate(readings):
+        one.readings[:] = 1.0 + 1e-4 * np.round(3.0 * rng.standard_normal(COUNT))
+        if number > 2000:
+            one.readings[slow] = readings[2000].readings[slow]
+    watch = CellWatch(nao_shoe())
+    told = beside_slow(readings, 2)
+    assert not any(one.status.any() for one in taken(watch, told[:2000]))
+    last = taken(watch, told[2000:2120])[-1]
+    assert np.flatnonzero(last.status).tolist() == slow.tolist()
+
+
+def test_a_slow_board_that_was_alone_at_first_is_well_beside_a_fast_one() -> None:
+    slow = nao_shoe().foot == nao_shoe().foot[CELL]
+    rng = np.random.default_rng(3)
+    noise = 1e-3 * np.round(rng.standard_normal((4000, COUNT)))
+    readings = [
+        Joined(10**9 + number * 10**7, 1.0 + row, np.zeros(COUNT, dtype=np.uint8), NEW)
+        for number, row in enumerate(noise)
+    ]
+    together = beside_slow(readings, 5)
+    for one in together:
+        one.readings[~slow] += 0.1 * np.sin(one.stamp_ns / 1e8)
+    alone = [
+        replace(one, readings=np.where(slow, one.readings, np.nan), new=slow)
+        for one in together[:1000:5]
+    ]
+    watch = CellWatch(nao_shoe())
+    taken(watch, alone)
+    assert not any(one.status[slow].any() for one in taken(watch, together[1000:]))

@@ -13,6 +13,7 @@ from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import VoltageFrame
 from shoecal_ros.inputs.joining import (
     NO_DATA,
+    ClocksApartError,
     FrameJoiner,
     Joined,
     TwoSourcesError,
@@ -23,6 +24,7 @@ from shoecal_ros.inputs.voltages import VoltageInput
 
 CELLS = ("left/a", "left/b", "right/a", "right/b")
 STEP_NS = 10_000_000
+LEFT, RIGHT = (CELLS[:2], "left"), (CELLS[2:], "right")
 
 
 def frame(
@@ -44,8 +46,8 @@ def frame(
     )
 
 
-def joiner() -> FrameJoiner:
-    return FrameJoiner(CELLS, hold_s=0.025)
+def joiner(clock: Clock | None = None) -> FrameJoiner:
+    return FrameJoiner(CELLS, hold_s=0.025, clock=clock or Clock())
 
 
 def joined(found: Joined | None) -> Joined:
@@ -104,10 +106,13 @@ def test_two_boards_meet_where_they_are_slow(
     last = max(one.stamp_ns for one in told if one.source == "right")
     # Once both periods are known.
     known = 10**9 + (4 + lag) * slower * period_ns
+    instants = 0
     for one in sorted(told, key=lambda one: one.stamp_ns):
         found = join.add(one)
         if known < one.stamp_ns <= last and found is not None:
             assert np.isfinite(found.readings).all()
+            instants += 1
+    assert instants >= 40 // slower - 6, "as many as the slower board's frames, known by then"
 
 
 def test_the_other_board_goes_on_alone() -> None:
@@ -132,6 +137,54 @@ def test_a_board_with_a_bad_line_holds_nobody_up() -> None:
             assert age_ns <= 150_000_001 or np.isnan(one.readings[:2]).all(), "it is old"
             assert one.new.tolist() == [index % 200 == 0] * 2 + [True] * 2
     assert len(instants) > 990
+
+
+@pytest.mark.parametrize(("ahead_s", "most_s"), [(0.5, 0.7), (3600.0, 0.2)])
+def test_a_board_whose_clock_was_ahead_holds_nobody_up_when_it_is_gone(
+    ahead_s: float, most_s: float
+) -> None:
+    clock = Clock()
+    join = joiner(clock)
+    ahead_ns = round(ahead_s * 1e9)
+    stamps = []
+    for index in range(300):
+        clock.now += 0.01
+        if index < 50:
+            one = join.add(frame(index, *LEFT, shift_ns=ahead_ns))
+            assert one is not None
+        one = join.add(frame(index, *RIGHT))
+        if one is not None and index >= 50:
+            stamps.append(one.stamp_ns - 10**9)
+            assert np.isnan(one.readings[:2]).all()
+            assert np.isfinite(one.readings[2:]).all()
+    assert stamps[0] < 50 * STEP_NS + most_s * 1e9
+    assert np.diff(stamps).max() == STEP_NS
+    assert join.left_out == (36 if ahead_s < 1.0 else 0), "nothing is left out uncounted"
+
+
+def test_boards_of_two_clocks_are_told() -> None:
+    clock = Clock()
+    join = joiner(clock)
+    for index in range(100):
+        clock.now += 0.01
+        join.add(frame(index, *LEFT))
+        join.add(frame(index, *RIGHT, shift_ns=-400_000_000))
+    clock.now += 0.02
+    join.add(frame(102, *LEFT))
+    with pytest.raises(ClocksApartError, match=r"right/a, right/b are 0\.40 s behind .*one clock"):
+        join.add(frame(102, *RIGHT, shift_ns=-400_000_000))
+
+
+def test_a_board_that_catches_up_has_no_other_clock() -> None:
+    clock = Clock()
+    join = joiner(clock)
+    for index in range(500):
+        clock.now += 0.01
+        join.add(frame(index, *LEFT))
+        if index % 90 == 89:
+            # All of nearly a second at once.
+            for late in range(index - 89, index + 1):
+                join.add(frame(late, *RIGHT))
 
 
 def test_the_slower_board_does_not_set_the_pace() -> None:
@@ -244,9 +297,6 @@ def test_time_may_begin_anew() -> None:
     np.testing.assert_allclose(again.readings, 1 + 0.1 * np.arange(4))
 
 
-LEFT, RIGHT = (CELLS[:2], "left"), (CELLS[2:], "right")
-
-
 @pytest.mark.parametrize(
     ("away", "there", "silent"), [(RIGHT, LEFT, [False, True]), (LEFT, RIGHT, [True, False])]
 )
@@ -254,7 +304,7 @@ def test_a_foot_whose_board_falls_silent_is_told_beside_the_other(
     away: tuple[tuple[str, ...], str], there: tuple[tuple[str, ...], str], silent: list[bool]
 ) -> None:
     clock = Clock()
-    voltages = VoltageInput(joiner(), 0.5, clock, of_foot=[np.arange(2), np.arange(2, 4)])
+    voltages = VoltageInput(joiner(clock), 0.5, of_foot=[np.arange(2), np.arange(2, 4)])
     for index in range(20):
         clock.now += 0.01
         voltages.take([frame(index, CELLS[:2], "left"), frame(index, CELLS[2:], "right")])
@@ -269,6 +319,32 @@ def test_a_foot_whose_board_falls_silent_is_told_beside_the_other(
     assert [foot.silent for foot in voltages.feet] == [False, False]
 
 
+@pytest.mark.parametrize("period_ms", [5, 20, 33, 50, 100])
+@pytest.mark.parametrize(("away", "there", "foot"), [(RIGHT, LEFT, 1), (LEFT, RIGHT, 0)])
+def test_a_foot_falls_silent_within_three_periods_of_its_last_frame(
+    away: tuple[tuple[str, ...], str], there: tuple[tuple[str, ...], str], foot: int, period_ms: int
+) -> None:
+    def at(now_ms: int, board: tuple[tuple[str, ...], str]) -> VoltageFrame:
+        return frame(0, *board, sequence=now_ms, shift_ns=now_ms * 10**6)
+
+    clock, step = Clock(), 0.001
+    voltages = VoltageInput(joiner(clock), 0.5, of_foot=[np.arange(2), np.arange(2, 4)])
+    learnt = 20 * period_ms
+    for now in range(learnt):
+        if now % period_ms == 0:
+            voltages.take([at(now, LEFT), at(now, RIGHT)])
+        clock.now += step
+    gone = now = learnt - period_ms
+    now = learnt
+    while not voltages.feet[foot].silent:
+        if now % period_ms == 0:
+            voltages.take([at(now, there)])
+        clock.now += step
+        now += 1
+        assert now - gone <= max(100, 3 * period_ms)
+    assert now - gone >= max(80, 2.7 * period_ms), "not before"
+
+
 def code(voltages: VoltageInput) -> str:
     assert voltages.problem is not None
     return voltages.problem.code
@@ -276,7 +352,7 @@ def code(voltages: VoltageInput) -> str:
 
 def test_what_is_wrong_with_voltages_is_told_in_turn() -> None:
     clock = Clock()
-    voltages = VoltageInput(joiner(), 0.5, clock)
+    voltages = VoltageInput(joiner(clock), 0.5)
     assert "start shoe_driver" in str(voltages.problem)
     assert code(voltages) == Code.NO_VOLTAGES
     voltages.take([frame(0, CELLS[:2])])

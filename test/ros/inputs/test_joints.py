@@ -177,14 +177,17 @@ def to_and_fro(joints: JointInput, samples: range) -> None:
 
 def test_who_contradicts_is_named_as_soon_as_its_name_is_known_and_as_long_as_that_lasts() -> None:
     senders = ["/robot", "somebody without a node's name"]
-    joints = JointInput(nao(), 0.5, senders=lambda: senders)
+    clock = Clock()
+    joints = JointInput(nao(), 60.0, clock, senders=lambda: senders)
     to_and_fro(joints, range(100, 120))
     assert "'somebody without a node's name'" in str(joints.problem)
     senders[1] = "/bag"
+    clock.now += 1.0
     to_and_fro(joints, range(120, 122))
     between = "between '/robot' and '/bag'; stop all but one"
     assert between in str(joints.problem)
     senders.remove("/bag")
+    clock.now += 1.0
     taken(joints, [message(i * STEP_NS) for i in range(122, 130)])
     assert between in str(joints.problem), "the robot left alone is not to blame"
     senders.clear()
@@ -195,8 +198,36 @@ def test_who_contradicts_is_named_as_soon_as_its_name_is_known_and_as_long_as_th
     to_and_fro(joints, range(180, 200))
     assert "all from '/robot'; let one node alone" in str(joints.problem), "that was another time"
     senders.clear()
+    clock.now += 1.0
     to_and_fro(joints, range(200, 202))
     assert "all from '/robot'" in str(joints.problem)
+
+
+def test_of_three_who_send_two_that_are_left_are_not_to_blame() -> None:
+    senders = ["/bag", "/hand", "/robot"]
+    clock = Clock()
+    joints = JointInput(nao(), 0.5, clock, senders=lambda: senders)
+    to_and_fro(joints, range(100, 120))
+    senders.remove("/bag")
+    clock.now += 1.0
+    taken(joints, [message(i * STEP_NS) for i in range(120, 130)])
+    assert "between '/bag' and '/hand' and '/robot'" in str(joints.problem)
+
+
+def test_who_sends_is_not_asked_for_with_every_message() -> None:
+    asked = []
+    clock = Clock()
+
+    def senders() -> list[str]:
+        asked.append(clock.now)
+        return ["/bag", "/robot"]
+
+    joints = JointInput(nao(), 0.5, clock, senders=senders)
+    for sample in range(100, 400, 2):
+        clock.now += 0.02
+        to_and_fro(joints, range(sample, sample + 2))
+    assert len(asked) > 10
+    assert np.diff(asked).min() > 0.099
 
 
 def test_a_sample_that_leaps_and_comes_back_is_left_out() -> None:

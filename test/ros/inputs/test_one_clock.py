@@ -23,7 +23,7 @@ class Scene:
     def __init__(self) -> None:
         self.clock = Clock()
         self.joints = JointInput(nao(), 0.5, self.clock)
-        self.voltages = VoltageInput(FrameJoiner((CELL,), 0.03), 0.5, self.clock)
+        self.voltages = VoltageInput(FrameJoiner((CELL,), 0.03, self.clock), 0.5)
         self.one_clock = OneClock(self.joints, self.voltages, 2.0, self.clock)
         self.step = 0
 
