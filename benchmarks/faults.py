@@ -22,6 +22,7 @@ from reliability.kept import Kept
 from reliability.page import write_json, write_page
 from reliability.row import Row
 from reliability.rows import Found, find_row, find_rows
+from reliability.shown import Shown
 from shoecal_core.errors import ShoecalError
 
 OUT = ROOT / "out"
@@ -36,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--share", type=float, default=1.0, help="of every row's full size")
     parser.add_argument("--only", nargs="+", metavar="ROW", help="these rows")
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--fresh", action="store_true", help="forget what these rows have kept")
+    parser.add_argument("--fresh", action="store_true", help="do again what these rows have kept")
     parser.add_argument(
         "--earlier-counts",
         action="store_true",
@@ -130,10 +131,14 @@ def write(
     rows: Mapping[str, Found], kept: Mapping[str, Kept], figures: Path, page: Path
 ) -> set[str]:
     """Write table and figures of all that is kept; rows that failed."""
-    results = {key: one.result for key, one in kept.items()}
-    write_json(rows, results, figures)
-    write_page(rows, results, {key: one.present for key, one in kept.items()}, page)
-    return {key for key, result in results.items() if result.failed}
+    shown = {
+        key: Shown(found, one.result, one.present, one.before)
+        for key, found in rows.items()
+        for one in (kept[key],)
+    }
+    write_json(shown, figures)
+    write_page(shown, page)
+    return {key for key, one in shown.items() if one.result.failed}
 
 
 if __name__ == "__main__":

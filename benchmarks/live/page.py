@@ -19,8 +19,10 @@ From just before a frame of eight cells is written into a pseudo-terminal to whe
 callback has `/shoe/cop`: the real driver, the real calibrator under a calibration in force, joint
 angles at {joints:g} Hz, Fast DDS, each node its own process. Beside it a bare chain of two nodes
 that relay messages of the same size over as many hops: the first publishes a ready message for
-every frame that comes on a pseudo-terminal of its own, the second answers each with a point. Both
-get frames in turns of {turn:g} s, {seconds:g} s a chain, rate and row, and end at one subscriber.
+every frame that comes on a pseudo-terminal of its own, the second answers each with a point. They
+are nodes of rclpy with rclpy's defaults: its executor with one thread, its events at every topic,
+its services for parameters. Both chains get frames in turns of {turn:g} s, {seconds:g} s a chain,
+rate and row, and end at one subscriber.
 
 {table}
 
@@ -28,8 +30,9 @@ get frames in turns of {turn:g} s, {seconds:g} s a chain, rate and row, and end 
   *recording*: a self-calibration that records a run; *planning*: plans of the planner one after
   the other.
 - Ratio: shoecal's over the bare chain's. *With/without*: shoecal's median, and its 99 %, over its
-  own while nothing goes on. Where the slowest hundredth of the bare chain grows as much, which has
-  nothing to do with what goes on, it is the machine that is shared.
+  own while nothing goes on. *Bare's with/without*: the bare chain's 99 % likewise. It grows with
+  what goes on, too, though its nodes take no part in that: all processes share {cores} cores. What
+  grows there as here comes from sharing the cores, not from the suite's nodes.
 - Asked for at most {allowed:g} as a ratio, and of a median with to one without. Above it: {above}.
 - Frames lost of {frames}: shoecal {lost_shoecal:.0f}, bare {lost_bare:.0f}.
 

@@ -15,7 +15,7 @@ from reliability.live_robots import WaitedForRobot, put_in_force, start_calibrat
 from reliability.live_world import World
 from ros.bodies import nao_shoe
 from shoecal_ros.common import qos
-from shoecal_ros.common.conversions import VoltageFrame
+from shoecal_ros.common.conversions import VoltageFrame, time_from_ros
 
 FloatArray = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
@@ -148,13 +148,14 @@ class SpoiltRobot(WaitedForRobot):
 
     Attributes:
         broken_at: when the first spoilt frame was sent, monotonic [s].
+        broken_ns: its own stamp.
     """
 
     def __init__(self, world: World) -> None:
         self._noise = np.random.default_rng(1)
         self._spoil: Spoil | None = None
         self._spoilt = 0
-        self.broken_at = 0.0
+        self.broken_at, self.broken_ns = 0.0, 0
         super().__init__(world)
 
     def spoil(self, change: Spoil | None) -> None:
@@ -167,7 +168,7 @@ class SpoiltRobot(WaitedForRobot):
         status = frame.status.copy()
         if self._spoil is not None:
             if self._spoilt == 0:
-                self.broken_at = time.monotonic()
+                self.broken_at, self.broken_ns = time.monotonic(), frame.stamp_ns
             self._spoil(self._spoilt, voltage, status)
             self._spoilt += 1
         return replace(frame, voltage=voltage, status=status)
@@ -179,10 +180,13 @@ class Told:
 
     Attributes:
         after: from the first spoilt frame to the state that names it, and its board's others [s].
+        readings_s: the same by the robot's own stamps, up to the last reading that the calibrator
+            had by then: what a busy machine takes for a message does not count [s].
         alone: no others.
     """
 
     after: float
+    readings_s: float
     alone: bool
 
 
@@ -218,13 +222,14 @@ class LiveCells:
         broken = board_of(cell) if fault == BOARD else [cell]
         self.robot.spoil(LIVE[fault](rng, cell))
         try:
-            at, _ = self._until(lambda one: _broken(one, broken))
+            at, state = self._until(lambda one: _broken(one, broken))
             self._wait(0.3)
             everything = [one for _, one in self._states]
         finally:
             self.robot.spoil(None)
         others = [set(np.flatnonzero(_statuses(one))) - set(broken) for one in everything]
-        return Told(at - self.robot.broken_at, alone=not any(others))
+        readings_ns = time_from_ros(state.header.stamp) - self.robot.broken_ns
+        return Told(at - self.robot.broken_at, readings_ns / 1e9, alone=not any(others))
 
     def in_force(self) -> str:
         """Id of the calibration in force."""

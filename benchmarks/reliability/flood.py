@@ -32,7 +32,7 @@ from rclpy.serialization import serialize_message
 from shoecal_msgs.srv import SetCalibration
 from std_msgs.msg import Bool
 
-from reliability.live_robots import WaitedForRobot, start_calibrator
+from reliability.live_robots import PERIOD_NS, WaitedForRobot, start_calibrator
 from reliability.live_world import Heard, World, live_world
 from reliability.row import Progress, Result, Row
 from ros.bodies import calibration, nao, nao_shoe
@@ -59,6 +59,7 @@ class Flood:
         rates: of CoP before and during it [Hz].
         bare: (n,) the same of the service that does nothing, where it was called, too.
         changes: (n,) which calls have put a calibration in force.
+        given: CoPs for each frame that the robot sent meanwhile.
     """
 
     took: NDArray[np.float64]
@@ -66,6 +67,7 @@ class Flood:
     rates: tuple[float, float]
     bare: NDArray[np.float64]
     changes: NDArray[np.bool_]
+    given: float
 
     @property
     def unanswered(self) -> int:
@@ -123,20 +125,19 @@ def flood(count: int) -> Flood:
         cop = world.hear(PointStamped, "shoe/cop", qos.LIVE)
         world.until(lambda: len(cop) > 10)
         begin = time.monotonic()
-        before = _rate(world, cop, lambda: time.monotonic() - begin >= BEFORE_S)
+        before, _ = _watched(world, robot, cop, lambda: time.monotonic() - begin >= BEFORE_S)
         out = world.folder / "flood.json"
         with _caller("--serve") as bare, out.open("wb") as told_to:
             with _caller(str(count), str(RATE_HZ), *map(str, files), stdout=told_to) as caller:
-                during = _rate(world, cop, lambda: caller.poll() is not None)
+                during, given = _watched(world, robot, cop, lambda: caller.poll() is not None)
             bare.kill()
         robot.armed.publish(Bool(data=False))
         world.until_told("calibrator", "calibration", "not armed")
         told = json.loads(out.read_text())
     changes = np.zeros(count, dtype=bool)
     changes[told["changes"]] = True
-    return Flood(
-        np.array(told["took"]), told["accepted"], (before, during), np.array(told["bare"]), changes
-    )
+    took, bare_took = np.array(told["took"]), np.array(told["bare"])
+    return Flood(took, told["accepted"], (before, during), bare_took, changes, given)
 
 
 def _request(identity: str) -> SetCalibration.Request:
@@ -145,11 +146,14 @@ def _request(identity: str) -> SetCalibration.Request:
     )
 
 
-def _rate(world: World, heard: Heard, over: Callable[[], bool]) -> float:
-    """Of messages until something is over [Hz]."""
-    seen, begin = len(heard), time.monotonic()
+def _watched(
+    world: World, robot: WaitedForRobot, cop: Heard, over: Callable[[], bool]
+) -> tuple[float, float]:
+    """Rate of CoP until something is over [Hz], and CoPs for each frame sent."""
+    heard, begin_ns, begin = len(cop), robot.stamp_ns, time.monotonic()
     world.until(over, timeout_s=600.0)
-    return (len(heard) - seen) / (time.monotonic() - begin)
+    heard, frames = len(cop) - heard, (robot.stamp_ns - begin_ns) / PERIOD_NS
+    return heard / (time.monotonic() - begin), heard / frames
 
 
 def _caller(*arguments: str, stdout: IO[bytes] | None = None) -> subprocess.Popen[bytes]:

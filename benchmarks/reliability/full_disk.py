@@ -7,9 +7,10 @@ of the operating system are made to fail), while a calibration is applied and a 
 change may come about, then it is in force for good. Where nothing may be mounted, the size of files
 is limited instead (RLIMIT_FSIZE), and the worst try says so. A session, a run, a log of raw bytes
 and a calibration are to be written there; in the read-only tries there lies also what is left of a
-change of the calibration that was cut. Each is refused with one line that names the file, at once
-or when it is written; what was recorded before is recovered; the calibration in force is the same
-as before, for this process and for the next; and with room again, all of it works.
+change of the calibration that was cut. Each is refused with one line that names the file and the
+code of its trouble, no room or not to be written, at once or when it is written; what was recorded
+before is recovered; the calibration in force is the same as before, for this process and for the
+next; and with room again, all of it works.
 """
 
 from __future__ import annotations
@@ -32,13 +33,16 @@ from reliability.broken_disk import BrokenDisk
 from reliability.row import Progress, Result, Row
 from reliability.spawning import Order, served
 from shoecal_core.calibration.calibration import save_calibration
-from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.errors import FileError, ShoecalError, error_code
 from shoecal_core.recording.recover import recover, recovered_path
 from shoecal_core.recording.session import Session
 from shoecal_ros.calibrator.calibration_store import NEXT, CalibrationStore
+from shoecal_ros.common.codes import Code
 from shoecal_ros.serial.raw_log import RawLog
 
 KINDS = ("full before", "full during", "read-only before", "read-only during", "broken")
+FULL, UNWRITABLE = "disk-full", "file-unwritable"
+"""Codes of what is refused."""
 BROKEN = ("fsync", "replace")
 MOST_CALLS = 14
 """Of one of these kinds while a calibration is applied, and some more."""
@@ -151,14 +155,15 @@ def _problem(disk: _Disk, kind: str, rng: np.random.Generator) -> str:
         if kind == "broken":
             return _broken(disk, session, store, rng)
         if kind.endswith("before"):
-            disk.fill(0) if kind.startswith("full") else disk.forbid()
-            refusal = _refused(lambda: _record(session, _LONGEST))
-            _refused(lambda: originals.session(disk.folder / "other"))
-            _refused(lambda: store.apply(_calibration("two"), originals.START_NS))
+            full = kind.startswith("full")
+            disk.fill(0) if full else disk.forbid()
+            code = FULL if full else UNWRITABLE
+            refusal = _refused(lambda: _record(session, _LONGEST), code)
+            _refused(lambda: originals.session(disk.folder / "other"), code)
+            _refused(lambda: store.apply(_calibration("two"), originals.START_NS), code)
         else:
             refusal = _interrupted(disk, kind, session, rng)
-            with contextlib.suppress(FileError):
-                RawLog(disk.folder / "raw.log").write(bytes(2**21))
+            _log_without_room(disk.folder / "raw.log")
         _check_in_force(store, disk)
         disk.mend()
         _check_afterwards(disk, session, store)
@@ -173,9 +178,9 @@ def _interrupted(disk: _Disk, kind: str, session: Session, rng: np.random.Genera
     """Record until there is no room; the refusal."""
     if kind.startswith("full"):
         disk.fill(int(rng.integers(4096, 200_000)))
-        refusal = _refused(lambda: _record(session, _LONGEST))
+        refusal = _refused(lambda: _record(session, _LONGEST), FULL)
     else:
-        refusal = _refused(lambda: _record(session, 50, disk.take_rights))
+        refusal = _refused(lambda: _record(session, 50, disk.take_rights), UNWRITABLE)
     disk.mend()
     for path in session.unfinished:
         try:
@@ -203,13 +208,13 @@ def _broken(
         try:
             store.apply(_calibration("two"), originals.START_NS)
         except ShoecalError as error:
-            told.append(str(error))
+            told.append(_told(error, UNWRITABLE))
         else:
             names = ["two", "one"]
         try:
             _record(session, 20)
         except ShoecalError as error:
-            told.append(str(error))
+            told.append(_told(error, UNWRITABLE))
     if unnamed := [one for one in told if str(disk.folder) not in one]:
         raise BadlyTakenError(f"no file is named: {unnamed[0]}")
     _check_in_force(store, disk, *names)
@@ -232,12 +237,33 @@ def _record(session: Session, samples: int, last: Callable[[], None] = lambda: N
         raise
 
 
-def _refused(what: Callable[[], object]) -> str:
+def _log_without_room(path: Path) -> None:
+    """Have a log of raw bytes end, or not begin."""
+    try:
+        log = RawLog(path)
+    except FileError as error:
+        _told(error, FULL)
+        return
+    log.write(bytes(2**21))
+    log.close()
+    if log.problem is None or log.problem.code != Code.RAW_LOG_ENDED:
+        raise BadlyTakenError("a log of raw bytes does not tell that it has ended")
+
+
+def _refused(what: Callable[[], object], code: str) -> str:
+    """What was told of something that must be refused with this code."""
     try:
         what()
     except ShoecalError as error:
-        return str(error)
+        return _told(error, code)
     raise BadlyTakenError("nothing was refused")
+
+
+def _told(error: ShoecalError, code: str) -> str:
+    """Its message; its code must be this one."""
+    if error_code(type(error)) != code:
+        raise BadlyTakenError(f"the code is {error_code(type(error))}, not {code}: {error}")
+    return str(error)
 
 
 def _check_in_force(
@@ -288,8 +314,8 @@ def _namespace() -> tuple[str, ...]:
 ROW = Row(
     key="full-disk",
     fault="disk full, read-only or broken, before and during a recording",
-    holds="refused before, or a clean failure; what was recorded recovers; the calibration in "
-    "force stays",
+    holds="refused before, or a clean failure, each with its code; what was recorded recovers; the "
+    "calibration in force stays",
     tries=200,
     step=40,
     run=run,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -45,17 +45,20 @@ class Kept:
         self._row, self._seed, self._code = row, seed, code
         self._path = folder / f"{row.key}.json"
         self._pieces: dict[int, Piece] = {}
+        self._repeated: list[Piece] = []
         if not self._path.is_file():
             return
         try:
             held = json.loads(self._path.read_text())
             same_seed = held["seed"] == seed
             self._pieces = {int(first): _piece(piece) for first, piece in held["steps"].items()}
+            self._repeated = [_piece(piece) for piece in held.get("repeated", ())]
         except (ValueError, KeyError, TypeError) as error:
             raise FileError(self._path, "is no file of results; remove it") from error
         if not same_seed:
             raise FileError(
-                self._path, f"was made with seed {held['seed']}, not {seed}; begin with --fresh"
+                self._path,
+                f"was made with seed {held['seed']}, not {seed}; remove it to begin anew",
             )
 
     @property
@@ -70,10 +73,18 @@ class Kept:
             piece.result.tried for piece in self._pieces.values() if piece.code == self._code
         )
 
+    @property
+    def before(self) -> Result:
+        """Tries that had failed, and were then done once more with the same code; none: 0 tried."""
+        return merge(piece.result for piece in self._repeated)
+
     def forget(self) -> None:
-        """Begin anew."""
-        self._pieces = {}
-        self._path.unlink(missing_ok=True)
+        """Begin anew; what has failed with the code at hand is not forgotten."""
+        self._replace(self._pieces.values(), {})
+        if self._repeated:
+            self._write()
+        else:
+            self._path.unlink(missing_ok=True)
 
     def missing(self, share: float, *, earlier_counts: bool = False) -> Iterator[tuple[int, int]]:
         """First try and number of tries of each step that a share of the row still needs.
@@ -100,23 +111,39 @@ class Kept:
         if not (result.tried == count or (result.tried < count and result.failed)):
             raise ValueError(f"{self._row.key}: {result.tried} tries were done, not {count}")
         end = first + result.tried
-        self._pieces = {
+        others = {
             begin: piece
             for begin, piece in self._pieces.items()
             if begin >= end or begin + piece.result.tried <= first
         }
-        self._pieces[first] = Piece(result, self._code)
-        held = {
+        replaced = [piece for begin, piece in self._pieces.items() if begin not in others]
+        self._replace(replaced, {**others, first: Piece(result, self._code)})
+        self._write()
+        return result
+
+    def _replace(self, replaced: Iterable[Piece], pieces: dict[int, Piece]) -> None:
+        """Hold these pieces; those replaced that had failures with the same code are still told."""
+        again = merge(piece.result for piece in replaced if piece.code == self._code)
+        if again.failed:
+            self._repeated.append(Piece(again, self._code))
+        self._pieces = pieces
+        codes = {self._code, *(piece.code for piece in pieces.values())}
+        self._repeated = [piece for piece in self._repeated if piece.code in codes]
+
+    def _write(self) -> None:
+        held: dict[str, object] = {
             "seed": self._seed,
             "step": self._row.step,
-            "steps": {
-                str(begin): {**asdict(piece.result), "code": piece.code}
-                for begin, piece in sorted(self._pieces.items())
-            },
+            "steps": {str(begin): _plain(piece) for begin, piece in sorted(self._pieces.items())},
         }
+        if self._repeated:
+            held["repeated"] = [_plain(piece) for piece in self._repeated]
         self._path.parent.mkdir(parents=True, exist_ok=True)
         atomic_write(self._path, json.dumps(held, indent=1, allow_nan=False) + "\n")
-        return result
+
+
+def _plain(piece: Piece) -> dict[str, Any]:
+    return {**asdict(piece.result), "code": piece.code}
 
 
 def _piece(held: dict[str, Any]) -> Piece:

@@ -1,13 +1,16 @@
 """kill -9 of any node at any time of a self-calibration.
 
 All five nodes run as processes of their own, the robot and its serial device simulated. A
-self-calibration is begun and at a drawn moment (drawing supports, reaching one, planning, 2 to
-6 s into a motion, which begins with 1.5 s of standing, solving) a drawn node is killed. Within 10 s
-the robot must have come to rest, long before the motion that it was sent ends by itself, and stay
-there for 2 s more (with the simulator there is no robot left; nothing hangs on the model, so the
-job goes on and is ended by disarming, from when these times count); another node's diagnostics must
-name the one that is gone, and the job end with a reason; and when that node is started again, the
-next self-calibration must come as far as the next try needs it. A try is one kill with all of that.
+self-calibration is begun and at a drawn moment a drawn node is killed: while supports are drawn,
+one is reached or a motion planned, as these begin; up to 6 s into a motion, which begins with 1.5 s
+of standing; near a motion's end; while solving; as what was found is checked to be applied (two
+supports are too few for that, as a rule), or just after. Within 10 s the robot must have come to
+rest, for most of the kills long before the motion that it was sent ends by itself, and stay there
+for 2 s more (with the simulator there is no robot left; nothing hangs on the model, so the job goes
+on and is ended by disarming, from when these times count); within 5 s another node's diagnostics
+must name the one that is gone; the job must end, with a reason where it is not done; and when that
+node is started again, the next self-calibration must come as far as the next try needs it. A try is
+one kill with all of that.
 
 As all of it may share two cores with whatever else they do, inputs count as stale after 2 s
 (`stale_s`; default 0.5) and the robot as not following after 4 s (`follow_late`; default 1). How
@@ -29,6 +32,8 @@ from std_srvs.srv import SetBool
 from reliability.live_world import COMPILE_S, Goal, World, live_world
 from reliability.row import Progress, Result, Row
 from ros.bodies import NAO, NAO_SHOE, nao_shoe
+from shoecal_ros.calibrator.calibration_job import DRAW_SHARE, SOLVE_SHARE
+from shoecal_ros.calibrator.run_series import PLAN_SHARE, REACH_SHARE
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.demo import write_device
@@ -36,13 +41,17 @@ from shoecal_ros.inputs.stillness import Stillness
 
 NODES = ("planner", "calibrator", "shoe_driver", "model", "simulator")
 STAGES = ("drawing", "reaching", "planning", "moving", "moving", "moving")
-SOLVING_EVERY = 12
-"""Of so many tries one waits for the end of the recording."""
+ENDING = "near the end of moving"
+LATE_EVERY, LATE_STAGES = 12, ("solving", ENDING, "applying")
+"""Of so many tries one waits for one of these stages, in turn; they come after a whole motion."""
 SPEED = 1.0
 """Of a real robot: a faster simulation waits for whoever listens, the dead too."""
-INTO_MOTION_S = (2.0, 6.0)
+INTO_MOTION_S = (0.0, 6.0)
 """A motion begins with 1.5 s of standing."""
-REST_S, LASTS_S = 10.0, 2.0
+NEAR_END = 0.95
+"""Of a motion."""
+SUPPORTS = 2
+REST_S, LASTS_S, TOLD_S = 10.0, 2.0, 5.0
 BITS = 24
 LONG_S = 400.0
 
@@ -63,6 +72,11 @@ class Try:
     rest_s: float
     told_s: float
     reason: str
+
+    @property
+    def failed(self) -> bool:
+        """Whether it took too long."""
+        return self.rest_s > REST_S or self.told_s > TOLD_S
 
     @property
     def told(self) -> str:
@@ -110,7 +124,7 @@ class Suite:
         world.until_told("planner", "planning", "ready", COMPILE_S)
         world.until_told("planner", "joints", "come")
         self.arm(armed=True)
-        goal = Calibrate.Goal(supports=2, train=2, seed=seed)
+        goal = Calibrate.Goal(supports=SUPPORTS, train=SUPPORTS, seed=seed)
         return world.goal(Calibrate, "shoe/calibrate", goal)
 
     def arm(self, *, armed: bool) -> None:
@@ -121,10 +135,7 @@ class Suite:
         """Calibrate, kill a node at a stage, see that all comes to rest, start it again."""
         world = self.world
         goal = self.calibrate(seed)
-        self._until(goal, lambda: goal.feedback and goal.feedback[-1].stage == stage)
-        end = time.monotonic() + after_s
-        self._until(goal, lambda: time.monotonic() > end or goal.feedback[-1].stage != stage)
-        stage = goal.feedback[-1].stage
+        stage = self._moment(goal, stage, after_s)
         self.world.kill(node)
         killed = time.monotonic()
         others = [name for name in NODES if name != node]
@@ -139,6 +150,22 @@ class Suite:
         self.start(node)
         world.until(lambda: not any(_names(world, name, node) for name in others))
         return Try(node, stage, rest_s, told_s, reason)
+
+    def _moment(self, goal: Goal, stage: str, after_s: float) -> str:
+        """Wait for a moment of a calibration; the stage that it is then in."""
+        if stage == "applying":  # which is soon done
+            self.world.until(lambda: goal.done or _in(goal, stage), LONG_S)
+            assert _in(goal, stage), goal.result().message
+            return stage
+        if stage == ENDING:
+            self._until(
+                goal, lambda: _in(goal, "moving") and of_motion(goal.feedback[-1]) > NEAR_END
+            )
+            return stage
+        self._until(goal, lambda: _in(goal, stage))
+        end = time.monotonic() + after_s
+        self._until(goal, lambda: time.monotonic() > end or not _in(goal, stage))
+        return str(goal.feedback[-1].stage)
 
     def _rest(self, since: float) -> float:
         """After what time from a moment on the robot did not move any more [s]."""
@@ -157,6 +184,19 @@ class Suite:
             self._moved_at = time.monotonic()
 
 
+def _in(goal: Goal, stage: str) -> bool:
+    """Whether a stage is what was told last."""
+    return bool(goal.feedback) and goal.feedback[-1].stage == stage
+
+
+def of_motion(told: Calibrate.Feedback) -> float:
+    """How much of the motion under way is done, from what the calibrator tells of all it does."""
+    of_runs = (told.progress - DRAW_SHARE) / (1.0 - DRAW_SHARE - SOLVE_SHARE)
+    of_run = SUPPORTS * of_runs - (told.support - 1)
+    before: float = REACH_SHARE + PLAN_SHARE
+    return float((of_run - before) / (1.0 - before))
+
+
 def _names(world: World, listener: str, node: str) -> bool:
     """Whether a node's diagnostics say that another one has fallen silent."""
     found = world.diagnosis(listener, "nodes")
@@ -172,8 +212,9 @@ def draw(index: int, seed: int) -> tuple[str, str, float]:
     """Node, stage, and time into the stage [s] of a try."""
     rng = np.random.default_rng([seed, index])
     stage = STAGES[int(rng.integers(len(STAGES)))]
-    if index % SOLVING_EVERY == SOLVING_EVERY - 1:
-        stage = "solving"
+    turn, left = divmod(index, LATE_EVERY)
+    if left == LATE_EVERY - 1:
+        stage = LATE_STAGES[turn % len(LATE_STAGES)]
     after_s = float(rng.uniform(*INTO_MOTION_S)) if stage == "moving" else 0.0
     return NODES[index % len(NODES)], stage, after_s
 
@@ -204,8 +245,8 @@ def judged(found: Sequence[Try], count: int, why: str) -> Result:
         count: tries that were asked for.
         why: what ended the next one, or else the calibration after the last; empty: nothing.
     """
-    failed = {number for number, one in enumerate(found) if one.rest_s > REST_S}
-    worst = max(found, key=lambda one: one.rest_s, default=None)
+    failed = {number for number, one in enumerate(found) if one.failed}
+    worst = max(found, key=lambda one: (one.failed, one.rest_s), default=None)
     if why or worst is None:
         # Where all came to their end, no new start worked after the last.
         last = min(len(found), count - 1)
@@ -216,7 +257,7 @@ def judged(found: Sequence[Try], count: int, why: str) -> Result:
 ROW = Row(
     key="killed-nodes",
     fault="any node killed at any time during self-calibration",
-    holds="the robot comes to rest, the rest reports it, a new start works",
+    holds="the robot comes to rest within 10 s, the rest reports it within 5 s, a new start works",
     tries=100,
     step=5,
     run=run,

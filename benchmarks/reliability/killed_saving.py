@@ -2,9 +2,9 @@
 
 Each try is a forked process that puts one calibration after the other in force in the calibrator's
 store, and goes back now and then (every second try: that writes one calibration file again and
-again). It is killed a random while after a random one of them. What is loaded then is what was in
-force before the change that was cut or after it, whole, with the one before it to roll back to;
-never an older one.
+again). It is killed a random while after a random one of them. No two of the calibrations have a
+gain or an offset in common. What is loaded then is what was in force before the change that was cut
+or after it, whole, to the last number, with the one before it to roll back to; never an older one.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -22,9 +22,11 @@ import numpy as np
 
 from reliability import originals
 from reliability.row import Progress, Result, Row
+from reliability.same import same
 from reliability.spawning import Child, Order, served
 from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
 from shoecal_core.errors import ShoecalError
+from shoecal_core.sensing.wrench import ChannelParameters
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
 
 MOST_CHANGES = 3
@@ -35,6 +37,8 @@ _PATIENCE_S = 60.0
 
 Pair = tuple[str, str]
 """In force, and before; empty: none."""
+Made = Mapping[str, Calibration]
+"""All that were made, by their ids."""
 
 
 def run(first: int, count: int, seed: int, progress: Progress) -> Result:
@@ -51,9 +55,7 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
 
 def serve(order: Order) -> Iterator[dict[str, Any]]:
     """Fork, kill and load."""
-    # Small enough that a kill falls into any step of a change, not mostly into formatting numbers.
-    small = replace(originals.calibration(), covariance=None, corrections=())
-    made = [replace(small, id=f"made-{number}") for number in range(100)]
+    made = [made_from(number) for number in range(100)]
     for number in range(order["first"], order["first"] + order["count"]):
         rng = np.random.default_rng([order["seed"], number])
         with tempfile.TemporaryDirectory(prefix="shoecal-killed-") as name:
@@ -65,7 +67,16 @@ def serve(order: Order) -> Iterator[dict[str, Any]]:
                 save_calibration(made[0], folder / _FILE)
             changes = _killed(partial(work, folder, made), rng)
             allowed = list(itertools.islice(pairs, changes, changes + 2))
-            yield _verdict(partial(found, folder), allowed)
+            yield _verdict(partial(found, folder, {one.id: one for one in made}), allowed)
+
+
+def made_from(number: int) -> Calibration:
+    """A calibration; its gains and offsets are drawn from its number."""
+    rng, count = np.random.default_rng(number), len(originals.shoe().names)
+    numbers = ChannelParameters(rng.uniform(8.0, 15.0, count), rng.uniform(-3.0, 3.0, count))
+    # Small enough that a kill falls into any step of a change, not mostly into formatting numbers.
+    small = replace(originals.calibration(), covariance=None, corrections=())
+    return replace(small, id=f"made-{number}", parameters=numbers)
 
 
 def _killed(work: Callable[[Callable[[bytes], None]], None], rng: np.random.Generator) -> int:
@@ -94,8 +105,8 @@ def _save(folder: Path, made: list[Calibration], tell: Callable[[bytes], None]) 
         tell(b".")
 
 
-def _saved(folder: Path) -> Pair:
-    return load_calibration(folder / _FILE).id, ""
+def _saved(folder: Path, made: Made) -> Pair:
+    return name_of(load_calibration(folder / _FILE), made), ""
 
 
 def _store(folder: Path, made: list[Calibration], tell: Callable[[bytes], None]) -> None:
@@ -116,16 +127,19 @@ def _pairs() -> Iterator[Pair]:
         current, before = (before if number % 3 == 2 else f"made-{number}"), current
 
 
-def _stored(folder: Path) -> Pair:
+def _stored(folder: Path, made: Made) -> Pair:
     store = CalibrationStore(folder, originals.robot(), originals.shoe())
     problem = store.load(originals.START_NS)
     if problem is not None:
         raise ShoecalError(problem.message)
-    return _id(store.current), _id(store.before)
+    return name_of(store.current, made), name_of(store.before, made)
 
 
-def _id(calibration: Calibration | None) -> str:
-    return "" if calibration is None else calibration.id
+def name_of(loaded: Calibration | None, made: Made) -> str:
+    """Id of a calibration that is whole; empty for none."""
+    if loaded is None:
+        return ""
+    return loaded.id if same(loaded, made.get(loaded.id)) else f"{loaded.id} with other content"
 
 
 ROW = Row(

@@ -1,9 +1,10 @@
 """Loading files that were tampered with, in a process of its own whose memory and time are bound.
 
 A module of mutants has a function `target(folder)`. What its mutants come to is judged here: a
-mutant is refused with one line that names its file, or loaded as it stands. Whatever else happens
-is a failure: another exception, too much memory asked for, too much time, code that runs, a file
-outside the folder that is opened, a child or a connection.
+mutant is refused with one line that names its file and a code that belongs to files of its kind,
+or loaded as it stands. Whatever else happens is a failure: another exception, too much memory asked
+for, too much time, code that runs, a file outside the folder that is opened, a child or a
+connection.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from typing import IO, Any, Protocol, TextIO
 import numpy as np
 
 from reliability.row import Progress, Result
-from shoecal_core.errors import ShoecalError
+from shoecal_core.errors import ShoecalError, error_code
 
 MEMORY = 2 * 2**30
 """Bytes of address space that a process of mutants may have."""
@@ -60,7 +61,13 @@ class WrongLoadError(Exception):
 
 
 class Target(Protocol):
-    """Files of one kind, whole at first."""
+    """Files of one kind, whole at first.
+
+    Attributes:
+        codes: one of them tells a program why a mutant is refused.
+    """
+
+    codes: frozenset[str]
 
     def load(self) -> None:
         """Load what is there.
@@ -82,6 +89,7 @@ class Try:
         index: its number.
         what: was done to the file.
         refused: the message; empty where it was loaded.
+        code: of the refusal.
         failed: what must not have happened; empty where all is well.
         seconds: the load took, of the processor's time.
         mebibytes: the most that the process held meanwhile.
@@ -90,6 +98,7 @@ class Try:
     index: int
     what: str
     refused: str = ""
+    code: str = ""
     failed: str = ""
     seconds: float = 0.0
     mebibytes: float = 0.0
@@ -239,15 +248,17 @@ def _tell(lines: TextIO, one: Try, *, done: bool) -> None:
 
 
 def _judge(target: Target, watch: _Watch, index: int, what: str) -> Try:
-    refused, failed = "", ""
+    refused, code, failed = "", "", ""
     watch.begin()
     begun = time.process_time()
     signal.setitimer(signal.ITIMER_PROF, SECONDS)
     try:
         target.load()
     except ShoecalError as error:
-        refused = str(error)
+        refused, code = str(error), error_code(type(error))
         failed = _wrong_message(error, watch.folder)
+        if code not in target.codes:
+            failed = failed or f"refused with the code {code}, of no such file: {refused[:200]}"
     except WrongLoadError as error:
         failed = f"loaded wrongly: {error}"
     except BaseException as error:  # noqa: BLE001 - whatever comes is what is looked for
@@ -256,7 +267,7 @@ def _judge(target: Target, watch: _Watch, index: int, what: str) -> Try:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
     seconds = time.process_time() - begun
     held = round(_held_mebibytes(), 1)
-    return Try(index, what, refused, failed or watch.seen(), round(seconds, 4), held)
+    return Try(index, what, refused, code, failed or watch.seen(), round(seconds, 4), held)
 
 
 def _wrong_message(error: ShoecalError, folder: Path) -> str:
@@ -310,6 +321,10 @@ class _Watch:
 def _root() -> Path:
     """The checkout: modules are loaded from there when first used."""
     return Path(__file__).parents[2]
+
+
+PLAIN = frozenset({"file-missing", "file-unreadable", "file-too-large", "file-syntax"})
+"""Codes of files of every kind, by what the system and the parser say of them."""
 
 
 def make_trap(folder: Path) -> Path:

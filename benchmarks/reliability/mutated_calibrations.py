@@ -8,7 +8,6 @@ hashes which file it put in force itself.
 
 from __future__ import annotations
 
-import math
 from functools import partial
 from pathlib import Path
 
@@ -17,6 +16,7 @@ import numpy as np
 from reliability import originals
 from reliability.loading import WrongLoadError, make_trap, try_mutants
 from reliability.row import Row
+from reliability.same import same
 from reliability.tree_mutations import mutate_yaml
 from shoecal_core.calibration.calibration import load_calibration, save_calibration
 from shoecal_core.errors import FileError
@@ -29,6 +29,8 @@ def target(folder: Path) -> CalibrationFile:
 
 class CalibrationFile:
     """A calibration, a mutant soon."""
+
+    codes = frozenset({"file-syntax", "file-too-large", "field", "version", "calibration-file"})
 
     def __init__(self, folder: Path) -> None:
         make_trap(folder)
@@ -53,30 +55,15 @@ class CalibrationFile:
             again = load_calibration(self._again)
         except FileError as error:
             raise WrongLoadError(f"written again it is refused: {error}") from error
-        if not _same(vars(loaded), vars(again)):
+        if not same(loaded, again):
             raise WrongLoadError("written again it is another")
-
-
-def _same(one: object, other: object) -> bool:
-    """Whether two values of plain data are equal, NaN equal to NaN."""
-    if isinstance(one, np.ndarray):
-        return isinstance(other, np.ndarray) and np.array_equal(one, other)
-    if isinstance(one, dict) and isinstance(other, dict):
-        return one.keys() == other.keys() and all(_same(one[key], other[key]) for key in one)
-    if isinstance(one, tuple) and isinstance(other, tuple):
-        return len(one) == len(other) and all(map(_same, one, other))
-    if hasattr(one, "__dict__"):
-        return type(one) is type(other) and _same(vars(one), vars(other))
-    if isinstance(one, float) and isinstance(other, float) and math.isnan(one):
-        return math.isnan(other)
-    return one == other
 
 
 ROW = Row(
     key="mutants-calibration",
     fault="mutated calibration",
     holds="refused with one line that names the file, or loaded as it says; at most 2 GiB and "
-    "10 s; nothing of it runs",
+    "10 s of the processor; nothing of it runs",
     tries=10_000,
     step=500,
     run=partial(try_mutants, "mutated_calibrations"),

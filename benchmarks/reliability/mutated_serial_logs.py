@@ -40,6 +40,8 @@ def target(folder: Path) -> SerialLog:
 class SerialLog:
     """A log of bytes, binary or text."""
 
+    codes = frozenset({"replay"})
+
     def __init__(self, folder: Path) -> None:
         self._path = folder / "raw.log"
         self._sent = {frame.sequence: frame for frame in map(_frame, range(FRAMES))}
@@ -139,7 +141,7 @@ ROW = Row(
     key="mutants-serial",
     fault="mutated log of serial bytes, replayed",
     holds="replayed to its end without an exception and without a frame that was never sent, or "
-    "refused in one line; at most 2 GiB and 10 s",
+    "refused in one line; at most 2 GiB and 10 s of the processor",
     tries=10_000,
     step=1_000,
     run=partial(try_mutants, "mutated_serial_logs"),

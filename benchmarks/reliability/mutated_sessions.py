@@ -18,7 +18,7 @@ import numpy as np
 
 from reliability import originals
 from reliability.byte_mutations import mutate_bytes
-from reliability.loading import WrongLoadError, make_trap, try_mutants
+from reliability.loading import PLAIN, WrongLoadError, make_trap, try_mutants
 from reliability.row import Row
 from reliability.tree_mutations import mutate_yaml
 from shoecal_core.recording.session import FILE, ROBOT, SHOE, URDF, Session
@@ -34,6 +34,8 @@ def target(folder: Path) -> SessionFolder:
 
 class SessionFolder:
     """A session that is laid anew for every mutant."""
+
+    codes = PLAIN | {"field", "version", "session", "recording", "damaged", "hash-mismatch"}
 
     def __init__(self, folder: Path) -> None:
         self._trap = make_trap(folder)
@@ -101,7 +103,7 @@ ROW = Row(
     key="mutants-session",
     fault="mutated session: session.yaml and the files of the folder",
     holds="refused with one line that names the file, or read as it was recorded; at most 2 GiB "
-    "and 10 s",
+    "and 10 s of the processor",
     tries=10_000,
     step=500,
     run=partial(try_mutants, "mutated_sessions"),

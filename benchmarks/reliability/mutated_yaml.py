@@ -3,7 +3,8 @@
 Each mutant is one of the files of config/ with bits flipped, cut, spliced, with numbers at their
 extremes, values of another kind, lists in lists, keys gone or renamed, or with a text that a
 careless reader of YAML would run, fetch or unfold. It is refused with one line that names the file,
-or loaded as it says; within 2 GiB and 10 s, and nothing of it runs.
+or loaded as it says; within 2 GiB and 10 s of the processor's time, and nothing of it
+runs.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from reliability import originals
-from reliability.loading import WrongLoadError, make_trap, try_mutants
+from reliability.loading import PLAIN, WrongLoadError, make_trap, try_mutants
 from reliability.row import Row
 from reliability.tree_mutations import mutate_yaml
 from shoecal_core.calibration.settings import CalibrationSettings
@@ -41,6 +42,8 @@ def target(folder: Path) -> YamlFiles:
 
 class YamlFiles:
     """Copies of the configuration, one of them a mutant."""
+
+    codes = PLAIN | {"field", "version", "urdf"}  # a robot file may name another file as its URDF
 
     def __init__(self, folder: Path) -> None:
         self._config = folder / "config"
@@ -110,7 +113,7 @@ ROW = Row(
     key="mutants-yaml",
     fault="mutated YAML: robot, shoe, reality, driver, settings",
     holds="refused with one line that names the file, or loaded as it says; at most 2 GiB and "
-    "10 s; nothing of it runs",
+    "10 s of the processor; nothing of it runs",
     tries=10_000,
     step=500,
     run=partial(try_mutants, "mutated_yaml"),

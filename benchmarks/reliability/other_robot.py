@@ -2,8 +2,8 @@
 
 One byte of the robot's file, its URDF or the shoe's file is altered, or the whole file is another
 one's. A session whose run was recorded with the file as it was before refuses to read the run, and
-says which file; the calibrator refuses a calibration made with it. Both do as they are told when
-forced, except that a calibration with other channels is never applied.
+says which file; the calibrator refuses a calibration made with it; each has a code of its own. Both
+do as they are told when forced, except that a calibration with other channels is never applied.
 """
 
 from __future__ import annotations
@@ -17,13 +17,11 @@ import numpy as np
 
 from reliability import originals
 from reliability.row import Progress, Result, Row
-from shoecal_core.calibration.calibration import WrongShoeError
-from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.errors import FileError, ShoecalError, error_code
 from shoecal_core.files import sha256
-from shoecal_core.recording.errors import HashMismatchError
 from shoecal_core.recording.session import ROBOT, SHOE, URDF, Session
 from shoecal_core.sensing.shoe import load_shoe
-from shoecal_ros.calibrator.calibration_store import CalibrationStore, NotApplicableError
+from shoecal_ros.calibrator.calibration_store import CalibrationStore
 
 FILES = (ROBOT, URDF, SHOE)
 OTHERS = {ROBOT: "robots/wren.yaml", URDF: "robots/wren.urdf", SHOE: "shoes/wren_shoe.yaml"}
@@ -42,7 +40,7 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
             worst = worst or (problem and f"try {number}: {problem}")
             shutil.rmtree(folder)
             progress(number - first + 1)
-    return Result(count, failed, worst or "each refused, with the file's name")
+    return Result(count, failed, worst or "each refused, with the file's name and the code")
 
 
 def _session_problem(folder: Path, rng: np.random.Generator) -> str:
@@ -53,15 +51,17 @@ def _session_problem(folder: Path, rng: np.random.Generator) -> str:
     for read in (session.check_hashes, lambda: session.read(1)):
         try:
             read()
-        except HashMismatchError as error:
+        except ShoecalError as error:
+            if wrong := _wrong_code(error, "hash-mismatch"):
+                return wrong
             if name not in str(error):
                 return f"another {name}, and the message does not say so: {error}"
         else:
             return f"a run recorded with another {name} was read"
     try:
         load_shoe(folder / SHOE)
-    except FileError:
-        return ""  # the altered byte made it no shoe at all
+    except FileError as error:  # the altered byte made it no shoe at all
+        return _wrong_code(error, "file-syntax", "field", "version")
     try:
         Session.open(folder, force=True).read(1)
     except ShoecalError as error:
@@ -79,7 +79,9 @@ def _calibration_problem(rng: np.random.Generator) -> str:
     other = replace(made, robot_hash=wrong) if kind == "robot" else replace(made, shoe_hash=wrong)
     try:
         store.check(other)
-    except NotApplicableError:
+    except ShoecalError as error:
+        if wrong_code := _wrong_code(error, "not-applicable"):
+            return wrong_code
         store.check(other, force=True)
     else:
         return f"a calibration of another {kind} is applied"
@@ -88,10 +90,16 @@ def _calibration_problem(rng: np.random.Generator) -> str:
     if tuple(names) != made.channels:
         try:
             store.check(replace(made, channels=tuple(names)), force=True)
-        except WrongShoeError:
-            return ""
+        except ShoecalError as error:
+            return _wrong_code(error, "wrong-shoe")
         return "a calibration of other channels is applied"
     return ""
+
+
+def _wrong_code(error: ShoecalError, *codes: str) -> str:
+    """What is wrong with the code of a refusal; empty where it is one of these."""
+    found = error_code(type(error))
+    return "" if found in codes else f"refused with the code {found}: {error}"
 
 
 def _alter(path: Path, rng: np.random.Generator) -> None:
@@ -109,7 +117,7 @@ def _alter(path: Path, rng: np.random.Generator) -> None:
 ROW = Row(
     key="other-robot",
     fault="a recording or a calibration of another robot or shoe",
-    holds="refused unless forced",
+    holds="refused with its own code, unless forced",
     tries=300,
     step=100,
     run=run,

@@ -7,20 +7,21 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from pages import table, write_section
-from reliability.row import Result
-from reliability.rows import Found
+from reliability.shown import Shown, brief, counted, link, summary
 from shoecal_core.files import atomic_write
 
 SECTION = "faults"
 HEAD = "# Under load and faults\n"
 
 BODY = """\
-Made by `make faults`; *tried* beside *full size* says how much of it has been run, *this code* how
-many of these tries ran with the very sources that stand beside this page (what the row can reach:
-its imports, the nodes it starts and theirs, configuration, messages and data); the others ran with
-earlier ones.
-*worst* is what came of the worst try; where it counts some out of a round number (4 of 500), they
-are those of one step of the row.
+Made by `make faults`. In short:
+
+{summary}
+
+*This code* are the very sources that stand beside this page: what a row can reach, its imports, the
+nodes it starts and theirs, configuration, messages and data. *Worst* is what came of the worst try;
+where it counts some out of a round number (4 of 500), they are those of one step of the row. Every
+row has a section below that says what is done, what of it is simulated, and the worst in full.
 
 {table}
 
@@ -28,48 +29,59 @@ are those of one step of the row.
 """
 
 
-def write_json(rows: Mapping[str, Found], results: Mapping[str, Result], file: Path) -> None:
-    """Every row that was tried, as a list of objects."""
+def write_json(rows: Mapping[str, Shown], file: Path) -> None:
+    """Every row, tried or not, as a list of objects."""
     told = [
         {
-            "fault": found.row.fault,
-            "tried": results[key].tried,
-            "failed": results[key].failed,
-            "worst": results[key].told,
+            "fault": one.found.row.fault,
+            "tried": one.result.tried,
+            "failed": one.result.failed,
+            "worst": "; ".join(filter(None, (one.result.told, one.failed_before))),
         }
-        for key, found in rows.items()
-        if results[key].tried
+        for one in rows.values()
     ]
     file.parent.mkdir(parents=True, exist_ok=True)
     atomic_write(file, json.dumps(told, indent=1, ensure_ascii=False) + "\n")
 
 
-def write_page(
-    rows: Mapping[str, Found], results: Mapping[str, Result], present: Mapping[str, int], page: Path
-) -> None:
-    """The table, and what each row does.
+def write_page(rows: Mapping[str, Shown], page: Path) -> None:
+    """All rows in short, their table, and what each does.
 
     Args:
         rows: by their keys.
-        results: of each.
-        present: how many of its tries ran with the code at hand.
         page: Markdown.
     """
-    lines = [("row", "fault", "must hold", "full size", "tried", "this code", "failed", "worst")]
-    for key, found in rows.items():
-        row, result = found.row, results[key]
+    lines = [("row", "must hold", "tried", "this code", "failed", "worst")]
+    for key, one in rows.items():
         lines.append(
             (
-                f"`{key}`", row.fault, row.holds, f"{row.tries:,}", f"{result.tried:,}",
-                f"{present[key]:,}" if result.tried else "", _failed(result), result.told,
+                link(key), one.found.row.holds, one.share, _present(one), _failed(one),
+                brief(one.result.told),
             )
         )  # fmt: skip
     cells = [[cell.replace("|", r"\|").replace("\n", " ") for cell in line] for line in lines]
-    about = "\n\n".join(f"### `{key}`\n\n{found.about}" for key, found in rows.items())
-    write_section(SECTION, BODY.format(table=table(cells), about=about), page, HEAD)
+    about = "\n\n".join(_section(key, one) for key, one in rows.items())
+    body = BODY.format(summary=summary(rows), table=table(cells), about=about)
+    write_section(SECTION, body, page, HEAD)
 
 
-def _failed(result: Result) -> str:
-    if not result.tried:
+def _present(one: Shown) -> str:
+    if not one.result.tried:
         return ""
-    return f"**{result.failed:,}**" if result.failed else "0"
+    return {one.result.tried: "all", 0: "none"}.get(one.present, f"{one.present:,}")
+
+
+def _failed(one: Shown) -> str:
+    failed = f"**{one.result.failed:,}**" if one.result.failed else "0"
+    told = failed if one.result.tried else ""
+    return "; ".join(filter(None, (told, brief(one.failed_before))))
+
+
+def _section(key: str, one: Shown) -> str:
+    """What is done, and what is too long for the table."""
+    told = {
+        "Worst": one.result.told,
+        "Failed before, with the same code": counted(one.before),
+    }
+    long = [f"{head}: {text}" for head, text in told.items() if brief(text) != text]
+    return "\n\n".join((f"### `{key}`", f"Fault: {one.found.row.fault}.", one.found.about, *long))

@@ -21,6 +21,8 @@ from __future__ import annotations
 
 import os
 import random
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -41,8 +43,32 @@ LOOK = 10 * MINUTE
 LOST = "frames lost"
 
 
-def run(first: int, count: int, seed: int, progress: Progress) -> Result:
-    """Robot seconds, all of the same two processes."""
+@dataclass(frozen=True)
+class Stretch:
+    """What came of some robot seconds of the same two processes.
+
+    Attributes:
+        failed: seconds in which something was wrong.
+        told: the first of them, in words.
+        lost: frames that did not go out whole.
+        memory: of each process, one note after the other [MB].
+    """
+
+    failed: int
+    told: str
+    lost: int
+    memory: Mapping[str, list[float]]
+
+
+def stand(
+    first: int, count: int, seed: int, progress: Progress, note_every: int = MINUTE
+) -> Stretch:
+    """Robot seconds, all of the same two processes.
+
+    Args:
+        first, count, seed, progress: as for the tries of a row.
+        note_every: seconds from one note of the memory to the next.
+    """
     failed, told = 0, ""
     memory: dict[str, list[float]] = {}
     with live_world() as world:
@@ -53,19 +79,26 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
                 wrong = _miscounted(robot)
             if wrong:
                 failed, told = failed + 1, told or f"second {first + second - 1}: {wrong}"
-            if second % MINUTE == 0:
+            if second % note_every == 0:
                 for name, process in world.processes.items():
                     memory.setdefault(name, []).append(resident_mb(process.pid))
             progress(second)
+        return Stretch(failed, told, robot.lost, memory)
+
+
+def run(first: int, count: int, seed: int, progress: Progress) -> Result:
+    """A stretch, judged by its memory, too, where it is long."""
+    found = stand(first, count, seed, progress)
+    failed, told = found.failed, found.told
     if count < LONG:
-        return Result(count, failed, told, counts={LOST: robot.lost})
-    growth = {name: an_hour(notes[WARM // MINUTE :]) for name, notes in memory.items()}
+        return Result(count, failed, told, counts={LOST: found.lost})
+    growth = {name: an_hour(notes[WARM // MINUTE :]) for name, notes in found.memory.items()}
     most = max(growth.values())
     if most >= MOST_MB:
         failed, told = count, told or "memory grows"
     grown = ", ".join(f"{name} {mb:+.2f} MB" for name, mb in growth.items())
     told = "; ".join(filter(None, (told, f"an hour: {grown}")))
-    return Result(count, failed, told, most, {LOST: robot.lost})
+    return Result(count, failed, told, most, {LOST: found.lost})
 
 
 def _miscounted(robot: SoakRobot) -> str:

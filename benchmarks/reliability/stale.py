@@ -3,13 +3,13 @@
 A real calibrator is in force beside a robot that stands on both feet or on one of them and tells
 joints and voltages, each foot's in frames of their own, either first, with a period that is drawn
 (5 to 100 ms). At a drawn moment joints, voltages or those of one foot stay away. From its last
-message `/shoe/state` must say so, and not before, within 100 ms or three periods, whichever is longer;
-without joint angles or one foot's voltages `/shoe/cop` and `/shoe/grf` must end, whose point and
-torques are about one sole for both feet (on one foot, too), and those of a foot whose voltages come
-go on; without voltages nothing is published; when all come again, so must everything. A robot that
-itself was late may be told stale before. Beside it stands how
-long a reading takes to `/shoe/left/grf`, at the worst of the same try: what the machine needs at
-any rate. Simulated: the robot, of which only messages exist.
+message `/shoe/state` must say so, and not before, within 100 ms or three periods, whichever is
+longer; without joint angles or one foot's voltages `/shoe/cop` and `/shoe/grf` must end, whose
+point and torques are about one sole for both feet (on one foot, too), and those of a foot whose
+voltages come go on; without voltages nothing is published; when all come again, so must everything.
+A robot that itself was late may be told stale before. Beside it stands how long a reading takes to
+`/shoe/left/grf`, at the worst of the same try: what the machine needs at any rate. Simulated: the
+robot, of which only messages exist.
 """
 
 from __future__ import annotations

@@ -3,8 +3,9 @@
 A real calibrator with a calibration in force, a real planner (with its own steps) and a real
 simulator get requests whose fields are drawn: NaN, infinite, huge, empty, of the wrong length,
 cells and motions that there are not, texts of a megabyte, paths where a name belongs. Each must be
-refused within the time-out with a reason of one line, the calibration in force stay as it was to
-the last bit, and no node end or log a traceback. Nothing is simulated but the robot.
+refused within the time-out with a reason of one line and the code that says whose fault it is, the
+caller's; the calibration in force stay as it was to the last bit, and no node end or log a
+traceback. Nothing is simulated but the robot.
 """
 
 from __future__ import annotations
@@ -46,12 +47,14 @@ class Case:
         what: in words.
         kind, name: of service or action.
         request: to send.
+        codes: one of them tells a program why; none where the answer has no room for it.
     """
 
     what: str
     kind: Any
     name: str
     request: Any
+    codes: frozenset[int]
 
 
 Draw = Callable[[np.random.Generator], Case]
@@ -110,7 +113,12 @@ def _set_calibration(rng: np.random.Generator) -> Case:
     field = _pick(rng, list(spoil))
     spoil[field]()
     request = SetCalibration.Request(calibration=made, force=bool(rng.integers(2)))
-    return Case(f"set_calibration: {field}", SetCalibration, "shoe/set_calibration", request)
+    # Whole, but of other cells, or one whose own checks failed.
+    elsewhere = field == "cell" or made.verdict == "FAIL"
+    answers = SetCalibration.Response
+    code = answers.NOT_APPLICABLE if elsewhere else answers.BAD_CALIBRATION
+    what = f"set_calibration: {field}"
+    return Case(what, SetCalibration, "shoe/set_calibration", request, frozenset({code}))
 
 
 _TOO_MANY = (
@@ -125,10 +133,11 @@ _TOO_MANY = (
 
 def _self_calibrate(rng: np.random.Generator) -> Case:
     goal = {**_pick(rng, _TOO_MANY), "seed": int(_pick(rng, (-1, 0, 2**63 - 1, -(2**63))))}
+    codes = frozenset({Calibrate.Result.BAD_GOAL})
     if rng.integers(2):
         request = SelfCalibrate.Request(**goal)
-        return Case(f"self_calibrate: {goal}", SelfCalibrate, "shoe/self_calibrate", request)
-    return Case(f"calibrate: {goal}", Calibrate, "shoe/calibrate", Calibrate.Goal(**goal))
+        return Case(f"self_calibrate: {goal}", SelfCalibrate, "shoe/self_calibrate", request, codes)
+    return Case(f"calibrate: {goal}", Calibrate, "shoe/calibrate", Calibrate.Goal(**goal), codes)
 
 
 def _diagnose(rng: np.random.Generator) -> Case:
@@ -143,7 +152,9 @@ def _diagnose(rng: np.random.Generator) -> Case:
             {"motions": ["landmarks"] * 100_000},
         ),
     )
-    return Case(f"diagnose: {str(goal)[:60]}", Diagnose, "shoe/diagnose", Diagnose.Goal(**goal))
+    codes = frozenset({Diagnose.Result.BAD_GOAL})
+    what = f"diagnose: {str(goal)[:60]}"
+    return Case(what, Diagnose, "shoe/diagnose", Diagnose.Goal(**goal), codes)
 
 
 def _plan(rng: np.random.Generator) -> Case:
@@ -155,15 +166,21 @@ def _plan(rng: np.random.Generator) -> Case:
             {"motion": "unload_left", "send": True, "stream": True},
         ),
     )
-    return Case(f"plan: {str(goal)[:60]}", Plan, "shoe/plan", Plan.Goal(**goal))
+    codes = frozenset({Plan.Result.BAD_GOAL})
+    return Case(f"plan: {str(goal)[:60]}", Plan, "shoe/plan", Plan.Goal(**goal), codes)
+
+
+_REACHES = ("robot/reach_support", "sim/robot/reach_support")
+"""Who brings the feet to a support."""
 
 
 def _reach(rng: np.random.Generator) -> Case:
     place = [0.0, -0.11, 0.0]
     place[int(rng.integers(3))] = _pick(rng, NUMBERS)
     goal = ReachSupport.Goal(support=DoubleSupport(dx=place[0], dy=place[1], dtheta=place[2]))
-    name = _pick(rng, ("robot/reach_support", "sim/robot/reach_support"))
-    return Case(f"{name}: {place}", ReachSupport, name, goal)
+    name = _pick(rng, _REACHES)
+    codes = frozenset({ReachSupport.Result.UNREACHABLE})
+    return Case(f"{name}: {place}", ReachSupport, name, goal, codes)
 
 
 def _parameter(rng: np.random.Generator) -> Case:
@@ -180,7 +197,8 @@ def _parameter(rng: np.random.Generator) -> Case:
         ),
     )
     request = SetParameters.Request(parameters=[Parameter(name, value=value).to_parameter_msg()])
-    return Case(f"parameter {name}", SetParameters, "calibrator/set_parameters", request)
+    what = f"parameter {name}"
+    return Case(what, SetParameters, "calibrator/set_parameters", request, frozenset())
 
 
 DRAWS: tuple[Draw, ...] = (
@@ -210,25 +228,30 @@ class Suite:
     def try_one(self, case: Case) -> str:
         """What is wrong with how a case was answered; empty where nothing is."""
         is_action = hasattr(case.kind, "Goal")
-        ok, told = (self._goal if is_action else self._call)(case)
+        ok, code, told = (self._goal if is_action else self._call)(case)
         if ok:
             return f"accepted: {told[:100]}"
+        if code not in (case.codes or {None}):
+            return f"refused with the code {code}: {told[:100]}"
         if not told or "\n" in told or len(told) > LONGEST_REASON:
             return f"a reason of {len(told)} letters"
         if self._in_force() != self.before:
             return "the calibration in force changed"
         return ""
 
-    def _call(self, case: Case) -> tuple[bool, str]:
+    def _call(self, case: Case) -> tuple[bool, int | None, str]:
+        """Whether it was accepted, the code of the refusal and its reason."""
         response = self.world.call(case.kind, case.name, case.request)
         if case.kind is SetParameters:
-            return bool(response.results[0].successful), str(response.results[0].reason)
+            return bool(response.results[0].successful), None, str(response.results[0].reason)
         ok = response.accepted if case.kind is SelfCalibrate else response.success
-        return bool(ok), str(response.message)
+        return bool(ok), int(response.error_code), str(response.message)
 
-    def _goal(self, case: Case) -> tuple[bool, str]:
+    def _goal(self, case: Case) -> tuple[bool, int | None, str]:
+        """Likewise."""
         result = self.world.goal(case.kind, case.name, case.request).result(TIMEOUT_S)
-        return bool(result.success or result.error_code == 0), str(result.message)
+        code = int(result.error_code)
+        return bool(result.success or code == 0), code, str(result.message)
 
     def _in_force(self) -> tuple[bytes, Any]:
         found = self.world.call(GetCalibration, "shoe/get_calibration", GetCalibration.Request())
@@ -254,14 +277,14 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
             progress(done)
         if wrong := suite.logs():
             failures.append(wrong)
-    worst = "; ".join(failures) if failures else "refused, every one of them"
+    worst = "; ".join(failures) if failures else "refused, every one of them, with its code"
     return Result(count, len(failures), worst, float(len(failures)))
 
 
 ROW = Row(
     key="wrong-input",
     fault="wrong service input: NaN, infinite, huge, empty, unknown cell",
-    holds="refused with the reason; the calibration in force stays",
+    holds="refused with the reason and its code; the calibration in force stays",
     tries=2000,
     step=500,
     run=run,

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 import shoecal_core
 from reference.markdown import code, fenced, page, table
 from shoecal_core.commands.parsers import COMMANDS
-from shoecal_core.errors import ShoecalError, error_code
+from shoecal_core.errors import FileError, ShoecalError, error_code
 
 _LEAD = (
     "`shoecal COMMAND --help` tells the same. Results go to standard output, progress and errors "
@@ -61,6 +61,7 @@ def _codes() -> list[tuple[str, str]]:
             continue
         about = (inspect.getdoc(kind) or "").splitlines()[0]
         rows.setdefault(code(error_code(kind)), []).append(about)
+    del rows[code(error_code(FileError))]  # always told as one of its kinds
     rows[code(error_code(ShoecalError))] = ["Anything else; the message tells what."]
     return [(name, " Or: ".join(sorted(set(about)))) for name, about in sorted(rows.items())]
 

@@ -6,9 +6,7 @@ could not be done.
 
 from __future__ import annotations
 
-import errno
 import json
-import os
 import sys
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -19,10 +17,16 @@ from rich.markup import escape
 
 from shoecal_core.commands.parsers import COMMANDS, command_line
 from shoecal_core.commands.suggestions import nearest_file
-from shoecal_core.errors import FileError, PartialError, ShoecalError, ToldError, error_code
+from shoecal_core.errors import (
+    FileError,
+    FileMissingError,
+    PartialError,
+    ShoecalError,
+    ToldError,
+    error_code,
+)
 from shoecal_core.files import atomic_write
 
-NO_FILE = os.strerror(errno.ENOENT)
 PIPE_WIDTH = 140
 """Columns of what is piped or written to a file."""
 
@@ -77,10 +81,7 @@ def _output() -> Console:
 
 def _meant(error: ShoecalError) -> str:
     """Of a file that should be there and is not: what may have been meant."""
-    if not isinstance(error, FileError):
-        return ""
-    missing = error.problem.startswith("does not exist") or NO_FILE in error.problem
-    return nearest_file(error.path) if missing else ""
+    return nearest_file(error.path) if isinstance(error, FileMissingError) else ""
 
 
 def _plain(error: ShoecalError) -> str:

@@ -42,6 +42,8 @@ class ShoecalError(Exception):
 class FileError(ShoecalError):
     """A file that cannot be used: names the file, the field and the cure.
 
+    What is wrong with it is told by the kinds of this error, each with a code of its own.
+
     Attributes:
         path: the file.
         field: dotted path of the offending field, empty for the file as a whole.
@@ -53,6 +55,38 @@ class FileError(ShoecalError):
         self.problem = problem
         where = f"{path}: {field}" if field else f"{path}"
         super().__init__(f"{where}: {problem}")
+
+
+class FileMissingError(FileError):
+    """A file or folder that is not there."""
+
+
+class FileTakenError(FileError):
+    """A file or folder that is there already and is not overwritten."""
+
+
+class FileUnreadableError(FileError):
+    """A file that the system does not let be read, or that is no plain file."""
+
+
+class FileUnwritableError(FileError):
+    """A file or folder that the system does not let be written."""
+
+
+class DiskFullError(FileUnwritableError):
+    """A file for which there is no room: the disk is full, or all that is allowed is used up."""
+
+
+class FileTooLargeError(FileError):
+    """A file that is larger than any of its kind."""
+
+
+class FileSyntaxError(FileError):
+    """A file that is not of its kind at all: no YAML, XML, JSON, CSV or Python where one is due."""
+
+
+class FieldError(FileError):
+    """A field or line of a file that is missing, unknown or wrong, or contradicts another one."""
 
 
 class VersionError(FileError):

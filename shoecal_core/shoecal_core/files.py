@@ -1,7 +1,7 @@
 """Reading and writing files so that nothing is lost and nothing is guessed.
 
 `Fields` walks a parsed YAML mapping and turns whatever is missing or wrong into one
-`FileError` that names the file and the dotted field.
+`FieldError` that names the file and the dotted field.
 """
 
 from __future__ import annotations
@@ -23,13 +23,79 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from shoecal_core.errors import FileError, VersionError
+from shoecal_core.errors import (
+    DiskFullError,
+    FieldError,
+    FileError,
+    FileMissingError,
+    FileSyntaxError,
+    FileTakenError,
+    FileTooLargeError,
+    FileUnreadableError,
+    FileUnwritableError,
+    VersionError,
+)
 
 MAX_BYTES = 512 * 2**20
 """Larger files are refused before they are read into memory."""
 MAX_YAML_BYTES = 2**20
 MAX_YAML_VALUES = 100_000
 """Larger configuration files are refused: to parse them would take very long."""
+
+_BY_NUMBER: Mapping[int | None, type[FileError]] = {
+    errno.ENOENT: FileMissingError,
+    errno.EEXIST: FileTakenError,
+    errno.ENOSPC: DiskFullError,
+    errno.EDQUOT: DiskFullError,
+    errno.EFBIG: DiskFullError,
+}
+"""What the system tells by these numbers, whatever was to be done; all else depends on that."""
+
+
+def system_error(
+    path: Path | str,
+    error: OSError,
+    problem: str,
+    cure: str = "",
+    *,
+    otherwise: type[FileError] = FileUnwritableError,
+) -> FileError:
+    """What the operating system refuses, as an error by what a program can do about it.
+
+    Args:
+        path: the file or folder.
+        error: of the system.
+        problem: what could not be done with it: cannot be written, made, …
+        cure: for a person.
+        otherwise: the error where the system tells neither that it is missing or there already
+            nor that there is no room.
+    """
+    told = f"{problem} ({error.strerror or error})"
+    kind = _BY_NUMBER.get(error.errno, otherwise)
+    return kind(path, f"{told}; {cure}" if cure else told)
+
+
+def read_error(path: Path | str, error: OSError, cure: str = "") -> FileError:
+    """Likewise where a file was to be read."""
+    return system_error(path, error, "cannot be read", cure, otherwise=FileUnreadableError)
+
+
+def make_folder(folder: Path, cure: str = "") -> None:
+    """Make a folder, and those above it, where there is none.
+
+    Args:
+        folder: to be made.
+        cure: for a person, where it cannot be.
+
+    Raises:
+        FileTakenError: a file stands in its place.
+        DiskFullError: there is no room.
+        FileUnwritableError: the folder above it cannot be written.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise system_error(folder, error, "cannot be made", cure) from error
 
 
 def atomic_write(path: Path, content: bytes | str, mode: int = 0o666) -> None:
@@ -41,7 +107,9 @@ def atomic_write(path: Path, content: bytes | str, mode: int = 0o666) -> None:
         mode: rights of the file, less those that the process's umask takes away.
 
     Raises:
-        FileError: when the folder does not exist or cannot be written; also when only the folder
+        FileMissingError: when the folder does not exist.
+        DiskFullError: when there is no room.
+        FileUnwritableError: when it cannot be written otherwise; also when only the folder
             cannot be made durable: then the new file stands, for as long as there is power.
     """
     path = Path(path)
@@ -50,9 +118,8 @@ def atomic_write(path: Path, content: bytes | str, mode: int = 0o666) -> None:
     try:
         file = os.fdopen(os.open(fresh, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb")
     except OSError as error:
-        raise FileError(
-            path, f"cannot be written ({error.strerror}); check the folder and its rights"
-        ) from error
+        cure = "check the folder and its rights"
+        raise system_error(path, error, "cannot be written", cure) from error
     try:
         with file:
             file.write(data)
@@ -60,9 +127,8 @@ def atomic_write(path: Path, content: bytes | str, mode: int = 0o666) -> None:
             os.fsync(file.fileno())
         fresh.replace(path)
     except OSError as error:
-        raise FileError(
-            path, f"cannot be written ({error.strerror}); the file before it is untouched"
-        ) from error
+        cure = "the file before it is untouched"
+        raise system_error(path, error, "cannot be written", cure) from error
     finally:
         with suppress(OSError):  # a disk that refuses this has refused the file before
             fresh.unlink(missing_ok=True)
@@ -78,9 +144,8 @@ def sync_folder(path: Path) -> None:
         finally:
             os.close(handle)
     except OSError as error:
-        raise FileError(
-            path, f"may not outlast a power cut ({error.strerror} in its folder); check the disk"
-        ) from error
+        problem = "may not outlast a power cut: its folder cannot be made durable"
+        raise system_error(path, error, problem, "check the disk") from error
 
 
 def sha256(path: Path) -> str:
@@ -90,10 +155,20 @@ def sha256(path: Path) -> str:
 
 
 def read_bytes(path: Path, largest: int = MAX_BYTES) -> bytes:
-    """Content of a file; FileError where it cannot be read or is larger than `largest` [bytes]."""
+    """Content of a file.
+
+    Args:
+        path: the file.
+        largest: bytes that it may have.
+
+    Raises:
+        FileTooLargeError: where it has more.
+        FileMissingError, FileUnreadableError: as `open_file`.
+    """
     with open_file(path) as file, _told(path):
         if os.fstat(file.fileno()).st_size > largest:
-            raise FileError(path, f"larger than {largest >> 20} MiB; not a file of this kind")
+            problem = f"larger than {largest >> 20} MiB; not a file of this kind"
+            raise FileTooLargeError(path, problem)
         return file.read()
 
 
@@ -101,7 +176,9 @@ def open_file(path: Path) -> BufferedReader:
     """A file, opened for reading.
 
     Raises:
-        FileError: where it cannot be opened, or is a pipe or a device: they may have no end.
+        FileMissingError: where there is none.
+        FileUnreadableError: where it cannot be opened, or is a folder, or a pipe or a device:
+            they may have no end.
     """
     with _told(path):
         # Whoever opens a pipe waits for its writer, unless told not to wait.
@@ -111,7 +188,7 @@ def open_file(path: Path) -> BufferedReader:
         return os.fdopen(file, "rb")
     os.close(file)
     problem = os.strerror(errno.EISDIR) if stat.S_ISDIR(mode) else "a pipe or a device"
-    raise FileError(path, f"cannot be read ({problem}); name a plain file")
+    raise FileUnreadableError(path, f"cannot be read ({problem}); name a plain file")
 
 
 @contextmanager
@@ -119,13 +196,19 @@ def _told(path: Path) -> Iterator[None]:
     """What the system refuses, as a FileError."""
     try:
         yield
-    except (OSError, ValueError) as error:  # ValueError: a NUL in the name
-        reason = getattr(error, "strerror", None) or error
-        raise FileError(path, f"cannot be read ({reason})") from error
+    except OSError as error:
+        raise read_error(path, error) from error
+    except ValueError as error:  # a NUL in the name
+        raise FileUnreadableError(path, f"cannot be read ({error})") from error
 
 
 def read_yaml(path: Path) -> Fields:
-    """Read a YAML mapping, safely: no code runs, no alias bomb unfolds, no number is guessed."""
+    """Read a YAML mapping, safely: no code runs, no alias bomb unfolds, no number is guessed.
+
+    Raises:
+        FileSyntaxError: where it is no YAML, or no mapping.
+        FileMissingError, FileUnreadableError, FileTooLargeError: as `read_bytes`.
+    """
     content = read_bytes(path, MAX_YAML_BYTES)
     try:
         value = yaml.load(content, Loader=_Loader)  # noqa: S506 - a child of SafeLoader
@@ -133,9 +216,9 @@ def read_yaml(path: Path) -> Fields:
         mark, problem = (getattr(error, name, None) for name in ("problem_mark", "problem"))
         line = f" at line {mark.line + 1}" if mark is not None else ""
         reason = f" ({problem})" if problem else ""
-        raise FileError(path, f"not valid YAML{line}{reason}; mend the syntax") from error
+        raise FileSyntaxError(path, f"not valid YAML{line}{reason}; mend the syntax") from error
     if not isinstance(value, dict):
-        raise FileError(path, "expected a mapping of keys to values at the top level")
+        raise FileSyntaxError(path, "expected a mapping of keys to values at the top level")
     return Fields(Path(path), "", value)
 
 
@@ -162,9 +245,9 @@ class Fields:
         """Keys present, as text."""
         return [str(key) for key in self._values]
 
-    def error(self, key: str, problem: str) -> FileError:
+    def error(self, key: str, problem: str) -> FieldError:
         """The error to raise for one field."""
-        return FileError(self.path, problem, field=self._name(key))
+        return FieldError(self.path, problem, field=self._name(key))
 
     def only(self, *known: str) -> None:
         """Refuse unknown keys: a typo must not silently become a default."""

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from shoecal_core.errors import ShoecalError
 
+_RANGE = "ROS_AUTOMATIC_DISCOVERY_RANGE"
 _PATH_LISTS = ("AMENT_PREFIX_PATH", "LD_LIBRARY_PATH", "PYTHONPATH")
 
 
@@ -38,13 +39,18 @@ def config_dir() -> Path:
     )
 
 
+def network_environment() -> dict[str, str]:
+    """How far nodes are seen: on this computer only, unless the environment says otherwise."""
+    return {_RANGE: os.environ.get(_RANGE) or "LOCALHOST"}
+
+
 def ros_environment() -> dict[str, str]:
     """Environment for a child process in which rclpy, shoecal_msgs and shoecal_ros import.
 
     Where this interpreter's own environment holds ROS 2 (as `make setup` builds it), the child
     gets that one whatever else is sourced, starts without the wheels' second start of the
-    interpreter, and is seen on this machine only unless ROS_AUTOMATIC_DISCOVERY_RANGE says
-    otherwise. In a sourced workspace it is the environment as it stands.
+    interpreter, and is seen as far as `network_environment` says. In a sourced workspace it is the
+    environment as it stands.
 
     Raises:
         ShoecalError: where there is neither.
@@ -78,8 +84,7 @@ def _wheels_environment(venv: Path) -> dict[str, str]:
         del environment["PYTHONPATH"]
     environment["RMW_IMPLEMENTATION"] = "rmw_fastrtps_cpp"
     environment["_ROS_WHEELS_BOOTSTRAP_COMPLETE"] = "1"
-    environment.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST")
-    return environment
+    return environment | network_environment()
 
 
 def _checkout() -> Path | None:

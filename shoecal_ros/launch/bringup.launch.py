@@ -5,7 +5,6 @@
 Discovery stays on this computer unless ROS_AUTOMATIC_DISCOVERY_RANGE is set before.
 """
 
-import os
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
@@ -15,6 +14,8 @@ from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
+
+from shoecal_core.workspace import network_environment
 
 VIEW = Path(get_package_share_directory("shoecal_ros")) / "launch" / "view.launch.py"
 CONFIG = Path(get_package_share_directory("shoecal_core")) / "config"
@@ -48,10 +49,7 @@ def generate_launch_description() -> LaunchDescription:
     same_planning = {"planner_file": ParameterValue(planner_file, value_type=str)}
     return LaunchDescription(
         [
-            SetEnvironmentVariable(
-                "ROS_AUTOMATIC_DISCOVERY_RANGE",
-                os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"),
-            ),
+            *(SetEnvironmentVariable(*each) for each in network_environment().items()),
             *(
                 DeclareLaunchArgument(name, default_value=default, description=text)
                 for name, (default, text) in ARGUMENTS.items()

@@ -10,7 +10,6 @@
 Discovery stays on this computer unless ROS_AUTOMATIC_DISCOVERY_RANGE is set before.
 """
 
-import os
 import tempfile
 from pathlib import Path
 
@@ -21,6 +20,8 @@ from launch.launch_description_sources import PythonLaunchDescriptionSource
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
+
+from shoecal_core.workspace import network_environment
 
 CONFIG = Path(get_package_share_directory("shoecal_core")) / "config"
 BRINGUP = Path(get_package_share_directory("shoecal_ros")) / "launch" / "bringup.launch.py"
@@ -40,10 +41,7 @@ def generate_launch_description() -> LaunchDescription:
     """Start the simulator, and the nodes on its clock and its port."""
     return LaunchDescription(
         [
-            SetEnvironmentVariable(
-                "ROS_AUTOMATIC_DISCOVERY_RANGE",
-                os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"),
-            ),
+            *(SetEnvironmentVariable(*each) for each in network_environment().items()),
             *(
                 DeclareLaunchArgument(name, default_value=default, description=text)
                 for name, (default, text) in ARGUMENTS.items()

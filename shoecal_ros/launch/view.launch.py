@@ -11,7 +11,6 @@ ros-jazzy-rviz2, ros-jazzy-plotjuggler-ros, ros-jazzy-foxglove-bridge.
 Discovery stays on this computer unless ROS_AUTOMATIC_DISCOVERY_RANGE is set before.
 """
 
-import os
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
@@ -21,6 +20,8 @@ from launch.conditions import IfCondition
 from launch.substitutions import EqualsSubstitution, LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
+
+from shoecal_core.workspace import network_environment
 
 SHARE = Path(get_package_share_directory("shoecal_ros"))
 RVIZ = str(SHARE / "rviz" / "shoecal.rviz")
@@ -38,10 +39,7 @@ def generate_launch_description() -> LaunchDescription:
     bridge = {"address": "127.0.0.1", "port": 8765}
     return LaunchDescription(
         [
-            SetEnvironmentVariable(
-                "ROS_AUTOMATIC_DISCOVERY_RANGE",
-                os.environ.get("ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST"),
-            ),
+            *(SetEnvironmentVariable(*each) for each in network_environment().items()),
             *(
                 DeclareLaunchArgument(name, default_value=default, description=text)
                 for name, (default, text) in ARGUMENTS.items()

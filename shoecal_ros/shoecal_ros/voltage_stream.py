@@ -25,12 +25,14 @@ from shoecal_msgs.msg import ShoeVoltages
 from shoecal_core.errors import ShoecalError
 from shoecal_core.settings import setting
 from shoecal_ros.common import qos
+from shoecal_ros.common.codes import Problem
 from shoecal_ros.common.conversions import voltages_from_ros
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.inputs.joining import FrameJoiner, Joined, JoinSettings
 from shoecal_ros.inputs.voltages import VoltageInput
+from shoecal_ros.inputs.voltages_told import voltages_told
 
 _NO_DIGITS = str.maketrans("", "", string.digits)
 
@@ -68,6 +70,7 @@ class VoltageStream(ShoecalNode):
             self._told = cause
             if problem is not None:
                 _print({"problem": problem.message})
+        self.health.note("voltages", voltages_told(self._input))
         super().watch()
 
     def _hear(self, messages: list[Any]) -> None:
@@ -75,7 +78,7 @@ class VoltageStream(ShoecalNode):
             try:
                 frame = voltages_from_ros(message)
             except ShoecalError as error:
-                _print({"problem": str(error)})
+                self._input.refuse(Problem.of(error))
                 continue
             for joined in self._input.take([frame]):
                 _print(self._line(joined))

@@ -7,13 +7,11 @@ import errno
 import math
 import os
 import pickle
-import resource
 import stat
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -22,6 +20,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from core.limits import file_size_limit, ordinary_user
 from shoecal_core.errors import (
     LONGEST,
     FileError,
@@ -363,7 +362,7 @@ def test_a_file_is_replaced_with_the_rights_of_a_new_one(tmp_path: Path) -> None
 def test_a_disk_that_fills_up_leaves_the_old_file_alone(tmp_path: Path) -> None:
     path = tmp_path / "x"
     atomic_write(path, "old")
-    with _file_size_limit(4096):
+    with file_size_limit(4096):
         problem = refused(path, "", lambda: atomic_write(path, b"n" * 100_000))
     assert "untouched" in problem
     assert path.read_bytes() == b"old"
@@ -421,33 +420,10 @@ def test_a_read_only_folder_is_refused() -> None:
         path = Path(folder) / "x"
         path.write_text("old")
         Path(folder).chmod(0o555)
-        with _ordinary_user():
+        with ordinary_user():
             assert "Permission denied" in refused(path, "", lambda: atomic_write(path, "new"))
         assert path.read_text() == "old"
         assert list(Path(folder).iterdir()) == [path]
-
-
-@contextmanager
-def _ordinary_user() -> Iterator[None]:
-    """Rights count for nothing while root; somebody else's do."""
-    root = os.geteuid() == 0
-    if root:
-        os.seteuid(65534)
-    try:
-        yield
-    finally:
-        if root:
-            os.seteuid(0)
-
-
-@contextmanager
-def _file_size_limit(size: int) -> Iterator[None]:
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 def _core() -> str:

@@ -108,3 +108,14 @@ def test_without_ros_the_error_names_the_cure(
 def test_messages_that_are_not_built_are_named(installed: Path, tmp_path: Path) -> None:
     answer = call(installed, "ros_environment", prefix=mark(tmp_path, "rclpy"))
     assert answer.startswith("refused: the ROS 2 messages are not built; run 'make setup'")
+
+
+def test_nodes_are_seen_on_this_computer_unless_told_otherwise(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    name = "ROS_AUTOMATIC_DISCOVERY_RANGE"
+    monkeypatch.delenv(name, raising=False)
+    assert workspace.network_environment() == {name: "LOCALHOST"}
+    for given, taken in (("", "LOCALHOST"), ("SUBNET", "SUBNET"), ("OFF", "OFF")):
+        monkeypatch.setenv(name, given)
+        assert workspace.network_environment() == {name: taken}

@@ -20,6 +20,7 @@ from reliability.kept import Kept
 from reliability.page import write_json, write_page
 from reliability.row import Progress, Result, Row, Run, merge
 from reliability.rows import Found, find_row, find_rows
+from reliability.shown import Shown
 from shoecal_core.errors import FileError
 
 SUITE = [Path(package.__path__[0]) for package in (shoecal_core, shoecal_ros)]
@@ -270,7 +271,7 @@ def test_a_row_reaches_what_it_loads() -> None:
 
 def test_results_of_another_seed_or_no_results_are_refused(tmp_path: Path) -> None:
     faults.run_row(row(odd), kept(tmp_path, row(odd)), 0.1, fresh=False)
-    with pytest.raises(FileError, match="seed 0, not 1; begin with --fresh"):
+    with pytest.raises(FileError, match="seed 0, not 1; remove it to begin anew"):
         Kept(row(odd), tmp_path / "faults", 1)
     (tmp_path / "faults" / "odd.json").write_text("[]")
     with pytest.raises(FileError, match="no file of results"):
@@ -289,21 +290,99 @@ def test_steps_of_another_size_are_filled_up(tmp_path: Path) -> None:
     assert kept(tmp_path).result == Result(25, 12, "at 24", 24.0)
 
 
-def test_page_and_figures(tmp_path: Path) -> None:
+def test_what_failed_with_this_code_is_told_when_it_is_done_again(tmp_path: Path) -> None:
+    def well(first: int, count: int, seed: int, progress: Progress) -> Result:
+        return Result(count, 0, "", 0.0)
+
+    def again(code: str = "now", run: Run = well, *, fresh: bool = True) -> Kept:
+        faults.run_row(row(run), kept(tmp_path, row(run), code), 1.0, fresh=fresh)
+        return kept(tmp_path, code=code)
+
+    again("before", odd, fresh=False)
+    assert again(run=odd).before == merge([]), "that was other code"
+    one = again()
+    assert (one.result.failed, one.present) == (0, 25)
+    assert one.before == Result(25, 12, "at 24", 24.0)
+    assert again().before == one.before, "nothing more has failed"
+    again(run=odd)
+    assert again().before == Result(50, 24, "at 24", 24.0)
+    assert again("later", fresh=False).before == merge([])
+
+
+def test_what_failed_is_told_though_the_new_tries_were_killed(tmp_path: Path) -> None:
+    def killed(first: int, count: int, seed: int, progress: Progress) -> Result:
+        raise KilledError
+
+    faults.run_row(row(odd), kept(tmp_path), 1.0, fresh=False)
+    with pytest.raises(KilledError):
+        faults.run_row(row(killed), kept(tmp_path, row(killed)), 1.0, fresh=True)
+    assert kept(tmp_path).result == merge([])
+    assert kept(tmp_path).before.failed == 12
+    assert kept(tmp_path, code="later").before.failed == 12, "until that code has been tried"
+
+
+def test_a_step_that_is_repeated_alone_is_told(tmp_path: Path) -> None:
+    faults.run_row(row(odd), kept(tmp_path), 1.0, fresh=False)
+    kept(tmp_path, row(lambda *_: Result(10, 0, ""))).run(10, 10, lambda _: None)
+    assert kept(tmp_path).before == Result(10, 5, "at 19", 19.0)
+
+
+ODD = Found(row(odd), "What it does.", "odd")
+NONE = merge([])
+
+
+def test_page(tmp_path: Path) -> None:
+    long = "worse, " * 30
     rows = {
-        "odd": Found(row(odd), "What it does.", "odd"),
-        "none": Found(row(odd), "Not run.", "none"),
+        "odd": Shown(ODD, odd(0, 4, 0, lambda _: None), 3, NONE),
+        "again": Shown(ODD, Result(25, 0, "fine"), 25, Result(50, 2, "at 7")),
+        "long": Shown(ODD, Result(25, 25, long), 0, NONE),
+        "none": Shown(ODD, NONE, 0, NONE),
     }
-    results = {"odd": odd(0, 4, 0, lambda _: None), "none": merge([])}
     page = tmp_path / "page.md"
     for _ in range(2):
-        write_page(rows, results, {"odd": 3, "none": 0}, page)
+        write_page(rows, page)
     text = page.read_text()
-    assert text.count("| `odd` | odd \\| numbers | all even | 25 | 4 | 3 | **2** | at 3 |") == 1
-    assert "### `odd`\n\nWhat it does." in text
-    write_json(rows, results, tmp_path / "faults.json")
+    assert text.count("| [`odd`](#odd) | all even | 4 of 25 | 3 | **2** | at 3 |") == 1
+    once_more = "before, with the same code, 2 of 50: at 7"
+    assert f"| [`again`](#again) | all even | 25 | all | 0; {once_more} | fine |" in text
+    assert "| [`none`](#none) | all even | 0 of 25 |  |  | not tried |" in text
+    assert "### `odd`\n\nFault: odd | numbers.\n\nWhat it does.\n\n### `again`" in text
+    assert text.count(long.strip()) == 1, "in its own section alone"
+    some = "3 of [`odd`](#odd)"
+    for line in (
+        "- **4 rows**, 2 of them tried in full.",
+        "- Tried in part: [`odd`](#odd) (4 of 25).",
+        "- Not tried: [`none`](#none).",
+        "- **Failed** in 2 rows:",
+        "    - [`odd`](#odd), 2 of 4: at 3",
+        "- Failed before, with the same code, in 1 row:",
+        "    - [`again`](#again), 2 of 50: at 7",
+        f"- **This very code** ran in all tries of 1 row, {some} and none of 1 row (earlier code).",
+    ):
+        assert f"\n{line}\n" in text, line
+
+
+def test_page_of_rows_that_hold(tmp_path: Path) -> None:
+    write_page({"odd": Shown(ODD, Result(25, 0, "fine"), 25, NONE)}, tmp_path / "page.md")
+    text = (tmp_path / "page.md").read_text()
+    assert "\n- **Failed** in none.\n- **This very code** ran in all tries of 1 row.\n" in text
+
+
+def test_figures(tmp_path: Path) -> None:
+    rows = {
+        "odd": Shown(ODD, odd(0, 4, 0, lambda _: None), 3, NONE),
+        "again": Shown(ODD, Result(25, 0, "fine"), 25, Result(50, 2, "at 7")),
+        "none": Shown(ODD, NONE, 0, NONE),
+    }
+    write_json(rows, tmp_path / "faults.json")
     assert json.loads((tmp_path / "faults.json").read_text()) == [
-        {"fault": "odd | numbers", "tried": 4, "failed": 2, "worst": "at 3"}
+        {"fault": "odd | numbers", "tried": tried, "failed": failed, "worst": worst}
+        for tried, failed, worst in (
+            (4, 2, "at 3"),
+            (25, 0, "fine; before, with the same code, 2 of 50: at 7"),
+            (0, 0, "not tried"),
+        )
     ]
 
 

@@ -8,10 +8,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from reliability.loading import Target
+from reliability.mutated_calibrations import CalibrationFile
+from reliability.mutated_recordings import RunFile
+from reliability.mutated_serial_logs import SerialLog
+from reliability.mutated_sessions import SessionFolder
+from reliability.mutated_urdfs import UrdfFiles
+from reliability.mutated_yaml import YamlFiles
 from reliability.row import Row
 from reliability.tree_mutations import mutate_yaml
+from shoecal_core.errors import FileError, ShoecalError, error_code
 
 SEED = 1
+KINDS = (CalibrationFile, RunFile, SerialLog, SessionFolder, UrdfFiles, YamlFiles)
 
 
 @pytest.mark.parametrize(
@@ -32,6 +41,13 @@ def test_a_mutant_is_refused_or_loaded_as_it_stands(module: str, count: int) -> 
     assert (found.tried, found.failed) == (count, 0), found.worst
     assert done[-1] == count
     assert "MiB" in found.worst
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_refusal_tells_what_is_wrong_by_its_code(kind: type[Target]) -> None:
+    assert kind.codes
+    catch_all = {error_code(one) for one in (ShoecalError, FileError)}
+    assert not kind.codes & catch_all
 
 
 def test_a_number_that_no_float_holds_is_scaled_too(tmp_path: Path) -> None:

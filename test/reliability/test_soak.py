@@ -6,15 +6,29 @@ import os
 import numpy as np
 import pytest
 
-from reliability.soak import LOST, ROW, an_hour, resident_mb
+from reliability.soak import LOST, ROW, an_hour, resident_mb, stand
 
 HELD = 64_000_000
+SECONDS, BEGINNING = 60, 10
+KEPT_MB = 1.0
+"""Two hundred bytes of each of the 5,000 frames after the beginning: a message that is kept is
+more, a list of its eight numbers, too. What grows at any rate is a tenth of it."""
 
 
 @pytest.mark.timeout(600)
-def test_a_share_of_the_row() -> None:
-    result = ROW.run(0, 5, 0, lambda _: None)
-    assert result.failed == 0, result.worst
+def test_nothing_is_lost_uncounted_and_no_frame_kept() -> None:
+    found = stand(0, SECONDS, 0, lambda _: None, note_every=1)
+    assert found.failed == 0, found.told
+    assert found.lost > 0
+    grown = {name: notes[-1] - notes[BEGINNING] for name, notes in found.memory.items()}
+    assert set(grown) == {"shoe_driver", "calibrator"}
+    assert max(grown.values()) < KEPT_MB, grown
+
+
+@pytest.mark.timeout(600)
+def test_a_short_stretch_is_not_judged_by_its_memory() -> None:
+    result = ROW.run(0, 2, 0, lambda _: None)
+    assert (result.tried, result.failed, result.figure) == (2, 0, 0.0), result.worst
     assert LOST in result.counts
 
 

@@ -21,12 +21,17 @@ WAVE_S = 12.0
 
 
 class ObligingRobot(StandingRobot):
-    """Arms itself, reaches every support, and does one motion."""
+    """Arms itself, reaches every support, and does one motion.
+
+    Attributes:
+        run_ids: of the goals that were asked for.
+    """
 
     def __init__(self, world: World, support: DoubleSupport) -> None:
         super().__init__(world, support)
         self.modelled = True
         self.pace = 4
+        self.run_ids: list[str] = []
         self._done = Future()
         self._listened = Future()
         self._end_ns = 0
@@ -51,12 +56,14 @@ class ObligingRobot(StandingRobot):
             self._done.set_result(None)
 
     def _reach(self, goal: ServerGoalHandle) -> ReachSupport.Result:
+        self.run_ids.append(goal.request.run_id)
         support = goal.request.support
         self.step_to(DoubleSupport(support.dx, support.dy, support.dtheta))
         goal.succeed()
         return ReachSupport.Result(success=True)
 
     async def _move(self, goal: ServerGoalHandle) -> Plan.Result:
+        self.run_ids.append(goal.request.run_id)
         # Whoever records it has been heard of.
         await self._listened
         point = JointTrajectoryPoint(positions=[0.0], time_from_start=Duration(sec=1))

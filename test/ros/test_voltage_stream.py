@@ -151,7 +151,42 @@ def test_it_ends_with_who_reads_it() -> None:
         process.stdout = None
         assert process.wait(END_S) == 0
         assert process.stderr is not None
-        assert process.stderr.read() == b""
+        # Its log has what was wrong, and nothing of how it ended.
+        lines = process.stderr.read().decode().splitlines()
+        assert all("[voltage_stream]: voltages: no voltages yet" in line for line in lines)
+
+
+def test_it_tells_how_voltages_come(world: World) -> None:
+    with streaming() as process:
+        assert process.stdout is not None
+        lines = Lines(world, process.stdout)
+        publisher = world.publisher(ShoeVoltages, "shoe/voltages")
+        for count, index in enumerate((1, 2, 5), start=1):
+            publisher.publish(message(index))
+            lines.until(count)
+        status = world.until_told("voltage_stream", "voltages", "voltages come")
+
+        def told() -> dict[str, str]:
+            status = world.diagnosis("voltage_stream", "voltages")
+            return {pair.key: pair.value for pair in status.values}
+
+        world.until(lambda: told()["lost_frames"] == "2")
+        assert status.hardware_id == "voltage_stream"
+        assert told()["left_out_frames"] == "0"
+        assert float(told()["age_s"]) >= 0.0
+
+
+def test_a_message_that_makes_no_sense_is_told_once(world: World) -> None:
+    with streaming("stale_s:=0.2") as process:
+        assert process.stdout is not None
+        lines = Lines(world, process.stdout)
+        assert lines.until(1) == {"problem": "no voltages yet; start shoe_driver"}
+        publisher = world.publisher(ShoeVoltages, "shoe/voltages")
+        odd = message(1)
+        odd.voltage = odd.voltage[:3]
+        publisher.publish(odd)
+        assert "3 voltages and 8 statuses" in lines.until(2)["problem"]
+        assert "no voltages" in lines.until(3)["problem"]
 
 
 def test_a_shoe_file_that_is_none_is_one_line() -> None:

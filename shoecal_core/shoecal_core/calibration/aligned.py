@@ -7,10 +7,10 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.errors import FileError
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.model.robot import Robot
 from shoecal_core.recording.align import interpolate_joints
+from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.schemas import GOOD
 from shoecal_core.sensing.shoe import Shoe
@@ -60,7 +60,7 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
 
     Raises:
         JointsMissingError: the run's joints are not the robot's.
-        FileError: too little remains.
+        RecordingError: too little remains.
     """
     good = np.isfinite(run.readings.value).all(axis=1) & (run.readings.status == GOOD).all(axis=1)
     time = run.readings.time[good]
@@ -70,7 +70,7 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
     )
     angles = kinematics.robot.from_measured(names, measured)
     if covered.sum() < MIN_SAMPLES:
-        raise FileError(
+        raise RecordingError(
             run.path,
             f"only {int(covered.sum())} samples have both good readings of all {len(shoe.names)} "
             f"channels and joint angles; {_cure(run)}",

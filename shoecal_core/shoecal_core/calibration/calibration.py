@@ -21,6 +21,10 @@ FORMAT = 2
 VERDICTS = ("PASS", "WARN", "FAIL")
 
 
+class CalibrationFileError(FileError):
+    """A calibration file whose numbers make no calibration."""
+
+
 class WrongShoeError(ShoecalError):
     """A calibration of another shoe."""
 
@@ -171,7 +175,9 @@ def load_calibration(path: Path) -> Calibration:
     """Read a calibration file.
 
     Raises:
-        FileError: for anything missing, mistyped or impossible.
+        FieldError: for a field that is missing, mistyped or out of bounds.
+        CalibrationFileError: for numbers that make no calibration together.
+        FileError: as `read_yaml`.
     """
     fields = read_yaml(path)
     fields.format(FORMAT)
@@ -217,7 +223,7 @@ def load_calibration(path: Path) -> Calibration:
     except FileError:
         raise
     except ShoecalError as error:
-        raise FileError(path, str(error)) from error
+        raise CalibrationFileError(path, str(error)) from error
 
 
 def _correction(fields: Fields) -> CopCorrection:

@@ -6,7 +6,12 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 
-from shoecal_core.calibration.calibration import Calibration, WrongShoeError, load_calibration
+from shoecal_core.calibration.calibration import (
+    Calibration,
+    CalibrationFileError,
+    WrongShoeError,
+    load_calibration,
+)
 from shoecal_core.calibration.comparison import read_truths
 from shoecal_core.calibration.evaluate import (
     Series,
@@ -17,8 +22,8 @@ from shoecal_core.calibration.evaluate import (
 from shoecal_core.calibration.pipeline import SessionData, load_data, split_runs
 from shoecal_core.calibration.run_errors import ComparedRun
 from shoecal_core.calibration.stance import Stance
-from shoecal_core.errors import FileError
 from shoecal_core.files import sha256
+from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.sensing import Sensing
 
@@ -29,22 +34,27 @@ FITTED_TO_NO_RUN = ("manual", "identity")
 """Sources of calibrations for which every run of a session is new."""
 
 
+class WrongCalibrationError(CalibrationFileError):
+    """A calibration file of another robot or of other shoes than the session's."""
+
+
 def load_calibration_of(path: Path, session: Session) -> Calibration:
     """Read a calibration that belongs to the shoes and the robot of a session.
 
     Raises:
-        FileError: for a file that is no calibration, or of another shoe or another robot.
+        WrongCalibrationError: for one of another shoe or another robot.
+        FileError: as `load_calibration`.
     """
     calibration = load_calibration(path)
     where = f"session {session.folder}"
     if calibration.shoe != session.shoe.name:
-        raise FileError(
+        raise WrongCalibrationError(
             path,
             f"is of shoe '{calibration.shoe}', but {where} was recorded on "
             f"'{session.shoe.name}'; name a calibration of that shoe",
         )
     if calibration.robot != session.robot:
-        raise FileError(
+        raise WrongCalibrationError(
             path,
             f"is of robot '{calibration.robot}', but {where} is of '{session.robot}'; name a "
             "calibration of the shoes on that robot",
@@ -52,7 +62,7 @@ def load_calibration_of(path: Path, session: Session) -> Calibration:
     try:
         calibration.sensing(session.shoe)
     except WrongShoeError as error:
-        raise FileError(path, str(error)) from error
+        raise WrongCalibrationError(path, str(error)) from error
     return calibration
 
 
@@ -76,17 +86,17 @@ def sets_for(
     else every run counts as fitted.
 
     Raises:
-        FileError: a run that is not there, one in both sets, one given as a test run to which
+        SessionError: a run that is not there, one in both sets, one given as a test run to which
             the calibration was fitted, or a session without runs.
     """
     entries = session.runs
     if not entries:
-        raise FileError(session.folder, "has no finished run; record one")
+        raise SessionError(session.folder, "has no finished run; record one")
     fitted = {entry.run for entry in entries if sha256(entry.path) in calibration.fitted_runs}
     if train or test:
         train, test = split_runs(session, train, test)
         if wrong := sorted(fitted.intersection(test)):
-            raise FileError(
+            raise SessionError(
                 session.folder,
                 f"calibration '{calibration.id}' was fitted to run(s) "
                 f"{', '.join(map(str, wrong))}: none of them is a test; name them with --train",

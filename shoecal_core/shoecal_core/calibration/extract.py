@@ -14,8 +14,8 @@ from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.stance import Stance, make_stance
 from shoecal_core.calibration.unloading import Aloft, aloft
 from shoecal_core.calibration.walking import in_world, walking_stances
-from shoecal_core.errors import FileError
 from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import Run
 from shoecal_core.sensing.shoe import Shoe
 
@@ -55,7 +55,7 @@ def stances_of(
             return _around_the_air(run, aligned, lifting, kept, standing, shoe, kinematics)
         return [double_support_stance(run, aligned, standing, shoe, kinematics).part(kept)]
     if run.base_pose is None or len(run.base_pose.time) < 2:
-        raise FileError(
+        raise RecordingError(
             run.path,
             "names no double support and has no /base_pose to find the stances with; "
             "record one of the two",
@@ -121,13 +121,13 @@ def double_support_stance(
         standing: (T,) samples that tell where the feet stand.
 
     Raises:
-        FileError: when the feet moved against each other.
+        RecordingError: when the feet moved against each other.
     """
     states = aligned.part(standing).states
     places = states.translation[:, :2]
     drift = np.linalg.norm(places - np.median(places, axis=0), axis=1).max()
     if drift > MAX_FOOT_DRIFT_M:
-        raise FileError(
+        raise RecordingError(
             run.path,
             f"the feet moved {drift * 1e3:.1f} mm against each other within the run; "
             "record it again, or leave this run out",

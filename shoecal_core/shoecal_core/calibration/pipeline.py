@@ -38,11 +38,12 @@ from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.stance import Stance
 from shoecal_core.calibration.tolerances import Tolerances
-from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.errors import ShoecalError
 from shoecal_core.files import sha256
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
+from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
@@ -182,7 +183,7 @@ def split_runs(
     for run in (*train, *test):
         if run not in known:
             listed = ", ".join(map(str, known)) or "none"
-            raise FileError(session.folder, f"has no run {run} (it has: {listed})")
+            raise SessionError(session.folder, f"has no run {run} (it has: {listed})")
     both = sorted(set(train) & set(test))
     if both:
         raise ShoecalError(
@@ -224,7 +225,7 @@ def calibrate_session(
     found = [*data.screening.findings, *check_missing(session.missing)]
     found += check_changed(session.changed_files if session.forced else ())
     if data.screening.fails:
-        raise FileError(session.folder, "; ".join(finding.reason for finding in found))
+        raise SessionError(session.folder, "; ".join(finding.reason for finding in found))
     train, test = (tuple(run for run in runs if data.stances[run]) for runs in (train, test))
     _require_supports(session, data.of(train), found)
     refinement = None
@@ -276,7 +277,7 @@ def _require_supports(
     distinct = {tuple(np.round((s.support.dx, s.support.dy, s.support.dtheta), 2)) for s in double}
     if len(distinct) < DISTINCT_SUPPORTS:
         told = "".join(f"; {finding.reason}" for finding in found)
-        raise FileError(
+        raise SessionError(
             session.folder,
             f"{len(distinct)} double support among the training runs; record at least "
             f"{DISTINCT_SUPPORTS} that differ in yaw (3 or more are better){told}",

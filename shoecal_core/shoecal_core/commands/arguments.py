@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from shoecal_core.commands.suggestions import nearest
-from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.errors import FileMissingError, ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import shoe_file_of
@@ -72,8 +72,9 @@ def rate_hz(text: str) -> float:
 
 def require_folder(path: Path) -> None:
     """Refuse, before any work, a file whose folder does not exist."""
-    if not path.absolute().parent.is_dir():
-        raise FileError(path, "its folder does not exist; make it first")
+    folder = path.absolute().parent
+    if not folder.is_dir():
+        raise FileMissingError(folder, f"does not exist; make it first, for {path.name}")
 
 
 def add_sets(parser: argparse.ArgumentParser) -> None:

@@ -13,7 +13,8 @@ from shoecal_core.commands.diagnosis_job import Diagnosed, DiagnosisJob, attempt
 from shoecal_core.commands.diagnosis_table import print_diagnosis, sessions_table
 from shoecal_core.commands.many_jobs import over_cluster, over_cores
 from shoecal_core.commands.progress import shown_progress
-from shoecal_core.errors import FileError, PartialError, ShoecalError
+from shoecal_core.errors import PartialError, ShoecalError
+from shoecal_core.recording.errors import SessionError
 
 SIGNALS = ("closure", "parity", "tilt", "air")
 """Signals that can be left out, to see what they are worth."""
@@ -104,7 +105,7 @@ def _jobs_of(args: argparse.Namespace) -> list[DiagnosisJob]:
     jobs, seen = [], set()
     for session in args.sessions:
         if session.resolve() in seen:
-            raise FileError(session, "is named twice; name each session once")
+            raise SessionError(session, "is named twice; name each session once")
         seen.add(session.resolve())
         jobs.append(
             DiagnosisJob(

@@ -40,7 +40,8 @@ from shoecal_core.commands.tables import (
     left_out_lines,
     stages_rows,
 )
-from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.errors import ShoecalError
+from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 
 NAMES = {MODELLED: "model", REFERENCE: "reference", TRUTH: "truth"}
@@ -119,7 +120,7 @@ def _open(folders: Sequence[Path], *, force: bool) -> list[Session]:
     seen = set()
     for folder in folders:
         if folder.resolve() in seen:
-            raise FileError(folder, "is named twice; name each session once")
+            raise SessionError(folder, "is named twice; name each session once")
         seen.add(folder.resolve())
     return [Session.open(folder, force=force) for folder in folders]
 

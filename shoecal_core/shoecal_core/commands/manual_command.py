@@ -40,7 +40,8 @@ from shoecal_core.commands.manual_tables import (
 )
 from shoecal_core.commands.simulated_manual import simulate_manual
 from shoecal_core.commands.tables import reason_lines
-from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.errors import FileMissingError, ShoecalError
+from shoecal_core.files import make_folder
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.report.manual_content import ManualReport
@@ -182,7 +183,7 @@ def _measured(
     kind, path, shoe = args.task, args.data, bench.shoe
     guided = args.live or args.source is not None
     if not guided and not path.exists():
-        raise FileError(
+        raise FileMissingError(
             path, "does not exist; --live (or --from FILE) guides through the readings and makes it"
         )
     feet = (0, 1) if args.foot is None else (FEET.index(args.foot),)
@@ -206,7 +207,7 @@ def _first_step(args: argparse.Namespace) -> Calibration:
     """The cells' calibration."""
     path = args.cells or args.data.with_name(CELLS_FILE)
     if args.cells is None and not path.exists():
-        raise FileError(
+        raise FileMissingError(
             path, "does not exist; give with --cells what `shoecal manual cells` has written"
         )
     return load_calibration(path)
@@ -218,10 +219,7 @@ def _simulate(args: argparse.Namespace, bench: _Bench, console: Console) -> Mapp
     robot_seed = args.seed if args.robot_seed is None else args.robot_seed
     cells, loads = simulate_manual(bench.shoe, reality, robot_seed, args.seed, bench.settings)
     folder = args.out
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise FileError(folder, f"cannot be made ({error.strerror})") from error
+    make_folder(folder)
     save_measurements(cells, folder / CELLS_DATA)
     save_measurements(loads, folder / SHOE_DATA)
     first = _solve_cells(bench, cells, console)

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FieldError
 from shoecal_core.sensing.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
@@ -66,7 +66,7 @@ class FrameParser:
         """One line; None where it holds no readings.
 
         Raises:
-            FileError: with the number of the line.
+            FieldError: with the number of the line.
         """
         self._line += 1
         text = text.strip()
@@ -138,5 +138,5 @@ class FrameParser:
             )
         return self._shoe.names.index(name)
 
-    def _error(self, problem: str) -> FileError:
-        return FileError(self._path, problem, field=f"line {self._line}")
+    def _error(self, problem: str) -> FieldError:
+        return FieldError(self._path, problem, field=f"line {self._line}")

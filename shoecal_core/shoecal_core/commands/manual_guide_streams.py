@@ -14,7 +14,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from shoecal_core.commands.manual_guide_frames import Frame, FrameParser, Problem
-from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.errors import FileUnreadableError, ShoecalError
+from shoecal_core.files import read_error
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.workspace import ros_environment
 
@@ -77,7 +78,7 @@ class FrameStream:
 
     def complain(self) -> ShoecalError:
         """The error to raise when it has ended too early."""
-        return FileError(
+        return FileUnreadableError(
             self._path, "has no more readings; what was read is kept: go on with another file"
         )
 
@@ -92,11 +93,12 @@ def file_stream(path: Path, shoe: Shoe) -> Iterator[FrameStream]:
     try:
         descriptor = os.open(path, os.O_RDONLY)
     except OSError as error:
-        raise FileError(path, f"cannot be read ({error.strerror})") from error
+        raise read_error(path, error) from error
     try:
         kind = os.fstat(descriptor).st_mode
         if stat.S_ISDIR(kind):
-            raise FileError(path, "is a folder; name a file or pipe with lines of readings")
+            problem = "is a folder; name a file or pipe with lines of readings"
+            raise FileUnreadableError(path, problem)
         yield FrameStream(descriptor, shoe, path, live=not stat.S_ISREG(kind))
     finally:
         os.close(descriptor)

@@ -11,8 +11,8 @@ from rich.console import Console
 from shoecal_core.drafting.draft import draft_robot, prove, relative
 from shoecal_core.drafting.notes import Note, robot_notes, shoe_notes
 from shoecal_core.drafting.text import robot_text, shoe_text
-from shoecal_core.errors import FileError, ShoecalError
-from shoecal_core.files import atomic_write
+from shoecal_core.errors import FileTakenError, ShoecalError
+from shoecal_core.files import atomic_write, make_folder
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -46,12 +46,13 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         raise ShoecalError(f"{out}: robot file and shoe file cannot be one; name another --shoe")
     for file in (out, shoe):
         if file.exists() and not args.force:
-            raise FileError(file, "is there already; name another one, or replace it with --force")
+            problem = "is there already; name another one, or replace it with --force"
+            raise FileTakenError(file, problem)
     draft = draft_robot(args.urdf, args.robot_name or out.stem, six_axis=args.six_axis)
     texts = {out: robot_text(draft, relative(args.urdf, out.parent)), shoe: shoe_text(draft)}
     prove(draft, texts[out], texts[shoe])
     for file, text in texts.items():
-        file.parent.mkdir(parents=True, exist_ok=True)
+        make_folder(file.parent)
         atomic_write(file, text)
     notes = {out: robot_notes(draft), shoe: shoe_notes(draft)}
     for file, told in notes.items():

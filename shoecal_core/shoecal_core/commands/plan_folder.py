@@ -7,8 +7,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
-from shoecal_core.errors import FileError
-from shoecal_core.files import atomic_write
+from shoecal_core.files import atomic_write, make_folder, system_error
 
 PLAN = "plan.json"
 _OWN = re.compile(r"motion_\d{3,}\.(csv|svg)|plan\.html")
@@ -23,10 +22,7 @@ class PlanFolder:
     """
 
     def __init__(self, folder: Path) -> None:
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise FileError(folder, f"cannot be made ({error.strerror})") from error
+        make_folder(folder)
         self._folder = folder
         self._earlier = _named(_read(folder / PLAN))
 
@@ -36,10 +32,8 @@ class PlanFolder:
             try:
                 (self._folder / name).unlink(missing_ok=True)
             except OSError as error:
-                raise FileError(
-                    self._folder / name,
-                    f"is of an earlier plan and cannot be removed ({error.strerror}); remove it",
-                ) from error
+                problem = "is of an earlier plan and cannot be removed"
+                raise system_error(self._folder / name, error, problem, "remove it") from error
         atomic_write(self._folder / PLAN, json.dumps(plan, indent=1, allow_nan=False) + "\n")
 
 

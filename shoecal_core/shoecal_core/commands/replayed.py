@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.errors import FileError
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.robot import Robot
+from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import Run
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
@@ -65,11 +65,11 @@ def replay(run: Run, robot: Robot, shoe: Shoe, drawn: DrawnReality, begun: float
         begun: when the run began, since the session's first sample [s].
 
     Raises:
-        FileError: when the recording holds no commands.
+        RecordingError: when the recording holds no commands.
         ShoecalError: for a robot that cannot be simulated, does not come to rest, or falls.
     """
     if not run.commanded:
-        raise FileError(run.path, "holds no /joint_trajectory, so no motion can be replayed")
+        raise RecordingError(run.path, "holds no /joint_trajectory, so no motion can be replayed")
     sim = SimulatedRobot(robot, shoe, drawn, np.random.default_rng(0), made_at=begun)
     known = [name for name in run.joints.names if name in robot.joint_names]
     first = [run.joints.names.index(name) for name in known]

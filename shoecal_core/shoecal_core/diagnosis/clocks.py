@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shoecal_core.errors import FileError
+from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import Run
 
 FAR_S = 1.0
@@ -17,13 +17,13 @@ def check_clocks(run: Run) -> None:
     Smaller differences are what the effect `latency` is looked for by.
 
     Raises:
-        FileError: the stamps are of two clocks.
+        RecordingError: the stamps are of two clocks.
     """
     first = float(run.joints.time[0] - run.readings.time[0])
     last = float(run.joints.time[-1] - run.readings.time[-1])
     shift = 0.5 * (first + last)
     if abs(shift) > FAR_S and abs(first - last) < ALIKE * abs(shift):
-        raise FileError(
+        raise RecordingError(
             run.path,
             f"the stamps of joints and readings are {abs(shift):.1f} s apart, so none of them "
             "belong together; set both devices' clocks and record it again",

@@ -25,7 +25,7 @@ from shoecal_core.diagnosis.stopped import Stopped, stopped
 from shoecal_core.diagnosis.weak_cells import weak_cells
 from shoecal_core.diagnosis.where import where
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
-from shoecal_core.errors import FileError
+from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 
 Progress = Callable[[str, float], None]
@@ -86,7 +86,7 @@ def diagnose(
     halted = _halted(workspace, wanted)
     looked_at = workspace.catalogue.hypotheses or workspace.catalogue.rewired or halted
     if only is not None and not looked_at:
-        raise FileError(
+        raise SessionError(
             session.folder,
             "nothing of what was asked for can be looked at: there is no such place in this robot "
             "and these shoes, or the recording lacks what the effect needs",

@@ -22,6 +22,7 @@ from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.model.robot_file import load_robot
+from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import Shoe
@@ -66,7 +67,7 @@ def load_samples(
             notes.append(f"run {number} is left out: {error}")
     parts = _parts(read, robot, shoe, settings, notes)
     if not parts:
-        raise FileError(session.folder, "no run can be used: " + "; ".join(notes))
+        raise SessionError(session.folder, "no run can be used: " + "; ".join(notes))
     samples = _joined(parts, robot, shoe, kinematics)
     return replace(samples, notes=(*notes, *missing(samples)))
 

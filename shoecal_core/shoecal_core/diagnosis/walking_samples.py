@@ -19,8 +19,8 @@ from scipy.spatial.transform import Rotation, Slerp
 from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.walking import World, derivative, in_world, walking_stances
 from shoecal_core.diagnosis.momentum import angular_momentum
-from shoecal_core.errors import FileError
 from shoecal_core.model.robot import GRAVITY, Robot
+from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import PoseSamples, Run
 from shoecal_core.sensing.shoe import Shoe
 
@@ -50,12 +50,12 @@ def find_walk(run: Run, aligned: Aligned, shoe: Shoe, robot: Robot) -> Walk:
     """Stances of a run that names no double support.
 
     Raises:
-        FileError: without the pose of the base.
+        RecordingError: without the pose of the base.
         ShoecalError: when no foot ever stands flat and still under load.
     """
     base = run.base_pose
     if base is None or len(base.time) < 2:
-        raise FileError(
+        raise RecordingError(
             run.path,
             "names no double support and has no /base_pose to find the stances with; "
             "record one of the two",

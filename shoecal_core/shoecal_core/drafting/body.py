@@ -14,11 +14,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from shoecal_core.errors import FileError
 from shoecal_core.files import read_bytes
 from shoecal_core.model.native_output import caught_stderr
 from shoecal_core.model.symbolic import joint_axis
-from shoecal_core.model.urdf import ROOT_JOINTS, Mimic, read_urdf
+from shoecal_core.model.urdf import ROOT_JOINTS, Mimic, UrdfError, read_urdf
 
 FloatArray = NDArray[np.float64]
 
@@ -62,7 +61,7 @@ class Body:
         for frame in self.model.frames:
             if frame.type == pin.FrameType.BODY and frame.parentJoint == joint:
                 return str(frame.name), pin.SE3(frame.placement)
-        raise FileError(self.urdf, "carries no link", field=f"joint {self.model.names[joint]}")
+        raise UrdfError(self.urdf, "carries no link", field=f"joint {self.model.names[joint]}")
 
     def range(self, joint: int) -> tuple[float, float]:
         """Lower and upper limit of a joint [rad]."""
@@ -155,7 +154,7 @@ def _geometry(body: Body, kind: pin.GeometryType, tag: str, wanted: set[str]) ->
             )
     except (ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0] if str(error) else "rejected by the parser"
-        raise FileError(
+        raise UrdfError(
             body.urdf,
             f"a shape of its legs cannot be read: {reason}; put the meshes where the URDF names "
             "them (package://NAME is looked for in the folders above it)",

@@ -23,6 +23,7 @@ from shoecal_core.drafting.soles import Sole, find_sole, simplified
 from shoecal_core.drafting.support_range import DraftRange, find_range
 from shoecal_core.errors import FileError
 from shoecal_core.model.robot_file import load_robot
+from shoecal_core.model.urdf import UrdfError
 from shoecal_core.sensing.shoe import load_shoe
 
 FloatArray = NDArray[np.float64]
@@ -163,7 +164,7 @@ def prove(draft: Draft, robot_text: str, shoe_text: str) -> None:
         try:
             load_robot(robot, load_shoe(shoe), urdf=draft.body.urdf)
         except FileError as error:
-            raise FileError(
+            raise UrdfError(
                 draft.body.urdf,
                 f"no robot file can be drafted from it: {error.field}: {error.problem}",
             ) from error

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.drafting.body import Body, own_joints
-from shoecal_core.errors import FileError
+from shoecal_core.model.urdf import UrdfError
 
 FloatArray = NDArray[np.float64]
 
@@ -47,7 +47,7 @@ def find_legs(body: Body) -> Legs:
     """The two legs of a humanoid whose base's z axis points up.
 
     Raises:
-        FileError: for a robot without two feet, or with more.
+        UrdfError: for a robot without two feet, or with more.
     """
     ends = _ends(body)
     pairs = [
@@ -57,7 +57,7 @@ def find_legs(body: Body) -> Legs:
     ]
     if not pairs:
         listed = ", ".join(str(body.model.names[chain[-1]]) for chain in ends)
-        raise FileError(
+        raise UrdfError(
             body.urdf,
             "has no feet: no two chains of joints are each other's mirror image (chains end at: "
             f"{listed}); shoecal needs a humanoid on two legs",
@@ -130,7 +130,7 @@ def _check_feet(
     names = [str(body.model.names[joint]) for joint in chains[0]]
     length = _height(body, chains[0][:1]) - _height(body, chains[0])
     if length <= 0.0 or any(ARM.search(name) for name in names):
-        raise FileError(
+        raise UrdfError(
             body.urdf,
             f"has no feet: the lowest two like chains ({', '.join(names)} and its mirror image) "
             "are arms, or do not reach down from the base; give the URDF of the whole robot, with "
@@ -146,7 +146,7 @@ def _check_feet(
         and not any(ARM.search(str(body.model.names[joint])) for joint in chain)
     ]
     if low:
-        raise FileError(
+        raise UrdfError(
             body.urdf,
             f"has more than two feet (also {', '.join(low)}); shoecal calibrates humanoids on two",
         )
@@ -154,7 +154,7 @@ def _check_feet(
         joint for chain in chains for joint in chain if body.model.names[joint] not in body.mimics
     ]
     if len(motors) < LEAST_MOTORS:
-        raise FileError(
+        raise UrdfError(
             body.urdf,
             f"its legs have {len(motors)} motors ({', '.join(names)} and its mirror image); two "
             f"feet that stay in place and a body that moves need {LEAST_MOTORS} or more",

@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from shoecal_core.drafting.body import Body, own_joints
 from shoecal_core.drafting.legs import UP, Legs
 from shoecal_core.drafting.soles import Sole
-from shoecal_core.errors import FileError
+from shoecal_core.model.urdf import UrdfError
 
 FloatArray = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ def find_posture(body: Body, legs: Legs, soles: Sequence[Sole]) -> dict[str, flo
     """Angles by joint [rad]; joints at zero and followers of other motors are left out.
 
     Raises:
-        FileError: for legs without hip, knee and ankle that swing, or knees that do not bend.
+        UrdfError: for legs without hip, knee and ankle that swing, or knees that do not bend.
     """
     swings = [_swings(body, chain, legs.left) for chain in legs.chains]
     bend = min(_bend(body, swing[1], legs.left) for swing in swings)
@@ -62,7 +62,7 @@ def _swings(body: Body, chain: Sequence[int], left: FloatArray) -> tuple[int, in
     found = [joint for joint in chain if abs(body.axis(joint) @ left) > SIDEWAYS]
     if len(found) < 3:
         named = ", ".join(str(body.model.names[joint]) for joint in chain)
-        raise FileError(
+        raise UrdfError(
             body.urdf,
             f"of the leg {named} only {len(found)} joints swing about an axis across the robot; "
             "hip, knee and ankle are needed, in a zero pose that looks straight ahead",
@@ -79,7 +79,7 @@ def _bend(body: Body, knee: int, left: FloatArray) -> float:
     low, high = body.range(knee)
     most = (high if _sense(body, knee, left) > 0.0 else -low) - MARGIN
     if most < LEAST_BEND:
-        raise FileError(
+        raise UrdfError(
             body.urdf,
             f"does not bend {LEAST_BEND:g} rad backwards as a knee must (limits {low:g} to "
             f"{high:g} rad); mend its limits or its axis",

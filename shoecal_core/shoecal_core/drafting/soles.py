@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import UP
-from shoecal_core.errors import FileError
+from shoecal_core.model.urdf import UrdfError
 
 FloatArray = NDArray[np.float64]
 
@@ -57,11 +57,11 @@ def find_sole(body: Body, joint: int, points: FloatArray, forward: FloatArray) -
         forward: (3,) in the base.
 
     Raises:
-        FileError: for a foot without shapes, or without a face to stand on.
+        UrdfError: for a foot without shapes, or without a face to stand on.
     """
     link, frame = body.link(joint)
     if len(points) < 4:
-        raise FileError(
+        raise UrdfError(
             body.urdf,
             "has no <collision> or <visual> shape, so its sole is not known; add one (a box of "
             "the sole's size is enough)",
@@ -81,7 +81,7 @@ def find_sole(body: Body, joint: int, points: FloatArray, forward: FloatArray) -
     flat = np.array([in_base.actInv(point)[:2] for point in touching])
     outline = shapely.MultiPoint(flat).convex_hull
     if not isinstance(outline, shapely.Polygon) or outline.area < LEAST_AREA:
-        raise FileError(
+        raise UrdfError(
             body.urdf,
             "its lowest shapes touch the floor in a point or an edge, not in a face; give the "
             "foot a <collision> box of the sole's size",
@@ -112,7 +112,7 @@ def _standing_normal(body: Body, link: str, seen: FloatArray, ankle: FloatArray)
     try:
         hull = ConvexHull(seen)
     except QhullError as error:
-        raise FileError(
+        raise UrdfError(
             body.urdf,
             "its shapes have no volume, so no sole is known; add a <collision> box of the sole's "
             "size",
@@ -122,7 +122,7 @@ def _standing_normal(body: Body, link: str, seen: FloatArray, ankle: FloatArray)
     downward = -(normals @ UP)
     facing = downward > np.cos(STEEPEST)
     if not facing.any():
-        raise FileError(
+        raise UrdfError(
             body.urdf,
             f"no face of its shapes is within {np.degrees(STEEPEST):.0f} degrees of level in the "
             "zero pose; give the foot a <collision> box of the sole's size",

@@ -10,7 +10,7 @@ import pinocchio as pin
 import shapely
 from numpy.typing import NDArray
 
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FileMissingError
 from shoecal_core.files import Fields, read_bytes, read_yaml, sha256
 from shoecal_core.model.robot import Capsule, Foot, Robot, SharedMotor, SupportRange
 from shoecal_core.model.shared_motors import read_shared_motors
@@ -32,7 +32,7 @@ def shoe_file_of(robot: Path) -> Path:
     there drafts are written.
 
     Raises:
-        FileError: when there is no such file.
+        FileMissingError: when there is no such file.
     """
     read_bytes(robot)  # A robot file that is missing is told as itself.
     folder = Path(os.path.normpath(robot.parent / ".." / "shoes"))
@@ -41,7 +41,7 @@ def shoe_file_of(robot: Path) -> Path:
         beside = robot.with_name(shoe.name)
         if beside.is_file():
             return beside
-        raise FileError(
+        raise FileMissingError(
             shoe,
             f"does not exist, and no other shoe belongs to {robot}; name one (--shoe, "
             "or the nodes' shoe_file)",

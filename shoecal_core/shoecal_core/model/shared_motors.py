@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from shoecal_core.errors import FileError
 from shoecal_core.files import Fields
 from shoecal_core.model.robot import SharedMotor
-from shoecal_core.model.urdf import Mimic
+from shoecal_core.model.urdf import Mimic, UrdfError
 
 _TOLERANCE = 1e-9
 """Ratios nearer to each other are the same."""
@@ -26,7 +25,8 @@ def read_shared_motors(
         mimics: the URDF's followers.
 
     Raises:
-        FileError: for followers of followers, and where robot file and URDF contradict.
+        UrdfError: for followers of followers in the URDF, and what else it says amiss of them.
+        FieldError: for those of the robot file, and where it and the URDF contradict.
     """
     motors = [_listed(item, names) for item in fields.items("shared_motors")] if (
         "shared_motors" in fields
@@ -51,7 +51,7 @@ def read_shared_motors(
     followers = [motor.joint for motor in motors]
     for motor in motors:
         if motor.leader in followers:
-            raise FileError(
+            raise UrdfError(
                 urdf,
                 f"follows '{names[motor.leader]}', which follows another joint itself; name the "
                 "joint whose motor it is",
@@ -74,13 +74,13 @@ def _listed(item: Fields, names: Sequence[str]) -> SharedMotor:
 def _mimicked(urdf: Path, name: str, mimic: Mimic, names: Sequence[str]) -> SharedMotor:
     field = f"joint {name}"
     if name not in names:
-        raise FileError(urdf, "a joint that does not turn cannot mimic; drop it", field=field)
+        raise UrdfError(urdf, "a joint that does not turn cannot mimic; drop it", field=field)
     if mimic.leader not in names or mimic.leader == name:
-        raise FileError(
+        raise UrdfError(
             urdf, f"mimics '{mimic.leader}', which is no other moving joint; mend it", field=field
         )
     if mimic.offset != 0.0 or mimic.multiplier == 0.0:
-        raise FileError(
+        raise UrdfError(
             urdf,
             f"mimics with multiplier {mimic.multiplier:g} and offset {mimic.offset:g}; only a "
             "multiplier other than 0 and no offset are understood: turn the joint's origin instead",

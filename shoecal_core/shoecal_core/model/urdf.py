@@ -16,7 +16,7 @@ from xml.parsers import expat
 import numpy as np
 import pinocchio as pin
 
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FileError, FileSyntaxError
 from shoecal_core.files import read_bytes
 from shoecal_core.model.native_output import caught_stderr
 from shoecal_core.model.symbolic import joint_axis
@@ -61,19 +61,24 @@ class Urdf:
     mimics: Mapping[str, Mimic]
 
 
+class UrdfError(FileError):
+    """A URDF that no robot can be made of: what is missing, contradicts or is not understood."""
+
+
 def read_urdf(path: Path) -> Urdf:
     """Model of a URDF on a free-flying base, masses as they stand there.
 
     Raises:
-        FileError: for anything that is not understood whole.
+        UrdfError: for anything that is not understood whole.
+        FileSyntaxError: for a file that is no XML.
     """
     text = read_bytes(path).decode("utf-8", errors="replace")
     if "<robot" not in text:
-        raise FileError(path, "not a URDF (no <robot> element)")
+        raise UrdfError(path, "not a URDF (no <robot> element)")
     reader = _Reader(path, text)
     declared = sum(reader.masses.values())
     if declared > 0.0 and reader.unweighed:
-        raise FileError(
+        raise UrdfError(
             path,
             f"no <mass> in the <inertial> of {_named(reader.unweighed)}; give it in kg, or leave "
             "the <inertial> out of a link without mass",
@@ -83,10 +88,10 @@ def read_urdf(path: Path) -> Urdf:
         with caught_stderr() as complaints:
             model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
     except (ValueError, RuntimeError, IndexError) as error:
-        raise FileError(path, f"not a usable URDF: {_reason(complaints, error)}") from error
+        raise UrdfError(path, f"not a usable URDF: {_reason(complaints, error)}") from error
     understood = sum(inertia.mass for inertia in model.inertias)
     if abs(understood - declared) > 1e-9 * declared:
-        raise FileError(
+        raise UrdfError(
             path,
             f"only {understood:g} of the links' {declared:g} kg are understood; check every "
             f"link's inertial, and that every link hangs on the base{_lost(reader, model)}",
@@ -94,7 +99,7 @@ def read_urdf(path: Path) -> Urdf:
         )
     if not declared > 0.0:
         missing = f" ({_named(reader.unweighed)})" if reader.unweighed else ""
-        raise FileError(path, f"no link has a mass{missing}; the CoM needs them", field="inertial")
+        raise UrdfError(path, f"no link has a mass{missing}; the CoM needs them", field="inertial")
     _check_joints(path, model)
     return Urdf(model, reader.mimics)
 
@@ -103,7 +108,8 @@ def joint_names(path: Path) -> frozenset[str]:
     """Names of the joints that move, of a URDF that need not be usable otherwise.
 
     Raises:
-        FileError: for a file that is no XML, or declares a document type.
+        FileSyntaxError: for a file that is no XML.
+        UrdfError: for one that declares a document type.
     """
     names = set()
 
@@ -121,7 +127,7 @@ def _parse(
     """Tell of every element of an XML file."""
 
     def refuse(*_: object) -> None:
-        raise FileError(path, "declares a document type; leave <!DOCTYPE> out")
+        raise UrdfError(path, "declares a document type; leave <!DOCTYPE> out")
 
     parser = expat.ParserCreate()
     parser.StartElementHandler = start
@@ -131,7 +137,7 @@ def _parse(
     try:
         parser.Parse(text, True)
     except expat.ExpatError as error:
-        raise FileError(path, f"not valid XML: {error}") from error
+        raise FileSyntaxError(path, f"not valid XML: {error}") from error
 
 
 def _reason(complaints: Sequence[str], error: Exception) -> str:
@@ -165,14 +171,14 @@ def _check_joints(path: Path, model: pin.Model) -> None:
         field = f"joint {model.names[index]}"
         joint = model.joints[index]
         if joint.nq != 1:
-            raise FileError(
+            raise UrdfError(
                 path, "only revolute and prismatic joints with limits are understood", field=field
             )
         if not np.linalg.norm(joint_axis(model, index)) > 0.5:
-            raise FileError(path, "its axis has no direction", field=field)
+            raise UrdfError(path, "its axis has no direction", field=field)
         low, high = lower[joint.idx_q], upper[joint.idx_q]
         if not (np.isfinite(low) and np.isfinite(high) and low < high):
-            raise FileError(
+            raise UrdfError(
                 path,
                 f"limits {low:g} to {high:g} are missing or crossed; give lower < upper",
                 field=field,
@@ -254,7 +260,7 @@ class _Reader:
         # What is no number, or none that is finite, is noticed elsewhere.
         if any(MAX_DISTANCE < abs(_number(part)) < math.inf for part in text.split()):
             problem = f'xyz="{text[:90]}" of its <origin> is farther than {MAX_DISTANCE:g} m'
-            raise FileError(
+            raise UrdfError(
                 self._path, f"{problem}; give metres", field=f"{self._place[1]} {self._name}"
             )
 
@@ -262,10 +268,10 @@ class _Reader:
         # What is no number the parser drops with the whole inertial, which is noticed there.
         if abs(_number(text)) > MAX_INERTIA:
             problem = f'{key}="{text[:30]}" is not a moment of inertia in kg m^2'
-            raise FileError(self._path, problem, field=f"link {self._name}")
+            raise UrdfError(self._path, problem, field=f"link {self._name}")
 
-    def _joint_error(self, problem: str) -> FileError:
-        return FileError(self._path, problem, field=f"joint {self._name}")
+    def _joint_error(self, problem: str) -> UrdfError:
+        return UrdfError(self._path, problem, field=f"joint {self._name}")
 
 
 def _number(text: str) -> float:
@@ -285,7 +291,7 @@ def _is_vector(text: str) -> bool:
 def _mass(path: Path, link: str, text: str) -> float:
     mass = _number(text)
     if not 0.0 <= mass <= MAX_MASS:
-        raise FileError(
+        raise UrdfError(
             path, f"mass '{text[:30]}' is not a number of kg, zero or more", field=f"link {link}"
         )
     return mass

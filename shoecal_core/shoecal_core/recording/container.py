@@ -25,8 +25,8 @@ from mcap.records import (
 )
 from mcap.stream_reader import StreamReader, breakup_chunk
 
-from shoecal_core.errors import FileError
-from shoecal_core.files import open_file
+from shoecal_core.errors import FileTooLargeError
+from shoecal_core.files import open_file, read_error
 from shoecal_core.recording.errors import DamagedError, RecordingError
 from shoecal_core.recording.info import RECORD, RunInfo
 from shoecal_core.recording.schemas import type_hash
@@ -76,6 +76,8 @@ def read_container(path: Path, topics: Mapping[str, str]) -> Contents:
     Raises:
         DamagedError: cut, unfinished, altered, or without checksums.
         RecordingError: not a run of shoecal, or a topic of another type.
+        FileTooLargeError: more than fits into memory.
+        FileMissingError, FileUnreadableError: cannot be opened or read.
         VersionError: written by a newer shoecal.
     """
     collected = _Collected(Path(path), topics)
@@ -89,7 +91,7 @@ def read_info(path: Path) -> RunInfo:
     """Read what a file says of itself, not its messages.
 
     Raises:
-        RecordingError: as `read_container`, for the file's beginning.
+        FileError: as `read_container`, for the file's beginning.
     """
     with _records(path) as records:
         for record in records:
@@ -193,17 +195,14 @@ def unfold(chunk: Chunk) -> list[McapRecord]:
 def _records(path: Path) -> Iterator[Iterator[McapRecord]]:
     """Records of a file, its damages and refusals as typed errors."""
     path = Path(path)
-    try:
-        opened = open_file(path)
-    except FileError as error:
-        raise RecordingError(path, error.problem) from error
+    opened = open_file(path)
     try:
         with opened as file:
             yield _checked(path, _unfolded(path, _Reader(file, path.stat().st_size).records))
     except DAMAGE as error:
         raise DamagedError(path, str(error) or type(error).__name__) from error
     except OSError as error:
-        raise RecordingError(path, f"cannot be read ({error.strerror})") from error
+        raise read_error(path, error) from error
 
 
 class _Reader(StreamReader):
@@ -250,7 +249,7 @@ def _unfolded(path: Path, records: Iterator[McapRecord]) -> Iterator[McapRecord]
         size += record.uncompressed_size if isinstance(record, Chunk) else 0
         count += len(inner)
         if size > MAX_DATA or count > MAX_RECORDS:
-            raise RecordingError(
+            raise FileTooLargeError(
                 path,
                 f"holds more than {MAX_DATA >> 20} MiB or {MAX_RECORDS} messages; record "
                 "shorter runs",

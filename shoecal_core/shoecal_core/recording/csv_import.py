@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FieldError
 from shoecal_core.model.urdf import joint_names
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.csv_mapping import (
@@ -96,7 +96,7 @@ class _Importer:
             return stamps
         for table in tables.values():
             if len(table) != len(tables[clock]):
-                raise FileError(
+                raise FieldError(
                     table.path,
                     f"has {len(table)} rows, {tables[clock].path.name} has {len(tables[clock])}; "
                     "rows that were sampled together must be as many",
@@ -111,7 +111,8 @@ class _Importer:
         if meaning.all_joints:
             joints = {name: Column(name) for name in table.names if name in self._joints}
             if not joints:
-                raise FileError(table.path, "no column bears the name of one of the robot's joints")
+                problem = "no column bears the name of one of the robot's joints"
+                raise FieldError(table.path, problem)
         if joints:
             position = table.read_all(tuple(joints.values()))
             for stamp, row in zip(times, position, strict=True):
@@ -134,7 +135,7 @@ class _Importer:
             if meaning.wrench is not None:
                 foot = meaning.wrench.foot
                 if not any(f"{foot}/{axis}" in self._shoe.names for axis in AXES):
-                    raise FileError(
+                    raise FieldError(
                         self._mapping.path,
                         f"'{self._shoe.name}' has no six-axis sensor on the {foot} foot",
                         field=f"tables.{name}.wrench",
@@ -142,7 +143,7 @@ class _Importer:
 
     def _check(self, field: str, name: str, known: list[str] | tuple[str, ...]) -> None:
         if name not in known:
-            raise FileError(
+            raise FieldError(
                 self._mapping.path, f"'{name}' is not one of: {', '.join(known)}", field=field
             )
 
@@ -191,6 +192,6 @@ def _find(mapping: CsvMapping, key: str, folder: Path) -> Path:
     for place in (mapping.path.parent / name, folder / name):
         if place.is_file():
             return place
-    raise FileError(
+    raise FieldError(
         mapping.path, f"'{name}' is neither beside this file nor in {folder}", field=key
     )

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FieldError, FileSyntaxError
+from shoecal_core.files import read_error
 from shoecal_core.recording.run import Floats
 
 
@@ -33,7 +34,8 @@ class Table:
         """Read a file.
 
         Raises:
-            FileError: cannot be read, has no rows, or rows of unequal length.
+            FileMissingError, FileUnreadableError: cannot be read.
+            FileSyntaxError: is no CSV file, has no rows, or rows of unequal length.
         """
         self.path = path
         self._decimal = decimal
@@ -48,14 +50,14 @@ class Table:
                         self._rows.append(row)
                         self._lines.append(reader.line_num)
         except OSError as error:
-            raise FileError(path, f"cannot be read ({error.strerror})") from error
+            raise read_error(path, error) from error
         except (UnicodeDecodeError, csv.Error) as error:
-            raise FileError(path, f"is no CSV file in UTF-8 ({error})") from error
+            raise FileSyntaxError(path, f"is no CSV file in UTF-8 ({error})") from error
         if not self._rows:
-            raise FileError(path, "has no rows below its header")
+            raise FileSyntaxError(path, "has no rows below its header")
         for line, row in zip(self._lines, self._rows, strict=True):
             if len(row) != len(self.names):
-                raise FileError(
+                raise FileSyntaxError(
                     path,
                     f"{len(row)} values for {len(self.names)} columns; check the separator",
                     field=f"line {line}",
@@ -68,11 +70,11 @@ class Table:
         """Numbers (T,) of a column, scaled.
 
         Raises:
-            FileError: no such column, two of it, or something that is no finite number.
+            FieldError: no such column, two of it, or something that is no finite number.
         """
         if self.names.count(column.name) != 1:
             problem = "stands twice" if column.name in self.names else "is missing"
-            raise FileError(
+            raise FieldError(
                 self.path,
                 f"{problem} (there are: {', '.join(self.names)}); mend the mapping or the file",
                 field=f"column '{column.name}'",
@@ -93,6 +95,6 @@ class Table:
         """Numbers (T, c) of several columns."""
         return np.column_stack([self.read(column) for column in columns])
 
-    def error(self, column: str, place: int, problem: str) -> FileError:
+    def error(self, column: str, place: int, problem: str) -> FieldError:
         """The error to raise for one value, by its place below the header."""
-        return FileError(self.path, problem, field=f"column '{column}', line {self._lines[place]}")
+        return FieldError(self.path, problem, field=f"column '{column}', line {self._lines[place]}")

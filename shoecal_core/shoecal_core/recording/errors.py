@@ -8,7 +8,11 @@ from shoecal_core.errors import FileError
 
 
 class RecordingError(FileError):
-    """A recording that cannot be written, or not be read without doubt."""
+    """A recording that cannot be used: not read without doubt, or without what is needed of it."""
+
+
+class SessionError(FileError):
+    """A folder that is no session, or one without the runs that are needed."""
 
 
 class DamagedError(RecordingError):

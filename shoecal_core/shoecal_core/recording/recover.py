@@ -107,7 +107,9 @@ def recover(path: Path, out: Path) -> RecoveryReport:
         out: the file to make; must not exist.
 
     Raises:
-        RecordingError: nothing can be rescued, or `out` exists or cannot be written.
+        RecordingError: nothing can be rescued.
+        FileTakenError: `out` exists.
+        FileError: `path` cannot be read, or `out` not be written.
     """
     path, out = Path(path), Path(out)
     data = read_bytes(path)

@@ -9,11 +9,23 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
-from shoecal_core.errors import FileError, NameNotFoundError, ShoecalError
-from shoecal_core.files import atomic_write, read_bytes, read_yaml, sha256, write_yaml
+from shoecal_core.errors import (
+    FileMissingError,
+    FileTakenError,
+    NameNotFoundError,
+    ShoecalError,
+)
+from shoecal_core.files import (
+    atomic_write,
+    read_bytes,
+    read_yaml,
+    sha256,
+    system_error,
+    write_yaml,
+)
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.recording.container import read_info
-from shoecal_core.recording.errors import HashMismatchError, RecordingError
+from shoecal_core.recording.errors import HashMismatchError, RecordingError, SessionError
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.listing import HINTS, RUN_FILE, ListedRun, read_listed, run_file
 from shoecal_core.recording.reader import read_run
@@ -90,12 +102,12 @@ class Session:
         """Make a session with copies of the files it rests on; all of it or nothing.
 
         Raises:
-            FileError: when the folder holds something already or cannot be made, or a file
-                cannot be used.
+            FileTakenError: when the folder holds something already.
+            FileError: when it cannot be made, or a file cannot be used.
         """
         folder = Path(folder)
         if folder.exists() and not (folder.is_dir() and not any(folder.iterdir())):
-            raise RecordingError(folder, "exists already; sessions are never overwritten")
+            raise FileTakenError(folder, "exists already; sessions are never overwritten")
         robot = read_yaml(robot_yaml).text("name")
         session = cls(folder, robot, load_shoe(shoe_yaml).name, seed, [])
         copies = {ROBOT: robot_yaml, URDF: robot_urdf, SHOE: shoe_yaml}
@@ -108,7 +120,7 @@ class Session:
             session._save(made)
             made.rename(folder)
         except OSError as error:
-            raise RecordingError(folder, f"cannot be made ({error.strerror})") from error
+            raise system_error(folder, error, "cannot be made") from error
         finally:
             shutil.rmtree(made, ignore_errors=True)
         return session
@@ -122,17 +134,19 @@ class Session:
             force: read its runs though its robot or shoe file is another one by now.
 
         Raises:
-            FileError: no session there, one of its files missing, or written by a newer shoecal.
+            FileMissingError: no folder there, or one of its files missing.
+            SessionError: a folder that is none.
+            VersionError: written by a newer shoecal.
         """
         folder = Path(folder)
         path = folder / FILE
         if not folder.is_dir():
-            raise RecordingError(folder, "does not exist; record, simulate or import a session")
+            raise FileMissingError(folder, "does not exist; record, simulate or import a session")
         if not path.is_file():
-            raise RecordingError(folder, f"is no session (it has no {FILE}); name one")
+            raise SessionError(folder, f"is no session (it has no {FILE}); name one")
         for name in (ROBOT, URDF, SHOE):
             if not (folder / name).is_file():
-                raise FileError(folder / name, "is missing from the session; put it back")
+                raise FileMissingError(folder / name, "is missing from the session; put it back")
         fields = read_yaml(path)
         fields.format(FORMAT)
         fields.only("format", "robot", "shoe", "seed", "runs")
@@ -282,7 +296,7 @@ class Session:
         try:
             path.parent.mkdir(exist_ok=True)
         except OSError as error:
-            raise RecordingError(path, f"cannot be made ({error.strerror})") from error
+            raise system_error(path, error, "cannot be made") from error
         return TruthWriter(path, info)
 
     def _check(self, entry: RunEntry) -> None:

@@ -11,7 +11,8 @@ from typing import Protocol, Self
 
 from mcap.writer import Writer
 
-from shoecal_core.errors import NameNotFoundError, ShoecalError
+from shoecal_core.errors import FileError, FileTakenError, NameNotFoundError, ShoecalError
+from shoecal_core.files import system_error
 from shoecal_core.recording import schemas
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.info import RECORD, RunInfo
@@ -76,7 +77,8 @@ class RunWriter:
                 made again is written in larger pieces and made durable when it is closed.
 
         Raises:
-            RecordingError: when it exists already or cannot be made.
+            FileTakenError: when it exists already.
+            FileUnwritableError, FileMissingError: when it cannot be made.
         """
         self.path = Path(path)
         self.part = self.path.with_name(self.path.name + suffix)
@@ -87,16 +89,15 @@ class RunWriter:
         self._schemas: dict[str, int] = {}
         self._synced_ns: int | None = None
         self._closed = False
-        self._error: RecordingError | None = None
+        self._error: FileError | None = None
         if self.path.exists():
-            raise RecordingError(self.path, "exists already; recordings are never overwritten")
+            raise FileTakenError(self.path, "exists already; recordings are never overwritten")
         try:
             # Exclusive: an unfinished recording of the same name is never overwritten either.
             self._file = self.part.open("xb")
         except OSError as error:
-            raise RecordingError(
-                self.part, f"cannot be made ({error.strerror}); check the folder and its rights"
-            ) from error
+            cure = "check the folder and its rights"
+            raise system_error(self.part, error, "cannot be made", cure) from error
         self._mcap: _Container = Writer(
             self._file,
             chunk_size=CHUNK_BYTES if live else WHOLE_CHUNK_BYTES,
@@ -118,7 +119,7 @@ class RunWriter:
 
         Raises:
             NameNotFoundError: for a topic that is not recorded.
-            RecordingError: when it cannot be written.
+            FileUnwritableError: when it cannot be written; DiskFullError where there is no room.
         """
         if not 0 <= log_time_ns <= MAX_TIME_NS:
             raise ShoecalError(f"{topic}: log time {log_time_ns} ns cannot be recorded")
@@ -139,7 +140,7 @@ class RunWriter:
         """Finish the file and give it its name, `path`.
 
         Raises:
-            RecordingError: when not all could be written; what there is stays unfinished.
+            FileUnwritableError: when not all could be written; what there is stays unfinished.
         """
         self._finish()
         with self._guard():
@@ -167,7 +168,7 @@ class RunWriter:
         if kind is None:
             self.close()
         else:
-            with suppress(RecordingError):  # the exception under way says more
+            with suppress(FileError):  # the exception under way says more
                 self.abandon()
 
     def _channel(self, topic: str) -> int:
@@ -197,7 +198,7 @@ class RunWriter:
 
     @contextmanager
     def _guard(self) -> Iterator[None]:
-        """Turn the first failure into a RecordingError, and raise it again ever after."""
+        """Turn the first failure into a FileError, and raise it again ever after."""
         if self._error is not None:
             raise self._error
         if self._closed:
@@ -205,10 +206,11 @@ class RunWriter:
         try:
             yield
         except OSError as error:
-            self._error = RecordingError(
+            self._error = system_error(
                 self.part,
-                f"cannot be written ({error.strerror}); mend that and record again: "
-                "`shoecal recover` saves what was written before",
+                error,
+                "cannot be written",
+                "mend that and record again: `shoecal recover` saves what was written before",
             )
             with suppress(OSError):  # what is left in its buffer fails again
                 self._file.close()

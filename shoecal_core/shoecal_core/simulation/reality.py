@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FieldError
 
 if TYPE_CHECKING:
     from shoecal_core.simulation.effects.effect import Effect
@@ -49,11 +49,11 @@ class Table:
             kind: what the names are, for messages.
 
         Raises:
-            FileError: when the table holds a name that does not exist.
+            FieldError: when the table holds a name that does not exist.
         """
         for name in self.rows:
             if name != ALL and name not in names:
-                raise FileError(
+                raise FieldError(
                     self.path,
                     f"there is no {kind} '{name}' (there are: {', '.join(names)})",
                     field=self.key,

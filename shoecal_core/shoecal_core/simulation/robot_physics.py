@@ -9,8 +9,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from shoecal_core.errors import FileError
 from shoecal_core.model.robot import Robot
+from shoecal_core.model.urdf import UrdfError
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.simulation.drawn import DrawnReality
 from shoecal_core.simulation.shoe_physics import ShoeBuilder, add_floor
@@ -56,13 +56,13 @@ def build(robot: Robot, shoe: Shoe, drawn: DrawnReality) -> RobotPhysics:
         drawn: as both truly are.
 
     Raises:
-        FileError: when MuJoCo refuses the URDF.
+        UrdfError: when MuJoCo refuses the URDF.
         ShoecalError: for a shoe that cannot be simulated.
     """
     try:
         model = build_spec(robot, shoe, drawn).compile()
     except ValueError as error:
-        raise FileError(robot.urdf, f"not fit for simulation: {error}; mend the link") from error
+        raise UrdfError(robot.urdf, f"not fit for simulation: {error}; mend the link") from error
     leader = np.arange(len(robot.joint_names))
     ratio = np.ones(len(leader))
     for shared in robot.shared:
@@ -107,7 +107,7 @@ def _read_urdf(robot: Robot) -> mujoco.MjSpec:
     try:
         spec = mujoco.MjSpec.from_file(str(robot.urdf))
     except ValueError as error:
-        raise FileError(robot.urdf, f"not fit for simulation: {error}") from error
+        raise UrdfError(robot.urdf, f"not fit for simulation: {error}") from error
     for element in (*spec.geoms, *spec.meshes, *spec.equalities):
         spec.delete(element)
     # Links on fixed joints stay bodies of their own, so that each has its mass error.

@@ -16,7 +16,7 @@ from shoecal_core.calibration.calibration import Calibration, load_calibration, 
 from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.calibration.plausible import check_plausible
 from shoecal_core.errors import FileError, ShoecalError, error_code
-from shoecal_core.files import sha256, sync_folder
+from shoecal_core.files import make_folder, read_error, sha256, sync_folder, system_error
 from shoecal_core.model.robot import Robot
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_ros.calibrator.calibration_record import Entry, read_record, write_record
@@ -142,12 +142,7 @@ class CalibrationStore:
             FileError: when it cannot be saved; then nothing has changed.
         """
         current, fresh, kept = (self._folder / name for name in (CURRENT, NEXT, BEFORE_NEXT))
-        try:
-            self._folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise FileError(
-                self._folder, f"cannot be made ({error.strerror}); correct state_dir"
-            ) from error
+        make_folder(self._folder, "correct state_dir")
         self._tidy()
         with contextlib.ExitStack() as undo:
             undo.callback(self._give_up)
@@ -194,7 +189,9 @@ class CalibrationStore:
             NotApplicableError: when there is none.
         """
         if self.before is None:
-            raise NotApplicableError("there is no calibration before this one to go back to")
+            raise NotApplicableError(
+                "there is no calibration before this one to go back to; set or make another"
+            )
         return self.before
 
     # Steps of a change
@@ -217,7 +214,7 @@ class CalibrationStore:
         try:
             _rename(kept, current) if _is_there(kept) else _remove(current)
         except FileError as error:
-            raise FileError(
+            raise type(error)(
                 current,
                 "holds what is not in force, as the disk refused it, and cannot be put back: mend "
                 "the disk and set a calibration again, before the next start takes this one",
@@ -267,7 +264,7 @@ def _is_there(path: Path) -> bool:
     try:
         return path.is_file()
     except OSError as error:
-        raise FileError(path, f"cannot be read ({error.strerror}); correct its rights") from error
+        raise read_error(path, error, "correct its rights") from error
 
 
 def _remove(path: Path) -> None:
@@ -275,9 +272,8 @@ def _remove(path: Path) -> None:
     try:
         path.unlink()
     except OSError as error:
-        raise FileError(
-            path, f"cannot be removed ({error.strerror}); remove it, or correct state_dir"
-        ) from error
+        cure = "remove it, or correct state_dir"
+        raise system_error(path, error, "cannot be removed", cure) from error
 
 
 def _rename(source: Path, target: Path) -> None:
@@ -285,6 +281,5 @@ def _rename(source: Path, target: Path) -> None:
     try:
         source.replace(target)
     except OSError as error:
-        raise FileError(
-            target, f"cannot be written ({error.strerror}); check the disk of state_dir"
-        ) from error
+        cure = "check the disk of state_dir"
+        raise system_error(target, error, "cannot be written", cure) from error

@@ -10,9 +10,10 @@ from typing import cast
 
 from shoecal_msgs.action import Diagnose
 
-from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.errors import ShoecalError
 from shoecal_core.files import sha256
 from shoecal_core.planning.standard import STANDARD
+from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_ros.calibrator import diagnosis_work
 from shoecal_ros.calibrator.diagnosis_work import Diagnosed
@@ -150,7 +151,7 @@ class DiagnosisJob:
             (session.shoe.path, shoe.digest, session.shoe.digest),
         ):
             if digest != own:
-                raise FileError(
+                raise SessionError(
                     path,
                     "is not what this node works with: nothing can be added to the session; name "
                     "none to record a new one, or start the nodes with its files",

@@ -69,6 +69,10 @@ class Site(Protocol):
     def now_ns(self) -> int:
         """The node's time [ns]."""
 
+    @property
+    def run_id(self) -> str:
+        """Of the job under way."""
+
     def input_problem(self) -> Problem | None:
         """What is wrong with joint angles or voltages, and its cure; None when all is well."""
 
@@ -147,7 +151,8 @@ class Job:
     def check_canceled(self) -> None:
         """End the job where that is asked for; RefusedError then."""
         if self._canceled():
-            raise RefusedError(Codes.CANCELED, "cancelled; what was recorded stays")
+            told = "cancelled, what was recorded stays; start another when you want"
+            raise RefusedError(Codes.CANCELED, told)
 
     async def worked(
         self,

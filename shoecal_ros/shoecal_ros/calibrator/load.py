@@ -26,7 +26,7 @@ class LoadSwitch:
         if not 0.0 < off <= on:
             raise ShoecalError(
                 f"load_on_n {on:g} N and load_off_n {off:g} N: must be positive, and the first "
-                "not below the second"
+                "not below the second; correct them"
             )
         self._on, self._off = on, off
         self.loaded = (False, False)

@@ -9,7 +9,8 @@ from typing import Any
 
 from shoecal_msgs.action import Plan, ReachSupport
 
-from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.errors import ShoecalError
+from shoecal_core.files import system_error
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.recording.session import Session
@@ -45,7 +46,7 @@ async def make_session(site: Site, name: str, seed: int) -> Session:
     try:
         return await aside(make)
     except OSError as error:
-        problem = FileError(folder, f"cannot be made ({error.strerror}); correct sessions_dir")
+        problem = system_error(folder, error, "cannot be made", "correct sessions_dir")
         raise RefusedError(Codes.RECORDING_FAILED, str(problem)) from error
     except ShoecalError as error:
         raise RefusedError(Codes.RECORDING_FAILED, str(error)) from error
@@ -79,7 +80,7 @@ class RunSeries:
         reached = await self._job.done(
             self._site.reach_client,
             REACH_ACTION,
-            ReachSupport.Goal(support=support_to_ros(support)),
+            ReachSupport.Goal(support=support_to_ros(support), run_id=self._site.run_id),
             lambda told: self._tell("reaching", REACH_SHARE * told.progress, place),
             self._site.job_settings.reach_timeout_s,
             Codes.SUPPORT_FAILED,
@@ -107,7 +108,7 @@ class RunSeries:
         moved = await self._job.done(
             self._site.plan_client,
             PLAN_ACTION,
-            Plan.Goal(motion=planned_as(run.motion), send=True),
+            Plan.Goal(motion=planned_as(run.motion), send=True, run_id=self._site.run_id),
             partial(self._hear_motion, run),
             self._site.job_settings.motion_timeout_s,
             Codes.MOTION_FAILED,

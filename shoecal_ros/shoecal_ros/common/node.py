@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import inspect
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from difflib import get_close_matches
 from functools import partial
 from typing import Any, TypeVar
@@ -27,8 +28,10 @@ from rclpy.timer import Timer
 from shoecal_core.settings import SettingError, Settings, describe, from_values
 from shoecal_ros.common import qos
 from shoecal_ros.common.health import Health, Level
+from shoecal_ros.common.names import short_name
 from shoecal_ros.common.peers import Peers
 from shoecal_ros.common.quick_thread import BATCH, QuickThread, drained
+from shoecal_ros.common.refusal import worded
 from shoecal_ros.common.roll_call import RollCall, farewell
 from shoecal_ros.common.turn import Turn
 
@@ -72,6 +75,7 @@ class ShoecalNode(Node):
         self.turn = Turn()
         self.quick = QuickThread(self, self.turn)
         self.mirror = ""
+        self._run_id = ""
         self.peers = Peers(self)
         self._roll_call = RollCall(name)
         self.health.suppose("peers", self.peers.condition)
@@ -156,13 +160,15 @@ class ShoecalNode(Node):
         Each is looked at whenever the node wakes up, which took longer than all it then does; who
         does not fit is told by `peers`.
         """
-        events = PublisherEventCallbacks(use_default_callbacks=False)
-        return super().create_publisher(*args, event_callbacks=events, **kwargs)
+        kwargs.setdefault("event_callbacks", PublisherEventCallbacks(use_default_callbacks=False))
+        return super().create_publisher(*args, **kwargs)
 
     def create_subscription(self, *args: Any, **kwargs: Any) -> Subscription:
         """Likewise; and an executor that waits for a reader's events is woken by its data, too."""
-        events = SubscriptionEventCallbacks(use_default_callbacks=False)
-        return super().create_subscription(*args, event_callbacks=events, **kwargs)
+        kwargs.setdefault(
+            "event_callbacks", SubscriptionEventCallbacks(use_default_callbacks=False)
+        )
+        return super().create_subscription(*args, **kwargs)
 
     def subscribe(
         self,
@@ -270,7 +276,26 @@ class ShoecalNode(Node):
     @property
     def run_id(self) -> str:
         """Of the job under way; it stands in every line of the log. Empty: there is none."""
-        return ""
+        return self._run_id
+
+    @contextmanager
+    def working(self, what: str, run_id: str) -> Iterator[None]:
+        """Tell in the log that something is being done, and how it ends; one thing at a time.
+
+        Args:
+            what: is being done.
+            run_id: of the job that it belongs to, as whoever asks for it says; empty: none.
+        """
+        self._run_id = short_name(run_id)
+        try:
+            self.log(Level.OK, f"{what} begins")
+            yield
+            self.log(Level.OK, f"{what} done")
+        except Exception as error:
+            self.log(Level.WARN, f"{what} ended: {worded(error)}")
+            raise
+        finally:
+            self._run_id = ""
 
     def log(self, level: Level, line: str) -> None:
         """Write a line, with the id of the job under way."""

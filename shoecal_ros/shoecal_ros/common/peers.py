@@ -133,7 +133,8 @@ def _misfit(
     if other.topic_type != own.topic_type:
         return Problem(
             Code.TYPE_MISFIT,
-            f"'{node_name(other)}' {verb} {topic} as {other.topic_type}; it is {own.topic_type}",
+            f"'{node_name(other)}' {verb} {topic} as {other.topic_type}; it is "
+            f"{own.topic_type}: nothing gets through; build both with one version of the messages",
         )
     offered, requested = (own, other) if sends else (other, own)
     compatible, reason = qos_check_compatible(offered.qos_profile, requested.qos_profile)

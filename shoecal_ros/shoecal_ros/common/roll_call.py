@@ -12,6 +12,7 @@ from shoecal_ros.common.health import Condition, Level
 
 ADAPTERS = ("nao_lola_adapter", "naoqi_adapter", "controller_adapter")
 SUITE = frozenset({"shoe_driver", "model", "planner", "calibrator", "simulator", *ADAPTERS})
+"""Who is missed; not `voltage_stream`, which goes with the program that reads it."""
 SILENT_S = 3.5
 """Every node tells once a second how it fares."""
 ENDED = "ended"

@@ -230,10 +230,11 @@ def _answer(
         return pickle.dumps((_ERROR, error))
     except Exception as error:  # noqa: BLE001 (whatever it is, the node must hear of it)
         traceback.print_exc()
-        problem = f"{type(error).__name__}: {error}"
-        return pickle.dumps(
-            (_ERROR, WorkerError(f"internal error in {function.__name__}: {problem}"))
+        told = (
+            f"internal error in {function.__name__}: {type(error).__name__}: {error}; see the "
+            "output of its node, and report it"
         )
+        return pickle.dumps((_ERROR, WorkerError(told)))
 
 
 def _end_with(node: int) -> None:

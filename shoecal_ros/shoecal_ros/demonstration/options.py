@@ -6,7 +6,8 @@ import shutil
 from dataclasses import dataclass
 from pathlib import Path
 
-from shoecal_core.errors import FileError
+from shoecal_core.files import system_error
+from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import FILE as SESSION_FILE
 
 
@@ -57,7 +58,7 @@ class Folder:
             FileError: when it cannot be made, or `session` is not a demo's.
         """
         if self.session.exists() and not (self.session / SESSION_FILE).is_file():
-            raise FileError(self.session, "is no session; choose another folder with --out")
+            raise SessionError(self.session, "is no session; choose another folder with --out")
         try:
             self.out.mkdir(parents=True, exist_ok=True)
             for old in (self.session, self.logs, self.work):
@@ -66,7 +67,7 @@ class Folder:
                 file.unlink(missing_ok=True)
             self.sessions.mkdir(parents=True)
         except OSError as error:
-            raise FileError(self.out, f"cannot be made ({error.strerror})") from error
+            raise system_error(self.out, error, "cannot be made") from error
 
     def keep_session(self) -> None:
         """Give what was recorded its place, finished or not."""

@@ -10,7 +10,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.errors import ShoecalError
+from shoecal_core.files import make_folder
 from shoecal_ros.common.end_with_parent import ending_with_parent
 
 END_S = 15.0
@@ -35,10 +36,7 @@ class Nodes:
         self._logs = logs
         self._environment = dict(environment)
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
-        try:
-            logs.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise FileError(logs, f"cannot be made ({error.strerror})") from error
+        make_folder(logs)
 
     def start(
         self, node: str, parameters: Mapping[str, object], files: Sequence[Path] = ()

@@ -44,7 +44,7 @@ class TwoSourcesError(ShoecalError):
     """One cell's voltage comes from two places."""
 
 
-class ClocksApartError(ShoecalError):
+class BoardsApartError(ShoecalError):
     """Boards whose stamps are of different clocks."""
 
 
@@ -171,7 +171,7 @@ class FrameJoiner:
         """Take one frame; all channels when it gives an instant.
 
         Raises:
-            ClocksApartError: for a frame with stamps far behind those of others, as before; it is
+            BoardsApartError: for a frame with stamps far behind those of others, as before; it is
                 left out.
             TwoSourcesError: when a cell comes from two places; likewise.
             UnknownCellError: for a cell the shoe does not have; likewise.
@@ -242,14 +242,14 @@ class FrameJoiner:
         )
 
     def _see_whether_apart(self, stream: _Stream, frame: VoltageFrame, now: float) -> None:
-        """ClocksApartError where a board was behind who gives the instants all the time."""
+        """BoardsApartError where a board was behind who gives the instants all the time."""
         behind_ns = int(self._stamps[self._reference]) - frame.stamp_ns
         if behind_ns <= _MOST_HOLD_NS:
             stream.behind_since = None
         elif stream.behind_since is None:
             stream.behind_since = now
         elif now - stream.behind_since > _APART_S:
-            raise ClocksApartError(
+            raise BoardsApartError(
                 f"stamps of {', '.join(frame.cells)} are {behind_ns / 1e9:.2f} s behind those of "
                 "the other cells, which come at the same time; let the computers of all drivers "
                 "keep one clock"

@@ -32,7 +32,8 @@ def understood(
             refuse(Problem.of(error))
             continue
         except RuntimeError as error:  # rclpy's, of several lines
-            refuse(Problem(Code.UNREADABLE_MESSAGE, one_line(str(error).splitlines()[0])))
+            told = f"{one_line(str(error).splitlines()[0])}; update what sends the message"
+            refuse(Problem(Code.UNREADABLE_MESSAGE, told))
             continue
         whole.append(one)
     return whole, found

@@ -61,6 +61,7 @@ from shoecal_ros.inputs.sensor_frames import frame_reader
 from shoecal_ros.inputs.serialised import understood
 from shoecal_ros.inputs.stillness import Stillness
 from shoecal_ros.inputs.voltages import VoltageInput
+from shoecal_ros.inputs.voltages_told import voltages_told
 
 
 @dataclass(frozen=True)
@@ -213,23 +214,10 @@ class Calibrator(ShoecalNode):
 
     def watch(self) -> None:
         """Tell how everything fares."""
-        for subject, problem, figures in (
-            (
-                "joints",
-                self.joints.problem or self._one_clock.problem,
-                self.joints.heard.figures(),
-            ),
-            (
-                "voltages",
-                self.voltages.problem,
-                {
-                    **self.voltages.heard.figures(),
-                    "lost_frames": str(self.voltages.lost),
-                    "left_out_frames": str(self.voltages.left_out),
-                },
-            ),
-        ):
-            self.health.note(subject, Condition.of(problem, f"{subject} come", figures))
+        problem = self.joints.problem or self._one_clock.problem
+        figures = self.joints.heard.figures()
+        self.health.note("joints", Condition.of(problem, "joints come", figures))
+        self.health.note("voltages", voltages_told(self.voltages))
         self.health.note("cells", self.cells.condition)
         self._tell_calibration()
         self.health.note("diagnosis", self._diagnoses.condition)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 import time
-import traceback
 from typing import Any, TypeVar
 
 from diagnostic_msgs.msg import DiagnosticArray
@@ -28,7 +27,7 @@ from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
-from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.refusal import RefusedError, faults_refused
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Worker
 from shoecal_ros.inputs.imu import ImuInput
@@ -96,9 +95,7 @@ class Planner(ShoecalNode):
         shoes = ShoeReports(lambda: states.get_publisher_count() > 0)
         self.subscribe(Imu, "imu", imu.take, qos.EITHER)
         self.subscribe(Temperature, "joint_temperatures", temperatures.take, qos.EITHER)
-        self.subscribe(
-            DiagnosticArray, "diagnostics", temperatures.take_diagnostics, qos.DIAGNOSTICS
-        )
+        self.subscribe(DiagnosticArray, "diagnostics", temperatures.take_diagnostics, qos.EITHER)
         # A thousand a second must not keep the rest of the node from its work.
         self.quick.subscribe(
             ShoeVoltages, "shoe/voltages", shoes.take_readings, qos.NEWEST, raw=True
@@ -189,20 +186,17 @@ class Planner(ShoecalNode):
             if self._busy:
                 raise RefusedError(result.BUSY, "another motion is under way; wait or cancel it")
             self._busy, self._execution = True, job.execution
-            try:
-                await job.run()
-            finally:
-                self._busy = False
-                job.execution.halt()
+            with (
+                self.working(job.name, goal.request.run_id),
+                faults_refused(self, result.FAILED),
+            ):
+                try:
+                    await job.run()
+                finally:
+                    self._busy = False
+                    job.execution.halt()
         except RefusedError as refusal:
             result.error_code, result.message = refusal.code, str(refusal)
-        except Exception as error:  # noqa: BLE001 (whatever it is, the goal is answered)
-            self.get_logger().error(traceback.format_exc())
-            told = " ".join(str(error).split())
-            result.error_code = result.FAILED
-            result.message = (
-                f"stopped by a fault: {type(error).__name__}: {told}; see the node's log"
-            )
         else:
             degc = self.senses.temperatures.degc
             result.success = True

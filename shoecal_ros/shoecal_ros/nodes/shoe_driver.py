@@ -14,13 +14,14 @@ import numpy as np
 from rclpy.subscription import Subscription
 from shoecal_msgs.msg import ShoeVoltages
 
-from shoecal_core.errors import ShoecalError, one_line
+from shoecal_core.errors import ShoecalError
 from shoecal_core.settings import Settings, setting
 from shoecal_core.workspace import config_dir
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import VoltageFrame, time_from_ros, voltages_to_ros
 from shoecal_ros.common.health import Condition
+from shoecal_ros.common.names import short_name
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
 from shoecal_ros.inputs.voltages import REMEMBER_S
@@ -31,8 +32,6 @@ from shoecal_ros.serial.frame import FaultKind
 READ_S = 0.1
 """Longest wait for bytes: bounds how long closing takes."""
 OWN_STAMPS = 1000
-MOST_NAME = 100
-"""Letters of another source's name that are told."""
 START_S = 2.0
 """In the beginning nothing is a problem for so long."""
 
@@ -135,17 +134,12 @@ class ShoeDriver(ShoecalNode):
             common = sorted(self._cells.intersection(message.cell))
             if common and time_from_ros(message.header.stamp) not in own:
                 self._rival_at = time.monotonic()
+                other = short_name(message.header.frame_id)
                 self._rival = Problem(
                     Code.SECOND_DRIVER,
-                    f"cell(s) {', '.join(common)} also come from '{_name(message)}'; "
-                    "stop one driver, or let each send its own cells",
+                    f"cell(s) {', '.join(common)} also come from '{other}'; stop one driver, "
+                    "or let each send its own cells",
                 )
-
-
-def _name(message: ShoeVoltages) -> str:
-    """Of a message's source, whatever somebody wrote there."""
-    name = one_line(message.header.frame_id[:MOST_NAME])
-    return name if len(message.header.frame_id) <= MOST_NAME else f"{name}..."
 
 
 def _figures(status: DriverStatus) -> dict[str, str]:

@@ -19,7 +19,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.files import write_yaml
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.legs import Legs
-from shoecal_core.planning.posture import StanceSolver, UnreachableError
+from shoecal_core.planning.posture import StanceSolver
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.truth import TruthWriter
@@ -36,7 +36,7 @@ from shoecal_ros.common.conversions import (
     time_to_ros,
     trajectory_from_ros,
 )
-from shoecal_ros.common.health import Level
+from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.hold import STOP_TIME_S, hold, is_hold
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
@@ -44,6 +44,7 @@ from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.waiting import until
 from shoecal_ros.inputs.armed_input import ArmedInput
+from shoecal_ros.inputs.last_heard import LastHeard
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info
 from shoecal_ros.simulator.body_publishers import BodyPublishers
@@ -108,6 +109,7 @@ class Simulator(ShoecalNode):
             Info("shoecal simulator", 1, channels, settings.rate),
             patience_s=PATIENCE_S,
         )
+        self._sampled = LastHeard(time.monotonic)
         self._sequence = 0
         self._arming = ArmedInput(self)
         self._reaching = self._moves = False
@@ -127,19 +129,7 @@ class Simulator(ShoecalNode):
 
     def watch(self) -> None:
         """Tell how the simulation fares."""
-        robot = self._body.robot
-        if not robot.upright:
-            self.health.tell(
-                "robot", Level.ERROR, "the simulated robot has fallen; let it reach a support",
-                Code.ROBOT_FALLEN,
-            )  # fmt: skip
-        elif self._refused:
-            self.health.tell("robot", Level.WARN, self._refused, Code.TRAJECTORY_REFUSED)
-        else:
-            self.health.tell(
-                "robot", Level.OK, "stands", time_s=f"{self._body.now_ns / 1e9:.1f}",
-                frames_sent=self._device.sent, frames_dropped=self._device.dropped,
-            )  # fmt: skip
+        self.health.note("robot", self._condition)
         self.health.note("listeners", self._body_publishers.condition)
         super().watch()
 
@@ -148,6 +138,23 @@ class Simulator(ShoecalNode):
         self._device.close()
         if self._truth is not None:
             self._truth.close()
+
+    @property
+    def _condition(self) -> Condition:
+        """Of the simulated robot; figures are those of its samples."""
+        figures = self._sampled.figures()
+        figures |= {
+            "real_time_factor": f"{float(figures['rate_hz']) / self._settings.rate:.3f}",
+            "time_s": f"{self._body.now_ns / 1e9:.1f}",
+            "frames_sent": str(self._device.sent),
+            "frames_dropped": str(self._device.dropped),
+        }
+        if not self._body.robot.upright:
+            told = "the simulated robot has fallen; let it reach a support"
+            return Condition(Level.ERROR, told, figures, Code.ROBOT_FALLEN)
+        if self._refused:
+            return Condition(Level.WARN, self._refused, figures, Code.TRAJECTORY_REFUSED)
+        return Condition(Level.OK, "stands", figures)
 
     # Time
 
@@ -158,6 +165,7 @@ class Simulator(ShoecalNode):
         # Nothing is stamped later than the clock shows.
         self._clock_publisher.publish(Clock(clock=time_to_ros(self._body.after(count))))
         samples = self._body.advance(count)
+        self._sampled.note(count)
         self._body_publishers.publish(samples)
         self._send_frames(samples)
         if self._truth is not None:
@@ -224,7 +232,8 @@ class Simulator(ShoecalNode):
                 )
             self._reaching = True
             try:
-                await self._reach(goal)
+                with self.working("placing the robot", goal.request.run_id):
+                    await self._reach(goal)
             finally:
                 self._reaching = False
         except RefusedError as refusal:
@@ -242,10 +251,8 @@ class Simulator(ShoecalNode):
         try:
             legs = self._stance.solve(support_from_ros(goal.request.support))
             self._body.place(self._robot.from_legs(legs))
-        except UnreachableError as error:
-            raise RefusedError(codes.UNREACHABLE, str(error)) from error
         except ShoecalError as error:
-            raise RefusedError(codes.FAILED, str(error)) from error
+            raise RefusedError(codes.UNREACHABLE, str(error)) from error
         while self._body.rested < 1.0:
             if goal.is_cancel_requested:
                 raise RefusedError(

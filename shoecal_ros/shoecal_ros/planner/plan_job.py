@@ -14,6 +14,7 @@ from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.menu import MENU, kind_named
 from shoecal_ros.common.actions import Pacing
 from shoecal_ros.common.conversions import trajectory_to_ros
+from shoecal_ros.common.names import short_name
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.worker import Work
 from shoecal_ros.planner import planning_work
@@ -31,6 +32,7 @@ class PlanJob:
     """Does one goal; the result is filled as far as the job comes.
 
     Attributes:
+        name: for the log.
         execution: what moves the robot.
     """
 
@@ -39,6 +41,7 @@ class PlanJob:
         self._goal = goal
         self._result = result
         self._pacing = Pacing()
+        self.name = f"motion '{short_name(goal.request.motion)}'"
         order = Order(goal.request.send, lambda: bool(goal.is_cancel_requested), self._feed)
         self.execution = Execution(mover, order)
 

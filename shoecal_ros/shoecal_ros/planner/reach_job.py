@@ -38,8 +38,11 @@ class ReachJob:
     """Steps to one double support.
 
     Attributes:
+        name: for the log.
         execution: what moves the robot.
     """
+
+    name = "stepping to a double support"
 
     def __init__(self, mover: Mover, goal: ServerGoalHandle) -> None:
         self._mover = mover

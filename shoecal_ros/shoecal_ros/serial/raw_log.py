@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from shoecal_core.errors import FileError
+from shoecal_core.files import system_error
 from shoecal_ros.common.codes import Code, Problem
 
 
@@ -22,9 +22,7 @@ class RawLog:
             # Unbuffered: what was received is in the file, whatever happens next.
             self._file = path.open("ab", buffering=0)
         except OSError as error:
-            raise FileError(
-                path, f"cannot be written ({error.strerror}); correct 'raw_log'"
-            ) from error
+            raise system_error(path, error, "cannot be written", "correct 'raw_log'") from error
 
     def write(self, data: bytes) -> None:
         """Append bytes."""
@@ -33,7 +31,10 @@ class RawLog:
         try:
             self._file.write(data)
         except OSError as error:
-            told = f"{self._path}: log of raw bytes ended ({error.strerror})"
+            told = (
+                f"{self._path}: log of raw bytes ended ({error.strerror}); make room on its disk "
+                "and start the driver again"
+            )
             self.problem = Problem(Code.RAW_LOG_ENDED, told)
 
     def close(self) -> None:

@@ -58,7 +58,8 @@ class ReplaySource:
         try:
             self._file = path.open("rb")
         except OSError as error:
-            raise ReplayError(f"{path}: cannot be read ({error.strerror})") from error
+            told = f"{path}: cannot be read ({error.strerror}); correct 'port'"
+            raise ReplayError(told) from error
 
     def open(self) -> None:
         """Nothing to do: the file is open."""
@@ -88,7 +89,10 @@ class ReplaySource:
     def status(self) -> SourceStatus:
         """How far the replay is."""
         ended = self._closed.is_set()
-        told = Problem(Code.REPLAY_ENDED, f"{self._path}: replayed to its end")
+        told = Problem(
+            Code.REPLAY_ENDED,
+            f"{self._path}: replayed to its end; start the driver again to replay it once more",
+        )
         return SourceStatus(
             name=str(self._path),
             connected=not ended,

@@ -65,7 +65,7 @@ class SerialSource:
         self._log = RawLog(raw_log) if raw_log is not None else None
         self._watch = StreamWatch(monotonic)
         self._port: serial.Serial | None = None
-        self._trouble = Problem(Code.PORT_NOT_OPEN, f"serial port {port}: not opened yet")
+        self._trouble = self._told(Code.PORT_NOT_OPEN, "not opened yet; wait")
         self._openings = self._failures = self._requests = 0
         self._next_request = self._next_attempt = -float("inf")
         self._closed = threading.Event()
@@ -132,7 +132,7 @@ class SerialSource:
         """Close port and log, once a read in progress has ended."""
         self._closed.set()
         with self._reading:
-            self._release(self._told(Code.PORT_CLOSED, "closed"))
+            self._release(self._told(Code.PORT_CLOSED, "closed; start the driver again"))
             if self._log is not None:
                 self._log.close()
 

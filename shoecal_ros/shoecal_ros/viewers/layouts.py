@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 
 import yaml
 
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FileSyntaxError
 from shoecal_core.files import read_bytes
 
 RVIZ_TYPES = {
@@ -58,14 +58,15 @@ def shown_by(file: Path) -> list[Shown]:
     """
     read = {".rviz": _rviz, ".json": _foxglove, ".xml": _plotjuggler}.get(file.suffix)
     if read is None:
-        raise FileError(file, "is no layout: expected .rviz, .json (Foxglove), .xml (PlotJuggler)")
+        problem = "is no layout: expected .rviz, .json (Foxglove), .xml (PlotJuggler)"
+        raise FileSyntaxError(file, problem)
     try:
         found = list(dict.fromkeys(read(read_bytes(file, MAX_BYTES).decode())))
     except _NOT_A_LAYOUT as error:
         told = " ".join(str(error).split())
-        raise FileError(file, f"is no layout of its viewer ({told}); save it anew") from error
+        raise FileSyntaxError(file, f"is no layout of its viewer ({told}); save it anew") from error
     if not found:
-        raise FileError(file, "shows no topic; save the layout with something in it")
+        raise FileSyntaxError(file, "shows no topic; save the layout with something in it")
     return found
 
 

@@ -106,7 +106,7 @@ def test_wrong_use_is_one_line(shoecal: Run, simulated_bench: Path, tmp_path: Pa
     failed(shoecal("manual", "shoe", alone, "--out", out), "cells.yaml: does not exist", "--cells")
     failed(
         shoecal("manual", "cells", cells, "--out", tmp_path / "no" / "out.yaml"),
-        "its folder does not exist",
+        "no: does not exist; make it first, for out.yaml",
     )
     failed(shoecal("manual", "cells", cells, "--out", out, "--from", tmp_path), "is a folder")
     failed(shoecal("manual", "cells", cells, "--out", out, "--from", nowhere), "cannot be read")

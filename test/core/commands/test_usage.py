@@ -194,7 +194,7 @@ def test_a_program_is_told_why(tmp_path: Path, capsys: pytest.CaptureFixture[str
     robot.write_text("format: 99\n")
     for name, code, file, field in (
         (str(robot), "version", str(robot), "format"),
-        (str(tmp_path / "none.yaml"), "file", str(tmp_path / "none.yaml"), ""),
+        (str(tmp_path / "none.yaml"), "file-missing", str(tmp_path / "none.yaml"), ""),
     ):
         words = ("plan", name, "--shoe", SHOE, "--out", str(tmp_path / "out"))
         line = told(capsys, *words, "--json", str(figures))

@@ -13,7 +13,7 @@ from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.selection import select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FileError, FileMissingError, FileSyntaxError
 
 OWN = '''
 """The torso leans to a side: steadily, or to and fro."""
@@ -103,5 +103,11 @@ def test_what_is_wrong_with_a_file_of_effects_is_told(
 
 
 def test_a_file_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(FileError, match="is no Python file"):
+    with pytest.raises(FileMissingError, match="cannot be read"):
         effects_from(tmp_path / "none.py")
+
+
+def test_a_file_of_another_kind(tmp_path: Path) -> None:
+    (tmp_path / "own.txt").touch()
+    with pytest.raises(FileSyntaxError, match="is no Python file"):
+        effects_from(tmp_path / "own.txt")

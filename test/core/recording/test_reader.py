@@ -12,7 +12,7 @@ from mcap.writer import Writer
 
 from core.recording import samples
 from core.recording.samples import JOINTS, START_NS, STEP_NS
-from shoecal_core.errors import VersionError
+from shoecal_core.errors import FileMissingError, VersionError
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.errors import DamagedError, RecordingError
 from shoecal_core.recording.reader import read_run
@@ -303,7 +303,7 @@ def test_two_senders_of_a_pose_are_an_error(record: Record, shoe: Shoe) -> None:
 
 def test_unfinished_and_foreign_files_are_refused(tmp_path: Path, shoe: Shoe) -> None:
     missing = tmp_path / "missing.mcap"
-    with pytest.raises(RecordingError, match="cannot be read"):
+    with pytest.raises(FileMissingError, match="cannot be read"):
         read_run(missing, shoe)
     text = tmp_path / "text.mcap"
     text.write_text("format: 1\n")

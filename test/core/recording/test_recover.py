@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from rosbags.highlevel import AnyReader
 
 from core.recording import samples
+from shoecal_core.errors import FileTakenError
 from shoecal_core.recording import schemas
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.reader import read_run
@@ -153,7 +154,7 @@ def test_nothing_is_overwritten(tmp_path: Path, whole: bytes) -> None:
     path, out = tmp_path / "run_001.mcap.part", tmp_path / "run_001.mcap"
     path.write_bytes(whole[:-100])
     out.write_text("mine")
-    with pytest.raises(RecordingError, match="never overwritten"):
+    with pytest.raises(FileTakenError, match="never overwritten"):
         recover(path, out)
     assert out.read_text() == "mine"
     assert sorted(tmp_path.iterdir()) == [out, path]

@@ -8,10 +8,19 @@ import pytest
 import yaml
 
 from core.recording import samples
-from shoecal_core.errors import FileError, NameNotFoundError, ShoecalError, VersionError
+from shoecal_core.errors import (
+    FieldError,
+    FileError,
+    FileMissingError,
+    FileTakenError,
+    FileUnwritableError,
+    NameNotFoundError,
+    ShoecalError,
+    VersionError,
+)
 from shoecal_core.files import sha256
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.recording.errors import HashMismatchError, RecordingError
+from shoecal_core.recording.errors import HashMismatchError, RecordingError, SessionError
 from shoecal_core.recording.recover import recover, recovered_path
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
@@ -87,19 +96,19 @@ def test_a_run_without_support(session: Session) -> None:
 
 
 def test_sessions_are_never_overwritten(session: Session, sources: samples.Sources) -> None:
-    with pytest.raises(RecordingError, match="never overwritten"):
+    with pytest.raises(FileTakenError, match="never overwritten"):
         Session.create(session.folder, *sources)
-    with pytest.raises(RecordingError, match="never overwritten"):
+    with pytest.raises(FileTakenError, match="never overwritten"):
         Session.create(session.robot_yaml, *sources)
 
 
 def test_create_makes_all_or_nothing(tmp_path: Path, sources: samples.Sources) -> None:
     sources.robot_urdf.unlink()
-    with pytest.raises(FileError, match="robot_urdf: cannot be read"):
+    with pytest.raises(FileMissingError, match="robot_urdf: cannot be read"):
         Session.create(tmp_path / "deep" / "session", *sources)
     sources.robot_urdf.write_text(samples.URDF)
     (tmp_path / "file").touch()
-    with pytest.raises(RecordingError, match="cannot be made"):
+    with pytest.raises(FileUnwritableError, match="cannot be made"):
         Session.create(tmp_path / "file" / "session", *sources)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "sources"]
     Session.create(tmp_path / "deep" / "session", *sources)
@@ -107,27 +116,29 @@ def test_create_makes_all_or_nothing(tmp_path: Path, sources: samples.Sources) -
 
 
 def test_open_refuses_what_is_no_session(tmp_path: Path, session: Session) -> None:
-    with pytest.raises(RecordingError, match=r"is no session \(it has no session.yaml\)"):
+    with pytest.raises(SessionError, match=r"is no session \(it has no session.yaml\)"):
         Session.open(tmp_path)
     session.robot_urdf.unlink()
-    with pytest.raises(FileError, match=r"robot.urdf: is missing from the session"):
+    with pytest.raises(FileMissingError, match=r"robot.urdf: is missing from the session"):
         Session.open(session.folder)
+    with pytest.raises(FileMissingError, match="does not exist"):
+        Session.open(tmp_path / "none")
 
 
 @pytest.mark.parametrize(
     ("content", "error", "problem"),
     [
         ({"format": 2}, VersionError, "version 2"),
-        ({"extra": 1}, FileError, "extra: unknown key"),
-        ({"runs": [{"file": "a.mcap"}]}, FileError, "is no name of a run"),
+        ({"extra": 1}, FieldError, "extra: unknown key"),
+        ({"runs": [{"file": "a.mcap"}]}, FieldError, "is no name of a run"),
         (
             {"runs": [{"file": "run_001.mcap", "motion": "m", "support": [1], "set": ""}]},
-            FileError,
+            FieldError,
             r"runs\[0\].support",
         ),
         (
             {"runs": [{"file": "run_001.mcap", "motion": "m", "support": None, "set": "tset"}]},
-            FileError,
+            FieldError,
             "'tset' is not one of",
         ),
     ],

@@ -11,7 +11,7 @@ from mcap_ros2.decoder import DecoderFactory
 from rosbags.highlevel import AnyReader
 
 from core.recording import samples
-from shoecal_core.errors import NameNotFoundError, ShoecalError
+from shoecal_core.errors import FileTakenError, NameNotFoundError, ShoecalError
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.container import read_info
 from shoecal_core.recording.errors import RecordingError
@@ -70,12 +70,12 @@ def test_info_round_trip(tmp_path: Path, shoe: Shoe) -> None:
 def test_nothing_is_overwritten(tmp_path: Path, shoe: Shoe) -> None:
     path = samples.write_run(tmp_path / "run_001.mcap", samples.make_sample(1), shoe.names)
     before = path.read_bytes()
-    with pytest.raises(RecordingError, match="never overwritten"):
+    with pytest.raises(FileTakenError, match="never overwritten"):
         RunWriter(path, samples.INFO)
     assert path.read_bytes() == before
     with (
         RunWriter(tmp_path / "run_002.mcap", samples.INFO),
-        pytest.raises(RecordingError, match=r"run_002.mcap.part: cannot be made"),
+        pytest.raises(FileTakenError, match=r"run_002.mcap.part: cannot be made"),
     ):
         RunWriter(tmp_path / "run_002.mcap", samples.INFO)
 
@@ -116,7 +116,7 @@ import numpy as np
 sys.path[:0] = {[str(Path(samples.__file__).parents[2])]!r}
 from core.recording import samples
 from shoecal_core.recording import messages, schemas
-from shoecal_core.recording.errors import RecordingError
+from shoecal_core.errors import FileError, error_code
 from shoecal_core.recording.writer import RunWriter
 
 def record(writer, count):
@@ -166,15 +166,16 @@ errors = []
 for attempt in (lambda: record(writer, 10**9), lambda: record(writer, 1), writer.close):
     try:
         attempt()
-    except RecordingError as error:
+    except FileError as error:
         errors.append(error)
 assert len({id(error) for error in errors}) == 1 and len(errors) == 3, errors
-print(errors[0])
+print(error_code(type(errors[0])), errors[0])
 """
     with child(script, tmp_path) as process:
         output, _ = process.communicate()
     assert process.returncode == 0
     told = output.splitlines()
+    assert told[-1].startswith("disk-full ")
     assert "run_001.mcap.part: cannot be written (File too large)" in told[-1]
     report = recover(tmp_path / "run_001.mcap.part", tmp_path / "out.mcap")
     assert report.end_ns >= samples.START_NS + int(told[-2]) * samples.STEP_NS - 2 * SYNC_NS
@@ -188,13 +189,14 @@ size = os.path.getsize('run_001.mcap.part')
 resource.setrlimit(resource.RLIMIT_FSIZE, (size + 100, size + 100))
 try:
     writer.close()
-except RecordingError as error:
-    print(error)
+except FileError as error:
+    print(error_code(type(error)), error)
 assert not os.path.exists('run_001.mcap') and os.path.exists('run_001.mcap.part')
 """
     with child(script, tmp_path) as process:
         output, _ = process.communicate()
     assert process.returncode == 0
+    assert output.splitlines()[-1].startswith("disk-full ")
     assert "cannot be written" in output
 
 
@@ -207,10 +209,11 @@ if os.geteuid() == 0:
     os.setuid(65534)
 try:
     RunWriter(Path('run_001.mcap'), samples.INFO)
-except RecordingError as error:
-    print(error)
+except FileError as error:
+    print(error_code(type(error)), error)
 """
     with child(script, folder) as process:
         output, _ = process.communicate()
+    assert output.startswith("file-unwritable ")
     assert "run_001.mcap.part: cannot be made (Permission denied)" in output
     assert list(folder.iterdir()) == []

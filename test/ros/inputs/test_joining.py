@@ -13,7 +13,7 @@ from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import VoltageFrame
 from shoecal_ros.inputs.joining import (
     NO_DATA,
-    ClocksApartError,
+    BoardsApartError,
     FrameJoiner,
     Joined,
     TwoSourcesError,
@@ -171,7 +171,7 @@ def test_boards_of_two_clocks_are_told() -> None:
         join.add(frame(index, *RIGHT, shift_ns=-400_000_000))
     clock.now += 0.02
     join.add(frame(102, *LEFT))
-    with pytest.raises(ClocksApartError, match=r"right/a, right/b are 0\.40 s behind .*one clock"):
+    with pytest.raises(BoardsApartError, match=r"right/a, right/b are 0\.40 s behind .*one clock"):
         join.add(frame(102, *RIGHT, shift_ns=-400_000_000))
 
 

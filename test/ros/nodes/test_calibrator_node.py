@@ -517,7 +517,7 @@ def test_somebody_who_touches_the_robot_is_no_drift(world: World, robot: Standin
 
 
 def test_a_refused_result_comes_back_whole(world: World) -> None:
-    ObligingRobot(world, SUPPORT)
+    robot = ObligingRobot(world, SUPPORT)
     start(world)
     world.until_told("calibrator", "voltages", "come")
     world.until_told("calibrator", "joints", "come")
@@ -532,6 +532,8 @@ def test_a_refused_result_comes_back_whole(world: World) -> None:
     np.testing.assert_array_equal(kept.parameters.gain, found.parameters.gain)
     assert in_force(world) == ""
     world.until_said("calibrator", found.reasons[0])
+    # Whoever moves the robot is told for which job.
+    assert robot.run_ids == 4 * [result.run_id] != 4 * [""]
     # What only a recording needs was heard while it lasted.
     session = Session.open(Path(result.session))
     assert [len(session.read(entry.run).commanded) for entry in session.runs] == [1, 1]

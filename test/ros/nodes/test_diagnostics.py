@@ -7,17 +7,22 @@ from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
+import pytest
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
+import shoecal_ros
+from ros.cures import names_a_cure
 from ros.world import World
 from shoecal_ros.common import qos
 from shoecal_ros.common.health import Level
+from shoecal_ros.nodes.simulator import SimulatorSettings
 
 PAGE = Path(__file__).parents[3] / "docs/diagnostics.md"
-NODES = ("shoe_driver", "model", "planner", "calibrator", "simulator")
+NODES = ("shoe_driver", "model", "planner", "calibrator", "simulator", "voltage_stream")
+STREAM = Path(shoecal_ros.__file__).parent / "voltage_stream.py"
 INPUTS = {
     "shoe_driver: device", "model: joints", "planner: joints", "calibrator: joints",
-    "calibrator: voltages",
+    "calibrator: voltages", "voltage_stream: voltages",
 }  # fmt: skip
 FIRST = {
     "shoe_driver: device": "port-missing",
@@ -25,9 +30,11 @@ FIRST = {
     "planner: joints": "no-joints",
     "calibrator: joints": "no-joints",
     "calibrator: voltages": "no-voltages",
+    "voltage_stream: voltages": "no-voltages",
 }
 """What is wrong before there is a robot."""
-COUNTED = {"shoe_driver: device", "calibrator: voltages"}
+SIMULATED = "simulator: robot"
+COUNTED = {"shoe_driver: device", "calibrator: voltages", "voltage_stream: voltages"}
 
 
 ERRORS = "the [error's]"
@@ -80,12 +87,15 @@ def test_every_diagnostic_is_on_the_page(world: World) -> None:
     world.start("model", {"use_sim_time": True})
     world.start("planner", {"use_sim_time": True, "steps": True})
     world.start("calibrator", {"use_sim_time": True, **folders})
-    world.until_told("calibrator", "voltages", "no voltages yet")
+    world.start("voltage_stream", {"use_sim_time": True}, script=STREAM)
+    for node in ("calibrator", "voltage_stream"):
+        world.until_told(node, "voltages", "no voltages yet")
     world.until_told("shoe_driver", "device", "does not exist")
     for node in ("model", "planner", "calibrator"):
         world.until_told(node, "joints", "no joint angles yet")
     world.start("simulator", {**port, "offer_reach_support": False})
-    world.until_told("calibrator", "voltages", "voltages come")
+    for node in ("calibrator", "voltage_stream"):
+        world.until_told(node, "voltages", "voltages come")
     world.until_told("planner", "joints", "joint angles come")
     world.until_told("shoe_driver", "device", "reading")
     world.until_told("simulator", "robot", "stands")
@@ -95,7 +105,7 @@ def test_every_diagnostic_is_on_the_page(world: World) -> None:
         status = world.diagnosis(*name.split(": "))
         return status is not None and float(value(status, "rate_hz") or 0.0) > 10.0
 
-    world.until(lambda: all(well(name) for name in {*INPUTS, "planner: shoes"}))
+    world.until(lambda: all(well(name) for name in {*INPUTS, "planner: shoes", SIMULATED}))
     told = {status.name for message in heard.messages for status in message.status}
     subjects = {row.subject for row in rows() if not row.subject.startswith("ADAPTER")}
     everybody = {subject for subject in subjects if ": " not in subject}
@@ -106,6 +116,12 @@ def test_every_diagnostic_is_on_the_page(world: World) -> None:
         for status in message.status:
             assert any(row.holds(status) for row in rows()), status
             assert status.hardware_id == status.name.partition(": ")[0]
+            told_badly = status.level in (DiagnosticStatus.WARN, DiagnosticStatus.ERROR)
+            assert names_a_cure(status.message) or not told_badly, status.message
+    status = world.diagnosis(*SIMULATED.split(": "))
+    assert float(value(status, "age_s")) < 10.0
+    factor, rate = (float(value(status, key)) for key in ("real_time_factor", "rate_hz"))
+    assert factor == pytest.approx(rate / SimulatorSettings().rate, abs=0.01)
     for name in INPUTS:
         status = world.diagnosis(*name.split(": "))
         assert float(value(status, "age_s")) < 10.0

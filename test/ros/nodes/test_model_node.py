@@ -64,6 +64,16 @@ def test_joints_that_do_not_match_are_told_once(world: World) -> None:
     assert world.output("model").count("needs joint(s)") == 1
 
 
+def test_a_node_that_is_started_twice_is_told(world: World) -> None:
+    world.start("model")
+    world.start("model", name="twin")
+    told = world.until_told("model", "peers", "another node named '/model' publishes /shoe/model/")
+    assert told.level == b"\x02"
+    assert "stop one of them" in told.message
+    world.stop("twin")
+    world.until_told("model", "peers", "nobody on this node's topics stands in its way")
+
+
 def test_a_second_sender_is_a_warning_until_it_contradicts(world: World) -> None:
     world.start("model")
     com = world.hear(PointStamped, "shoe/model/com", qos.LIVE)

@@ -93,10 +93,28 @@ def simulated(world: World) -> World:
     return world
 
 
+def test_lines_of_a_goal_bear_the_id_of_its_job(still: World) -> None:
+    anything = "one\ntwo/../" + 5000 * "x"
+    refused = plan(still, motion="dance\nnow", run_id=anything).result()
+    assert refused.error_code == Plan.Result.BAD_GOAL
+    still.until_said("planner", "xxx...] motion 'dance now' ended: no motion named")
+    said = still.output("planner").splitlines()
+    lines = [line for line in said if "[one two/../xxx" in line]
+    assert [line.rpartition("] ")[2].partition(":")[0] for line in lines] == [
+        "motion 'dance now' begins", "motion 'dance now' ended",
+    ]  # fmt: skip
+    assert max(map(len, lines)) < 500
+    assert still.call(SetBool, "shoe/arm", SetBool.Request(data=True)).success
+    still.until_said("planner", "]: arming: armed")
+
+
 def test_a_plan_without_sending_moves_nothing(still: World) -> None:
     commands = still.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
-    goal = plan(still)
+    goal = plan(still, run_id="20261122T034512123")
     result = goal.result()
+    still.until_said("planner", "[20261122T034512123] motion 'landmarks' done")
+    # Whatever else it says meanwhile, too.
+    still.until_said("planner", "[20261122T034512123] planning: at work")
     assert (result.success, result.error_code) == (True, Plan.Result.OK), result.message
     trajectory = trajectory_from_ros(result.trajectory)
     robot = nao()

@@ -72,8 +72,10 @@ def walking(world: World) -> World:
 def test_a_support_is_reached_by_own_steps(walking: World) -> None:
     # A fast robot tells more than this client takes in: only what it does now counts.
     joints = walking.hear(JointState, "joint_states", qos.NEWEST)
-    refused = reach(walking, NEAR).result()
+    asked = ReachSupport.Goal(support=NEAR, run_id="20261122T034512123")
+    refused = walking.goal(ReachSupport, "robot/reach_support", asked).result()
     assert refused.error_code == ReachSupport.Result.NOT_ARMED
+    walking.until_said("planner", "[20261122T034512123] stepping to a double support ended: not")
     assert walking.call(SetBool, "shoe/arm", SetBool.Request(data=True)).success
     for nowhere in (DoubleSupport(dx=0.5, dy=-0.1), DoubleSupport(dx=float("nan"))):
         far = reach(walking, nowhere).result()

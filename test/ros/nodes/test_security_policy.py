@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import fields
 from pathlib import Path
 
@@ -10,10 +11,12 @@ from core.sensing.shoes import ROOT
 from ros.policy import Rights, allowed, policy, used
 from ros.world import World
 from shoecal_core.recording import schemas
+from shoecal_ros.planner.settings import MovingSettings
 from shoecal_ros.viewers.layouts import shown_by
 
 NODES = ("shoe_driver", "model", "planner", "calibrator", "simulator", "voltage_stream")
 SOURCES = Path(shoecal_ros.__file__).parent
+PAGE = " ".join((ROOT / "docs/security.md").read_text().split())
 NOT_ALWAYS = {
     "shoe_driver": {"/shoe/voltages"},  # heard while somebody else sends them, too
     "calibrator": set(schemas.RUN_TOPICS),  # heard while it records; it stops the robot
@@ -73,6 +76,22 @@ def test_no_right_is_a_pattern() -> None:
 def test_every_node_has_an_enclave() -> None:
     nodes = {file.stem for file in SOURCES.glob("nodes/*.py")} - {"__init__"}
     assert nodes | {"voltage_stream"} | {"robot", "controller", "operator"} == set(allowed())
+
+
+def test_the_page_tells_of_this_policy() -> None:
+    enclaves = [enclave.attrib["path"] for enclave in policy().iter("enclave")]
+    # Another number: validate it anew, as the page says that it was.
+    assert re.findall(r"\((\d+) (?:enclaves|grants)\)", PAGE) == [str(len(enclaves))] * 2
+    table = re.findall(r"`(/shoecal/\w+)`", PAGE[PAGE.index("| enclave |") :])
+    assert set(table) == set(enclaves)
+
+
+def test_the_page_tells_when_arming_ends_by_itself() -> None:
+    (told,) = re.findall(r"\((\d+) s unless", PAGE)
+    assert float(told) == MovingSettings().arm_timeout_s
+    # That page is made from the code and the files of config/.
+    parameters = (ROOT / "docs/reference/parameters.md").read_text()
+    assert f"| `arm_timeout_s` | `{told}` | s |" in parameters
 
 
 def holders(rule: str, name: str) -> set[str]:

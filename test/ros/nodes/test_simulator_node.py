@@ -107,10 +107,11 @@ def test_it_leaves_supports_to_others_where_told_to(world: World) -> None:
 
 def test_nothing_moves_before_it_is_armed(world: World) -> None:
     start(world)
-    goal = world.goal(ReachSupport, "robot/reach_support", ReachSupport.Goal(support=NEAR))
-    result = goal.result()
+    asked = ReachSupport.Goal(support=NEAR, run_id="20261122T034512123")
+    result = world.goal(ReachSupport, "robot/reach_support", asked).result()
     assert result.error_code == ReachSupport.Result.NOT_ARMED
     assert "shoe/arm" in result.message
+    world.until_said("simulator", "[20261122T034512123] placing the robot ended: not armed")
 
 
 @pytest.mark.parametrize(

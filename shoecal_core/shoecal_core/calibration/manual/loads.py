@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FieldError
 from shoecal_core.sensing.shoe import FEET, Shoe
 
 CELLS, SHOE = "cells", "shoe"
@@ -60,7 +60,7 @@ def planned_loads(
         feet: of it.
 
     Raises:
-        FileError: when the shoe has no holes, or no cells that could bear a weight alone.
+        FieldError: when the shoe has no holes, or no cells that could bear a weight alone.
     """
     if kind == CELLS:
         require_cells(shoe)
@@ -74,7 +74,7 @@ def planned_loads(
     for foot in feet:
         holes = shoe.holes[foot]
         if holes is None:
-            raise FileError(
+            raise FieldError(
                 shoe.path,
                 "is missing: the shoe has no places for weights; add the rows and columns of its "
                 "holes, x_m and y_m",
@@ -92,12 +92,12 @@ def require_cells(shoe: Shoe) -> None:
     """Refuse a shoe whose channels a weight cannot calibrate one by one.
 
     Raises:
-        FileError: for axes of a six-axis sensor.
+        FieldError: for axes of a six-axis sensor.
     """
     others = [shoe.names[index] for index in np.flatnonzero(shoe.columns[:, 0] != 1.0)]
     others += [shoe.names[index] for index in np.flatnonzero(shoe.torque)]
     if others:
-        raise FileError(
+        raise FieldError(
             shoe.path,
             f"{', '.join(dict.fromkeys(others))}: no load cell that bears a weight alone; a manual "
             "calibration needs one-axis cells",

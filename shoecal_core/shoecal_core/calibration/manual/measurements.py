@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.manual.loads import CELLS, KINDS, Load
-from shoecal_core.errors import FileError, ShapeError, ShoecalError
+from shoecal_core.errors import FieldError, ShapeError, ShoecalError
 from shoecal_core.sensing.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]
@@ -117,7 +117,7 @@ class Measurements:
 
     def error(self, problem: str) -> ShoecalError:
         """The error to raise for what they lack."""
-        return ShoecalError(problem) if self.path is None else FileError(self.path, problem)
+        return ShoecalError(problem) if self.path is None else FieldError(self.path, problem)
 
 
 def stacked(entries: Sequence[Entry]) -> tuple[FloatArray, FloatArray, FloatArray]:

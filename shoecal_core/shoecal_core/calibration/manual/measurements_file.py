@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.manual.loads import CELLS, KINDS, Load
 from shoecal_core.calibration.manual.measurements import Entry, EntryError, Measurements
-from shoecal_core.errors import FileError, NameNotFoundError, ShoecalError
+from shoecal_core.errors import FieldError, FileError, NameNotFoundError, ShoecalError
 from shoecal_core.files import Fields, atomic_write, read_yaml
 from shoecal_core.sensing.shoe import FEET, Shoe
 
@@ -58,7 +58,7 @@ def load_measurements(path: Path, kind: str, shoe: Shoe) -> Measurements:
     except FileError:
         raise
     except ShoecalError as error:
-        raise FileError(path, str(error)) from error
+        raise FieldError(path, str(error)) from error
 
 
 def _check_shoe(fields: Fields, shoe: Shoe) -> None:

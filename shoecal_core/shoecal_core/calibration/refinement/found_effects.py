@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FileSyntaxError
 from shoecal_core.files import Fields, read_bytes
 
 FORMAT = 1
@@ -68,12 +68,12 @@ def load_found_effects(path: Path) -> FoundEffects:
     try:
         told = json.loads(read_bytes(path))
     except (ValueError, RecursionError) as error:  # of the syntax, the encoding, endless digits
-        raise FileError(
+        raise FileSyntaxError(
             path, "is no JSON file; give what `shoecal diagnose --json` wrote"
         ) from error
     if not isinstance(told, dict) or "causes" not in told:
         problem = "is no diagnosis of one session; give what `shoecal diagnose --json` wrote"
-        raise FileError(path, problem)
+        raise FileSyntaxError(path, problem)
     fields = Fields(path, "", told)
     fields.format(FORMAT)
     return FoundEffects(

@@ -14,7 +14,8 @@ from shoecal_core.diagnosis.effects import (
     timing,
 )
 from shoecal_core.diagnosis.effects.base import Effect
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FieldError, FileSyntaxError
+from shoecal_core.files import open_file
 
 EFFECTS: tuple[Effect, ...] = (
     load_cell.Nonlinearity(),
@@ -50,22 +51,25 @@ def effects_from(path: Path) -> tuple[Effect, ...]:
     """Effects of a user's own: `EFFECTS` of a Python file.
 
     Raises:
-        FileError: when the file cannot be run, or defines none, or something else.
+        FileMissingError, FileUnreadableError: when it cannot be read.
+        FileSyntaxError: when it cannot be run.
+        FieldError: when it defines none, or something else.
     """
+    open_file(path).close()
     spec = importlib.util.spec_from_file_location(path.stem, path)
-    if spec is None or spec.loader is None or not path.is_file():
-        raise FileError(path, "is no Python file with effects")
+    if spec is None or spec.loader is None:
+        raise FileSyntaxError(path, "is no Python file with effects")
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        raise FileError(path, f"cannot be run: {type(error).__name__}: {error}") from error
+        raise FileSyntaxError(path, f"cannot be run: {type(error).__name__}: {error}") from error
     effects = getattr(module, "EFFECTS", None)
     if not isinstance(effects, (tuple, list)) or not effects:
-        raise FileError(path, "defines no EFFECTS = (MyEffect(), ...)")
+        raise FieldError(path, "defines no EFFECTS = (MyEffect(), ...)")
     for effect in effects:
         if lacking := [name for name in MEMBERS if not hasattr(effect, name)]:
-            raise FileError(
+            raise FieldError(
                 path,
                 f"{effect!r} in EFFECTS is no effect: it lacks {', '.join(lacking)}; "
                 "see shoecal_core.diagnosis.effects.base.Effect",

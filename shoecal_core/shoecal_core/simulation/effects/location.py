@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FieldError
 from shoecal_core.files import Fields
 from shoecal_core.model.robot import Robot
 from shoecal_core.sensing.shoe import FEET, Shoe
@@ -25,7 +25,7 @@ def read_feet(fields: Fields) -> tuple[str, ...]:
     """The feet that `location` lists; `all` means both.
 
     Raises:
-        FileError: when it lists anything else.
+        FieldError: when it lists anything else.
     """
     names = fields.texts("location")
     if names == [ALL]:
@@ -65,7 +65,7 @@ class Channels:
             areas: whether feet and `all` may be named too.
 
         Raises:
-            FileError: when it lists anything else.
+            FieldError: when it lists anything else.
         """
         names = _once(fields, fields.texts("location"))
         if count is not None and len(names) != count:
@@ -81,7 +81,7 @@ class Channels:
         Of a foot, those of vertical force: its cells, or that axis of its six-axis sensor.
 
         Raises:
-            FileError: for a channel that the shoe lacks.
+            FieldError: for a channel that the shoe lacks.
         """
         chosen: list[int] = []
         for name in self.names:
@@ -103,7 +103,7 @@ class Channels:
         """Indices of the channels, which must read forces.
 
         Raises:
-            FileError: for a channel that the shoe lacks, or that reads a torque.
+            FieldError: for a channel that the shoe lacks, or that reads a torque.
         """
         for name in self.names:
             if name in shoe.names and shoe.torque[shoe.names.index(name)]:
@@ -114,7 +114,7 @@ class Channels:
         """Indices of one-axis load cells.
 
         Raises:
-            FileError: for a channel that the shoe lacks, or an axis of a six-axis sensor.
+            FieldError: for a channel that the shoe lacks, or an axis of a six-axis sensor.
         """
         chosen = self.every(shoe)
         for index in chosen:
@@ -125,9 +125,9 @@ class Channels:
                 )
         return chosen
 
-    def error(self, problem: str) -> FileError:
+    def error(self, problem: str) -> FieldError:
         """The error to raise for this location."""
-        return FileError(self.path, problem, field=self.field)
+        return FieldError(self.path, problem, field=self.field)
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ class Parts:
         """The names that `location` lists.
 
         Raises:
-            FileError: when it lists none, or one twice.
+            FieldError: when it lists none, or one twice.
         """
         names = _once(fields, fields.texts("location"))
         return cls(names, kind, fields.path, f"{fields.prefix}.location")
@@ -159,7 +159,7 @@ class Parts:
         """1 for those that are listed, else 0: (L,) of all links or (m,) of all joints.
 
         Raises:
-            FileError: for one that the robot lacks.
+            FieldError: for one that the robot lacks.
         """
         known = robot.joint_names if self.kind == "joint" else link_names(robot)
         mask = np.zeros(len(known))
@@ -171,7 +171,7 @@ class Parts:
             elif name in known:
                 mask[known.index(name)] = 1.0
             else:
-                raise FileError(
+                raise FieldError(
                     self.path,
                     f"there is no {self.kind} '{name}' (there are: {', '.join(known)})",
                     field=self.field,
