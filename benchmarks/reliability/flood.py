@@ -153,7 +153,7 @@ def _watched(
     heard, begin_ns, begin = len(cop), robot.stamp_ns, time.monotonic()
     world.until(over, timeout_s=600.0)
     heard, frames = len(cop) - heard, (robot.stamp_ns - begin_ns) / PERIOD_NS
-    return heard / (time.monotonic() - begin), heard / frames
+    return heard / (time.monotonic() - begin), heard / max(frames, 1.0)
 
 
 def _caller(*arguments: str, stdout: IO[bytes] | None = None) -> subprocess.Popen[bytes]:

@@ -10,7 +10,8 @@ import numpy as np
 def same(one: object, other: object) -> bool:
     """Whether two values of plain data are equal, NaN equal to NaN."""
     if isinstance(one, np.ndarray):
-        return isinstance(other, np.ndarray) and np.array_equal(one, other)
+        floats = one.dtype.kind == "f"
+        return isinstance(other, np.ndarray) and np.array_equal(one, other, equal_nan=floats)
     if isinstance(one, dict) and isinstance(other, dict):
         return one.keys() == other.keys() and all(same(one[key], other[key]) for key in one)
     if isinstance(one, tuple) and isinstance(other, tuple):

@@ -157,7 +157,7 @@ def test_it_ends_with_who_reads_it() -> None:
 
 
 def test_it_tells_how_voltages_come(world: World) -> None:
-    with streaming() as process:
+    with streaming("stale_s:=60.0") as process:
         assert process.stdout is not None
         lines = Lines(world, process.stdout)
         publisher = world.publisher(ShoeVoltages, "shoe/voltages")

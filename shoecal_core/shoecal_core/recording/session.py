@@ -134,8 +134,8 @@ class Session:
             force: read its runs though its robot or shoe file is another one by now.
 
         Raises:
-            FileMissingError: no folder there, or one of its files missing.
-            SessionError: a folder that is none.
+            FileMissingError: no folder there.
+            SessionError: a folder that is none, or has lost a file.
             VersionError: written by a newer shoecal.
         """
         folder = Path(folder)
@@ -146,7 +146,7 @@ class Session:
             raise SessionError(folder, f"is no session (it has no {FILE}); name one")
         for name in (ROBOT, URDF, SHOE):
             if not (folder / name).is_file():
-                raise FileMissingError(folder / name, "is missing from the session; put it back")
+                raise SessionError(folder, f"has lost its {name}; put it back")
         fields = read_yaml(path)
         fields.format(FORMAT)
         fields.only("format", "robot", "shoe", "seed", "runs")

@@ -32,7 +32,9 @@ _BACK = 3
 _GONE_S = 1.0
 """A source that has sent nothing for so long, by the wall clock, has its cells no longer."""
 _APART_S = 1.0
-"""Who catches up is behind others; who is so for as long has another clock."""
+"""Who is behind the others by the same time for so long has another clock."""
+_MOST_BETWEEN = 3
+"""So many frames of others, and _GONE_S, without one of a board that was ahead: it is gone."""
 NEVER_NS = -(2**62)
 """Stamp of what has not come."""
 _MOST_HOLD_NS = round(MOST_HOLD_S * 1e9)
@@ -76,7 +78,7 @@ class Joined:
     """All channels at one instant.
 
     Attributes:
-        stamp_ns: time of sampling of the board that gives instants; no other's is later [ns].
+        stamp_ns: time of sampling of the board that gives the instants [ns].
         readings: (n,) in the shoe's order, NaN where none came.
         status: (n,) constants of ShoeVoltages.
         new: (n,) which were told since the instant before; others are that one's still.
@@ -98,7 +100,7 @@ class _Stream:
         self._back: deque[bool] = deque(maxlen=_STEPS)
         self._intervals: deque[int] = deque(maxlen=_INTERVALS)
         self.stamp_ns = NEVER_NS
-        self.behind_since: float | None = None
+        self.behind: tuple[float, int] | None = None
 
     def note(self, stamp_ns: int) -> None:
         """A frame, of a later instant unless the clock was set back."""
@@ -153,6 +155,7 @@ class FrameJoiner:
         self._reference = 0
         self.left_out = 0
         self.came = np.full(len(channels), -np.inf)
+        self._between = 0
         self.forget()
 
     def forget(self) -> None:
@@ -212,17 +215,18 @@ class FrameJoiner:
         if self._late(stamp, now):
             self._reference = int(columns[0])
         if self._reference not in columns:
+            self._between += 1
             self._see_whether_apart(stream, frame, now)
             return None
-        stream.behind_since = None
+        self._between = 0
         return self._instant(stamp)
 
     def _late(self, stamp: int, now: float) -> bool:
         """Whether the board that gives the instants is, beside a frame that came now."""
-        ahead = self._stamps[self._reference] > stamp
-        if ahead and now - self.came[self._reference] > MOST_HOLD_S:
-            # It is gone, whatever its stamps say.
-            self._stamps[now - self.came > MOST_HOLD_S] = NEVER_NS
+        silent = self._between >= _MOST_BETWEEN and now - self.came[self._reference] > _GONE_S
+        if silent and self._stamps[self._reference] > stamp:
+            # Gone, whatever its stamps say.
+            self._stamps[now - self.came > _GONE_S] = NEVER_NS
         return bool(stamp - self._stamps[self._reference] > self._hold_ns)
 
     def _instant(self, stamp: int) -> Joined | None:
@@ -242,13 +246,15 @@ class FrameJoiner:
         )
 
     def _see_whether_apart(self, stream: _Stream, frame: VoltageFrame, now: float) -> None:
-        """BoardsApartError where a board was behind who gives the instants all the time."""
+        """BoardsApartError where a board is behind who gives the instants all the time."""
         behind_ns = int(self._stamps[self._reference]) - frame.stamp_ns
-        if behind_ns <= _MOST_HOLD_NS:
-            stream.behind_since = None
-        elif stream.behind_since is None:
-            stream.behind_since = now
-        elif now - stream.behind_since > _APART_S:
+        hold_ns = int(self._holds[stream.columns].max())
+        if behind_ns <= hold_ns:
+            stream.behind = None
+        elif stream.behind is None or abs(behind_ns - stream.behind[1]) > hold_ns:
+            # It may be catching up.
+            stream.behind = now, behind_ns
+        elif now - stream.behind[0] > _APART_S:
             raise BoardsApartError(
                 f"stamps of {', '.join(frame.cells)} are {behind_ns / 1e9:.2f} s behind those of "
                 "the other cells, which come at the same time; let the computers of all drivers "
@@ -258,7 +264,6 @@ class FrameJoiner:
     def _restart(self) -> None:
         count = len(self._names)
         self._instant_ns = NEVER_NS
-        self.came[:] = -np.inf
         self._status: NDArray[np.uint8] = np.full(count, NO_DATA, dtype=np.uint8)
         self._readings: FloatArray = np.full(count, np.nan)
         self._stamps: NDArray[np.int64] = np.full(count, NEVER_NS, dtype=np.int64)

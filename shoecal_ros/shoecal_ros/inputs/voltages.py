@@ -12,7 +12,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import VoltageFrame
 from shoecal_ros.inputs.cell_watch import CellWatch
-from shoecal_ros.inputs.joining import FrameJoiner, Joined
+from shoecal_ros.inputs.joining import BoardsApartError, FrameJoiner, Joined
 from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard
 from shoecal_ros.inputs.lost_frames import LostFrames
 
@@ -113,19 +113,8 @@ class VoltageInput:
 
     def take(self, frames: Iterable[VoltageFrame]) -> list[Joined]:
         """Take frames in order; what they give."""
-        instants = []
-        for frame in frames:
-            try:
-                joined = self._joiner.add(frame)
-            except ShoecalError as error:
-                self.refuse(Problem.of(error))
-                continue
-            if frame.cells:  # whoever sends none may have any name: nothing is kept of it
-                self._lost.note(frame.source, frame.sequence)
-            if joined is not None:
-                instants.append(joined)
-            if not math.isnan(frame.temperature):
-                self.temperature = frame.temperature
+        given = [self._add(frame) for frame in frames]
+        instants = [one for one in given if one is not None]
         if instants:
             for heard, own in zip(self.feet, self._of_foot, strict=True):
                 if any(one.new[own].any() for one in instants):
@@ -136,3 +125,20 @@ class VoltageInput:
             self.heard.note(len(instants))
             self.latest = instants[-1]
         return instants
+
+    def _add(self, frame: VoltageFrame) -> Joined | None:
+        """What a frame gives; None where it could not be used, too."""
+        try:
+            joined = self._joiner.add(frame)
+        except BoardsApartError as error:
+            # It has come all the same, and its source will be well again.
+            self.refuse(Problem.of(error))
+            joined = None
+        except ShoecalError as error:
+            self.refuse(Problem.of(error))
+            return None
+        if frame.cells:  # whoever sends none may have any name: nothing is kept of it
+            self._lost.note(frame.source, frame.sequence)
+        if not math.isnan(frame.temperature):
+            self.temperature = frame.temperature
+        return joined

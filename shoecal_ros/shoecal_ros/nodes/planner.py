@@ -186,15 +186,15 @@ class Planner(ShoecalNode):
             if self._busy:
                 raise RefusedError(result.BUSY, "another motion is under way; wait or cancel it")
             self._busy, self._execution = True, job.execution
-            with (
-                self.working(job.name, goal.request.run_id),
-                faults_refused(self, result.FAILED),
-            ):
-                try:
+            try:
+                with (
+                    self.working(job.name, goal.request.run_id),
+                    faults_refused(self, result.FAILED),
+                ):
                     await job.run()
-                finally:
-                    self._busy = False
-                    job.execution.halt()
+            finally:
+                self._busy = False
+                job.execution.halt()
         except RefusedError as refusal:
             result.error_code, result.message = refusal.code, str(refusal)
         else:

@@ -40,7 +40,7 @@ from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.hold import STOP_TIME_S, hold, is_hold
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
-from shoecal_ros.common.refusal import RefusedError
+from shoecal_ros.common.refusal import RefusedError, faults_refused
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.waiting import until
 from shoecal_ros.inputs.armed_input import ArmedInput
@@ -232,7 +232,10 @@ class Simulator(ShoecalNode):
                 )
             self._reaching = True
             try:
-                with self.working("placing the robot", goal.request.run_id):
+                with (
+                    self.working("placing the robot", goal.request.run_id),
+                    faults_refused(self, result.FAILED),
+                ):
                     await self._reach(goal)
             finally:
                 self._reaching = False

@@ -119,7 +119,7 @@ def test_open_refuses_what_is_no_session(tmp_path: Path, session: Session) -> No
     with pytest.raises(SessionError, match=r"is no session \(it has no session.yaml\)"):
         Session.open(tmp_path)
     session.robot_urdf.unlink()
-    with pytest.raises(FileMissingError, match=r"robot.urdf: is missing from the session"):
+    with pytest.raises(SessionError, match=r"has lost its robot\.urdf; put it back"):
         Session.open(session.folder)
     with pytest.raises(FileMissingError, match="does not exist"):
         Session.open(tmp_path / "none")
