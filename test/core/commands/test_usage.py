@@ -83,13 +83,13 @@ def test_a_file_beside_the_one_that_is_not_there(tmp_path: Path) -> None:
     assert not nearest_file(tmp_path / "qqqqqq" / "wwwwww" / "eeeeee")
 
 
-def test_a_folder_that_cannot_be_written_to_gets_no_guess(
+def test_a_folder_to_write_to_that_is_mistyped_gets_a_guess(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
     (tmp_path / "out").mkdir()
     line = told(capsys, "diagnose", "x", "--report", str(tmp_path / "outt" / "report.html"))
-    assert "make it first" in line
-    assert "did you mean" not in line
+    assert "make it first, for report.html" in line
+    assert f"did you mean '{tmp_path / 'out'}'?" in line
 
 
 def test_names_in_brackets_are_shown_as_they_are(
