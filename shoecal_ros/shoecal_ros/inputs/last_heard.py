@@ -9,7 +9,7 @@ from statistics import median
 
 SILENT_S = 0.08
 """Without news for so long an input may be silent: told within 0.1 s, what it takes included."""
-SILENT_PERIODS = 2.7
+SILENT_PERIODS = 2.6
 """Where it comes more seldom, without news for so many of its periods: told within three."""
 LOOK_S = 0.01
 """From one look to the next where patience is longer: it ends early once news come faster."""

@@ -19,6 +19,7 @@ from shoecal_ros.inputs.joining import (
     UnknownCellError,
     UnsteadyCellsError,
 )
+from shoecal_ros.inputs.last_heard import SILENT_PERIODS
 from shoecal_ros.inputs.voltages import VoltageInput
 
 CELLS = ("left/a", "left/b", "right/a", "right/b")
@@ -360,7 +361,7 @@ def test_a_foot_falls_silent_within_three_periods_of_its_last_frame(
         clock.now += step
         now += 1
         assert now - gone <= max(100, 3 * period_ms)
-    assert now - gone >= max(80, 2.7 * period_ms), "not before"
+    assert now - gone >= max(80, SILENT_PERIODS * period_ms), "not before"
 
 
 def code(voltages: VoltageInput) -> str:
