@@ -54,7 +54,7 @@ from shoecal_ros.inputs.armed_input import ArmedInput
 from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import FrameJoiner, JoinSettings
 from shoecal_ros.inputs.joints import JointInput
-from shoecal_ros.inputs.last_heard import SILENT_S
+from shoecal_ros.inputs.last_heard import SILENT_PERIODS, SILENT_S
 from shoecal_ros.inputs.one_clock import OneClock
 from shoecal_ros.inputs.overdue import Overdue
 from shoecal_ros.inputs.sensor_frames import frame_reader
@@ -77,8 +77,8 @@ class CalibratorSettings(JoinSettings):
     live_stale_s: float = setting(
         SILENT_S,
         "s",
-        "when they did not come for so long, or for 2.7 of their periods if that is longer, "
-        "they are stale: what depends on them stops, and shoe/state says so",
+        f"when they did not come for so long, or for {SILENT_PERIODS:g} of their periods if that is "
+        "longer, they are stale: what depends on them stops, and shoe/state says so",
         minimum=0.01,
     )
     clock_gap: float = setting(

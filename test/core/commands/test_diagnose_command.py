@@ -66,7 +66,10 @@ def test_many_sessions_one_of_which_fails(shoecal: Run, simulated: Path, tmp_pat
         (("--effects-from", "none.py"), "none.py"),
         (("--train", "1,2", "--test", "2"), "run(s) [2] are in both"),
         (("--calibration", "none.yaml"), "none.yaml"),
-        (("--report", "no/folder/report.html"), "no/folder: does not exist; make it first, for report.html"),
+        (
+            ("--report", "no/folder/report.html"),
+            "no/folder: does not exist; make it first, for report.html",
+        ),
     ],
 )
 def test_what_it_refuses(
