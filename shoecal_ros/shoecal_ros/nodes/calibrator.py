@@ -77,8 +77,8 @@ class CalibratorSettings(JoinSettings):
     live_stale_s: float = setting(
         SILENT_S,
         "s",
-        f"when they did not come for so long, or for {SILENT_PERIODS:g} of their periods if that is "
-        "longer, they are stale: what depends on them stops, and shoe/state says so",
+        f"when they did not come for so long, or for {SILENT_PERIODS:g} of their periods if that "
+        "is longer, they are stale: what depends on them stops, and shoe/state says so",
         minimum=0.01,
     )
     clock_gap: float = setting(

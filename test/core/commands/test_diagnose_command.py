@@ -68,7 +68,7 @@ def test_many_sessions_one_of_which_fails(shoecal: Run, simulated: Path, tmp_pat
         (("--calibration", "none.yaml"), "none.yaml"),
         (
             ("--report", "no/folder/report.html"),
-            "no/folder: does not exist; make it first, for report.html",
+            "no/folder: does not exist; make it first, for",
         ),
     ],
 )
