@@ -132,6 +132,7 @@ class FrameJoiner:
         clock: monotonic [s].
         left_out: frames whose stamps were not later than those before them.
         came: (n,) when each channel's last reading came, by the clock [s].
+        fits: (n,) when the last one came that an instant has or will have.
     """
 
     def __init__(
@@ -155,6 +156,7 @@ class FrameJoiner:
         self._reference = 0
         self.left_out = 0
         self.came = np.full(len(channels), -np.inf)
+        self.fits = self.came.copy()
         self._between = 0
         self.forget()
 
@@ -204,6 +206,7 @@ class FrameJoiner:
             self._readings[:], self._status[:], self._stamps[:] = frame.voltage, frame.status, stamp
             self._new[:] = False
             self._instant_ns = stamp
+            self.fits[:] = now
             return Joined(stamp, frame.voltage, frame.status, self._all_new)
         self._readings[columns] = frame.voltage
         self._status[columns] = frame.status
@@ -216,9 +219,10 @@ class FrameJoiner:
             self._reference = int(columns[0])
         if self._reference not in columns:
             self._between += 1
-            self._see_whether_apart(stream, frame, now)
+            self._follow(stream, frame, now)
             return None
         self._between = 0
+        self.fits[columns] = now
         return self._instant(stamp)
 
     def _late(self, stamp: int, now: float) -> bool:
@@ -245,12 +249,13 @@ class FrameJoiner:
             new,
         )
 
-    def _see_whether_apart(self, stream: _Stream, frame: VoltageFrame, now: float) -> None:
-        """BoardsApartError where a board is behind who gives the instants all the time."""
+    def _follow(self, stream: _Stream, frame: VoltageFrame, now: float) -> None:
+        """See whether a frame fits the instants; BoardsApartError where its board never does."""
         behind_ns = int(self._stamps[self._reference]) - frame.stamp_ns
         hold_ns = int(self._holds[stream.columns].max())
         if behind_ns <= hold_ns:
             stream.behind = None
+            self.fits[stream.columns] = now
         elif stream.behind is None or abs(behind_ns - stream.behind[1]) > hold_ns:
             # It may be catching up.
             stream.behind = now, behind_ns

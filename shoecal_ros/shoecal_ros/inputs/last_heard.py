@@ -19,7 +19,11 @@ RATE_S = 2.0
 
 
 class LastHeard:
-    """When something usable last came, by the wall clock."""
+    """When something usable last came, by the wall clock.
+
+    Attributes:
+        at: that time [s]; minus infinity before.
+    """
 
     def __init__(self, clock: Callable[[], float], silent_s: float = SILENT_S) -> None:
         """Nothing heard.
@@ -30,7 +34,7 @@ class LastHeard:
         """
         self._clock = clock
         self._silent_s = silent_s
-        self._at = -math.inf
+        self.at = -math.inf
         self._intervals: deque[float] = deque([0.0], maxlen=_INTERVALS)
         self._count = 0
         self._counted: deque[tuple[float, int]] = deque([(clock(), 0)])
@@ -38,7 +42,7 @@ class LastHeard:
     @property
     def age_s(self) -> float:
         """Time since then; infinite before [s]."""
-        return self._clock() - self._at
+        return self._clock() - self.at
 
     @property
     def patience_s(self) -> float:
@@ -69,13 +73,13 @@ class LastHeard:
             counted.popleft()
         begin, before = counted[0]
         rate = (self._count - before) / (now - begin) if now > begin else 0.0
-        age = "never" if self._at == -math.inf else f"{now - self._at:.3f}"
+        age = "never" if self.at == -math.inf else f"{now - self.at:.3f}"
         return {"rate_hz": f"{rate:.1f}", "age_s": age}
 
     def note(self, count: int = 1, at: float | None = None) -> None:
         """Something has come, `count` of it at once; where not now, at a time of the clock [s]."""
         self._count += count
         came = self._clock() if at is None else at
-        if self._at > -math.inf:
-            self._intervals.append(came - self._at)
-        self._at = came
+        if self.at > -math.inf:
+            self._intervals.append(came - self.at)
+        self.at = came

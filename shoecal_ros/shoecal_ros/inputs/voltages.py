@@ -26,7 +26,7 @@ class VoltageInput:
     Attributes:
         latest: the last instant of all channels, None before there was one.
         heard: since when there was none.
-        feet: since when no instant told anything new of a foot.
+        feet: since when nothing came of a foot that fits the other's readings.
         temperature: that a device told last [degC], NaN where none does.
     """
 
@@ -115,11 +115,12 @@ class VoltageInput:
         """Take frames in order; what they give."""
         given = [self._add(frame) for frame in frames]
         instants = [one for one in given if one is not None]
+        for heard, own in zip(self.feet, self._of_foot, strict=True):
+            # Not by instants: one may wait a period for the other board.
+            came = float(self._joiner.fits[own].max())
+            if came > heard.at:
+                heard.note(at=came)
         if instants:
-            for heard, own in zip(self.feet, self._of_foot, strict=True):
-                if any(one.new[own].any() for one in instants):
-                    # Since it came: the instant may have waited a period for the other board.
-                    heard.note(at=float(self._joiner.came[own].max()))
             if self._watch is not None:
                 instants = self._watch.take(instants)
             self.heard.note(len(instants))

@@ -165,7 +165,7 @@ def test_a_board_whose_clock_was_ahead_holds_nobody_up_when_it_is_gone(
 def test_boards_of_two_clocks_are_told_and_no_frame_counts_as_lost(behind_s: float) -> None:
     clock = Clock()
     join = joiner(clock)
-    voltages = VoltageInput(join, 0.5)
+    voltages = VoltageInput(join, 0.5, of_foot=[np.arange(2), np.arange(2, 4)])
     told = []
     stamps = []
     for index in range(500):
@@ -182,6 +182,30 @@ def test_boards_of_two_clocks_are_told_and_no_frame_counts_as_lost(behind_s: flo
     assert line in str(voltages.problem)
     assert np.diff(stamps).min() == STEP_NS
     assert voltages.lost == 0
+    assert [foot.silent for foot in voltages.feet] == [False, True], "nothing is made of that one"
+
+
+@pytest.mark.parametrize("lag", [0.0, 0.2, 0.5, 0.8])
+@pytest.mark.parametrize("first", [LEFT, RIGHT])
+def test_boards_that_send_in_turns_are_not_silent_where_frames_are_a_period_late(
+    first: tuple[tuple[str, ...], str], lag: float
+) -> None:
+    clock = Clock()
+    voltages = VoltageInput(joiner(clock), 0.5, of_foot=[np.arange(2), np.arange(2, 4)])
+    rng = np.random.default_rng(1)
+    period_ms, begin = 50, clock.now
+    second = RIGHT if first is LEFT else LEFT
+    coming = []
+    for index in range(400):
+        for board, after in ((first, 0.0), (second, lag)):
+            sent_ms = round((index + after) * period_ms)
+            late_ms = period_ms * float(rng.uniform(0.0, 1.0)) if index % 7 == 3 else 0.0
+            one = frame(0, *board, sequence=index, shift_ns=sent_ms * 10**6)
+            coming.append((sent_ms + late_ms, index, one))
+    for at_ms, _, one in sorted(coming, key=lambda each: each[0]):
+        clock.now = max(clock.now, begin + at_ms / 1e3)
+        assert at_ms < 1000.0 or not any(foot.silent for foot in voltages.feet), at_ms
+        voltages.take([one])
 
 
 def test_a_late_frame_now_and_then_is_of_no_other_clock() -> None:
