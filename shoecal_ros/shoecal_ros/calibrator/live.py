@@ -162,9 +162,15 @@ class LiveSensing:
         both = None
         if wrench is not None and any(loaded):
             both = (-wrench[2] / wrench[0], wrench[1] / wrench[0])
+        told, frame = self._told(one.new), self._switch.frame
+        return Live(one.stamp_ns, (left, right), told, frame, wrench, both, loaded)
+
+    def _told(self, new: NDArray[np.bool_]) -> tuple[bool, bool]:
+        """Of which feet there is something new; nearly always of both."""
+        if new.all():
+            return True, True
         on_left, on_right = self._of_foot
-        told = bool(one.new[on_left].any()), bool(one.new[on_right].any())
-        return Live(one.stamp_ns, (left, right), told, self._switch.frame, wrench, both, loaded)
+        return bool(new[on_left].any()), bool(new[on_right].any())
 
 
 class _Turn:

@@ -131,8 +131,6 @@ class FrameJoiner:
     Attributes:
         clock: monotonic [s].
         left_out: frames whose stamps were not later than those before them.
-        came: (n,) when each channel's last reading came, by the clock [s].
-        fits: (n,) when the last one came that an instant has or will have.
     """
 
     def __init__(
@@ -155,8 +153,9 @@ class FrameJoiner:
         self._all_new = np.ones(len(channels), dtype=np.bool_)
         self._reference = 0
         self.left_out = 0
-        self.came = np.full(len(channels), -np.inf)
-        self.fits = self.came.copy()
+        self._came = np.full(len(channels), -np.inf)
+        self._fits = self._came.copy()
+        self._whole_s = self._part_s = -np.inf
         self._between = 0
         self.forget()
 
@@ -171,6 +170,12 @@ class FrameJoiner:
     def missing(self) -> tuple[str, ...]:
         """Channels that nobody has sent."""
         return tuple(name for name in self._names if name not in self._owner)
+
+    def fitted_s(self, columns: NDArray[np.int64]) -> float:
+        """When the last reading of some channels came that an instant has or will have [s]."""
+        if self._whole_s >= self._part_s:
+            return self._whole_s
+        return max(self._whole_s, float(self._fits[columns].max()))
 
     def add(self, frame: VoltageFrame) -> Joined | None:
         """Take one frame; all channels when it gives an instant.
@@ -200,14 +205,14 @@ class FrameJoiner:
             self._restart()
         stream.note(stamp)
         columns = stream.columns
-        self.came[columns] = now
         if len(columns) == len(self._names) and stream.in_order:
             # One board sends all there is: there is nothing to join.
             self._readings[:], self._status[:], self._stamps[:] = frame.voltage, frame.status, stamp
             self._new[:] = False
-            self._instant_ns = stamp
-            self.fits[:] = now
+            self._came[:] = now
+            self._instant_ns, self._whole_s = stamp, now
             return Joined(stamp, frame.voltage, frame.status, self._all_new)
+        self._came[columns] = now
         self._readings[columns] = frame.voltage
         self._status[columns] = frame.status
         self._stamps[columns] = stamp
@@ -222,15 +227,15 @@ class FrameJoiner:
             self._follow(stream, frame, now)
             return None
         self._between = 0
-        self.fits[columns] = now
+        self._fits[columns] = self._part_s = now
         return self._instant(stamp)
 
     def _late(self, stamp: int, now: float) -> bool:
         """Whether the board that gives the instants is, beside a frame that came now."""
-        silent = self._between >= _MOST_BETWEEN and now - self.came[self._reference] > _GONE_S
+        silent = self._between >= _MOST_BETWEEN and now - self._came[self._reference] > _GONE_S
         if silent and self._stamps[self._reference] > stamp:
             # Gone, whatever its stamps say.
-            self._stamps[now - self.came > _GONE_S] = NEVER_NS
+            self._stamps[now - self._came > _GONE_S] = NEVER_NS
         return bool(stamp - self._stamps[self._reference] > self._hold_ns)
 
     def _instant(self, stamp: int) -> Joined | None:
@@ -255,7 +260,7 @@ class FrameJoiner:
         hold_ns = int(self._holds[stream.columns].max())
         if behind_ns <= hold_ns:
             stream.behind = None
-            self.fits[stream.columns] = now
+            self._fits[stream.columns] = self._part_s = now
         elif stream.behind is None or abs(behind_ns - stream.behind[1]) > hold_ns:
             # It may be catching up.
             stream.behind = now, behind_ns

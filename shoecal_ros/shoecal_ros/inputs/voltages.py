@@ -117,7 +117,7 @@ class VoltageInput:
         instants = [one for one in given if one is not None]
         for heard, own in zip(self.feet, self._of_foot, strict=True):
             # Not by instants: one may wait a period for the other board.
-            came = float(self._joiner.fits[own].max())
+            came = self._joiner.fitted_s(own)
             if came > heard.at:
                 heard.note(at=came)
         if instants:
