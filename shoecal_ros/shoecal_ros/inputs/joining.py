@@ -156,7 +156,7 @@ class FrameJoiner:
         self._came = np.full(len(channels), -np.inf)
         self._fits = self._came.copy()
         self._whole_s = self._part_s = -np.inf
-        self._between = 0
+        self._between, self._period_ns = 0, 0.0
         self.forget()
 
     def forget(self) -> None:
@@ -227,7 +227,7 @@ class FrameJoiner:
             self._follow(stream, frame, now)
             return None
         self._between = 0
-        self._fits[columns] = self._part_s = now
+        self._part_s, self._period_ns = now, stream.period_ns
         return self._instant(stamp)
 
     def _late(self, stamp: int, now: float) -> bool:
@@ -246,6 +246,7 @@ class FrameJoiner:
         self._instant_ns = stamp
         old = np.abs(stamp - self._stamps) > self._holds
         new = self._new & ~old
+        self._fits[new] = self._came[new]
         self._new[:] = False
         return Joined(
             stamp,
@@ -258,7 +259,8 @@ class FrameJoiner:
         """See whether a frame fits the instants; BoardsApartError where its board never does."""
         behind_ns = int(self._stamps[self._reference]) - frame.stamp_ns
         hold_ns = int(self._holds[stream.columns].max())
-        if behind_ns <= hold_ns:
+        if behind_ns + self._period_ns <= hold_ns:
+            # The next instant will have it, and need not be waited for.
             stream.behind = None
             self._fits[stream.columns] = self._part_s = now
         elif stream.behind is None or abs(behind_ns - stream.behind[1]) > hold_ns:
