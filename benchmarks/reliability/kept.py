@@ -76,7 +76,7 @@ class Kept:
     @property
     def before(self) -> Result:
         """Tries that had failed, and were then done once more with the same code; none: 0 tried."""
-        return merge(piece.result for piece in self._repeated if piece.code == self._code)
+        return merge(piece.result for piece in self._repeated)
 
     def forget(self) -> None:
         """Begin anew; what has failed with the code at hand is not forgotten."""

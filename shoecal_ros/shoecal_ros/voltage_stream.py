@@ -10,7 +10,6 @@ It ends on an interrupt, and when nobody reads its output any more.
 from __future__ import annotations
 
 import json
-import math
 import os
 import select
 import string
@@ -19,6 +18,7 @@ import time
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from rclpy.executors import ExternalShutdownException
 from shoecal_msgs.msg import ShoeVoltages
 
@@ -30,7 +30,7 @@ from shoecal_ros.common.conversions import voltages_from_ros
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
 from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.inputs.joining import FrameJoiner, Joined, JoinSettings
+from shoecal_ros.inputs.joining import NO_DATA, FrameJoiner, Joined, JoinSettings
 from shoecal_ros.inputs.voltages import VoltageInput
 from shoecal_ros.inputs.voltages_told import voltages_told
 
@@ -84,13 +84,13 @@ class VoltageStream(ShoecalNode):
                 _print(self._line(joined))
 
     def _line(self, joined: Joined) -> dict[str, object]:
+        known = np.isfinite(joined.readings)
+        told = zip(joined.readings.tolist(), known, strict=True)
         return {
             "stamp_ns": joined.stamp_ns,
             "cells": self._cells,
-            "voltages": [
-                None if math.isnan(value) else value for value in joined.readings.tolist()
-            ],
-            "status": joined.status.tolist(),
+            "voltages": [value if finite else None for value, finite in told],
+            "status": np.where(known | (joined.status > 0), joined.status, NO_DATA).tolist(),
         }
 
 

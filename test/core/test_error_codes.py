@@ -257,7 +257,7 @@ def test_what_is_wrong_with_a_session(tmp_path: Path) -> None:
     assert code_of(lambda: Session.open(tmp_path / "none")) == "file-missing"
     assert code_of(lambda: Session.open(tmp_path)) == "session"
     (folder / "robot.yaml").rename(folder / "elsewhere.yaml")
-    assert code_of(lambda: Session.open(folder)) == "file-missing"
+    assert code_of(lambda: Session.open(folder)) == "session"
     (folder / "elsewhere.yaml").rename(folder / "robot.yaml")
     (folder / "session.yaml").write_text("format: 1\nrobot: nao\nshoe: nao_shoe\nruns: 1\n")
     assert code_of(lambda: Session.open(folder)) == "field"

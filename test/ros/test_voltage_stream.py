@@ -127,6 +127,21 @@ def test_frames_with_subsets_of_the_cells_are_joined(world: World) -> None:
             assert abs(np.rint(left[0] - VOLTS[0]) - np.rint(right[0] - VOLTS[4])) <= 1
 
 
+@pytest.mark.parametrize("odd", [np.inf, -np.inf, np.nan])
+def test_a_voltage_that_is_no_number_is_none(world: World, odd: float) -> None:
+    with streaming() as process:
+        assert process.stdout is not None
+        lines = Lines(world, process.stdout)
+        publisher = world.publisher(ShoeVoltages, "shoe/voltages")
+        sent = message(1)
+        sent.voltage[2] = odd
+        publisher.publish(sent)
+        assert lines.until(1)["voltages"] == [*(VOLTS[:2] + 1), None, *(VOLTS[3:] + 1)]
+        assert lines.until(1)["status"] == [0, 0, 2, 0, 0, 0, 0, 0]
+        publisher.publish(message(2))
+        assert lines.until(2)["status"] == [0] * 8
+
+
 def test_what_is_wrong_is_told_once(world: World) -> None:
     with streaming("stale_s:=0.2") as process:
         assert process.stdout is not None

@@ -63,7 +63,7 @@ class JoinSettings(Settings):
     """How frames of several boards meet."""
 
     hold_s: float = setting(
-        0.03,
+        0.04,
         "s",
         "for how long a cell's reading counts beside those of other boards, or for "
         f"{HOLD_PERIODS:g} of its own board's periods if that is longer, but at most for "
@@ -227,6 +227,7 @@ class FrameJoiner:
             self._follow(stream, frame, now)
             return None
         self._between = 0
+        stream.behind = None
         self._part_s, self._period_ns = now, stream.period_ns
         return self._instant(stamp)
 

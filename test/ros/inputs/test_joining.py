@@ -15,6 +15,7 @@ from shoecal_ros.inputs.joining import (
     NO_DATA,
     FrameJoiner,
     Joined,
+    JoinSettings,
     TwoSourcesError,
     UnknownCellError,
     UnsteadyCellsError,
@@ -184,6 +185,46 @@ def test_boards_of_two_clocks_are_told_and_no_frame_counts_as_lost(behind_s: flo
     assert np.diff(stamps).min() == STEP_NS
     assert voltages.lost == 0
     assert [foot.silent for foot in voltages.feet] == [False, True], "nothing is made of that one"
+
+
+def test_a_board_that_was_late_once_has_no_other_clock_when_it_is_late_again() -> None:
+    clock = Clock()
+    join = joiner(clock)
+    join.add(frame(0, *LEFT))
+    join.add(frame(0, *RIGHT, shift_ns=-44_000_000))
+    # The program stands still, and finds the other board's frame first: that one leads from now.
+    for index in range(10, 400):
+        clock.now += 0.01
+        for board in (RIGHT, LEFT):
+            join.add(frame(index, *board))
+    clock.now += 0.1
+    join.add(frame(410, *LEFT))
+    join.add(frame(410, *RIGHT, sequence=400, shift_ns=-44_000_000))
+
+
+@pytest.mark.parametrize("rate_hz", [30, 40, 45, 50, 55, 60, 100])
+@pytest.mark.parametrize("phase", [0.0, 0.2, 0.4, 0.5, 0.6, 0.8])
+def test_boards_meet_though_an_adapter_hands_over_each_16_ms_only(
+    rate_hz: int, phase: float
+) -> None:
+    clock = Clock()
+    join = FrameJoiner(CELLS, hold_s=JoinSettings().hold_s, clock=clock)
+    voltages = VoltageInput(join, 0.5, of_foot=[np.arange(2), np.arange(2, 4)])
+    coming = []
+    for index in range(10 * rate_hz):
+        for board, after, each_s in ((LEFT, 0.0, 0.001), (RIGHT, phase, 0.016)):
+            sent_s = (index + after) / rate_hz * (1.0 + 2e-4 * (board is RIGHT))
+            at_s = (np.floor(sent_s / each_s) + 1.0) * each_s
+            one = frame(0, *board, sequence=index, shift_ns=round(at_s * 1e9))
+            coming.append((at_s, board is RIGHT, one))
+    begin = clock.now
+    instants: list[Joined] = []
+    for at_s, _, one in sorted(coming, key=lambda each: each[:2]):
+        clock.now = begin + at_s
+        instants += voltages.take([one])
+        assert at_s < 1.0 or not any(foot.silent for foot in voltages.feet)
+    assert voltages.problem is None
+    assert np.isfinite([one.readings for one in instants[rate_hz:]]).all()
 
 
 @pytest.mark.parametrize("lag", [0.0, 0.2, 0.5, 0.8])
