@@ -143,6 +143,8 @@ def cases(
 def make(wanted: Sequence[Case], jobs: int) -> None:
     """Make those that are missing."""
     missing = [case for case in wanted if not case.made and not case.failed]
+    if not missing:
+        return
     for done, (number, seconds) in enumerate(over_cores(_make, missing, jobs), start=1):
         case = missing[number]
         end = "not to be had: " + case.failed if case.failed else f"{seconds:.0f} s"

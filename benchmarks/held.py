@@ -1,0 +1,80 @@
+"""Whether a calibration's stated uncertainties hold what it truly got wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.calibration.evaluate import truth_series
+from shoecal_core.calibration.expected import ErrorModel
+from shoecal_core.calibration.pipeline import Outcome
+from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
+from shoecal_core.recording.session import Session
+from shoecal_core.recording.truth import read_truth
+from shoecal_core.sensing.sensing import Sensing
+
+FloatArray = NDArray[np.float64]
+STEP = 100
+"""Every so many samples of a test run: errors change slowly."""
+COPS = ("CoP", "left CoP", "right CoP")
+WHAT = ("gain", "time offset", "GRF", *COPS)
+
+
+@dataclass(frozen=True)
+class Held:
+    """One calibration against the truth; CoP corrections are left out.
+
+    Attributes:
+        ratios: by quantity, errors over their standard deviations; CoPs along x and y apart.
+        gain: (n,) the gains found.
+        gain_std: (n,) their standard deviations.
+        expected, actual: root mean square CoP error of both feet, left, right [m].
+    """
+
+    ratios: Mapping[str, FloatArray]
+    gain: FloatArray
+    gain_std: FloatArray
+    expected: FloatArray
+    actual: FloatArray
+
+
+def hold(session: Session, outcome: Outcome, true_gain: FloatArray) -> Held:
+    """Hold an outcome against contact forces in its test runs, and against the true gains (n,)."""
+    stages, found, data = outcome.stages, outcome.assessment.uncertainty, outcome.data
+    parameters, count = stages.parameters, len(true_gain)
+    std = np.sqrt(np.diag(found.covariance))
+    ratios: dict[str, list[FloatArray]] = {name: [] for name in WHAT}
+    ratios["gain"].append((parameters.gain - true_gain) / std[:count])
+    ratios["time offset"].append(np.array([stages.time_offset / std[-1]]))
+    errors = ErrorModel(parameters, found, ModelTolerances(data.robot, data.shoe, Tolerances()))
+    sensing = Sensing(data.shoe, parameters)
+    lengths: dict[str, list[tuple[FloatArray, FloatArray]]] = {name: [] for name in COPS}
+    for stance in data.of(outcome.test):
+        few = stance.part(slice(None, None, STEP))
+        truth = read_truth(session.truth_path(stance.run), data.start_ns[stance.run])
+        true = truth_series(truth, few)
+        measured = sensing.measure(few.readings)
+        outputs = parameters.outputs(few.readings)
+        both = errors.both_feet(outputs, few.support)
+        ratios["GRF"].append((measured.total_grf - true.grf) / both.grf)
+        lengths["CoP"].append((both.cop, measured.combined_cop(few.support) - true.cop))
+        for foot, name in enumerate(COPS[1:]):
+            off = measured.cop[:, foot] - true.foot_cop[:, foot]
+            lengths[name].append((errors.foot(outputs, foot).cop, off))
+    for name in COPS:
+        ratios[name] += [(off / spread).ravel() for spread, off in lengths[name]]
+    expected, actual = (
+        np.array([_rms(np.concatenate([pair[side] for pair in lengths[name]])) for name in COPS])
+        for side in (0, 1)
+    )
+    joined = {name: np.concatenate(parts) for name, parts in ratios.items()}
+    finite = {name: values[np.isfinite(values)] for name, values in joined.items()}
+    return Held(finite, parameters.gain, std[:count], expected, actual)
+
+
+def _rms(vectors: FloatArray) -> float:
+    """Root mean square length of vectors (T, 2) [m]."""
+    return float(np.sqrt(np.nanmean((vectors**2).sum(axis=1))))
