@@ -32,7 +32,7 @@ def main() -> None:
     args = parser.parse_args()
     wanted = cases(args.realities, args.motions, range(args.first, args.first + args.seeds))
     make(wanted, args.jobs)
-    recorded = [case for case in wanted if not case.failed]
+    recorded = [case for case in wanted if not case.failed and not case.quiet.failed]
     results: dict[int, Result] = {}
     for number, result in over_cores(measure, recorded, args.jobs):
         results[number] = result

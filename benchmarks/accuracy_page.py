@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from accuracy_results import REFUSED, Result
-from accuracy_sessions import MOTIONS
+from accuracy_sessions import MOTIONS, PAPER, STANDARD
 from held import WHAT, Held
 from pages import table
 from shoecal_core.calibration.assessment import NORMAL_95
@@ -87,7 +87,7 @@ def groups(results: Sequence[Result]) -> list[Group]:
         Group(*kind, [one for one in results if (one.case.motions, one.case.reality) == kind])
         for kind in kinds
     ]
-    return sorted((one for one in found if one.calibrated), key=lambda one: one.motions != "paper")
+    return sorted((one for one in found if one.calibrated), key=lambda one: one.motions != PAPER)
 
 
 def figures(results: Sequence[Result]) -> dict[str, object]:
@@ -104,8 +104,8 @@ def section(results: Sequence[Result], unrecorded: int) -> str:
 ## Accuracy, and whether it is what is stated
 `make accuracy` (benchmarks/accuracy.py), simulated: {len(seeds)} robots, seeds {seeds[0]} to
 {seeds[-1]}, the same in every reality (`config/realities`, [simulation](simulation.md#realities)).
-Each is calibrated as `shoecal calibrate` does without options. *{MOTIONS["standard"]}* is
-`standard`, *{MOTIONS["paper"]}* is `paper`.
+Each is calibrated as `shoecal calibrate` does without options, from the {MOTIONS[PAPER]}
+(`{PAPER}`) and from the {MOTIONS[STANDARD]} (`{STANDARD}`).
 
 Errors against contact forces on the test runs (MAE, as `shoecal evaluate` reports them): the median
 of the robots, and in brackets the worst one.
@@ -113,13 +113,14 @@ of the robots, and in brackets the worst one.
 {table(list(_error_rows(found)))}
 
 \\* The error of the sum is that of the weight: what the scale was off by. What tests a calibration
-is the GRF of each foot. A verdict FAIL writes no calibration; its errors count here all the same.
-Time: of the processor, median.
+is the GRF of each foot. Noise of single readings is no error of a calibration: where they are
+noisy, errors are those on the same motions read without (0.01 N). A verdict FAIL writes no
+calibration; its errors count here all the same. Time: of the processor, median.
 
 Sessions that could not be recorded: {unrecorded}. Refused: {"; ".join(refused) or "none"}.
 
-### Stated 95 % intervals
-The share of true errors inside them, which should be 95 %, and in brackets how well it is known
+### Whether stated intervals hold
+The share of true errors inside stated 95 % intervals, which should be 95 %, and in brackets how well it is known
 from these robots. CoP and GRF: of the test runs, without CoP corrections. Single offsets are not
 in the table: four cells of a foot leave one pattern of them open that changes neither force nor
 CoP.
@@ -151,7 +152,7 @@ def _error_rows(found: Sequence[Group]) -> Iterator[list[str]]:
 
 
 def _inside_rows(found: Sequence[Group]) -> Iterator[list[str]]:
-    yield ["motions", "reality", *WHAT, "CoP expected and true [mm, RMS]"]
+    yield ["motions", "reality", *WHAT, "CoP expected / true: both, left, right [mm, RMS]"]
     for group in found:
         cells = []
         for name in WHAT:
@@ -161,7 +162,7 @@ def _inside_rows(found: Sequence[Group]) -> Iterator[list[str]]:
             1e3 * np.median([getattr(one, name) for one in group.held()], axis=0)
             for name in ("expected", "actual")
         )
-        both = ", ".join(f"{a:.1f} {b:.1f}" for a, b in zip(expected, actual, strict=True))
+        both = ", ".join(f"{a:.1f} / {b:.1f}" for a, b in zip(expected, actual, strict=True))
         yield [group.motions, group.reality, *cells, both]
 
 

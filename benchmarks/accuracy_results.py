@@ -47,7 +47,11 @@ class Result:
 
 
 def measure(case: Case) -> Result:
-    """Calibrate a session that has been made."""
+    """Calibrate a session that has been made.
+
+    Noise of single readings is no error of the calibration: where readings are noisy, the same
+    motions are judged as they are read without.
+    """
     session = Session.open(case.folder)
     train, test = case.sets(session)
     begin = time.process_time()
@@ -57,7 +61,8 @@ def measure(case: Case) -> Result:
         return Result(case, REFUSED, str(error))
     seconds = time.process_time() - begin
     calibration = outcome.calibration
-    runs = compare_runs(session, calibration, train=train, test=test)
+    judged = Session.open(case.quiet.folder)
+    runs = compare_runs(judged, calibration, train=train, test=test)
     drawn = read_drawn(session)
     true_gain = np.array([drawn["gain"][name] for name in calibration.channels])
     return Result(
@@ -67,5 +72,5 @@ def measure(case: Case) -> Result:
         seconds=seconds,
         errors=errors_by_set(runs, MEASURED, TRUTH)["test"],
         gain_errors=calibration.parameters.gain / true_gain - 1.0,
-        held=hold(session, outcome, true_gain) if outcome.test else None,
+        held=hold(judged, outcome, true_gain) if outcome.test else None,
     )

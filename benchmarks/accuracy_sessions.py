@@ -15,7 +15,7 @@ import json
 import shutil
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -33,11 +33,13 @@ from shoecal_core.workspace import config_dir
 
 OUT = ROOT / "out" / "accuracy"
 DEFAULT = "default"
-REALITIES = (DEFAULT, "other_laws", "noisy", "noisy_1n")
+NOISY = ("noisy", "noisy_1n")
+"""The default reality in all but the noise of its readings."""
+REALITIES = (DEFAULT, "other_laws", *NOISY)
 STANDARD, PAPER = "standard", "paper"
 MOTIONS: Mapping[str, str] = {
     STANDARD: "standard set, with both unloading motions",
-    PAPER: "the paper's own protocol",
+    PAPER: "paper's own protocol",
 }
 
 
@@ -67,6 +69,11 @@ class Case:
         """Its reality file; None for the default one."""
         file = config_dir() / "realities" / f"{self.reality}.yaml"
         return None if self.reality == DEFAULT else file
+
+    @property
+    def quiet(self) -> Case:
+        """The same motions of the same robot, read without the noise."""
+        return replace(self, reality=DEFAULT) if self.reality in NOISY else self
 
     def sets(self, session: Session) -> tuple[tuple[int, ...], tuple[int, ...]]:
         """Runs to train and to test: as recorded, or drawn as the paper draws three of five."""
@@ -141,8 +148,9 @@ def cases(
 
 
 def make(wanted: Sequence[Case], jobs: int) -> None:
-    """Make those that are missing."""
-    missing = [case for case in wanted if not case.made and not case.failed]
+    """Make those that are missing, and those that they are judged on."""
+    needed = dict.fromkeys(one for case in wanted for one in (case, case.quiet))
+    missing = [case for case in needed if not case.made and not case.failed]
     if not missing:
         return
     for done, (number, seconds) in enumerate(over_cores(_make, missing, jobs), start=1):

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.evaluate import truth_series
 from shoecal_core.calibration.expected import ErrorModel
-from shoecal_core.calibration.pipeline import Outcome
+from shoecal_core.calibration.pipeline import Outcome, load_data
+from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
@@ -41,9 +42,17 @@ class Held:
     actual: FloatArray
 
 
-def hold(session: Session, outcome: Outcome, true_gain: FloatArray) -> Held:
-    """Hold an outcome against contact forces in its test runs, and against the true gains (n,)."""
-    stages, found, data = outcome.stages, outcome.assessment.uncertainty, outcome.data
+def hold(judged: Session, outcome: Outcome, true_gain: FloatArray) -> Held:
+    """Hold an outcome against the truth.
+
+    Args:
+        judged: whose test runs' contact forces count: the one calibrated, or one that differs from
+            it in noise alone.
+        outcome: of calibrating.
+        true_gain: (n,).
+    """
+    stages, found = outcome.stages, outcome.assessment.uncertainty
+    data = load_data(judged, outcome.test, CalibrationSettings())
     parameters, count = stages.parameters, len(true_gain)
     std = np.sqrt(np.diag(found.covariance))
     ratios: dict[str, list[FloatArray]] = {name: [] for name in WHAT}
@@ -54,7 +63,7 @@ def hold(session: Session, outcome: Outcome, true_gain: FloatArray) -> Held:
     lengths: dict[str, list[tuple[FloatArray, FloatArray]]] = {name: [] for name in COPS}
     for stance in data.of(outcome.test):
         few = stance.part(slice(None, None, STEP))
-        truth = read_truth(session.truth_path(stance.run), data.start_ns[stance.run])
+        truth = read_truth(judged.truth_path(stance.run), data.start_ns[stance.run])
         true = truth_series(truth, few)
         measured = sensing.measure(few.readings)
         outputs = parameters.outputs(few.readings)

@@ -14,11 +14,12 @@ At rest a bristle keeps its pull: friction does not let go with time.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.simulation.drawn import DrawnBody
 
 FloatArray = NDArray[np.float64]
 
@@ -51,33 +52,51 @@ class JointFriction:
         acts: whether any joint has friction.
     """
 
-    def __init__(self, model: mujoco.MjModel, body: DrawnBody, stribeck_speed: float) -> None:
+    def __init__(
+        self,
+        model: mujoco.MjModel,
+        joints: Sequence[str],
+        friction: FloatArray,
+        stribeck_speed: float,
+    ) -> None:
         """Of a robot.
 
         Args:
             model: with the bristles.
-            body: as it truly is.
-            stribeck_speed: at which most of the fall from static to kinetic is done [rad/s].
+            joints: names of m joints.
+            friction: (m, 2) of each: static, kinetic [N m]; none where static is zero.
+            stribeck_speed: at which most of the fall from the one to the other is done [rad/s].
         """
-        with_friction = np.flatnonzero(body.friction[:, 0])
-        self.acts = with_friction.size > 0
+        rubbing = np.flatnonzero(friction[:, 0])
+        self.acts = rubbing.size > 0
         self._model, self._speed = model, stribeck_speed
         self._bristles = np.array(
-            [model.tendon(_name(body.joints[joint])).id for joint in with_friction], dtype=np.int64
+            [model.tendon(_name(joints[index])).id for index in rubbing], dtype=np.int64
         )
+        # Tendons' lengths belong to the last step's start, which is a step too old here.
+        self._turn = np.zeros((len(rubbing), model.nq))
+        self._rate = np.zeros((len(rubbing), model.nv))
+        for row, bristle in enumerate(self._bristles):
+            first, count = model.tendon_adr[bristle], model.tendon_num[bristle]
+            spanned = model.wrap_objid[first : first + count]
+            self._turn[row, model.jnt_qposadr[spanned]] = 1.0
+            self._rate[row, model.jnt_dofadr[spanned]] = 1.0
+        # An integrator that is implicit in stiffness balances springs as a step ends.
+        discrete = model.opt.integrator == mujoco.mjtIntegrator.mjINT_DISCRETE
+        self._ahead = model.opt.timestep if discrete else 0.0
         # How far a bristle is bent when it slips [rad]: at rest, and at speed.
-        static, kinetic = body.friction[with_friction].T
-        self._at_rest = np.full(len(with_friction), _BENT)
+        static, kinetic = friction[rubbing].T
+        self._at_rest = np.full(len(rubbing), _BENT)
         self._at_speed = _BENT * np.minimum(kinetic / static, 1.0)
 
     def release(self, data: mujoco.MjData) -> None:
         """Let all bristles stand straight where the joints are."""
-        mujoco.mj_tendon(self._model, data)
-        self._anchor(data.ten_length[self._bristles])
+        self._anchor(self._turn @ data.qpos)
 
     def slip(self, data: mujoco.MjData) -> None:
-        """Move the anchors of those that pull too much, after a step of the physics."""
-        length, speed = data.ten_length[self._bristles], data.ten_velocity[self._bristles]
+        """Move the anchors of those that will pull too much, before a step of the physics."""
+        speed = self._rate @ data.qvel
+        length = self._turn @ data.qpos + self._ahead * speed
         slow = np.exp(-((speed / self._speed) ** 2))
         longest = self._at_speed + (self._at_rest - self._at_speed) * slow
         anchor = self._model.tendon_lengthspring[self._bristles, 0]

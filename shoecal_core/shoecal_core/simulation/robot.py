@@ -86,7 +86,10 @@ class SimulatedRobot:
         self._encoders = Encoders(drawn.body)
         self._joints = JointSensors(self.physics, drawn)
         self._friction = JointFriction(
-            self._model, drawn.body, drawn.rules.joints.stribeck_speed_rad_per_s
+            self._model,
+            drawn.body.joints,
+            drawn.body.friction,
+            drawn.rules.joints.stribeck_speed_rad_per_s,
         )
         self._outputs = ChannelOutputs(self._model, shoe)
         self._soles = SoleReader(self._model)
@@ -292,13 +295,13 @@ class SimulatedRobot:
     # Inside
 
     def _step(self, count: int) -> None:
-        """Let the physics run for some steps; friction slips after each."""
+        """Let the physics run for some steps; friction slips before each."""
         if not self._friction.acts:
             mujoco.mj_step(self._model, self.data, nstep=count)
             return
         for _ in range(count):
-            mujoco.mj_step(self._model, self.data)
             self._friction.slip(self.data)
+            mujoco.mj_step(self._model, self.data)
 
     def _motor_angles(self, told: FloatArray) -> FloatArray:
         """(a,) what the servos aim at so that their encoders show joint angles (m,)."""
