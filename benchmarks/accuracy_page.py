@@ -120,10 +120,10 @@ calibration; its errors count here all the same. Time: of the processor, median.
 Sessions that could not be recorded: {unrecorded}. Refused: {"; ".join(refused) or "none"}.
 
 ### Whether stated intervals hold
-The share of true errors inside stated 95 % intervals, which should be 95 %, and in brackets how well it is known
-from these robots. CoP and GRF: of the test runs, without CoP corrections. Single offsets are not
-in the table: four cells of a foot leave one pattern of them open that changes neither force nor
-CoP.
+The share of true errors inside stated 95 % intervals, which should be 95 %, and in brackets how
+well it is known from these robots. CoP and GRF: of the test runs, without CoP corrections. Single
+offsets are not in the table: four cells of a foot leave one pattern of them open that changes
+neither force nor CoP.
 
 {table(list(_inside_rows(found)))}
 

@@ -28,7 +28,7 @@ def gains(member: Member) -> tuple[FloatArray, FloatArray]:
     """(n,) gains of a session's calibration, and their stated standard deviations."""
     outcome = calibrate_session(Session.open(member.folder), member.train, member.test)
     gain = outcome.calibration.parameters.gain
-    std = np.sqrt(np.diag(outcome.calibration.covariance))
+    std = np.sqrt(np.diag(outcome.assessment.uncertainty.covariance))
     return gain, std[: len(gain)]
 
 

@@ -7,9 +7,9 @@ is wrong. Effects that a reality lists beside are not in here: they are in its f
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import Any
 
 import mujoco
-import numpy as np
 import yaml
 
 from shoecal_core.model.robot import GRAVITY
@@ -19,7 +19,8 @@ from shoecal_core.sensing.shoe import Shoe
 
 Source = tuple[str, tuple[str, ...], str]
 """Effect, location, component."""
-Drawn = Mapping[str, dict[str, float]]
+Drawn = Mapping[str, Any]
+"""What truth/reality.yaml holds: numbers, and numbers or lists of them by name."""
 
 JOINTS = {
     ("joint_offset", "angle"): "encoder_error_rad",
@@ -35,11 +36,9 @@ JOINT_PAIRS = {
 MASSES = ("payload", "shoe_mass")
 
 
-def read_drawn(session: Session) -> Mapping[str, dict[str, float]]:
+def read_drawn(session: Session) -> Drawn:
     """Everything that was drawn: truth/reality.yaml."""
-    drawn: Mapping[str, dict[str, float]] = yaml.safe_load(
-        (session.truth_path(1).parent / "reality.yaml").read_text()
-    )
+    drawn: Drawn = yaml.safe_load((session.truth_path(1).parent / "reality.yaml").read_text())
     return drawn
 
 
@@ -68,21 +67,21 @@ def _of_joints(drawn: Drawn) -> Iterator[tuple[Source, float]]:
             yield (effect, (joint,), component), size
     for (effect, components), key in JOINT_PAIRS.items():
         for joint, sizes in drawn[key].items():
-            for component, size in zip(components, np.ravel(sizes).tolist(), strict=True):
+            for component, size in zip(components, sizes, strict=True):
                 yield (effect, (joint,), component), size
 
 
 def _of_links(session: Session, drawn: Drawn) -> Iterator[tuple[Source, float]]:
     model = _link_masses(session)
     factors = drawn["mass_factor"]
-    mass_kg = float(np.asarray(drawn["mass_kg"]))
+    mass_kg = float(drawn["mass_kg"])
     scale = mass_kg / sum(mass * factors[link] for link, mass in model.items())
     for link, mass in model.items():
         payload = mass * (scale * factors[link] - 1.0) + drawn["payload_kg"][link]
         yield ("payload", (link,), "mass"), payload
-        for axis, shift in zip("xyz", np.ravel(drawn["com_error_m"][link]).tolist(), strict=True):
+        for axis, shift in zip("xyz", drawn["com_error_m"][link], strict=True):
             yield ("link_com", (link,), axis), shift
-    for axis, angle in zip("xyz", np.ravel(drawn["imu_mounting_rad"]).tolist(), strict=True):
+    for axis, angle in zip("xyz", drawn["imu_mounting_rad"], strict=True):
         yield ("imu_mounting", (), f"about_{axis}"), angle
 
 
@@ -98,8 +97,8 @@ def _link_masses(session: Session) -> dict[str, float]:
 
 def _of_shoes(shoe: Shoe, drawn: Drawn) -> Iterator[tuple[Source, float]]:
     for name, stated in zip(shoe.names, shoe.positions.tolist(), strict=True):
-        for axis, true, file in zip("xy", np.ravel(drawn["position_m"][name]), stated, strict=True):
-            yield ("cell_position", (name,), axis), float(true) - file
+        for axis, true, file in zip("xy", drawn["position_m"][name], stated, strict=True):
+            yield ("cell_position", (name,), axis), true - file
         for law in ("gain", "offset"):
             yield (law, (name,), law), drawn[law][name]
         yield ("latency", (name,), "delay"), drawn["latency_s"][name]
@@ -108,10 +107,10 @@ def _of_shoes(shoe: Shoe, drawn: Drawn) -> Iterator[tuple[Source, float]]:
             yield ("plates", (foot,), f"share_{axis}"), drawn["clamp_share"][foot]
         mass = plates.mass_above + plates.mass_below
         yield ("shoe_mass", (foot,), "mass"), mass * (drawn["shoe_mass_factor"][foot] - 1.0)
-        placement = np.ravel(drawn["foot_placement"][foot]).tolist()
+        placement = drawn["foot_placement"][foot]
         for component, size in zip(("dx", "dy", "dtheta"), placement, strict=True):
             yield ("foot_placement", (foot,), component), size
         compliance = drawn["ground_compliance_rad_per_nm"][foot]
         yield ("soft_ground", (foot,), "compliance"), compliance
-    for axis, angle in zip("xy", np.ravel(drawn["floor_tilt_rad"]).tolist(), strict=True):
+    for axis, angle in zip("xy", drawn["floor_tilt_rad"], strict=True):
         yield ("floor_tilt", (), f"about_{axis}"), angle

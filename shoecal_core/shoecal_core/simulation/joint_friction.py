@@ -20,7 +20,6 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-
 FloatArray = NDArray[np.float64]
 
 _BENT = 1e-3
@@ -71,7 +70,7 @@ class JointFriction:
         self.acts = rubbing.size > 0
         self._model, self._speed = model, stribeck_speed
         self._bristles = np.array(
-            [model.tendon(_name(joints[index])).id for index in rubbing], dtype=np.int64
+            [model.tendon(_name(joints[index])).id for index in rubbing.tolist()], dtype=np.int64
         )
         # Tendons' lengths belong to the last step's start, which is a step too old here.
         self._turn = np.zeros((len(rubbing), model.nq))
