@@ -99,7 +99,11 @@ def section(results: Sequence[Result], unrecorded: int) -> str:
     """The part of the page."""
     seeds = sorted({one.case.seed for one in results})
     found = groups(results)
-    refused = [f"seed {one.case.seed}: {one.reason}" for one in results if one.verdict == REFUSED]
+    refused = [
+        f"{one.case.motions} {one.case.reality} seed {one.case.seed}: {one.reason}"
+        for one in results
+        if one.verdict == REFUSED
+    ]
     return f"""\
 ## Accuracy, and whether it is what is stated
 `make accuracy` (benchmarks/accuracy.py), simulated: {len(seeds)} robots, seeds {seeds[0]} to
