@@ -58,7 +58,7 @@ def measure(case: Case) -> Result:
     try:
         outcome = calibrate_session(session, train, test)
     except ShoecalError as error:
-        return Result(case, REFUSED, str(error))
+        return Result(case, REFUSED, str(error).replace(f"{case.folder}: ", ""))
     seconds = time.process_time() - begin
     calibration = outcome.calibration
     judged = Session.open(case.quiet.folder)
