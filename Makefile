@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: firmware stand-ins robots clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust coverage chosen-supports caught-faults faults blind effects-table own-steps motion-menu pictures figures reference docs wheel lock clean
+.PHONY: firmware stand-ins robots clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust accuracy repeats chosen-supports caught-faults faults blind effects-table own-steps motion-menu pictures figures reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -86,11 +86,15 @@ motion-menu: setup  ## every motion of the menu and how long it takes, into docs
 paper: setup  ## the paper's evaluation over ten robots, into docs/paper.md (ARGS="--seeds 20")
 	$(BIN)/python benchmarks/paper.py $(ARGS)
 
-trust: chosen-supports coverage caught-faults  ## what trust in a calibration rests on, into docs/trust.md
+trust: chosen-supports accuracy repeats caught-faults  ## what trust in a calibration rests on, into docs/trust.md
 
-coverage: export OPENBLAS_NUM_THREADS := 1
-coverage: setup  ## do stated uncertainties hold? (ARGS="--count 20")
-	$(BIN)/python benchmarks/coverage.py $(ARGS)
+accuracy: export OPENBLAS_NUM_THREADS := 1
+accuracy: setup  ## errors of a calibration, and do stated ones hold? (ARGS="--seeds 2 --realities default")
+	$(BIN)/python benchmarks/accuracy.py $(ARGS)
+
+repeats: export OPENBLAS_NUM_THREADS := 1
+repeats: setup  ## one robot calibrated again and again (ARGS="--repeats 5")
+	$(BIN)/python benchmarks/repeats.py $(ARGS)
 
 chosen-supports: export OPENBLAS_NUM_THREADS := 1
 chosen-supports: setup  ## double supports chosen against random ones (ARGS="--seeds 24")
