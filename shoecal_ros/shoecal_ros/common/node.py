@@ -241,6 +241,11 @@ class ShoecalNode(Node):
     # Time
 
     @property
+    def simulated(self) -> bool:
+        """Whether the node's time is simulated (`use_sim_time`)."""
+        return bool(self.get_parameter("use_sim_time").value)
+
+    @property
     def now_ns(self) -> int:
         """The node's time, simulated or not [ns]."""
         return int(self.get_clock().now().nanoseconds)

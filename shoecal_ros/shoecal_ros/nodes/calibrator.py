@@ -27,12 +27,12 @@ from shoecal_core.recording import schemas
 from shoecal_core.sensing.shoe import FEET
 from shoecal_core.settings import load_settings, setting
 from shoecal_core.workspace import config_dir
+from shoecal_ros.calibrator.active_calibration import UNCALIBRATED
 from shoecal_ros.calibrator.calibration_desk import CalibrationDesk
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
 from shoecal_ros.calibrator.diagnosis_desk import DiagnosisDesk
 from shoecal_ros.calibrator.drift_desk import DriftDesk
 from shoecal_ros.calibrator.halt import Halt
-from shoecal_ros.calibrator.in_force import UNCALIBRATED
 from shoecal_ros.calibrator.job import Codes
 from shoecal_ros.calibrator.job_settings import JobSettings
 from shoecal_ros.calibrator.live import LiveSensing, LowPass
@@ -47,6 +47,7 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.node import ShoecalNode
+from shoecal_ros.common.origin import Origin
 from shoecal_ros.common.process import run
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
@@ -159,7 +160,8 @@ class Calibrator(ShoecalNode):
         self.peers.alone |= self._out.topics
         self.tolerance = ModelTolerance.of(self.robot, self.fit_settings)
         self.drift = DriftDesk(self)
-        store = CalibrationStore(Path(settings.state_dir).expanduser(), self.robot, self.shoe)
+        state_dir = Path(settings.state_dir).expanduser()
+        store = CalibrationStore(state_dir, self.robot, self.shoe, simulated=self.simulated)
         self.desk = CalibrationDesk(self, store)
         self.rezeroing = RezeroDesk(self)
         self._recorded: list[Subscription] = []
@@ -197,6 +199,11 @@ class Calibrator(ShoecalNode):
         if self.calibrating:
             return "a self-calibration"
         return "a diagnosis" if self._diagnoses.busy else ""
+
+    @property
+    def origin(self) -> Origin:
+        """Of what is calibrated here and now."""
+        return Origin.here(simulated=self.simulated, devices=self.voltages.sources)
 
     @property
     def run_id(self) -> str:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import socket
 from collections.abc import Callable
 from itertools import cycle
 from pathlib import Path
@@ -412,6 +413,13 @@ def got(world: World) -> Any:
     return world.call(GetCalibration, "shoe/get_calibration", GetCalibration.Request())
 
 
+def test_a_simulated_calibration_is_not_put_in_force_on_a_robot(live: World) -> None:
+    refused = set_calibration(live, identity="demo", made_ns=10**11, force=True)
+    assert refused.error_code == SetCalibration.Response.NOT_APPLICABLE
+    assert "was made in simulated time" in refused.message
+    assert in_force(live) == "made-1"
+
+
 def test_reasons_of_a_refusal_come_back(live: World) -> None:
     for verdict, told in (("WARN", "with force"), ("FAIL", "calibrate anew")):
         refused = set_calibration(live, identity="made-2", verdict=verdict, reasons=("a", "b"))
@@ -527,6 +535,11 @@ def test_a_refused_result_comes_back_whole(world: World) -> None:
     found = calibration_from_ros(result.calibration)
     assert found.verdict in {"WARN", "FAIL"}
     assert tell_reasons(found.reasons) in result.message
+    assert result.calibration.host == socket.gethostname()
+    assert (result.calibration.simulated_time, result.calibration.device) == (
+        False,
+        "standing_robot",
+    )
     kept = load_calibration(Path(result.session) / "calibration.yaml")
     assert (kept.id, kept.verdict, kept.reasons) == (found.id, found.verdict, found.reasons)
     np.testing.assert_array_equal(kept.parameters.gain, found.parameters.gain)
