@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -242,7 +241,8 @@ class Calibrator(ShoecalNode):
 
     def _load_planning(self) -> PlannerSettings:
         file = self.job_settings.planner_file or config_dir() / "nodes" / "planner.yaml"
-        return load_settings(PlannerSettings, Path(file), "planner", "planning")
+        planner = f"{self.get_namespace().rstrip('/')}/planner"
+        return load_settings(PlannerSettings, Path(file), planner, "planning")
 
     def _subscribe(self) -> None:
         """Everything a run may hold comes serialised: it is recorded as it was sent."""
@@ -329,7 +329,7 @@ class Calibrator(ShoecalNode):
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(Calibrator))
+    run(Calibrator)
 
 
 if __name__ == "__main__":

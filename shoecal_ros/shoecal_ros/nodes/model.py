@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from typing import Any
 
@@ -98,7 +97,7 @@ def _transforms(stamp_ns: int, states: BodyStates) -> Any:
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(Model))
+    run(Model)
 
 
 if __name__ == "__main__":

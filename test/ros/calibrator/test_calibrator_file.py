@@ -20,7 +20,7 @@ SECTIONS: dict[type[Settings], str] = {
 
 
 def parameters() -> Fields:
-    return read_yaml(PATH).mapping("calibrator").mapping("ros__parameters")
+    return read_yaml(PATH).mapping("/**/calibrator").mapping("ros__parameters")
 
 
 def test_the_file_holds_every_parameter_and_no_other() -> None:
