@@ -17,6 +17,7 @@ from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_ros.calibrator.active_calibration import UNCALIBRATED, ActiveCalibration
 from shoecal_ros.calibrator.calibration_store import CalibrationStore, NotApplicableError
+from shoecal_ros.calibrator.force_samples import ForceSamples
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import (
     calibration_from_ros,
@@ -144,6 +145,9 @@ class CalibrationDesk:
     def _put_in_force(self, calibration: Calibration, origin: Origin) -> None:
         node = self._node
         node.live.sensing = calibration.sensing(node.shoe)
+        node.force_samples = ForceSamples(
+            calibration, node.shoe, node.frames.soles, node.node_settings.sum_frame
+        )
         node.drift.begin()
         self._publisher.publish(calibration_to_ros(calibration, origin))
         self._mirror(calibration, origin)
