@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
@@ -43,12 +43,13 @@ class LivePublishers:
 
     def publish(self, lives: Sequence[Live]) -> None:
         """Publish instants in order."""
-        for publisher, each in (
+        makers: list[tuple[Publisher, Callable[[Live], Any]]] = [
             (self._cop, self._combined_cop),
             (self._grf, self._combined_grf),
-            *((cop, partial(self._foot_cop, foot)) for foot, (cop, _) in enumerate(self._feet)),
-            *((grf, partial(self._foot_grf, foot)) for foot, (_, grf) in enumerate(self._feet)),
-        ):
+        ]
+        for foot, (cop, grf) in enumerate(self._feet):
+            makers += [(cop, partial(self._foot_cop, foot)), (grf, partial(self._foot_grf, foot))]
+        for publisher, each in makers:
             if publisher.get_subscription_count():
                 for live in lives:
                     message = each(live)
