@@ -8,7 +8,7 @@ unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH 
 unexport ROS_DISTRO ROS_VERSION ROS_PYTHON_VERSION RMW_IMPLEMENTATION
 
 BIN := .venv/bin
-FLOOR_PYTHON ?= python3.12
+FLOOR_PYTHON ?= python3.11
 DOCS_PYTHON ?= python3
 LOCK := uv pip compile --quiet --upgrade --generate-hashes --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock"
@@ -137,7 +137,7 @@ robots: setup  ## public humanoids drafted, planned and calibrated, into docs/ro
 lock:  ## resolve the lock files anew (needs uv)
 	$(LOCK) --universal --fork-strategy fewest --python-version 3.11 \
 		--output-file requirements.txt requirements.in shoecal_core/setup.py shoecal_ros/setup.py
-	$(LOCK) --override requirements-floor.in --python-version 3.12 \
+	$(LOCK) --override requirements-floor.in --python-version 3.11 \
 		--python-platform x86_64-manylinux_2_35 \
 		--output-file requirements-floor.txt requirements-floor.in shoecal_core/setup.py
 	$(LOCK) --universal --python-version 3.11 \

@@ -5,22 +5,25 @@ import math
 import pytest
 
 from ros.bodies import calibration, nao, nao_shoe
-from shoecal_ros.calibrator.in_force import InForce
+from shoecal_ros.calibrator.active_calibration import ActiveCalibration
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Level
+from shoecal_ros.common.origin import Origin
 
+ORIGIN = Origin(simulated=False, host="lab", device="shoe_driver")
 SINCE_NS = 1_700_000_000 * 10**9
 
 
-def in_force(now: float = math.nan, **changes: object) -> InForce:
-    return InForce(calibration(nao(), nao_shoe(), "made-1", **changes), SINCE_NS, now)
+def in_force(now: float = math.nan, **changes: object) -> ActiveCalibration:
+    made = calibration(nao(), nao_shoe(), "made-1", **changes)
+    return ActiveCalibration(made, ORIGIN, SINCE_NS, now)
 
 
 def test_a_sentence_names_it_all() -> None:
     sentence = in_force(31.0, temperature=22.0).sentence
     for part in (
         "'made-1' (self, PASS)", "since 2023-11-14 22:13:20 UTC", "robot 'nao'",
-        "shoe 'nao_shoe'", "made at 22.0 degC", "now 31.0 degC",
+        "shoe 'nao_shoe'", f"made {ORIGIN} at 22.0 degC", "now 31.0 degC",
     ):  # fmt: skip
         assert part in sentence
     assert "degC" not in in_force().sentence
@@ -35,6 +38,7 @@ def test_values_for_diagnostics() -> None:
         "in_force_since": "2023-11-14 22:13:20 UTC",
         "robot": "nao",
         "shoe": "nao_shoe",
+        "made": "in wall-clock time on host 'lab' with device 'shoe_driver'",
         "temperature_then_degc": "22.0",
         "temperature_now_degc": "not known",
         "delay_s": "0.1",

@@ -1,4 +1,4 @@
-"""What there is to say of the calibration in force."""
+"""The calibration that is active, as sentences and diagnostics."""
 
 from __future__ import annotations
 
@@ -10,21 +10,24 @@ from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.checks import split_reason, tell_reasons
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
+from shoecal_ros.common.origin import Origin
 
 UNCALIBRATED = "uncalibrated: no forces are published; call shoe/self_calibrate"
 
 
 @dataclass(frozen=True)
-class InForce:
-    """A calibration at work.
+class ActiveCalibration:
+    """The calibration that is applied to the readings.
 
     Attributes:
-        calibration: in force.
+        calibration: whole.
+        origin: where it was made.
         since_ns: since when [ns].
         temperature: of the shoes now [degC], NaN where no device tells it.
     """
 
     calibration: Calibration
+    origin: Origin
     since_ns: int
     temperature: float
 
@@ -40,10 +43,10 @@ class InForce:
         made = self.calibration
         told = (
             f"'{made.id}' ({made.source}, {made.verdict}) in force since {self.since} on robot "
-            f"'{made.robot}' and shoe '{made.shoe}'"
+            f"'{made.robot}' and shoe '{made.shoe}', made {self.origin}"
         )
         if not math.isnan(made.temperature):
-            told += f", made at {made.temperature:.1f} degC"
+            told += f" at {made.temperature:.1f} degC"
         if not math.isnan(self.temperature):
             told += f", now {self.temperature:.1f} degC"
         return told
@@ -81,6 +84,7 @@ class InForce:
             "in_force_since": self.since,
             "robot": made.robot,
             "shoe": made.shoe,
+            "made": str(self.origin),
             "temperature_then_degc": _known(made.temperature),
             "temperature_now_degc": _known(self.temperature),
             **values,
