@@ -21,7 +21,7 @@ import pages
 from planner_cases import OUT
 from planner_outcomes import FAILED, PLANNED, REFUSED, Job, Memory, Outcome, attempt
 from planner_supports_page import supports_body
-from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 
 COMMAND = "make planner-supports"
 
@@ -72,7 +72,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             found = survey.usable(robot, getattr(args, robot), args.seed)
             drawn += found
             few = [outcome.job.index for outcome in found if outcome.end == PLANNED][: args.menu]
-            jobs = [Job(robot, args.seed, index, motion) for motion in MENU for index in few]
+            jobs = [
+                Job(robot, args.seed, index, motion) for motion in MOTION_KINDS for index in few
+            ]
             menu += survey.of(jobs, f"{robot}, menu")
     pages.write_performance("planner-supports", supports_body(COMMAND, drawn, menu), args.page)
     wrong = [o for o in (*drawn, *menu) if o.end == FAILED or o.violated]

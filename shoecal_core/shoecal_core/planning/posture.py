@@ -11,9 +11,9 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.standing import feet_gap
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.legs import FootPose, LegExpressions, Legs
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.support_phase import SupportPhase
 
 FloatArray = NDArray[np.float64]
 
@@ -51,12 +51,16 @@ class UnreachableError(ShoecalError):
         support: DoubleSupport,
         miss: float,
         overload: float,
-        carrying: Carrying = Carrying.BOTH,
+        support_phase: SupportPhase = SupportPhase.BOTH,
     ) -> None:
         self.support = support
         self.miss = miss
         self.overload = overload
-        on = "" if carrying is Carrying.BOTH else f" on its {carrying.value} foot alone"
+        on = (
+            ""
+            if support_phase is SupportPhase.BOTH
+            else f" on its {support_phase.value} foot alone"
+        )
         super().__init__(
             f"robot '{robot}' cannot stand{on} with the right foot at dx {support.dx:g} m, "
             f"dy {support.dy:g} m, dtheta {support.dtheta:g} rad (misses by {miss:.2g} m or rad, "
@@ -115,10 +119,10 @@ class StanceSolver:
         if not feet_gap(robot, support) > 0.0:
             raise FeetOverlapError(robot.name, support)
         target = middle(robot, support) if cop_target is None else cop_target
-        return self._solved(FootPose.of(support), Carrying.BOTH, target, 0.0, robot.posture)
+        return self._solved(FootPose.of(support), SupportPhase.BOTH, target, 0.0, robot.posture)
 
     def solve_on_one(
-        self, foot_pose: FootPose, carrying: Carrying, others: FloatArray
+        self, foot_pose: FootPose, support_phase: SupportPhase, others: FloatArray
     ) -> FloatArray:
         """Leg angles (k,) [rad] of standing on one foot, the other one anywhere in the air.
 
@@ -126,22 +130,22 @@ class StanceSolver:
 
         Args:
             foot_pose: of the right sole in the left sole's frame.
-            carrying: the foot.
+            support_phase: the foot.
             others: (m,) all joint angles, of which those beside the legs count [rad].
 
         Raises:
             UnreachableError: when no posture within the margins does it.
         """
-        polygon = carrying.polygon(self._legs.robot, foot_pose)
+        polygon = support_phase.polygon(self._legs.robot, foot_pose)
         centre = polygon.centroid
         room = (polygon.exterior.distance(centre) - self._kept_from_edge) / np.sqrt(2.0)
         target = np.array([centre.x, centre.y])
-        return self._solved(foot_pose, carrying, target, np.clip(room, 0.0, _ASIDE), others)
+        return self._solved(foot_pose, support_phase, target, np.clip(room, 0.0, _ASIDE), others)
 
     def _solved(
         self,
         foot_pose: FootPose,
-        carrying: Carrying,
+        support_phase: SupportPhase,
         target: FloatArray,
         aside: float,
         others: FloatArray,
@@ -149,7 +153,7 @@ class StanceSolver:
         bounds = np.concatenate([self._torque, [aside, aside], np.zeros(6)])
         result = self._solver(
             x0=np.clip(self._legs.nominal, self._lower, self._upper),
-            p=np.concatenate([foot_pose.parameters, carrying.share, target, others]),
+            p=np.concatenate([foot_pose.parameters, support_phase.share, target, others]),
             lbx=self._lower,
             ubx=self._upper,
             lbg=-bounds,
@@ -161,7 +165,7 @@ class StanceSolver:
         if not np.all(beyond < _RESIDUAL * np.maximum(bounds, 1.0)):
             miss, overload = float(beyond[-8:].max()), float(beyond[:-8].max())
             raise UnreachableError(
-                self._legs.robot.name, foot_pose.support, miss, overload, carrying
+                self._legs.robot.name, foot_pose.support, miss, overload, support_phase
             )
         return angles
 

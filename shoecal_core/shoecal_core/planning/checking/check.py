@@ -12,12 +12,12 @@ import shapely
 from numpy.typing import NDArray
 
 from shoecal_core.model.robot import GRAVITY
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.checking.body_track import BodyTrack, track
 from shoecal_core.planning.checking.findings import Finding, Report, at_least, at_most, worst
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.support_phase import SupportPhase
 
 FloatArray = NDArray[np.float64]
 
@@ -45,7 +45,7 @@ def check_motion(legs: Legs, motion: Motion, settings: PlannerSettings) -> Repor
     spans = [_Span.of(motion, phase) for phase in motion.phases]
     shares = np.zeros((len(motion.time), 2))
     for span in spans:
-        shares[span.samples] = span.phase.carrying.share
+        shares[span.samples] = span.phase.support_phase.share
     body = track(legs.robot, motion.positions, shares)
     found = [
         _joint_limits(legs, motion.positions, motion.time, settings),
@@ -84,7 +84,7 @@ class _Span:
     def seen_from_standing(self, body: BodyTrack) -> FloatArray:
         """(t, 3) CoM in the frame of a sole that stays where it is [m]."""
         com = body.com[self.samples]
-        if self.phase.carrying is not Carrying.RIGHT:
+        if self.phase.support_phase is not SupportPhase.RIGHT:
             return com
         return _in_right(body, self.samples, com)
 
@@ -99,10 +99,10 @@ def _stability(
     legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
 ) -> Finding:
     phase, robot = span.phase, legs.robot
-    if phase.carrying is Carrying.BOTH:
-        polygon = phase.carrying.polygon(robot, phase.foot_poses[0])
+    if phase.support_phase is SupportPhase.BOTH:
+        polygon = phase.support_phase.polygon(robot, phase.foot_poses[0])
     else:
-        polygon = shapely.Polygon(robot.feet[phase.carrying.standing].sensing_polygon)
+        polygon = shapely.Polygon(robot.feet[phase.support_phase.standing].sensing_polygon)
     points = shapely.points(span.seen_from_standing(body)[:, :2])
     distance = np.where(
         shapely.contains(polygon, points),
@@ -111,7 +111,7 @@ def _stability(
     )
     return at_least(
         "distance of the CoP from the edge of the sensing polygon",
-        "m", distance[:, None], phase.carrying.margin(settings) * settings.margin_kept,
+        "m", distance[:, None], phase.support_phase.margin(settings) * settings.margin_kept,
         time[span.samples],
         from_begin=span.first, slack=settings.foot_drift,
     )  # fmt: skip
@@ -152,7 +152,7 @@ def _feet(
     legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
 ) -> list[Finding]:
     """Feet that stay must stay; one in the air must arrive, level and clear of the floor."""
-    if span.phase.carrying is Carrying.BOTH:
+    if span.phase.support_phase is SupportPhase.BOTH:
         way, turn = _away(body, span.samples, span.phase.foot_poses[0])
         at = time[span.samples]
     else:
@@ -168,8 +168,8 @@ def _feet(
         at_most("drift of the way between the feet", "m", way[:, None], limit, at),
         at_most("drift of the turn between the feet", "rad", turn[:, None], limit, at),
     ]
-    if span.phase.carrying is not Carrying.BOTH:
-        found += _in_the_air(legs, span, body, time[span.samples], settings)
+    if span.phase.support_phase is not SupportPhase.BOTH:
+        found += _swing_foot(legs, span, body, time[span.samples], settings)
     return found
 
 
@@ -182,7 +182,7 @@ def _away(body: BodyTrack, samples: slice, pose: FootPose) -> tuple[FloatArray, 
     return way, 2.0 * np.arcsin(np.clip(chord, 0.0, 1.0))
 
 
-def _in_the_air(
+def _swing_foot(
     legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
 ) -> list[Finding]:
     """A foot in the air: no corner below the floor, and no overlap with the other foot."""
@@ -196,7 +196,7 @@ def _in_the_air(
         np.einsum("tij,cj->tci", body.right_rotation[samples], right)
         + body.right_translation[samples, None]
     )
-    if span.phase.carrying is Carrying.LEFT:
+    if span.phase.support_phase is SupportPhase.LEFT:
         corners = right_in_left
     else:
         local = left[None] - body.right_translation[samples, None]

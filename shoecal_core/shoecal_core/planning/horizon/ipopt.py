@@ -27,7 +27,7 @@ _OPTIONS: dict[str, bool | int | float | str] = {
 }
 
 
-def horizon_programme(collocation: Collocation, symbols: type[Expression]) -> dict[str, Expression]:
+def horizon_nlp(collocation: Collocation, symbols: type[Expression]) -> dict[str, Expression]:
     """The whole problem over one horizon, as CasADi's nlpsol takes it.
 
     Args:
@@ -73,14 +73,14 @@ class IpoptSolver:
 
         Args:
             collocation: the functions of one state.
-            solver: made by nlpsol from `horizon_programme` in another way, if it shall be.
+            solver: made by nlpsol from `horizon_nlp` in another way, if it shall be.
         """
         self._collocation = collocation
         self._edges = collocation.edges
         self._solver = solver or ca.nlpsol(
             "horizon",
             "ipopt",
-            horizon_programme(collocation, ca.SX),
+            horizon_nlp(collocation, ca.SX),
             ipopt_options(collocation.settings),
         )
 

@@ -11,7 +11,6 @@ import pytest
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS, motion_of, planner_of, step_of
 from shoecal_core.model.standing import feet_gap
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.checking.body_track import load_share, track
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.checking.findings import CheckFailedError, Report
@@ -19,6 +18,7 @@ from shoecal_core.planning.horizon.problem import Scene
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.support_phase import SupportPhase
 
 BODY = load_body("nao")
 
@@ -172,7 +172,7 @@ SPOILT_STEPS: dict[str, Callable[[Motion], Motion]] = {
 
 @pytest.mark.parametrize("constraint", SPOILT_STEPS)
 def test_a_violation_by_a_step_is_named(constraint: str) -> None:
-    motion = step_of("nao", Carrying.LEFT)
+    motion = step_of("nao", SupportPhase.LEFT)
     checked(motion).require()
     finding = checked(SPOILT_STEPS[constraint](motion)).of(constraint)
     assert not finding.kept
@@ -180,7 +180,7 @@ def test_a_violation_by_a_step_is_named(constraint: str) -> None:
 
 
 def test_weak_motors_on_one_foot() -> None:
-    motion = step_of("nao", Carrying.LEFT)
+    motion = step_of("nao", SupportPhase.LEFT)
     swing = motion.phases[1]
     finding = checked(motion, dataclasses.replace(SETTINGS, torque_share=0.5)).of("static torque")
     assert not finding.kept
@@ -190,7 +190,7 @@ def test_weak_motors_on_one_foot() -> None:
 
 def test_a_foot_that_was_there_all_along_may_be_put_down_again() -> None:
     """Feet nearer than the clearance: going back there is no violation, going nearer is."""
-    motion = step_of("nao", Carrying.LEFT)
+    motion = step_of("nao", SupportPhase.LEFT)
     wide = dataclasses.replace(SETTINGS, foot_clearance=0.05)
     finding = checked(motion, wide).of("gap between the outlines of the feet")
     first, last = motion.phases[0].foot_poses[0], motion.phases[-1].foot_poses[1]
@@ -200,14 +200,14 @@ def test_a_foot_that_was_there_all_along_may_be_put_down_again() -> None:
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("carrying", [Carrying.LEFT, Carrying.RIGHT])
-def test_torques_on_one_foot_do_the_work_of_lifting(name: str, carrying: Carrying) -> None:
+@pytest.mark.parametrize("support_phase", [SupportPhase.LEFT, SupportPhase.RIGHT])
+def test_torques_on_one_foot_do_the_work_of_lifting(name: str, support_phase: SupportPhase) -> None:
     """That foot stays, so each motor's torque is what turning it alone changes of the height."""
-    body, motion = load_body(name), step_of(name, carrying)
-    robot, side = body.robot, 0 if carrying is Carrying.LEFT else 1
+    body, motion = load_body(name), step_of(name, support_phase)
+    robot, side = body.robot, 0 if support_phase is SupportPhase.LEFT else 1
     shift, swing, _ = motion.path.switches
     legs = motion.path.states[(shift + swing) // 2]
-    torques = track(robot, robot.from_legs(legs)[None], carrying.share).torques[0]
+    torques = track(robot, robot.from_legs(legs)[None], support_phase.share).torques[0]
     step = 1e-5
     turned = legs + step * np.vstack([np.eye(len(legs)), -np.eye(len(legs))])
     height = body.legs.kinematics.states(robot.from_legs(turned)).com[:, side, 2]
@@ -220,17 +220,19 @@ def test_torques_on_one_foot_do_the_work_of_lifting(name: str, carrying: Carryin
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("carrying", [Carrying.LEFT, Carrying.RIGHT])
-def test_planner_and_check_agree_on_one_foot(name: str, carrying: Carrying) -> None:
+@pytest.mark.parametrize("support_phase", [SupportPhase.LEFT, SupportPhase.RIGHT])
+def test_planner_and_check_agree_on_one_foot(name: str, support_phase: SupportPhase) -> None:
     """Expressions of the planner against Pinocchio and numpy, in states that were planned."""
-    motion, planner = step_of(name, carrying), planner_of(name)
+    motion, planner = step_of(name, support_phase), planner_of(name)
     robot = load_body(name).robot
     shift, swing, _ = motion.path.switches
     states = motion.path.states[shift + 1 : swing + 1]
-    seen = track(robot, robot.from_legs(states), carrying.share)
+    seen = track(robot, robot.from_legs(states), support_phase.share)
     for index, state in enumerate(states[::6]):
         pose = FootPose(seen.right_rotation[6 * index], seen.right_translation[6 * index])
-        scene = Scene.of(carrying.polygon(robot, pose), 0.0, pose, robot.posture, carrying.share)
+        scene = Scene.of(
+            support_phase.polygon(robot, pose), 0.0, pose, robot.posture, support_phase.share
+        )
         told = planner.horizon.collocation.evaluate(state[None], scene)
         # The planner takes soles as level, which a foot just lifted is but nearly.
         np.testing.assert_allclose(told.torques[0], seen.torques[6 * index], atol=1e-3)
@@ -238,7 +240,7 @@ def test_planner_and_check_agree_on_one_foot(name: str, carrying: Carrying) -> N
 
 
 def test_a_foot_that_is_dragged_is_found() -> None:
-    motion = step_of("nao", Carrying.LEFT)
+    motion = step_of("nao", SupportPhase.LEFT)
     name = "height of the foot that is carried along"
     assert checked(motion).of(name).value > SETTINGS.step_lift / 3.0
     high = dataclasses.replace(SETTINGS, step_lift=4.0 * SETTINGS.step_lift)

@@ -15,7 +15,7 @@ from core.planning.motions import SETTINGS
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.linearisation import Inequalities, Linearisation, Linearised
 from shoecal_core.planning.horizon.problem import HorizonProblem
-from shoecal_core.planning.horizon.programme import Programme
+from shoecal_core.planning.horizon.quadratic_program import QuadraticProgram
 
 FloatArray = NDArray[np.float64]
 
@@ -27,7 +27,7 @@ class Case:
     problem: HorizonProblem
     linear: Linearised
     inequalities: Inequalities
-    programme: Programme
+    programme: QuadraticProgram
 
 
 def case_of(body: Body, count: int = 3) -> Case:
@@ -44,7 +44,7 @@ def case_of(body: Body, count: int = 3) -> Case:
         problem,
         linear,
         Inequalities(problem, limits),
-        Programme(count, size, rows, settings.transition_weight),
+        QuadraticProgram(count, size, rows, settings.transition_weight),
     )
 
 
