@@ -74,7 +74,7 @@ class Step:
     feet: Feet
 
 
-class Programme:
+class QuadraticProgram:
     """Solves programmes of one shape, one after another: memory is used again.
 
     Where the active rows cannot be told from those before, DAQP finds them. On the programmes of a

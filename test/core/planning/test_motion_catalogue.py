@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
 from shoecal_core.errors import NameNotFoundError
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.checking.body_track import BodyTrack, track
 from shoecal_core.planning.checking.check import check_motion
-from shoecal_core.planning.menu import MENU, kind_named
 from shoecal_core.planning.motion import Motion, Phase
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS, motion_kind
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.posture import UnreachableError
+from shoecal_core.planning.support_phase import SupportPhase
 
 FloatArray = NDArray[np.float64]
 
-CASES = [(name, motion) for name in NAMES for motion in MENU]
-UNLOADING = {"unload_left": Carrying.RIGHT, "unload_right": Carrying.LEFT}
+CASES = [(name, motion) for name in NAMES for motion in MOTION_KINDS]
+UNLOADING = {"unload_left": SupportPhase.RIGHT, "unload_right": SupportPhase.LEFT}
 
 
 @cache
@@ -70,12 +70,12 @@ def test_the_cop_stays_on_the_feet_that_carry(name: str, motion: str) -> None:
     for phase in found.phases:
         at = samples(found, phase)
         places = body.com[at, :2]
-        if phase.carrying is Carrying.RIGHT:
+        if phase.support_phase is SupportPhase.RIGHT:
             away = body.com[at] - body.right_translation[at]
             places = np.einsum("tji,tj->ti", body.right_rotation[at], away)[:, :2]
             polygon = shapely.Polygon(robot.feet[1].sensing_polygon)
         else:
-            polygon = phase.carrying.polygon(robot, phase.foot_poses[0])
+            polygon = phase.support_phase.polygon(robot, phase.foot_poses[0])
         assert np.all(shapely.contains_xy(polygon.buffer(-0.003), *places.T))
 
 
@@ -83,9 +83,9 @@ def test_the_cop_stays_on_the_feet_that_carry(name: str, motion: str) -> None:
 def test_an_unloaded_foot_is_lifted_held_and_put_down(name: str, motion: str) -> None:
     found, body = planned(name, motion), body_of(name, motion)
     assert [phase.name for phase in found.phases] == ["shift", "lift", "lower", "back"]
-    both, one = Carrying.BOTH, UNLOADING[motion]
-    assert [phase.carrying for phase in found.phases] == [both, one, one, both]
-    up = body.right_translation[:, 2] * (1.0 if one is Carrying.LEFT else -1.0)
+    both, one = SupportPhase.BOTH, UNLOADING[motion]
+    assert [phase.support_phase for phase in found.phases] == [both, one, one, both]
+    up = body.right_translation[:, 2] * (1.0 if one is SupportPhase.LEFT else -1.0)
     _, lift, lower, _ = (samples(found, phase) for phase in found.phases)
     assert up.max() == pytest.approx(SETTINGS.lift, abs=2e-4)
     # Between two planned states a little more or less.
@@ -165,8 +165,11 @@ def test_motors_too_weak_for_one_foot() -> None:
 
 def test_what_is_not_on_the_menu() -> None:
     with pytest.raises(NameNotFoundError, match=r"motion named 'dance' .*unload_left"):
-        kind_named("dance")
-    for name, kind in MENU.items():
-        assert kind_named(name) is kind
+        motion_kind("dance")
+    for name, kind in MOTION_KINDS.items():
+        assert motion_kind(name) is kind
         assert kind.doc
-    assert [name for name, kind in MENU.items() if kind.streams] == ["landmarks", "reversed"]
+    assert [name for name, kind in MOTION_KINDS.items() if kind.streams] == [
+        "landmarks",
+        "reversed",
+    ]

@@ -16,7 +16,7 @@ from shoecal_core.planning.settings import PlannerSettings
 FloatArray = NDArray[np.float64]
 
 
-class Carrying(StrEnum):
+class SupportPhase(StrEnum):
     """The feet that stand on the floor; the other one is in the air."""
 
     BOTH = "both"
@@ -29,22 +29,27 @@ class Carrying(StrEnum):
         return {"both": (0.0, 1.0), "left": (1.0, 1.0), "right": (0.0, 0.0)}[self.value]
 
     @property
-    def other(self) -> Carrying:
+    def feet(self) -> tuple[bool, bool]:
+        """Whether left, right stand."""
+        return self is not SupportPhase.RIGHT, self is not SupportPhase.LEFT
+
+    @property
+    def other(self) -> SupportPhase:
         """The other foot instead; both stay both."""
         return {
-            Carrying.BOTH: Carrying.BOTH,
-            Carrying.LEFT: Carrying.RIGHT,
-            Carrying.RIGHT: Carrying.LEFT,
+            SupportPhase.BOTH: SupportPhase.BOTH,
+            SupportPhase.LEFT: SupportPhase.RIGHT,
+            SupportPhase.RIGHT: SupportPhase.LEFT,
         }[self]
 
     @property
     def standing(self) -> int:
         """Index into the robot's feet of one that stands; of both the left one."""
-        return 1 if self is Carrying.RIGHT else 0
+        return 1 if self is SupportPhase.RIGHT else 0
 
     def margin(self, settings: PlannerSettings) -> float:
         """How far the CoP keeps from the edge of where it may be [m]."""
-        both = self is Carrying.BOTH
+        both = self is SupportPhase.BOTH
         return settings.stability_margin if both else settings.one_foot_margin
 
     def polygon(self, robot: Robot, foot_pose: FootPose) -> shapely.Polygon:
@@ -52,9 +57,9 @@ class Carrying(StrEnum):
 
         The hull of both sensing polygons, or that of the one foot that carries.
         """
-        if self is Carrying.BOTH:
+        if self is SupportPhase.BOTH:
             return sensing_hull(robot, foot_pose.support)
         left, right = (foot.sensing_polygon for foot in robot.feet)
-        if self is Carrying.LEFT:
+        if self is SupportPhase.LEFT:
             return shapely.Polygon(left)
         return shapely.Polygon(foot_pose.support.right_to_left(right))
