@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: firmware stand-ins robots clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust accuracy repeats chosen-supports caught-faults faults blind effects-table own-steps motion-menu pictures figures reference docs wheel lock clean
+.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust accuracy repeats chosen-supports caught-faults faults blind effects-table own-steps motion-menu pictures figures reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -23,7 +23,7 @@ demo: setup  ## the main job on the simulated robot (ARGS="--seed 2")
 	$(BIN)/shoecal demo $(ARGS)
 
 test: export OPENBLAS_NUM_THREADS := 1
-test: setup stand-ins  ## all tests (ARGS="-k name")
+test: setup stand-ins descriptions  ## all tests (ARGS="-k name")
 	$(BIN)/python -m pytest -n auto --dist loadfile $(ARGS)
 
 stand-ins: setup  ## messages of robots' drivers, for the tests of adapters
@@ -129,10 +129,15 @@ firmware:  ## firmware of a shoe, and more (ARGS="flash PORT=/dev/ttyUSB0", ARGS
 	@$(MAKE) --no-print-directory -C firmware $(ARGS)
 
 robots: export OPENBLAS_NUM_THREADS := 1
-robots: setup  ## public humanoids drafted, planned and calibrated, into docs/robots.md (ARGS="--only g1")
-	$(BIN)/python -m pip --disable-pip-version-check install --quiet --no-deps --require-hashes \
-		--requirement requirements-robots.txt
+robots: setup descriptions  ## public humanoids drafted, planned and calibrated, into docs/robots.md (ARGS="--only g1")
 	$(BIN)/python benchmarks/public_robots.py $(ARGS)
+
+descriptions: setup .venv/.descriptions  ## descriptions of public humanoids, for tests and figures
+
+.venv/.descriptions: requirements-robots.txt
+	$(BIN)/python -m pip --disable-pip-version-check install --quiet --no-deps --require-hashes \
+		--requirement $<
+	@touch $@
 
 lock:  ## resolve the lock files anew (needs uv)
 	$(LOCK) --universal --fork-strategy fewest --python-version 3.11 \

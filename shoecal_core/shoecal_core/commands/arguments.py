@@ -100,6 +100,18 @@ def add_force(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """`--json` of a subcommand's own parser; the command's has it already."""
+    parser.add_argument(
+        "--json",
+        type=Path,
+        metavar="FILE",
+        # The command's parser has stored a value by then; a default here would undo it.
+        default=argparse.SUPPRESS,
+        help="also write the figures as JSON",
+    )
+
+
 def add_planning(parser: argparse.ArgumentParser) -> None:
     """`--motion`, `--supports` or `--stance`, `--seed` and `--settings` of planning."""
     parser.add_argument(
