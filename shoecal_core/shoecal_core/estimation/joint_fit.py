@@ -37,7 +37,7 @@ from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 
-RATE_HZ = 4.0
+RATE_HZ = 1.0
 """Of the means that are fitted."""
 COARSE, SETTLED = 1e-2, 1e-4
 """Largest step, in units of the parameters' priors, after which the derivatives of the body and

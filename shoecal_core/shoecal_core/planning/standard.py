@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.motion_catalogue import motion_kind
 
 TRAIN, TEST = "train", "test"
+UNLOADING = ("unload_left", "unload_right")
+"""Motions that lift a foot."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,9 @@ STANDARD = (
 )
 """Both directions and two speeds, two heights of the torso, and each foot without load once."""
 
+CALIBRATION = tuple(one for one in STANDARD if one.motion != "faster")
+"""What a self-calibration records: fast motions jolt the robot and teach gains nothing."""
+
 STANDARD_SUPPORTS = 5
 """Double supports of the standard set: three to train in, two to test in."""
 _TRAIN_SUPPORTS = 3
@@ -58,7 +63,29 @@ class PlannedRun:
     hint: str = ""
 
 
-def standard_runs(supports: Sequence[DoubleSupport]) -> tuple[PlannedRun, ...]:
+def calibration_runs(
+    supports: Sequence[DoubleSupport], neutral: DoubleSupport
+) -> tuple[PlannedRun, ...]:
+    """What a self-calibration records by default, each foot unloaded in the neutral support.
+
+    There any robot can stand on one foot that can do so at all.
+
+    Args:
+        supports: double supports that differ in yaw; STANDARD_SUPPORTS of them are best.
+        neutral: as in normal standing.
+
+    Raises:
+        ShoecalError: for no supports.
+    """
+    return tuple(
+        replace(run, support=neutral) if run.motion in UNLOADING else run
+        for run in standard_runs(supports, CALIBRATION)
+    )
+
+
+def standard_runs(
+    supports: Sequence[DoubleSupport], motions: Sequence[StandardMotion] = STANDARD
+) -> tuple[PlannedRun, ...]:
     """The standard set in double supports, as it is recorded.
 
     Training and testing take turns from yaw to yaw: runs to train begin and end the range of yaw
@@ -67,9 +94,10 @@ def standard_runs(supports: Sequence[DoubleSupport]) -> tuple[PlannedRun, ...]:
 
     Args:
         supports: double supports that differ in yaw; STANDARD_SUPPORTS of them are best.
+        motions: of the set.
 
     Raises:
-        ShoecalError: for none.
+        ShoecalError: for no supports.
     """
     _require(supports)
     tested = _test_supports(supports)
@@ -78,7 +106,7 @@ def standard_runs(supports: Sequence[DoubleSupport]) -> tuple[PlannedRun, ...]:
     places = {TRAIN: trained, TEST: tested or [*trained[1:], trained[0]]}
     counted = dict.fromkeys(places, 0)
     runs = []
-    for standard in STANDARD:
+    for standard in motions:
         there = places[standard.hint]
         place = there[counted[standard.hint] % len(there)]
         counted[standard.hint] += 1

@@ -10,9 +10,11 @@ import numpy as np
 from shoecal_msgs.action import Calibrate
 
 from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.planning.standard import TEST, TRAIN, PlannedRun
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.planning.standard import TEST, TRAIN, PlannedRun, calibration_runs
 from shoecal_ros.calibrator import solving_work
 from shoecal_ros.calibrator.job import Job, Site
+from shoecal_ros.calibrator.job_settings import STANDARD_SET
 from shoecal_ros.calibrator.run_series import RunSeries, make_session
 from shoecal_ros.common.actions import Pacing
 from shoecal_ros.common.waiting import aside
@@ -96,6 +98,9 @@ class CalibrationJob:
             worker.do(solving_work.draw, site.files, site.planning, request.supports, request.seed),
             Calibrate.Result.SUPPORT_FAILED,
         )
+        if site.job_settings.motion == STANDARD_SET:
+            neutral = DoubleSupport(*map(float, site.robot.support_range.neutral))
+            return list(calibration_runs(supports, neutral))
         training = _training(request)
         return [
             PlannedRun(support, site.job_settings.motion, TRAIN if index in training else TEST)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from shoecal_core.settings import Settings, setting
 
 MOST_SUPPORTS = 100
+STANDARD_SET = "standard"
+"""Name of the set of motions that a self-calibration records by default."""
 
 
 @dataclass(frozen=True)
@@ -16,7 +18,11 @@ class JobSettings(Settings):
     supports: int = setting(5, "", "double supports to visit", minimum=2, maximum=MOST_SUPPORTS)
     train: int = setting(3, "", "of them used for the fit, the others test it", minimum=2)
     seed: int = setting(1, "", "draws the supports, and which of them train", minimum=0)
-    motion: str = setting("landmarks", "", "motion in each support, on the planner's menu")
+    motion: str = setting(
+        STANDARD_SET, "", "what to record: standard (landmarks in both directions, the torso "
+        "lower, each foot lifted once), or one motion of the planner's catalogue in each support, "
+        "as the paper's landmarks",
+    )  # fmt: skip
     sessions_dir: str = setting(
         "~/.ros/shoecal/sessions",
         "",
