@@ -213,7 +213,7 @@ def _sharing(found: FloatArray) -> dict[str, tuple[float, float, float]]:
 
 
 def page_body(summary: Summary) -> str:
-    """The section of docs/trust.md."""
+    """The section of docs/evidence/trust.md."""
     return PAGE.format(
         robots=summary.robots,
         errors=_errors(summary),

@@ -4,7 +4,7 @@
 
 Wren is a made-up robot, its shoe has three cells a foot: nothing of the diagnosis was tried on it
 while it was made. Every seed draws supports, gains, offsets, noise and an engine; nothing else
-differs from the model. Writes a section of docs/diagnosis.md and out/clean.json.
+differs from the model. Writes a section of docs/evidence/diagnosis.md and out/clean.json.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def main() -> None:
         "outcomes": [vars(one) for one in outcomes],
     }
     bench_json.record("clean_sessions", figures, ROOT / "out" / "clean.json")
-    page = ROOT / "docs" / "diagnosis.md"
+    page = ROOT / "docs" / "evidence" / "diagnosis.md"
     write_section("clean-sessions", section(outcomes, args.seeds), page, "# Diagnosis\n")
 
 

@@ -1,4 +1,4 @@
-"""Run the demo with several seeds and write docs/demo.md: the table of its errors.
+"""Run the demo with several seeds and write docs/evidence/demo.md: the table of its errors.
 
     .venv/bin/python benchmarks/demo_seeds.py [--seeds 10] [--out out/seeds]
 
@@ -34,7 +34,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "seeds")
-    parser.add_argument("--doc", type=Path, default=ROOT / "docs" / "demo.md")
+    parser.add_argument("--doc", type=Path, default=ROOT / "docs" / "evidence" / "demo.md")
     args = parser.parse_args()
     found = {
         seed: _result(seed, args.out / f"seed_{seed:02d}") for seed in range(1, args.seeds + 1)

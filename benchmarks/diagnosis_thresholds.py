@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/diagnosis_thresholds.py
 
-Writes a section of docs/diagnosis.md.
+Writes a section of docs/evidence/diagnosis.md.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pages import ROOT, table, write_section
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.settings import describe
 
-PAGE = ROOT / "docs" / "diagnosis.md"
+PAGE = ROOT / "docs" / "evidence" / "diagnosis.md"
 TIME = "computing time"
 ROBOTS = "robots as they are built"
 MEANT = "what the answer is to mean"

@@ -1,4 +1,4 @@
-"""Calibrating with effects, over robots of the demo's reality: into docs/diagnosis.md.
+"""Calibrating with effects, over robots of the demo's reality: into docs/evidence/diagnosis.md.
 
     .venv/bin/python benchmarks/effects_calibration.py [--seeds 10] [--out out/effects]
 
@@ -172,7 +172,7 @@ def main() -> int:
     ordered = [results[number] for number in range(len(jobs))]
     median = _median(ordered, _judged(ordered), "cop")
     bench_json.record("effects", {"seeds": ordered, "median_cop_mm": median}, args.out / "all.json")
-    pages.write_section("effects", _section(ordered), ROOT / "docs" / "diagnosis.md", "")
+    pages.write_section("effects", _section(ordered), ROOT / "docs" / "evidence" / "diagnosis.md", "")
     return 0 if median <= TARGET_MM else 1
 
 

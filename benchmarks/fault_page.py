@@ -1,4 +1,4 @@
-"""The section `faults` of docs/trust.md: how many faults are caught, and false alarms."""
+"""The section `faults` of docs/evidence/trust.md: how many faults are caught, and false alarms."""
 
 from __future__ import annotations
 

@@ -162,7 +162,7 @@ Measured on {cores} cores ({machine}), OPENBLAS_NUM_THREADS {threads}, with {com
 
 
 def body(figures: dict[str, float], repetitions: int) -> str:
-    """The section of docs/performance.md."""
+    """The section of docs/evidence/performance.md."""
     rows = [
         [
             label,

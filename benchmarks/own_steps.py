@@ -3,7 +3,7 @@
     .venv/bin/python benchmarks/own_steps.py [--supports 50] [--seeds 6] [--again]
 
 Each seed draws a robot of the default reality and double supports of its range. It is placed in
-the first one only, and steps to all others. Writes a section of docs/motions.md and the key
+the first one only, and steps to all others. Writes docs/evidence/own-steps.md and the key
 `own_steps` of out/bench.json. A seed whose result stands in `--out` is not run again, so an
 interrupted run goes on.
 """
@@ -48,7 +48,7 @@ from shoecal_core.workspace import config_dir
 FloatArray = NDArray[np.float64]
 ROBOTS = {"nao": "nao_shoe", "wren": "wren_shoe"}
 OUT = ROOT / "out" / "own_steps"
-PAGE = ROOT / "docs" / "motions.md"
+PAGE = ROOT / "docs" / "evidence" / "own-steps.md"
 PROCESSES = 2
 
 

@@ -1,4 +1,4 @@
-"""docs/paper.md: every table and figure of the paper beside the reproduction."""
+"""docs/evidence/paper.md: every table and figure of the paper beside the reproduction."""
 
 from __future__ import annotations
 
@@ -176,7 +176,7 @@ def page(paper: Paper) -> str:
         by_load=_by_load(paper),
         left_out=_left_out(paper),
         **{
-            f"figure_{name}": f"![{alt}](figures/paper-{name}.svg)" for name, alt in FIGURES.items()
+            f"figure_{name}": f"![{alt}](../figures/paper-{name}.svg)" for name, alt in FIGURES.items()
         },
     )
 

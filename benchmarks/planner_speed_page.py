@@ -1,4 +1,4 @@
-"""The planner's sections of docs/performance.md."""
+"""The planner's sections of docs/evidence/performance.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The section of docs/performance.md on motions in many double supports."""
+"""The section of docs/evidence/performance.md on motions in many double supports."""
 
 from __future__ import annotations
 

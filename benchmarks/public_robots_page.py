@@ -1,4 +1,4 @@
-"""The tables of docs/robots.md."""
+"""The tables of docs/evidence/robots.md."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ HEAD = """\
 
 Humanoids of other makers, from descriptions that are public: drafted, planned, calibrated.
 **Everything here is simulated.** How a robot is put to use, step by step:
-[your robot](how-to/your-robot.md); the robot of its examples is *wren*, a small humanoid of 3.6 kg
+[your robot](../how-to/your-robot.md); the robot of its examples is *wren*, a small humanoid of 3.6 kg
 with three cells a foot that nobody built.
 """
 
@@ -47,7 +47,7 @@ What the calibrations say of themselves:
 A foot by itself is fixed weakly, as with the NAO ([trust](trust.md)).
 
 ## How they are simulated
-As imperfect as the NAO of the other pages ([simulation](simulation.md)), in proportion: masses off
+As imperfect as the NAO of the other pages ([simulation](../reference/simulation.md)), in proportion: masses off
 by 2 % each, a battery off its drawing, encoder zeros off by 1.5 mrad, a scale that errs by 0.4 %,
 cells up to 30 % off with offsets; forces and stiffness grow with the weight. Six-axis sensors are
 off by 5 %, with offsets of 0.1 % of their range, and ten times stiffer. Joints are finer than a

@@ -1,4 +1,4 @@
-"""What `diagnose` says of the REEM-C's three trials: a section of docs/real-robots.md.
+"""What `diagnose` says of the REEM-C's three trials: a section of docs/evidence/real-robots.md.
 
 Each trial is held out once. The sensors' axes are not documented, so they are read in two ways:
 all parallel to the sole's, and with both sideways forces the other way round.

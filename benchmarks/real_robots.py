@@ -1,4 +1,4 @@
-"""Calibrate and diagnose a real humanoid's ankle sensors; write docs/real-robots.md.
+"""Calibrate and diagnose a real humanoid's ankle sensors; write docs/evidence/real-robots.md.
 
     .venv/bin/python benchmarks/real_robots.py FOLDER
 
@@ -34,7 +34,7 @@ def main() -> int:
     """Import, calibrate every split, write the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--doc", type=Path, default=ROOT / "docs" / "real-robots.md")
+    parser.add_argument("--doc", type=Path, default=ROOT / "docs" / "evidence" / "real-robots.md")
     args = parser.parse_args()
     settings = load_settings(
         CalibrationSettings, IMPORTS / "reemc_calibrator.yaml", "calibrator", "calibration"

@@ -235,7 +235,7 @@ Measured on {cores} cores ({machine}), OPENBLAS_NUM_THREADS {threads}, with Pyth
 
 
 def body(figures: dict[str, float], memory: dict[str, float]) -> str:
-    """The section of docs/performance.md."""
+    """The section of docs/evidence/performance.md."""
     rows = [
         [name, *(f"{figures[field]:.2f}" for field in fields), memory_mb]
         for name, fields, memory_mb in (

@@ -1,4 +1,4 @@
-"""The table: a section of docs/diagnosis.md, and out/blind.json."""
+"""The table: a section of docs/evidence/diagnosis.md, and out/blind.json."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from blind.figures import figures as measured
 from pages import table, write_section
 from shoecal_core.files import atomic_write
 
-PAGE = Path("docs/diagnosis.md")
+PAGE = Path("docs/evidence/diagnosis.md")
 FIGURE = Path("docs/figures/blind-detection.svg")
 JSON = Path("out/blind.json")
 """Within the project."""
@@ -43,7 +43,7 @@ are those of single effects that were found, where the gap is at least 1.5 x the
 
 The standard set holds no known weight: what a reference weight adds is not measured here.
 
-![Share of single effects found, and named right, against their gap](figures/{figure})
+![Share of single effects found, and named right, against their gap](../figures/{figure})
 
 How often a gap was found, by the strength that was meant (the effect's own gap over the floor; some
 effects are swallowed by the calibration, or limited by what a robot can stand):

@@ -1,4 +1,4 @@
-"""The section of docs/performance.md."""
+"""The section of docs/evidence/performance.md."""
 
 from __future__ import annotations
 

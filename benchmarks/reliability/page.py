@@ -1,4 +1,4 @@
-"""The table of faults: a section of docs/reliability.md, and out/faults.json."""
+"""The table of faults: a section of docs/evidence/reliability.md, and out/faults.json."""
 
 from __future__ import annotations
 

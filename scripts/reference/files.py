@@ -10,23 +10,23 @@ _SHOWN = {
     "robots/wren.yaml": "A robot; fields and checks: [your robot](../how-to/your-robot.md).",
     "shoes/nao_shoe.yaml": "A pair of shoes with cells: [your shoe](../how-to/your-shoe.md).",
     "shoes/reemc.yaml": "Feet with six-axis sensors.",
-    "nodes/shoe_driver.yaml": "The shoes' device: [protocol](../protocol.md).",
-    "realities/default.yaml": "A simulated world: [simulation](../simulation.md).",
+    "nodes/shoe_driver.yaml": "The shoes' device: [protocol](protocol.md).",
+    "realities/default.yaml": "A simulated world: [simulation](simulation.md).",
     "manual.yaml": "What a manual calibration is done with: "
     "[manual calibration](../how-to/manual-calibration.md).",
     "imports/reemc.yaml": "What columns of foreign recordings mean: "
-    "[recordings](../recording.md#foreign-recordings).",
+    "[recordings](recordings.md#foreign-recordings).",
 }
 _ELSEWHERE = (
     ("`config/nodes/*.yaml`", "parameters of the nodes", "[parameters](parameters.md)"),
     ("`session/`", "a recording: `session.yaml`, copies of robot and shoe, a run a file",
-     "[recordings](../recording.md)"),
+     "[recordings](recordings.md)"),
     ("`calibration.yaml`", "gains, offsets, covariance, corrections, verdict",
-     "[conventions](../conventions.md#order-of-arrays)"),
+     "[conventions](../guide/conventions.md#order-of-arrays)"),
     ("`--json FILE`", "the figures of a command",
-     "[evaluation](../evaluation.md#--json), [screening](../screening.md)"),
+     "[evaluation](../guide/evaluation.md#--json), [screening](screening.md)"),
     ("`config/security/shoecal.policy.xml`", "rights of the nodes under SROS2",
-     "[security](../security.md)"),
+     "[security](security.md)"),
 )  # fmt: skip
 
 

@@ -22,6 +22,6 @@ def interfaces_page(root: Path) -> str:
             parts += [f"### {file.stem}", fenced(file.read_text())]
     lead = (
         "As `ros2 interface show shoecal_msgs/KIND/NAME` tells them. What codes of refusals mean: "
-        "[codes](../diagnostics.md#codes)."
+        "[codes](diagnostics.md#codes)."
     )
     return page("Messages, services and actions", lead, parts)

@@ -10,7 +10,7 @@ from shoecal_core.recording.schemas import RUN_TOPICS
 
 _LEAD = (
     "Names are under the empty namespace and relative in the code. What each is for, and how the "
-    "nodes behave: [nodes](../nodes.md)."
+    "nodes behave: [nodes](nodes.md)."
 )
 
 _WHO_HEARS = (

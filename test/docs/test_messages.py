@@ -1,4 +1,4 @@
-"""Messages that docs/troubleshooting.md quotes are those that programs say."""
+"""Messages that docs/how-to/troubleshooting.md quotes are those that programs say."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from docs.pages import ROOT
 
-PAGE = ROOT / "docs/troubleshooting.md"
+PAGE = ROOT / "docs/how-to/troubleshooting.md"
 _QUOTED = re.compile(r"(?<!\*)\*([^*]+)\*(?!\*)")
 _LEAST = 8
 """Letters of a piece between two `…` that is looked for."""

@@ -236,7 +236,7 @@ def test_pages_results_and_what_is_no_file_of_the_project_do_not_count(tmp_path:
     (tmp_path / "beside.yaml").touch()
     program = tmp_path / "names.py"
     program.write_text(
-        "f''\n'docs/reliability.md'\n'docs/reliability/soak.json'\n'/etc/passwd'\n"
+        "f''\n'docs/evidence/reliability.md'\n'docs/evidence/reliability/soak.json'\n'/etc/passwd'\n"
         "'test/data/robots'\n'beside.yaml'\n'test/data/shoes/odd_shoe.yaml'\n"
     )
     assert sources._reached(program) == {ROOT / "test" / "data" / "shoes" / "odd_shoe.yaml"}
