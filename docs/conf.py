@@ -17,7 +17,7 @@ author = "The shoecal authors"
 _PACKAGE = (HERE.parent / "shoecal_core" / "package.xml").read_text(encoding="utf-8")
 release = "".join(re.findall(r"<version>(.*)</version>", _PACKAGE))
 extensions = ["myst_parser"]
-myst_enable_extensions = ["dollarmath"]
+myst_enable_extensions = ["dollarmath", "tasklist"]
 myst_fence_as_directive = ["math"]
 myst_heading_anchors = 4
 html_theme = "furo"

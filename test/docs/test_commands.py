@@ -17,7 +17,7 @@ from docs.told import problem
 
 SHELLS = ("sh", "bash", "console")
 TIMEOUT_S = 240.0
-ALLOWED = ("shoecal", ".venv/bin/shoecal", "cp", "mkdir", "cat")
+ALLOWED = ("shoecal", ".venv/bin/shoecal", ".venv/bin/python", "cp", "mkdir", "cat")
 """What a block that is run may start."""
 
 
