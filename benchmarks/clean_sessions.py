@@ -101,10 +101,9 @@ def section(outcomes: list[Outcome], seeds: int) -> str:
     return f"""\
 ## Clean sessions of another robot
 
-Simulated, `make clean-sessions ARGS="--seeds {seeds}"` (benchmarks/clean_sessions.py): the made-up
-robot Wren with three cells a foot, {len(MOTIONS)} runs at {RATE_HZ:.0f} Hz that are not the
-standard set, nothing wrong in any. False alarms: {len(alarms)} of {len(outcomes)}
-(95 % interval {low:.0%} to {high:.0%}).
+`make clean-sessions ARGS="--seeds {seeds}"`: the made-up robot Wren with three cells per foot,
+{len(MOTIONS)} runs at {RATE_HZ:.0f} Hz other than the standard set, no fault. False alarms:
+{len(alarms)} of {len(outcomes)} (95 % interval {low:.0%} to {high:.0%}).
 
 {table(rows)}
 """

@@ -155,12 +155,11 @@ def section(first: int, held: Sequence[Held], again: dict[str, float]) -> str:
         lengths.append([name, f"{expected[index]:.1f}", f"{actual[index]:.1f}"])
     return f"""\
 ## Stated uncertainties
-`make coverage` (benchmarks/coverage.py): {len(held)} simulated robots of the default reality,
-seeds {first} to {first + len(held) - 1}, each calibrated in three double supports; GRF and CoP on
-two more, without CoP corrections, against contact forces. The share that should be inside is 95 %;
-in brackets what {len(held)} calibrations tell of it. The default tolerances were chosen while
-looking at seeds 1 to 60 only. Single offsets are not in the table: four cells of a foot leave one
-pattern of them open that changes neither force nor CoP.
+`make coverage`: {len(held)} simulated robots of the default reality, seeds {first} to
+{first + len(held) - 1}, calibrated in three double supports; GRF and CoP on two more, without CoP
+corrections, against contact forces. 95 % should be inside; in brackets the uncertainty from
+{len(held)} calibrations. Default tolerances were chosen on seeds 1 to 60 only. Single offsets are
+not listed, because one pattern of each foot is unobservable.
 
 {table(rows)}
 
@@ -168,15 +167,14 @@ The aim is {LOWEST:.0%} to {HIGHEST:.0%}; outside it: {_outside(held)}.
 
 {table(lengths)}
 
-GRF holds more often than 95 %: the simulated scale is off by 0.19 N always, the robot file states
-0.29 N. So does the time offset: it is zero in every simulated robot, where its prior expects it.
-Gains hold a little too often: two errors that are always there, gears that give and plates that
-carry load past the cells, partly cancel in them.
+Intervals of GRF are too wide: the simulated scale is always 0.19 N off, the robot file states
+0.29 N. So are those of the time offset, which is zero in every simulated robot, and slightly those
+of gains: compliance and load past the cells partly cancel.
 
-One robot calibrated {again["calibrations"]:.0f} times in other double supports: its gains spread
-by {again["gain_spread"]:.1%}, stated are {again["stated_gain_std"]:.1%}; of all differences between
-two of them {again["inside"]:.1%} are inside the 95 % interval of a difference. The stated
-uncertainty is the larger one, as it holds what the model gets wrong in the same way each time.
+One robot calibrated {again["calibrations"]:.0f} times in other double supports: the gains spread
+by {again["gain_spread"]:.1%}, stated are {again["stated_gain_std"]:.1%};
+{again["inside"]:.1%} of the differences are inside the 95 % interval. The stated uncertainty is
+larger because it includes the model's constant errors.
 """
 
 

@@ -86,19 +86,18 @@ COLUMNS: dict[str, tuple[str, ...]] = {
 
 
 PAGE = """\
-# The demo over several seeds
+# Demo over several seeds
 
-Made by `{command}`. Everything here is simulated: each seed draws another robot (masses, encoder
-offsets, play), other cells (gains, offsets, places) and other double supports. Errors are against
-the simulator's truth from contact forces; the MAE of the CoP is the mean Euclidean norm.
+Made by `{command}`, simulated. Each seed draws another robot (masses, encoder offsets, backlash),
+other cells and other double supports. Errors (MAE) are against contact forces.
 
 {rows}
 
 The paper's figures are those of a real NAO. Targets on test runs: median GRF at most 0.35 N and
 CoP at most 2.8 mm, no seed worse than {allowed} times that: {met}.
 
-A combined CoP that fits does not make each foot's right: in double support the shares of the feet
-are fixed weakly, by the yaw between them alone, and what is wrong in one foot cancels in the other.
+Single feet are less accurate: in double support only the yaw between the feet identifies their
+load sharing, and errors of one foot cancel in the other.
 """
 
 

@@ -200,19 +200,16 @@ def _judged(results: Sequence[Mapping[str, object]]) -> str:
 SECTION = """\
 ## Calibrating with effects, measured
 
-Made by `make effects-table` (benchmarks/effects_calibration.py): {count} robots of the demo's
-reality, seeds {first} to {last}, the standard set of motions, CoP errors against contact forces
-(MAE) on the two test runs. In it many things are a little wrong at once (masses, encoders, gears
-that give and have play, places of cells, plates that carry load past them), where a diagnosis looks
-for one or two causes (its verdicts: {verdicts}). What it finds is therefore fitted together with
-the tolerances of the files, and only where it is sure or the training runs bear it out ({chosen} of
-{found} found effects that can be fitted); `tolerances alone` shows what is theirs, `all found`
-what would come of it without that choice. Median over robots, and in brackets the worst one.
+`make effects-table`: {count} robots of the demo's reality, seeds {first} to {last}, standard set;
+CoP errors (MAE) against contact forces on the two test runs. Many small errors act at once, while a
+diagnosis searches for one or two causes (its verdicts: {verdicts}). Found effects are therefore
+fitted together with the tolerances, and only if sure or supported by the training runs ({chosen} of
+{found}). `tolerances alone` and `all found` are for comparison. Median over robots, in brackets
+the worst.
 
 {table}
 
-Forecast: root mean square over the sensing polygons, as the calibration states it.
-Robots whose standard set could not be recorded, or of which the screening left no test run:
+Forecast: expected error (RMS over the sensing polygons). Robots without a usable recording:
 {left_out}.
 
 Target, the CoP of both feet in the median at most {target} mm with unloading runs: {met}.

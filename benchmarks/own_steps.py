@@ -252,7 +252,7 @@ def section(measured: dict[str, dict[str, float]]) -> str:
     rows = [["", *measured]]
     rows += [[what, *map(tell, measured.values())] for what, tell in ROWS.items()]
     return f"""\
-### Measured
+## Measured
 `make own-steps` (benchmarks/own_steps.py): each robot is placed once and then steps to random
 double supports of its range, one after another, on the default reality (gears that give, encoders,
 masses and plates that are off). Feet and gap are the simulator's truth.
@@ -277,7 +277,7 @@ def main() -> int:
         name: figures([walked for walked in walks if walked.robot == name]) for name in args.robots
     }
     bench_json.record("own_steps", measured)
-    write_section("own-steps", section(measured), PAGE, "# Motions\n")
+    write_section("own-steps", section(measured), PAGE, "# Walks by own steps\n")
     print(json.dumps(measured, indent=1))
     return 0 if all(walked.reached == walked.asked for walked in walks) else 1
 

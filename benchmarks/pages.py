@@ -15,17 +15,16 @@ from shoecal_core.files import atomic_write
 ROOT = Path(__file__).resolve().parents[1]
 PERFORMANCE = ROOT / "docs" / "evidence" / "performance.md"
 PERFORMANCE_HEAD = """\
-# How fast it is, and how much memory it takes
+# Speed and memory
 
-Every section is made by the command that it names; `make bench` runs them all. The figures are
-those of the machine they were last made on: what counts is how they compare.
+Each section names its command; `make bench` runs them all. The figures depend on the machine: compare ratios.
 """
 PAGE = ROOT / "docs" / "evidence" / "trust.md"
 FIGURES = ROOT / "out" / "trust.json"
 HEAD = """\
-# How far a calibration can be trusted
+# Accuracy and uncertainty of a calibration
 
-Everything here is simulated, and measured by the commands that each section names.
+Everything here is simulated; each section names its command.
 """
 
 
