@@ -29,9 +29,8 @@ BODY = """\
 
 Made by `{command}`.
 
-One double support planned in closed loop with N states a horizon; of its optimisations at most
-{problems}, evenly spaced, solved by both, in turns. Processor time; median (95th percentile) in ms,
-and the median over problems of the ratio.
+One double support planned in closed loop with N states per horizon; at most {problems} of its
+optimisations, solved by both. Processor time, median (95th percentile) in ms, and median ratio.
 
 {table}
 

@@ -212,22 +212,19 @@ BODY = """\
 
 Made by `{command}`.
 
-{samples:.0f} samples of a simulated NAO's session, repeated with fresh noise; gains and offsets of
-eight cells and the time offset; the same weights, prior and start for both.
+{samples:.0f} samples of a simulated NAO's session, repeated with fresh noise; eight gains and offsets
+and the time offset; same weights, prior and start.
 
 {table}
 
-That is **{vs_scipy_fd:.0f} times** faster by the clock and {vs_scipy_fd_cpu:.0f} times by the
-processor's time: the median of {ours} runs against that of {scipy}, in turns, in one process. The
-costs differ by {cost_difference:.1e} of their size.
+**{vs_scipy_fd:.0f} times** faster by the clock, {vs_scipy_fd_cpu:.0f} times in processor time (median of
+{ours} runs against {scipy}, alternating, one process). Relative cost difference: {cost_difference:.1e}.
 
-The data take {data_mb:.0f} MB. The extra memory is the peak while solving, less what was held
-before, in a process that solves nothing else: {resident:.1f} MB resident as the kernel counts,
-{traced:.1f} MB allocated as Python counts; the larger one is given.
+The data take {data_mb:.0f} MB. Extra memory is the peak while solving in a process of its own: the larger
+of {resident:.1f} MB resident and {traced:.1f} MB allocated by Python.
 
-Normal equations are sums of weighted moments of the readings, taken in chunks, so that no Jacobian
-is ever written down; fits to a hundredth and a tenth of the samples leave two or three passes over
-all of them.
+The normal equations are sums of weighted moments, taken in chunks without a Jacobian; fits to a
+hundredth and a tenth of the samples leave two or three passes over all.
 
 Measured on {cores} cores ({machine}), OPENBLAS_NUM_THREADS {threads}, with Python {python}, numpy
 {numpy}, scipy {scipy_version}.
