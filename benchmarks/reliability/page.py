@@ -18,10 +18,9 @@ Made by `make faults`. In short:
 
 {summary}
 
-*This code* are the very sources that stand beside this page: what a row can reach, its imports, the
-nodes it starts and theirs, configuration, messages and data. *Worst* is what came of the worst try;
-where it counts some out of a round number (4 of 500), they are those of one step of the row. Every
-row has a section below that says what is done, what of it is simulated, and the worst in full.
+*This code*: tries with the present sources, as far as the row can reach them (imports, nodes,
+configuration, messages, data). *Worst*: result of the worst try; counts such as 4 of 500 are those of
+one step. Each row has a section below.
 
 {table}
 
