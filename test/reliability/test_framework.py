@@ -347,7 +347,7 @@ def test_page(tmp_path: Path) -> None:
     once_more = "before, with the same code, 2 of 50: at 7"
     assert f"| [`again`](#again) | all even | 25 | all | 0; {once_more} | fine |" in text
     assert "| [`none`](#none) | all even | 0 of 25 |  |  | not tried |" in text
-    assert "### `odd`\n\nFault: odd | numbers.\n\nWhat it does.\n\n### `again`" in text
+    assert "### `odd`\n\nFault: odd | numbers.\n\nWhat it does. ([details](" in text
     assert text.count(long.strip()) == 1, "in its own section alone"
     some = "3 of [`odd`](#odd)"
     for line in (
