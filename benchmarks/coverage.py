@@ -4,8 +4,9 @@
 
 Calibrates the sessions of a population (made where they do not stand yet), holds gains against
 those drawn, GRF and CoP of runs kept for the test against contact forces, and writes a section of
-docs/evidence/trust.md and the key `coverage` of out/trust.json. The default tolerances were chosen while
-looking at seeds 1 to 60; the seeds measured here by default were not looked at before.
+docs/evidence/trust.md and the key `coverage` of out/trust.json. The default tolerances were
+chosen while looking at seeds 1 to 60; the seeds measured here by default were not looked at
+before.
 """
 
 from __future__ import annotations

@@ -172,7 +172,8 @@ def main() -> int:
     ordered = [results[number] for number in range(len(jobs))]
     median = _median(ordered, _judged(ordered), "cop")
     bench_json.record("effects", {"seeds": ordered, "median_cop_mm": median}, args.out / "all.json")
-    pages.write_section("effects", _section(ordered), ROOT / "docs" / "evidence" / "diagnosis.md", "")
+    page = ROOT / "docs" / "evidence" / "diagnosis.md"
+    pages.write_section("effects", _section(ordered), page, "")
     return 0 if median <= TARGET_MM else 1
 
 

@@ -137,16 +137,17 @@ BODY = """\
 
 Made by `{command}`.
 
-NAO with random joint angles; CoM in both sole frames, right sole in the left, left sole in the base.
-{repetitions} alternating repetitions (compiled: {often} each), one process, one thread.
+NAO with random joint angles; CoM in both sole frames, right sole in the left, left sole in the
+base. {repetitions} alternating repetitions (compiled: {often} each), one process, one thread.
 
 {table}
 
 Compiled is **{vs_pinocchio_loop:.0f} times** faster than the loop by the clock
 ({vs_pinocchio_loop_cpu:.0f} times in processor time) and {vs_interpreted:.0f} times faster than
-interpreted. *Difference*: largest deviation from the loop. Calls with fewer than {least} samples are
-interpreted. The first longer call compiles and verifies the function: {first_call_ms:.0f} ms; in later
-processes {cached_call_ms:.0f} ms from the cache. Sines and cosines are vectorised (eight samples with AVX-512).
+interpreted. *Difference*: largest deviation from the loop. Calls with fewer than {least} samples
+are interpreted. The first longer call compiles and verifies the function: {first_call_ms:.0f} ms;
+in later processes {cached_call_ms:.0f} ms from the cache. Sines and cosines are vectorised (eight
+samples with AVX-512).
 
 Measured on {cores} cores ({machine}), OPENBLAS_NUM_THREADS {threads}, with {compiler}, Python
 {python}, numpy {numpy}, casadi {casadi}, pinocchio {pinocchio}.

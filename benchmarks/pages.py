@@ -1,4 +1,4 @@
-"""Pages that several benchmarks write: docs/evidence/performance.md, docs/evidence/trust.md with out/trust.json.
+"""Pages that several benchmarks write: performance.md and trust.md of docs/evidence.
 
 Each benchmark owns one section of a page, between `<!-- name -->` and `<!-- /name -->`, and one
 key of the file; it replaces its own and leaves the others' as they are.
@@ -17,7 +17,8 @@ PERFORMANCE = ROOT / "docs" / "evidence" / "performance.md"
 PERFORMANCE_HEAD = """\
 # Speed and memory
 
-Each section names its command; `make bench` runs them all. The figures depend on the machine: compare ratios.
+Each section names its command; `make bench` runs them all. The figures depend on the machine:
+compare ratios.
 """
 PAGE = ROOT / "docs" / "evidence" / "trust.md"
 FIGURES = ROOT / "out" / "trust.json"

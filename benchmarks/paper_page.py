@@ -29,16 +29,16 @@ STAGE_NAMES = {
 PAGE = """\
 # The paper reproduced
 
-Han, Jiang and Chirikjian, *Watch Me Calibrate My Force-Sensing Shoes!*, evaluate their method on one
-real NAO: manual calibration, both assumptions, then the self-calibration against the manual one.
-`make paper` does the same on simulated robots and writes this page, its figures
+Han, Jiang and Chirikjian, *Watch Me Calibrate My Force-Sensing Shoes!*, evaluate their method on
+one real NAO: manual calibration, both assumptions, then the self-calibration against the manual
+one. `make paper` does the same on simulated robots and writes this page, its figures
 (`docs/figures/paper-*.svg`) and `out/paper.json`.
 
-**Everything here is simulated** (MuJoCo, `config/realities/default.yaml`; five double supports per
-robot, three to train). Errors (MAE ± standard deviation, the paper's equations 7 and 8) are against
-the manual calibration, as in the paper, or against the *truth* from contact forces where a table
-says so. Robot 1 (seed {first}) is compared with the paper's robot; it was not selected. All {count} robots
-(seeds {seeds}) differ in masses, encoder zeros, cells and double supports.
+**Everything here is simulated** (MuJoCo, `config/realities/default.yaml`; five double supports
+per robot, three to train). Errors (MAE ± standard deviation, the paper's equations 7 and 8) are
+against the manual calibration, as in the paper, or against the *truth* from contact forces where
+a table says so. Robot 1 (seed {first}) is compared with the paper's robot; it was not selected.
+All {count} robots (seeds {seeds}) differ in masses, encoder zeros, cells and double supports.
 
 ## In short
 
@@ -46,9 +46,10 @@ says so. Robot 1 (seed {first}) is compared with the paper's robot; it was not s
 
 Targets (for robot 1 and for the median): {met}.
 
-The simulated errors (plates, cell positions, scale, torso CoM) were tuned so that the manual tables
-and the assumptions are similar to the paper's. **Their agreement shows that the simulation is about as
-hard as the real robot, not that the method is right.** The self-calibration's errors are a result.
+The simulated errors (plates, cell positions, scale, torso CoM) were tuned so that the manual
+tables and the assumptions are similar to the paper's. **Their agreement shows that the simulation
+is about as hard as the real robot, not that the method is right.** The self-calibration's errors
+are a result.
 
 ## Manual calibration (Table I, Fig. 3)
 
@@ -56,10 +57,10 @@ hard as the real robot, not that the method is right.** The self-calibration's e
 
 {figure_manual}
 
-Differences: simulated cells have neither creep nor hysteresis, and readings average 50 samples, so the
-GRF is ten times as accurate. The remaining CoP error is mostly the placement of the weight. Points are
-drawn without the shoe's own weight. The last column (each load predicted by the others) is not in the
-paper.
+Differences: simulated cells have neither creep nor hysteresis, and readings average 50 samples,
+so the GRF is ten times as accurate. The remaining CoP error is mostly the placement of the
+weight. Points are drawn without the shoe's own weight. The last column (each load predicted by
+the others) is not in the paper.
 
 ## Both assumptions (Table II, Fig. 5)
 
@@ -67,9 +68,9 @@ paper.
 
 {figure_assumptions}
 
-Differences: the GRF error is mainly that of the scale and so the same in all runs, apart from bursts at
-the start of a motion and where one foot carries little; on the real robot it varied. The error of the
-modelled CoP is similar.
+Differences: the GRF error is mainly that of the scale and so the same in all runs, apart from
+bursts at the start of a motion and where one foot carries little; on the real robot it varied.
+The error of the modelled CoP is similar.
 
 ## Self-calibration (Figs. 6, 7 and 8)
 
@@ -85,15 +86,15 @@ All three stages against the manual calibration:
 
 {stages}
 
-Differences: the initial guess (one gain and one offset for all) varies by a factor of ten with the
-cells drawn; the result does not depend on it. The CoP correction is kept only if it improves held-out
-runs.
+Differences: the initial guess (one gain and one offset for all) varies by a factor of ten with
+the cells drawn; the result does not depend on it. The CoP correction is kept only if it improves
+held-out runs.
 
 ### Training against test runs
 
 The paper finds no significant difference between training and test errors, without naming a test.
-Here it is a [permutation test](../guide/evaluation.md#training-against-test-runs) over **runs**, with
-{count} robots together.
+Here it is a [permutation test](../guide/evaluation.md#training-against-test-runs) over **runs**,
+with {count} robots together.
 
 {difference}
 
@@ -111,9 +112,9 @@ CoP error of one foot by the true force on it, all robots:
 
 {by_load}
 
-The manual calibration is an adequate reference; below its lightest weight (1 kg) it extrapolates. The
-self-calibrated CoP of both feet is as accurate as the model. Single feet are worse: only the yaw
-between the feet identifies their load sharing, and errors of one foot cancel in the other.
+The manual calibration is an adequate reference; below its lightest weight (1 kg) it extrapolates.
+The self-calibrated CoP of both feet is as accurate as the model. Single feet are worse: only the
+yaw between the feet identifies their load sharing, and errors of one foot cancel in the other.
 
 Samples with less than 2 N on a foot are excluded from its CoP; of robot 1
 {left_out}.
@@ -159,7 +160,8 @@ def page(paper: Paper) -> str:
         by_load=_by_load(paper),
         left_out=_left_out(paper),
         **{
-            f"figure_{name}": f"![{alt}](../figures/paper-{name}.svg)" for name, alt in FIGURES.items()
+            f"figure_{name}": f"![{alt}](../figures/paper-{name}.svg)"
+            for name, alt in FIGURES.items()
         },
     )
 

@@ -43,26 +43,27 @@ BODY = """\
 Made by `{command}`.
 
 The motions of a simulated NAO in {supports} double supports, N = {horizon} states, planned in
-closed loop by the fast solver until it converges: {recorded} optimisations,
-{sampled}. All solvers get the same problems and guesses, alternating, after solving the previous problem once
-more (as warm as in closed loop). Times are processor time of all threads, and clock time. *Converged*:
-all constraints within {feasible:g} and the objective within a share of {converged:g} of the best known, judged by
-IPOPT with a tolerance of 1e-10 and unrelaxed bounds.
+closed loop by the fast solver until it converges: {recorded} optimisations, {sampled}. All
+solvers get the same problems and guesses, alternating, after solving the previous problem once
+more (as warm as in closed loop). Times are processor time of all threads, and clock time.
+*Converged*: all constraints within {feasible:g} and the objective within a share of {converged:g}
+of the best known, judged by IPOPT with a tolerance of 1e-10 and unrelaxed bounds.
 
 {times}
 
-Speed-up over the references: median ratio over problems, then ratios of the 95th and 99th percentiles
-and of the totals.
+Speed-up over the references: median ratio over problems, then ratios of the 95th and 99th
+percentiles and of the totals.
 
 {ratios}
 
-Targets: median ratio of processor time; 99th percentile of the bounded mode at most {bound:g} ms by the
-clock: {clock:.2f} ms (processor {cpu:.2f} ms).
+Targets: median ratio of processor time; 99th percentile of the bounded mode at most {bound:g} ms
+by the clock: {clock:.2f} ms (processor {cpu:.2f} ms).
 
 {missed}
 
-IPOPT uses MUMPS and the planner's tolerances and warm start; its three variants find the same optimum
-(to {spread:.0e}). Machine code: all functions of the MX problem with first and second derivatives, -O3.
+IPOPT uses MUMPS and the planner's tolerances and warm start; its three variants find the same
+optimum (to {spread:.0e}). Machine code: all functions of the MX problem with first and second
+derivatives, -O3.
 
 {crocoddyl}
 
@@ -78,10 +79,11 @@ Measured on {cores} cores ({machine}), OPENBLAS_NUM_THREADS {threads}, with Pyth
 
 CROCODDYL_TEXT = """\
 crocoddyl ({version}) solves the same problem except for the constraints: foot transform, polygon,
-capsules, torques and joint limits are quadratic penalties, as in its examples, because {solver} supports
-only a box on u (solvers with equalities were not measured). It ends with violations of {median:.0e}
-(median) to {worst:.0e} (m, rad or N m) and an objective {below:.2%} below the true optimum (median);
-{stopped:.0%} of its solves do not converge. Its models are Python over the fast solver's compiled
+capsules, torques and joint limits are quadratic penalties, as in its examples, because {solver}
+supports only a box on u (solvers with equalities were not measured). It ends with violations of
+{median:.0e} (median) to {worst:.0e} (m, rad or N m) and an objective {below:.2%} below the true
+optimum (median); {stopped:.0%} of its solves do not converge. Its models are Python over the fast
+solver's compiled
 function; its iterations are C++."""
 
 CERTIFIED = ("converged", SX, COMPILED, MX)

@@ -1,4 +1,4 @@
-"""Draft, plan, simulate and calibrate public humanoids; write the tables of docs/evidence/robots.md.
+"""Draft, plan, simulate and calibrate public humanoids; write docs/evidence/robots.md.
 
     make robots [ARGS="--only g1 --supports 5"]
 

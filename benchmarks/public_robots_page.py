@@ -12,25 +12,25 @@ from shoecal_core.model.robot import GRAVITY
 HEAD = """\
 # Other robots
 
-Public humanoid descriptions: drafted, planned, calibrated. **Everything here is simulated.** Step by
-step: [your robot](../how-to/your-robot.md).
+Public humanoid descriptions: drafted, planned, calibrated. **Everything here is simulated.** Step
+by step: [your robot](../how-to/your-robot.md).
 """
 
 TEXT = """\
 ## From a URDF to a calibration, nothing by hand
-`make robots`: seed {seed}, {supports} double supports, the first {train} to train. Descriptions come from
-the package `{package}` {version}, which the command installs. Robot and shoe files are
-the unchanged drafts of `shoecal new robot`: masses as published, and a cell under each corner of the
-sole if the ankles have no six-axis sensor.
+`make robots`: seed {seed}, {supports} double supports, the first {train} to train. Descriptions
+come from the package `{package}` {version}, which the command installs. Robot and shoe files are
+the unchanged drafts of `shoecal new robot`: masses as published, and a cell under each corner of
+the sole if the ankles have no six-axis sensor.
 
 {robots}
 
 *Named*: the URDF has the sensors. *In motion*: all double supports. *Processor*: `new robot`,
 `simulate` and `calibrate` on one core of the machine in [performance](performance.md).
 
-Errors (MAE ± standard deviation) of test runs against contact forces; the GRF's include the scale's.
-*Before*: initial guess against the model. *Expected*: as the calibration states. *Model alone* bounds
-any calibration by moving.
+Errors (MAE ± standard deviation) of test runs against contact forces; the GRF's include the
+scale's. *Before*: initial guess against the model. *Expected*: as the calibration states. *Model
+alone* bounds any calibration by moving.
 
 {errors}
 
@@ -41,14 +41,14 @@ What the calibrations say of themselves:
 Single feet are less accurate, as with the NAO ([accuracy](trust.md)).
 
 ## How they are simulated
-As imperfect as the NAO ([simulation](../reference/simulation.md)) in proportion: masses 2 % off, battery
-misplaced, encoder zeros 1.5 mrad, scale 0.4 %, cells up to 30 % with offsets; forces and stiffness grow
-with the weight. Six-axis sensors: 5 %, offsets of 0.1 % of their range, ten times stiffer. Joints are
-finer than a NAO's: 16 bits per turn instead of 12, 1 mrad of backlash instead of 4.5, a third of the
-compliance.
+As imperfect as the NAO ([simulation](../reference/simulation.md)) in proportion: masses 2 % off,
+battery misplaced, encoder zeros 1.5 mrad, scale 0.4 %, cells up to 30 % with offsets; forces and
+stiffness grow with the weight. Six-axis sensors: 5 %, offsets of 0.1 % of their range, ten times
+stiffer. Joints are finer than a NAO's: 16 bits per turn instead of 12, 1 mrad of backlash instead
+of 4.5, a third of the compliance.
 
-Default planning, except `planning.cop_lean_weight` 100 instead of 0: otherwise the torso may lean by
-more than 1 rad.
+Default planning, except `planning.cop_lean_weight` 100 instead of 0: otherwise the torso may lean
+by more than 1 rad.
 
 ## What was not tried
 No real robot and no manufacturer's calibration. One seed, so one simulated robot of each kind. The

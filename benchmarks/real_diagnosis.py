@@ -209,9 +209,9 @@ def _pushes(session: Session, trials: dict[int, str]) -> Iterator[str]:
 SECTION = """\
 ### Why they differ: the diagnosis
 
-One split by hand: `shoecal diagnose out/reemc --train 1,2 --test 3 --no-simulation`. Each step counts
-as one sample; expected are m (g + a_z) and the zero-moment point of a single mass. Notes of the
-diagnosis:
+One split by hand: `shoecal diagnose out/reemc --train 1,2 --test 3 --no-simulation`. Each step
+counts as one sample; expected are m (g + a_z) and the zero-moment point of a single mass. Notes
+of the diagnosis:
 
 {notes}
 
@@ -223,8 +223,8 @@ single supports, N):
 |---|---|---|---|---|
 {zeros}
 
-The zeros change between trials by some tens of newtons, so one set of offsets cannot fit all three; and
-the right sensor shows more than the left for the same robot.
+The zeros change between trials by some tens of newtons, so one set of offsets cannot fit all
+three; and the right sensor shows more than the left for the same robot.
 
 **Sideways forces.** On one foot the floor's sideways force is the mass times the CoM's
 acceleration. Slope of each sideways channel on it (1 for axes parallel to the sole's; r is the
@@ -237,8 +237,8 @@ correlation):
 In the walks `fy` is opposite to the force on both feet; `fx` is inconclusive. So both readings are
 tested: axes *parallel* to the sole's, and *reversed* (polarity of `fx` and `fy` -1).
 
-**Held-out trials.** Mean errors over the steps of the held-out trial, without → with the found causes;
-excess is the mean square of GRF and CoP errors in units of the noise, less 1:
+**Held-out trials.** Mean errors over the steps of the held-out trial, without → with the found
+causes; excess is the mean square of GRF and CoP errors in units of the noise, less 1:
 
 | axes | held out | verdict | GRF (N) | CoP (mm) | CoP floor (mm) | excess |
 |---|---|---|---|---|---|---|
@@ -251,18 +251,18 @@ excess is the mean square of GRF and CoP errors in units of the noise, less 1:
 Interpretation:
 - `inertia` (angular momentum that a single mass lacks) exceeds its physical size, a factor of 1. It
   stands for another cause that alternates with the steps; do not trust its size.
-- With reversed sideways axes the residual of the walks is smaller from the start, and the slopes of `fy`
-  agree. So the axes are probably reversed: `polarity: -1` for `fx` and `fy`.
+- With reversed sideways axes the residual of the walks is smaller from the start, and the slopes
+  of `fy` agree. So the axes are probably reversed: `polarity: -1` for `fx` and `fy`.
 - The remaining CoP residual alternates: left in every step on the left foot, right on the right,
   constant over the trial. Its cause is fixed to the feet: a foot or sensor position, or, nearly
   indistinguishable in walking, tilted soles or encoders of the ankle rolls.
 - With both, the CoP residual of a held-out walk falls to about its noise floor.
-- GRF does not improve: the zeros change from trial to trial. Lifting each foot at the start of every trial
-  would have measured them.
+- GRF does not improve: the zeros change from trial to trial. Lifting each foot at the start of
+  every trial would have measured them.
 - The stepping trial cannot be predicted from the walks, probably because they have almost no double
   support with shared load.
 
-Not blind: one sample per step, and reversing both sideways axes together, were decided while looking at
-all three trials. Within a row, fit and causes have seen only the two training trials.
+Not blind: one sample per step, and reversing both sideways axes together, were decided while
+looking at all three trials. Within a row, fit and causes have seen only the two training trials.
 
 """

@@ -124,8 +124,8 @@ where FOLDER holds the recordings (not part of this project). One split by hand:
 Three trials at 50 Hz of a humanoid of 1.65 m, published by eurobench/eb_hum_bench (BSD): slow
 stepping and two walks. Axes and offsets of the sensors are not documented; the axes are assumed
 parallel to the sole's. There was no force plate, so **the reference is the model**, not a truth:
-weight and CoM of the URDF, accelerations from joint angles and recorded base pose, CoP as zero-moment
-point.
+weight and CoM of the URDF, accelerations from joint angles and recorded base pose, CoP as
+zero-moment point.
 
 Stances are detected: a foot stands if its vertical readings are loaded and it is flat and still; it
 hangs where they are lowest, and then its wrench is zero. Two trials are fitted, the third is
@@ -138,8 +138,8 @@ predicted. MAE ± standard deviation over all samples of the held-out trial's st
 *Before*: the published readings as they are (gain 1, offset 0).
 
 The vertical gains are near {gain:.2f} instead of 1. A wrong mass looks like a common gain: if the
-sensors' own gains are right, the robot weighed about {implied:.0f} kg, not the {mass:.1f} kg of its URDF. The
-recordings cannot decide it.
+sensors' own gains are right, the robot weighed about {implied:.0f} kg, not the {mass:.1f} kg of
+its URDF. The recordings cannot decide it.
 
 The checks of the first split say: {reasons}.
 
@@ -151,11 +151,11 @@ Gains and offsets (fitted on {trained}):
 
 {diagnosis}### What stays open
 
-The robot's weight; axes and positions of the sensors; load sharing in double support. The base pose is
-an estimate, and soles are assumed rigid and flat. Per sample (first table) the CoP of walking is
-centimetres off, because the model misses accelerations within a step; per step it is not. The
-readings' vertical sum is off the model by {bias} on average, which one set of offsets cannot correct, so a
-held-out trial's GRF need not improve.
+The robot's weight; axes and positions of the sensors; load sharing in double support. The base
+pose is an estimate, and soles are assumed rigid and flat. Per sample (first table) the CoP of
+walking is centimetres off, because the model misses accelerations within a step; per step it is
+not. The readings' vertical sum is off the model by {bias} on average, which one set of offsets
+cannot correct, so a held-out trial's GRF need not improve.
 """
 
 

@@ -212,16 +212,17 @@ BODY = """\
 
 Made by `{command}`.
 
-{samples:.0f} samples of a simulated NAO's session, repeated with fresh noise; eight gains and offsets
-and the time offset; same weights, prior and start.
+{samples:.0f} samples of a simulated NAO's session, repeated with fresh noise; eight gains and
+offsets and the time offset; same weights, prior and start.
 
 {table}
 
-**{vs_scipy_fd:.0f} times** faster by the clock, {vs_scipy_fd_cpu:.0f} times in processor time (median of
-{ours} runs against {scipy}, alternating, one process). Relative cost difference: {cost_difference:.1e}.
+**{vs_scipy_fd:.0f} times** faster by the clock, {vs_scipy_fd_cpu:.0f} times in processor time
+(median of {ours} runs against {scipy}, alternating, one process). Relative cost difference:
+{cost_difference:.1e}.
 
-The data take {data_mb:.0f} MB. Extra memory is the peak while solving in a process of its own: the larger
-of {resident:.1f} MB resident and {traced:.1f} MB allocated by Python.
+The data take {data_mb:.0f} MB. Extra memory is the peak while solving in a process of its own:
+the larger of {resident:.1f} MB resident and {traced:.1f} MB allocated by Python.
 
 The normal equations are sums of weighted moments, taken in chunks without a Jacobian; fits to a
 hundredth and a tenth of the samples leave two or three passes over all.

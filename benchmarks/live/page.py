@@ -15,17 +15,19 @@ BODY = """\
 
 Made by `{command}`.
 
-Latency from before a frame of eight cells is written into a pseudo-terminal to a subscriber's callback
-of `/shoe/cop`: real driver and calibrator, joint angles at {joints:g} Hz, Fast DDS, one process per node.
-For comparison a bare chain of two default rclpy nodes relays messages of the same size over as many
-hops. Both get frames in turns of {turn:g} s, {seconds:g} s per chain, rate and row.
+Latency from before a frame of eight cells is written into a pseudo-terminal to a subscriber's
+callback of `/shoe/cop`: real driver and calibrator, joint angles at {joints:g} Hz, Fast DDS, one
+process per node. For comparison a bare chain of two default rclpy nodes relays messages of the
+same size over as many hops. Both get frames in turns of {turn:g} s, {seconds:g} s per chain, rate
+and row.
 
 {table}
 
-- *solving*: repeated diagnoses by the calibrator's worker; *recording*: a self-calibration records a
-  run; *planning*: repeated plans.
-- *Ratio*: shoecal over the bare chain. *With/without*: relative to shoecal without other work; *bare's
-  with/without* likewise. All processes share {cores} cores: what grows in both comes from sharing.
+- *solving*: repeated diagnoses by the calibrator's worker; *recording*: a self-calibration
+  records a run; *planning*: repeated plans.
+- *Ratio*: shoecal over the bare chain. *With/without*: relative to shoecal without other work;
+  *bare's with/without* likewise. All processes share {cores} cores: what grows in both comes from
+  sharing.
 - Target at most {allowed:g}. Above it: {above}.
 - Frames lost of {frames}: shoecal {lost_shoecal:.0f}, bare {lost_bare:.0f}.
 

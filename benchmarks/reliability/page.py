@@ -21,8 +21,9 @@ Made by `make faults`. In short:
 {summary}
 
 *This code*: tries with the present sources, as far as the row can reach them (imports, nodes,
-configuration, messages, data). *Worst*: result of the worst try; counts such as 4 of 500 are those of
-one step. What each row does and what of it is simulated is in its module (*details* below).
+configuration, messages, data). *Worst*: result of the worst try; counts such as 4 of 500 are
+those of one step. What each row does and what of it is simulated is in its module (*details*
+below).
 
 {table}
 
