@@ -42,11 +42,11 @@ bench: override ARGS :=
 bench: solve-speed kinematics planner-speed planner-supports live-path demo-table paper  ## all measurements
 
 solve-speed: export OPENBLAS_NUM_THREADS := 1
-solve-speed: setup  ## the least squares beside scipy's, into docs/evidence/performance.md
+solve-speed: setup  ## least squares compared with scipy's, into docs/evidence/performance.md
 	$(BIN)/python benchmarks/solve_speed.py $(ARGS)
 
 kinematics: export OPENBLAS_NUM_THREADS := 1
-kinematics: setup  ## CoM and soles beside a loop over Pinocchio, into docs/evidence/performance.md
+kinematics: setup  ## CoM and soles compared with a loop over Pinocchio, into docs/evidence/performance.md
 	$(BIN)/python benchmarks/kinematics.py $(ARGS)
 
 planner-speed: export OPENBLAS_NUM_THREADS := 1
@@ -58,7 +58,7 @@ planner-supports: setup  ## motions in many double supports (ARGS="--nao 20 --wr
 	$(BIN)/python benchmarks/planner_supports.py $(ARGS)
 
 live-path: export OPENBLAS_NUM_THREADS := 1
-live-path: setup  ## from a frame to its CoP beside a bare chain (ARGS="--seconds 5")
+live-path: setup  ## latency from frame to CoP, compared with a bare chain (ARGS="--seconds 5")
 	$(BIN)/python benchmarks/live_path.py $(ARGS)
 
 demo-table: setup  ## the errors of the demo over ten seeds, into docs/evidence/demo.md (ARGS="--seeds 3")

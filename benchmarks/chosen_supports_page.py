@@ -266,7 +266,7 @@ def _reading(summary: Summary) -> str:
 
 
 def _promises(summary: Summary) -> str:
-    rows = [["error", "chosen", "promised", "stated by the recording", "came out"]]
+    rows = [["error", "chosen", "predicted by the plan", "predicted by the recording", "actual"]]
     for name, promise in summary.promises.items():
         measure = MEASURES[name]
         rows += [
@@ -285,7 +285,7 @@ def _promises(summary: Summary) -> str:
         for name, promise in summary.promises.items()
     )
     return (
-        f"{table(rows)}\n\nRank correlation of promise and outcome over all trials: {correlations}."
+        f"{table(rows)}\n\nRank correlation of prediction and outcome over all trials: {correlations}."
     )
 
 
