@@ -38,12 +38,12 @@ def _shoecal(parts: list[str]) -> str:
     if parts[0] not in COMMANDS:
         return f"no command {parts[0]}"
     cut = next((i for i, part in enumerate(parts) if part in ("|", ">", "&&")), len(parts))
-    told = io.StringIO()
+    errors = io.StringIO()
     try:
-        with contextlib.redirect_stderr(told):
+        with contextlib.redirect_stderr(errors):
             command_line(parts[:1]).parse_args(parts[:cut])
     except SystemExit:
-        return told.getvalue()
+        return errors.getvalue()
     return ""
 
 
