@@ -11,12 +11,12 @@ from population import nao
 from shoecal_core.calibration.comparison import read_truths
 from shoecal_core.calibration.evaluate import Errors, Series, errors, measured_series, truth_series
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session, load_data
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.files import read_yaml
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.forecast import Forecast, forecast, forecast_visits
 from shoecal_core.planning.supports.observability import Visit, relative_information
 from shoecal_core.recording.session import Session
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.load_cases import double_support_outputs
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.wrench import ChannelParameters

@@ -14,15 +14,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.aligned import align
-from shoecal_core.calibration.stance import Stance
-from shoecal_core.calibration.walking import in_world, walking_stances
 from shoecal_core.diagnosis.diagnose import diagnose
 from shoecal_core.diagnosis.result import Cause, Diagnosis
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.csv_import import import_csv
 from shoecal_core.recording.session import Session
+from shoecal_core.samples.aligned import align
+from shoecal_core.samples.stance import Stance
+from shoecal_core.samples.walking import in_world, walking_stances
 from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]

@@ -40,7 +40,7 @@ from shoecal_core.calibration.least_squares import Fit, Prior
 from shoecal_core.calibration.pipeline import load_data
 from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 
 FloatArray = NDArray[np.float64]

@@ -19,6 +19,7 @@ FOUNDATION = {
     "batch", "batch_source", "compiled", "compiler", "errors", "files", "settings", "workspace",
 }  # fmt: skip
 METHOD = {"sensing", "model"}
+ESTIMATION = {"samples", "error_sources"}
 MAY_IMPORT = {
     "batch": FOUNDATION,
     "batch_source": FOUNDATION,
@@ -32,11 +33,16 @@ MAY_IMPORT = {
     "model": FOUNDATION | METHOD,
     "planning": FOUNDATION | METHOD,
     "recording": FOUNDATION | METHOD,
-    "calibration": FOUNDATION | METHOD | {"planning", "recording"},
-    "diagnosis": FOUNDATION | METHOD | {"planning", "recording", "calibration"},
+    "samples": FOUNDATION | METHOD | {"recording"},
+    "error_sources": FOUNDATION | METHOD | {"samples"},
+    "calibration": FOUNDATION | METHOD | ESTIMATION | {"planning", "recording"},
+    "diagnosis": FOUNDATION | METHOD | ESTIMATION | {"planning", "recording", "calibration"},
     "simulation": FOUNDATION | METHOD,
     "drafting": FOUNDATION | METHOD,
-    "report": FOUNDATION | METHOD | {"planning", "recording", "calibration", "diagnosis"},
+    "report": FOUNDATION
+    | METHOD
+    | ESTIMATION
+    | {"planning", "recording", "calibration", "diagnosis"},
 }
 """What each part may import besides itself; parts not listed are the ends (commands)."""
 

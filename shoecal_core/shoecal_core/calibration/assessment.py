@@ -12,7 +12,6 @@ from shoecal_core.calibration.expected import ErrorModel, Spread
 from shoecal_core.calibration.fit import SelfCalibration
 from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
 from shoecal_core.calibration.uncertainty import Uncertainty, estimate_uncertainty
 from shoecal_core.model.robot import Robot
@@ -24,6 +23,7 @@ from shoecal_core.planning.supports.observability import (
     reference_information,
     relative_information,
 )
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]

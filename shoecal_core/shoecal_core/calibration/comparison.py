@@ -14,9 +14,9 @@ from shoecal_core.calibration.evaluate import (
     truth_series,
 )
 from shoecal_core.calibration.pipeline import Outcome, SessionData
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import Truth, read_truth
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.sensing import Sensing
 
 

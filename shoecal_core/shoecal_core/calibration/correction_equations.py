@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.chunks import chunks
-from shoecal_core.calibration.stance import Stance
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.correction import (
     POLYNOMIAL,
     CopCorrection,

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.correction_equations import CorrectionEquations, CorrectionSums
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.correction import CopCorrection
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters

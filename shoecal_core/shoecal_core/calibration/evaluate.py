@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.metrics import Mae, cop_mae, grf_mae
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.recording.truth import Truth
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.sensing import Measured, Sensing
 from shoecal_core.sensing.shoe import FEET
 

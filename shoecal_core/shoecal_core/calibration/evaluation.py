@@ -21,10 +21,10 @@ from shoecal_core.calibration.evaluate import (
 )
 from shoecal_core.calibration.pipeline import SessionData, load_data, split_runs
 from shoecal_core.calibration.run_errors import ComparedRun
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.files import sha256
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.sensing import Sensing
 
 MEASURED, MODELLED, REFERENCE, TRUTH = "measured", "modelled", "reference", "truth"

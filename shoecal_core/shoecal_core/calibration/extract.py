@@ -9,14 +9,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.screening.result import Screening
-from shoecal_core.calibration.stance import Stance, make_stance
 from shoecal_core.calibration.unloading import Aloft, aloft
-from shoecal_core.calibration.walking import in_world, walking_stances
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import Run
+from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.stance import Stance, make_stance
+from shoecal_core.samples.walking import in_world, walking_stances
 from shoecal_core.sensing.shoe import Shoe
 
 BoolArray = NDArray[np.bool_]

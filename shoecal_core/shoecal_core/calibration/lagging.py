@@ -20,7 +20,7 @@ from shoecal_core.calibration.checks import Finding
 from shoecal_core.calibration.least_squares import Prior
 from shoecal_core.calibration.residuals import Weights, residuals, unpack
 from shoecal_core.calibration.screening.faults import Fault
-from shoecal_core.calibration.stance import Stance
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 
 FloatArray = NDArray[np.float64]

@@ -9,7 +9,6 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.aligned import align
 from shoecal_core.calibration.assessment import Assessment, assess
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.checks import (
@@ -36,7 +35,6 @@ from shoecal_core.calibration.screening.clocks import LEFT_STD_S, put_together
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import sha256
@@ -45,6 +43,8 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
+from shoecal_core.samples.aligned import align
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
 

@@ -14,10 +14,10 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.model.sensitivity import SensitiveBody
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import FEET, Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, cop, foot_wrenches
 from shoecal_core.settings import Settings, setting

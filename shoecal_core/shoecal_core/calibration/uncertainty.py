@@ -25,8 +25,8 @@ from scipy.optimize import brentq
 
 from shoecal_core.calibration.least_squares import Fit
 from shoecal_core.calibration.residuals import Weights, errors, residuals, unpack
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.calibration.tolerances import ModelTolerances
+from shoecal_core.samples.stance import Stance
 
 FloatArray = NDArray[np.float64]
 BLOCK_S = 0.25

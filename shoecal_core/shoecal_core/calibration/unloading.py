@@ -14,9 +14,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.screening.closure import lifted
 from shoecal_core.calibration.screening.stretches import lasting, widened
+from shoecal_core.samples.aligned import Aligned
 
 BoolArray = NDArray[np.bool_]
 

@@ -10,7 +10,6 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from shoecal_core.calibration.aligned import align
 from shoecal_core.calibration.extract import stances_of
 from shoecal_core.calibration.screening.clocks import put_together
 from shoecal_core.calibration.screening.result import Screening
@@ -26,6 +25,7 @@ from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
 from shoecal_core.report.check_content import CheckReport
 from shoecal_core.report.check_report import check_report
+from shoecal_core.samples.aligned import align
 from shoecal_core.settings import load_settings
 
 

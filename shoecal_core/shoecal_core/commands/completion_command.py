@@ -15,7 +15,7 @@ from rich.console import Console
 
 from shoecal_core.commands.arguments import STANDARD_SET
 from shoecal_core.commands.parsers import COMMANDS, actions_of, command_line
-from shoecal_core.diagnosis.effects.known import EFFECTS
+from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.menu import MENU
 

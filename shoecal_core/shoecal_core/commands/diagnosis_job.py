@@ -13,9 +13,9 @@ from shoecal_core.calibration.pipeline import load_data
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.simulated_shrink import with_simulated_shrink
 from shoecal_core.diagnosis.diagnose import diagnose
-from shoecal_core.diagnosis.effects.base import Effect
-from shoecal_core.diagnosis.effects.known import EFFECTS, effects_from
 from shoecal_core.diagnosis.result import Diagnosis
+from shoecal_core.error_sources.base import Effect
+from shoecal_core.error_sources.effects.known import EFFECTS, effects_from
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session

@@ -20,7 +20,6 @@ from shoecal_core.calibration.initial_guess import initial_guess
 from shoecal_core.calibration.pipeline import load_data
 from shoecal_core.calibration.residuals import unpack
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.commands.many_jobs import over_cores
 from shoecal_core.commands.replayed import Replayed, like_the_model, replay
 from shoecal_core.diagnosis.result import Cause, Diagnosis, Evidence, SimulatedShrink
@@ -30,6 +29,7 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.sensing import MINIMUM_FORCE
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, combined, cop, foot_wrenches

@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.initial_guess import initial_guess
-from shoecal_core.calibration.stance import Stance
-from shoecal_core.diagnosis.effects.base import USUAL_WEIGHT
-from shoecal_core.diagnosis.regression import Noise, Whitening, make_sums, solve
-from shoecal_core.diagnosis.samples import Samples
-from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
+from shoecal_core.error_sources.base import USUAL_WEIGHT
+from shoecal_core.error_sources.regression import Noise, Whitening, make_sums, solve
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
+from shoecal_core.samples.samples import Samples
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.wrench import ChannelParameters, columns_in_left, combined, weight_below
 
 FloatArray = NDArray[np.float64]

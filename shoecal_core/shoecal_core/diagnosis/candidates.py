@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from shoecal_core.diagnosis.effects.contact import TURNED
 from shoecal_core.diagnosis.forecast import PossibleRun
-from shoecal_core.diagnosis.known_weight import KNOWN_MASS, WEIGHTED
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources.effects.contact import TURNED
+from shoecal_core.error_sources.scene import Scene
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.menu import MENU
@@ -17,6 +16,7 @@ from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.planning.supports.named import named_support
+from shoecal_core.samples.known_weight import KNOWN_MASS, WEIGHTED
 
 Progress = Callable[[str, float], None]
 

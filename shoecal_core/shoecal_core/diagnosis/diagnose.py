@@ -8,15 +8,11 @@ from dataclasses import dataclass, replace
 from shoecal_core.calibration.pipeline import split_runs
 from shoecal_core.diagnosis.answer import Answer, answer, causes_of
 from shoecal_core.diagnosis.baseline import first_parameters
-from shoecal_core.diagnosis.effects.base import Effect, Place
-from shoecal_core.diagnosis.effects.known import EFFECTS
 from shoecal_core.diagnosis.evidence import evidence
 from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
 from shoecal_core.diagnosis.result import Diagnosis, NextMotion
 from shoecal_core.diagnosis.rewiring import rewired
-from shoecal_core.diagnosis.sampling import load_samples
-from shoecal_core.diagnosis.scene import make_scene
 from shoecal_core.diagnosis.selection import Found, asked_for, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shaking import shaking
@@ -25,8 +21,12 @@ from shoecal_core.diagnosis.stopped import Stopped, stopped
 from shoecal_core.diagnosis.weak_cells import weak_cells
 from shoecal_core.diagnosis.where import where
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+from shoecal_core.error_sources.base import Effect, Place
+from shoecal_core.error_sources.effects.known import EFFECTS
+from shoecal_core.error_sources.scene import make_scene
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
+from shoecal_core.samples.sampling import load_samples
 
 Progress = Callable[[str, float], None]
 SHOWN = 20

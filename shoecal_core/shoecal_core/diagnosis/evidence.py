@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Candidate, Evidence, Fitted
 from shoecal_core.diagnosis.scoring import Scored
-from shoecal_core.diagnosis.signals import SIGNALS
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.signals import SIGNALS
 from shoecal_core.sensing.sensing import MINIMUM_FORCE
 from shoecal_core.sensing.wrench import cop
 

@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from shoecal_core.diagnosis import body
-from shoecal_core.diagnosis.known_weight import with_mass
-from shoecal_core.diagnosis.samples import Track
-from shoecal_core.diagnosis.sampling import MIN_SEGMENT_S, TRANSIT_S
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources import body
+from shoecal_core.error_sources.scene import Scene
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.motion import Motion
+from shoecal_core.samples.known_weight import with_mass
+from shoecal_core.samples.samples import Track
+from shoecal_core.samples.sampling import MIN_SEGMENT_S, TRANSIT_S
 from shoecal_core.sensing.wrench import at_cop, combined, weight_below
 
 FloatArray = NDArray[np.float64]

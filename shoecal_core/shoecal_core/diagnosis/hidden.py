@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from shoecal_core.diagnosis.regression import solve
 from shoecal_core.diagnosis.scoring import Scored
-from shoecal_core.diagnosis.signals import COP
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.regression import solve
+from shoecal_core.error_sources.signals import COP
 
 
 def hidden_cop(workspace: Workspace, scored: Scored, index: int) -> float:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.effects.base import Effect, Place, Shape, leasts, mosts, stds
 from shoecal_core.diagnosis.result import Candidate
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources.base import Effect, Place, Shape, leasts, mosts, stds
+from shoecal_core.error_sources.scene import Scene
 
 FloatArray = NDArray[np.float64]
 

@@ -23,14 +23,14 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.candidates import BY_HAND, possible_runs
 from shoecal_core.diagnosis.forecast import PossibleRun, extended
 from shoecal_core.diagnosis.hypotheses import Catalogue, Form, Hypothesis, make_catalogue
-from shoecal_core.diagnosis.regression import Whitening
 from shoecal_core.diagnosis.result import NextMotion
-from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import OWN_ERRORS
 from shoecal_core.diagnosis.tempering import shares, temper
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.regression import Whitening
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import OWN_ERRORS
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]

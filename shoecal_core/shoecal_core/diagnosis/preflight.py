@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import COP
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.signals import COP
 from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]

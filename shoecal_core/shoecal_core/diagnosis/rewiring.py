@@ -8,14 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.effects.base import Effect, Place
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.result import Cause
-from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import shrink
-from shoecal_core.diagnosis.wiring import Wiring
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+from shoecal_core.error_sources.base import Effect, Place
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.wiring import Wiring
 from shoecal_core.sensing.wrench import at_cop, combined, weight_below
 
 FloatArray = NDArray[np.float64]

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
-from shoecal_core.diagnosis.regression import Solution, Sums, solve
+from shoecal_core.error_sources.regression import Solution, Sums, solve
 
 FloatArray = NDArray[np.float64]
 Part = tuple[Hypothesis, Form]

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.scoring import Part, Scored
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import COP
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.signals import COP
 
 FloatArray = NDArray[np.float64]
 FAR_MORE = 1.5

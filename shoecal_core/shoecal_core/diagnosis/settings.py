@@ -4,51 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from shoecal_core.settings import Settings, setting
+from shoecal_core.error_sources.settings import SignalSettings
+from shoecal_core.settings import setting
 
 
 @dataclass(frozen=True)
-class DiagnosisSettings(Settings):
+class DiagnosisSettings(SignalSettings):
     """How samples are made and when something counts as found."""
 
-    rate_hz: float = setting(
-        5.0, "1/s", "samples that regressions see; what happens faster is worked out before",
-        minimum=0.5,
-    )  # fmt: skip
-    walking_rate_hz: float = setting(
-        1.0, "1/s", "the same for sessions in which the robot walks: what the model misses within "
-        "a step would pass for small gains", minimum=0.1,
-    )  # fmt: skip
-    samples_max: int = setting(
-        4000, "", "samples of a whole session; longer ones are sampled more slowly", minimum=200
-    )
-    filter_rate_hz: float = setting(
-        100.0, "1/s", "rate at which filters, delays and derivatives are worked out", minimum=5.0
-    )
-    gain_std: float = setting(
-        1.0, "", "how far gains are off their initial guess, as a share of it", minimum=1e-6
-    )
-    nominal_gain_std: float = setting(
-        0.1, "", "the same for channels whose data sheet gives a gain", minimum=1e-6
-    )
-    offset_std_n: float = setting(
-        30.0, "N", "how far offsets are off their initial guess", minimum=1e-6
-    )
-    lifted_m: float = setting(
-        0.0025, "m", "a foot higher than this above the other one is in the air", minimum=1e-4
-    )
-    parity_residual: float = setting(
-        0.1, "", "cells of a foot count as lying on one plane when what is off it is at most this "
-        "share of their third direction", minimum=0.0,
-    )  # fmt: skip
-    model_error_rad: float = setting(
-        6e-4, "rad", "errors that any model has, as if soles leant by this", minimum=0.0
-    )
-    model_error_s: float = setting(2.0, "s", "for how long such errors stay alike", minimum=1e-3)
-    joint_zero_rad: float = setting(
-        2e-3, "rad", "how well joints' zeros are set: so flat do soles stand by the joints",
-        minimum=1e-6,
-    )  # fmt: skip
     causes_max: int = setting(4, "", "effects in one explanation at most", minimum=1, maximum=12)
     evidence_min: float = setting(
         25.0, "", "an effect is needed when the data are more probable with it by this, as a "

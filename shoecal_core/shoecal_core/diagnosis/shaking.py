@@ -8,7 +8,7 @@ from shoecal_core.calibration.screening.noise import noise
 from shoecal_core.calibration.screening.spikes import find_leaps
 from shoecal_core.calibration.screening.standing import LEAST_LEAP_STDS
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources.scene import Scene
 
 MUCH = 0.1
 """Share of the samples from which it is told."""

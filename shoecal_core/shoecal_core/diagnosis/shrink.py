@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Gap, Shrink
-from shoecal_core.diagnosis.signals import COP, GRF
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.signals import COP, GRF
 
 FloatArray = NDArray[np.float64]
 MEAN_NORM = float(np.sqrt(np.pi / 2.0))

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.effects.base import Component
 from shoecal_core.diagnosis.result import Size
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.base import Component
 
 FloatArray = NDArray[np.float64]
 Z95 = 1.96

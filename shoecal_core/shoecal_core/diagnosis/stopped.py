@@ -13,11 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.effects import places
 from shoecal_core.diagnosis.result import Cause, Size
-from shoecal_core.diagnosis.samples import Samples
 from shoecal_core.diagnosis.shrink import shrink
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.effects import places
+from shoecal_core.samples.samples import Samples
 
 FloatArray = NDArray[np.float64]
 BROKEN = 0.05

@@ -9,13 +9,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from shoecal_core.diagnosis.effects import places
-from shoecal_core.diagnosis.effects.base import Place
 from shoecal_core.diagnosis.result import Cause, Size
 from shoecal_core.diagnosis.shrink import shrink
-from shoecal_core.diagnosis.signals import COP
 from shoecal_core.diagnosis.sizes import Z95
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.base import Place
+from shoecal_core.error_sources.effects import places
+from shoecal_core.error_sources.signals import COP
 
 TOO_LARGE = 2.5
 """Gain of a cell, over the usual one of its shoe's, from which it does not answer as others do."""

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.result import Where
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.shrink import judged
-from shoecal_core.diagnosis.signals import AIR, CLOSURE, PARITY, TILT
-from shoecal_core.diagnosis.steps import closure_steps
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.signals import AIR, CLOSURE, PARITY, TILT
+from shoecal_core.error_sources.steps import closure_steps
 from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]

@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline, precision
-from shoecal_core.diagnosis.effects.base import Effect, Place
 from shoecal_core.diagnosis.hypotheses import Catalogue, make_catalogue
-from shoecal_core.diagnosis.noise import least_noise, noise_of, quiet, with_model_error
-from shoecal_core.diagnosis.regression import FEW_RUNS, Noise, Sums, Whitening, make_sums, solve
-from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.scoring import Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import COP, OWN_ERRORS
+from shoecal_core.error_sources.base import Effect, Place
+from shoecal_core.error_sources.noise import least_noise, noise_of, quiet, with_model_error
+from shoecal_core.error_sources.regression import FEW_RUNS, Noise, Sums, Whitening, make_sums, solve
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import COP, OWN_ERRORS
 
 FloatArray = NDArray[np.float64]
 NOISE_ROUNDS = 2

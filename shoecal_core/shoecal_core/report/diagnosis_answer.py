@@ -10,7 +10,7 @@ import numpy as np
 from shoecal_core.calibration.metrics import cop_mae, grf_mae
 from shoecal_core.diagnosis.result import VERDICTS, Cause, Diagnosis, Shrink
 from shoecal_core.diagnosis.result import Verdict as Finding
-from shoecal_core.diagnosis.signals import COP, GRF
+from shoecal_core.error_sources.signals import COP, GRF
 from shoecal_core.report.diagnosis_words import (
     candidate_text,
     effect_text,

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from shoecal_core.calibration.aligned import align
 from shoecal_core.calibration.comparison import Comparison, compare
 from shoecal_core.calibration.pipeline import Outcome
 from shoecal_core.calibration.settings import CalibrationSettings
@@ -19,6 +18,7 @@ from shoecal_core.report.assessment_content import told_by
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_report import calibration_report
 from shoecal_core.report.origin import origin
+from shoecal_core.samples.aligned import align
 
 SNAPSHOTS = 6
 

@@ -12,10 +12,10 @@ from shoecal_core.diagnosis.candidates import (
     STANCES,
     WARM,
 )
-from shoecal_core.diagnosis.effects.contact import TURNED
-from shoecal_core.diagnosis.known_weight import WEIGHTED
+from shoecal_core.error_sources.effects.contact import TURNED
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.planning.menu import MENU
+from shoecal_core.samples.known_weight import WEIGHTED
 
 
 @dataclass(frozen=True)

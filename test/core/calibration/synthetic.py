@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance, make_stance
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.sensing.correction import CopCorrection
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe

@@ -28,11 +28,11 @@ from shoecal_core.calibration.checks import (
 from shoecal_core.calibration.fit import self_calibrate
 from shoecal_core.calibration.initial_guess import InitialGuess
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.forecast import Addition, forecast, total_information
 from shoecal_core.planning.supports.observability import Visit
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 

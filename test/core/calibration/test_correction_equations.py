@@ -12,7 +12,7 @@ from core.calibration import synthetic
 from core.sensing import shoes
 from shoecal_core.calibration import chunks
 from shoecal_core.calibration.correction_equations import CorrectionEquations
-from shoecal_core.calibration.stance import Stance
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.correction import CopCorrection
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe

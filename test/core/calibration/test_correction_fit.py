@@ -14,7 +14,7 @@ from core.sensing import shoes
 from shoecal_core.calibration import correction_fit as module
 from shoecal_core.calibration.correction_fit import fit_corrections
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.correction import CopCorrection
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe

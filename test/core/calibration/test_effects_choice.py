@@ -16,8 +16,8 @@ from shoecal_core.calibration.refinement.found_effects import FoundEffect, Found
 from shoecal_core.calibration.refinement.refine import Evidence
 from shoecal_core.calibration.refinement.refined import Refined, refined
 from shoecal_core.calibration.refinement.unknowns import Unknown, column_change
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.calibration.tolerances import Tolerances
+from shoecal_core.samples.stance import Stance
 
 PLACE, TURN = 0.01, 0.02
 FIRST = FoundEffect("cell_position", ("left/front_left",), {"x": (PLACE, 5e-4)}, 0.4)

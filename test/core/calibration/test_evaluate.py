@@ -14,8 +14,8 @@ from shoecal_core.calibration.evaluate import (
     modelled_series,
     truth_series,
 )
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.recording.truth import Truth
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters

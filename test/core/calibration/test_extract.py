@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from core.model import robots
 from core.sensing import shoes
-from shoecal_core.calibration.aligned import MIN_SAMPLES, align
 from shoecal_core.calibration.extract import MAX_FOOT_DRIFT_M, stances_of
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.errors import FileError
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import JointsMissingError
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.run import JointSamples, PoseSamples, Readings, Run
+from shoecal_core.samples.aligned import MIN_SAMPLES, align
+from shoecal_core.samples.stance import Stance
 
 FloatArray = NDArray[np.float64]
 SHOE = shoes.shoe("odd_shoe")

@@ -19,8 +19,8 @@ from shoecal_core.calibration.least_squares import Fit
 from shoecal_core.calibration.metrics import cop_mae
 from shoecal_core.calibration.residuals import Weights, normal_equations, pack, unpack
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance, make_stance
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import (

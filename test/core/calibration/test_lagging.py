@@ -19,7 +19,7 @@ from shoecal_core.calibration.lagging import Lag, check_lags, lags
 from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 

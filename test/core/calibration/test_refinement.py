@@ -25,10 +25,10 @@ from shoecal_core.calibration.refinement.unknowns import (
     with_found,
 )
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, columns_in_left
 

@@ -23,8 +23,8 @@ from shoecal_core.calibration.residuals import (
     unpack,
     zero_normal,
 )
-from shoecal_core.calibration.stance import Stance, make_stance
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, at_cop, columns_in_left, cop

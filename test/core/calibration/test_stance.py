@@ -9,8 +9,8 @@ import pytest
 from numpy.typing import NDArray
 
 from core.calibration import synthetic
-from shoecal_core.calibration.stance import Stance, make_stance
 from shoecal_core.errors import ShapeError, ShoecalError
+from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, combined, foot_wrenches, weight_below
 

@@ -16,10 +16,10 @@ from shoecal_core.calibration.fit import fit_parameters
 from shoecal_core.calibration.initial_guess import initial_guess
 from shoecal_core.calibration.residuals import Weights, pack, residuals, unpack
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
 from shoecal_core.calibration.uncertainty import Uncertainty, estimate_uncertainty
 from shoecal_core.model.robot import Robot
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters

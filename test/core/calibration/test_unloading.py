@@ -9,16 +9,16 @@ import pytest
 from numpy.typing import NDArray
 
 from core.calibration.screening.recordings import SETTINGS, WEIGHT, Recording, recording
-from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.extract import stances_of
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.calibration.unloading import LEAST_AIR_S, MARGIN_S, UNLOADING, aloft
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.run import Run
+from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.wrench import at_cop, weight_below
 from shoecal_core.workspace import config_dir
 

@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 
 from core.model import robots
 from core.sensing import shoes
-from shoecal_core.calibration.aligned import Aligned
-from shoecal_core.calibration.walking import (
+from shoecal_core.errors import ShoecalError
+from shoecal_core.model.robot import GRAVITY
+from shoecal_core.recording.run import PoseSamples
+from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.walking import (
     EDGE_S,
     World,
     in_world,
     load_shares,
     walking_stances,
 )
-from shoecal_core.errors import ShoecalError
-from shoecal_core.model.robot import GRAVITY
-from shoecal_core.recording.run import PoseSamples
 
 FloatArray = NDArray[np.float64]
 SHOE = shoes.shoe("nao_shoe")

@@ -16,7 +16,7 @@ from shoecal_core import cli
 from shoecal_core.commands.completion_command import SHELLS, completion_script
 from shoecal_core.commands.parsers import COMMANDS
 from shoecal_core.commands.suggestions import nearest, nearest_file
-from shoecal_core.diagnosis.effects.known import EFFECTS
+from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.errors import FileError, NameNotFoundError, ShoecalError, error_code
 from shoecal_core.planning.menu import MENU
 from shoecal_core.workspace import config_dir

@@ -10,10 +10,10 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from shoecal_core.diagnosis.samples import Samples, Track
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources.scene import Scene
 from shoecal_core.model.kinematics import BodyStates
 from shoecal_core.model.robot import Robot
+from shoecal_core.samples.samples import Samples, Track
 from shoecal_core.sensing.wrench import at_cop
 
 FloatArray = NDArray[np.float64]

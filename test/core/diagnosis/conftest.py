@@ -10,14 +10,14 @@ from core.diagnosis.drawn import Urn
 from shoecal_core import cli
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.candidates import possible_runs
-from shoecal_core.diagnosis.effects.known import EFFECTS
 from shoecal_core.diagnosis.forecast import PossibleRun
-from shoecal_core.diagnosis.sampling import load_samples
-from shoecal_core.diagnosis.scene import make_scene
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+from shoecal_core.error_sources.effects.known import EFFECTS
+from shoecal_core.error_sources.scene import make_scene
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording.session import Session
+from shoecal_core.samples.sampling import load_samples
 
 CONFIG = Path(__file__).resolve().parents[3] / "config"
 CLEAN = """format: 1

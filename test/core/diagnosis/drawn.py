@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.hypotheses import Hypothesis
-from shoecal_core.diagnosis.regression import Noise, make_sums
 from shoecal_core.diagnosis.scoring import Part, Scorer
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.regression import Noise, make_sums
 
 FloatArray = NDArray[np.float64]
 

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.effects.base import Effect, Shape
-from shoecal_core.diagnosis.scene import Scene
-from shoecal_core.diagnosis.signals import SIGNALS
+from shoecal_core.error_sources.base import Effect, Shape
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import SIGNALS
 
 FloatArray = NDArray[np.float64]
 ALIKE = (

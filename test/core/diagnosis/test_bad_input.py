@@ -12,12 +12,12 @@ import pytest
 from core.diagnosis.rewritten import Change, kept, resampled, rewritten, shifted
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.diagnose import diagnose
-from shoecal_core.diagnosis.samples import Samples
-from shoecal_core.diagnosis.sampling import load_samples
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import ROBOT, SHOE, Session
+from shoecal_core.samples.samples import Samples
+from shoecal_core.samples.sampling import load_samples
 
 SETTINGS = DiagnosisSettings()
 

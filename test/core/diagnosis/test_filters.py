@@ -6,7 +6,7 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shoecal_core.diagnosis.filters import low_passed, play, slope
+from shoecal_core.samples.filters import low_passed, play, slope
 
 TIME = np.arange(0.0, 20.0, 0.02)
 

@@ -9,14 +9,14 @@ import pytest
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.candidates import BY_HAND, STANCES, WARM, YAWED
-from shoecal_core.diagnosis.effects.contact import TURNED, FloorTilt
 from shoecal_core.diagnosis.forecast import PossibleRun, extended
-from shoecal_core.diagnosis.known_weight import WEIGHTED
-from shoecal_core.diagnosis.scene import Scene
-from shoecal_core.diagnosis.signals import AIR, COP, GRF, PARITY, TILT
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.effects.contact import TURNED, FloorTilt
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import AIR, COP, GRF, PARITY, TILT
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.menu import MENU
+from shoecal_core.samples.known_weight import WEIGHTED
 
 
 @pytest.fixture(scope="module")

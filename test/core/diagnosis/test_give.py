@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from core.diagnosis.altered import with_angles
 from core.diagnosis.drawn import Urn
-from shoecal_core.diagnosis.effects.known import EFFECTS
-from shoecal_core.diagnosis.give import LEVER
-from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.selection import ranked, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import CLOSURE
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+from shoecal_core.error_sources.effects.known import EFFECTS
+from shoecal_core.error_sources.give import LEVER
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import CLOSURE
 
 FloatArray = NDArray[np.float64]
 SETTINGS = DiagnosisSettings()

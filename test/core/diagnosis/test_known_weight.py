@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from core.diagnosis.rewritten import resampled, rewritten
-from shoecal_core.diagnosis.known_weight import KNOWN_MASS, WEIGHTED
-from shoecal_core.diagnosis.sampling import load_samples
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
+from shoecal_core.samples.known_weight import KNOWN_MASS, WEIGHTED
+from shoecal_core.samples.sampling import load_samples
 
 
 def weighted_second(run: Run) -> Run:

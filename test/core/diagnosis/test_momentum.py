@@ -8,8 +8,8 @@ import pytest
 from numpy.typing import NDArray
 
 from core.model import robots
-from shoecal_core.diagnosis.momentum import angular_momentum, base_in_stance, standing_spin
 from shoecal_core.model.robot import GRAVITY, Robot
+from shoecal_core.samples.momentum import angular_momentum, base_in_stance, standing_spin
 
 FloatArray = NDArray[np.float64]
 TIME = np.arange(0.0, 2.0, 0.01)

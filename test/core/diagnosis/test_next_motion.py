@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from core.diagnosis import rivals
 from shoecal_core.diagnosis.candidates import WARM
-from shoecal_core.diagnosis.effects.contact import TURNED
 from shoecal_core.diagnosis.forecast import PossibleRun
 from shoecal_core.diagnosis.next_motion import (
     Fit,
@@ -22,6 +21,7 @@ from shoecal_core.diagnosis.next_motion import (
 )
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.effects.contact import TURNED
 
 FloatArray = NDArray[np.float64]
 SETTINGS = DiagnosisSettings()

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.diagnosis.altered import bearing, with_readings
-from shoecal_core.diagnosis.effects.known import EFFECTS
-from shoecal_core.diagnosis.samples import Track
-from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import COP, SIGNALS
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+from shoecal_core.error_sources.effects.known import EFFECTS
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import COP, SIGNALS
+from shoecal_core.samples.samples import Track
 
 FloatArray = NDArray[np.float64]
 SETTINGS = DiagnosisSettings()

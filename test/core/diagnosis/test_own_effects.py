@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from core.diagnosis.drawn import Urn, part
-from shoecal_core.diagnosis.effects.known import effects_from
 from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.selection import select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+from shoecal_core.error_sources.effects.known import effects_from
 from shoecal_core.errors import FileError, FileMissingError, FileSyntaxError
 
 OWN = '''
@@ -20,7 +20,7 @@ OWN = '''
 
 import numpy as np
 
-from shoecal_core.diagnosis.effects.base import Component, Shape
+from shoecal_core.error_sources.base import Component, Shape
 
 
 class Pulled:

@@ -13,14 +13,14 @@ import pytest
 from core.diagnosis.drawn import part
 from shoecal_core import cli
 from shoecal_core.diagnosis.baseline import first_parameters
-from shoecal_core.diagnosis.effects.known import EFFECTS
 from shoecal_core.diagnosis.result import Size
-from shoecal_core.diagnosis.sampling import load_samples
-from shoecal_core.diagnosis.scene import make_scene
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.sizes import sizes
 from shoecal_core.diagnosis.workspace import make_workspace
+from shoecal_core.error_sources.effects.known import EFFECTS
+from shoecal_core.error_sources.scene import make_scene
 from shoecal_core.recording.session import Session
+from shoecal_core.samples.sampling import load_samples
 
 WORLDS = {
     "feet": """

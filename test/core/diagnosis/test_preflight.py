@@ -14,9 +14,9 @@ from shoecal_core.diagnosis.preflight import (
     typical_sizes,
     unexplained,
 )
-from shoecal_core.diagnosis.regression import solve
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.regression import solve
 
 SETTINGS = DiagnosisSettings()
 CELLS = ("front_left", "front_right", "rear_left", "rear_right")

@@ -7,9 +7,9 @@ import pytest
 from numpy.typing import NDArray
 
 from core.diagnosis.drawn import correlated
-from shoecal_core.diagnosis.regression import Noise, Sums, Whitening, solve
-from shoecal_core.diagnosis.signals import SIGNALS
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.regression import Noise, Sums, Whitening, solve
+from shoecal_core.error_sources.signals import SIGNALS
 
 FloatArray = NDArray[np.float64]
 RUNS, ROWS, BASE, MORE = 5, 40, 3, 4

@@ -11,11 +11,11 @@ import pytest
 from core.diagnosis.rewritten import rewritten
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.diagnose import Wanted, diagnose
-from shoecal_core.diagnosis.effects.geometry import SwappedCells
 from shoecal_core.diagnosis.rewiring import rewired
-from shoecal_core.diagnosis.scene import make_scene
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+from shoecal_core.error_sources.effects.geometry import SwappedCells
+from shoecal_core.error_sources.scene import make_scene
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 

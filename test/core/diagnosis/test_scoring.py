@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.stats import multivariate_normal
 
 from core.diagnosis.test_regression import BASE, ROWS, RUNS, dense
-from shoecal_core.diagnosis.effects.base import Shape
-from shoecal_core.diagnosis.effects.contact import FloorTilt
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
 from shoecal_core.diagnosis.scoring import Reduced, Scorer
+from shoecal_core.error_sources.base import Shape
+from shoecal_core.error_sources.effects.contact import FloorTilt
 
 FloatArray = NDArray[np.float64]
 STD = np.array([0.5, 2.0])

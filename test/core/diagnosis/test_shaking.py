@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from core.diagnosis.altered import FloatArray, with_forces
-from shoecal_core.diagnosis.samples import Track
-from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.shaking import shaking
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.samples.samples import Track
 
 
 def struck(scene: Scene, every: int) -> Scene:

@@ -9,9 +9,9 @@ import pytest
 import yaml
 
 from shoecal_core.diagnosis.diagnose import diagnose
-from shoecal_core.diagnosis.effects import places
 from shoecal_core.diagnosis.result import Diagnosis
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.error_sources.effects import places
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.session import ROBOT, SHOE, URDF, Session
 from shoecal_core.sensing.shoe import FEET, load_shoe

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.steps import EDGE, ONSETS, step_of, step_times
+from shoecal_core.error_sources.steps import EDGE, ONSETS, step_of, step_times
 
 FloatArray = NDArray[np.float64]
 

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from core.diagnosis.rewritten import rewritten
 from shoecal_core.diagnosis.diagnose import Wanted, diagnose
-from shoecal_core.diagnosis.effects.load_cell import StuckCell
-from shoecal_core.diagnosis.samples import Samples
 from shoecal_core.diagnosis.stopped import stopped
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.effects.load_cell import StuckCell
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
+from shoecal_core.samples.samples import Samples
 
 FloatArray = NDArray[np.float64]
 STUCK = (StuckCell(),)

@@ -7,11 +7,11 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from core.model import robots
-from shoecal_core.calibration.aligned import Aligned
-from shoecal_core.calibration.walking import in_world
-from shoecal_core.diagnosis.walking_samples import pieces, spin
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.recording.run import PoseSamples
+from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.walking import in_world
+from shoecal_core.samples.walking_samples import pieces, spin
 
 FloatArray = NDArray[np.float64]
 TIME = np.arange(0.0, 2.0, 0.01)

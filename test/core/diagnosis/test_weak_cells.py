@@ -10,12 +10,12 @@ import pytest
 
 from shoecal_core.diagnosis.answer import answer
 from shoecal_core.diagnosis.baseline import first_parameters
-from shoecal_core.diagnosis.effects.base import Place
-from shoecal_core.diagnosis.scene import make_scene
 from shoecal_core.diagnosis.selection import Found
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.weak_cells import weak_cells
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+from shoecal_core.error_sources.base import Place
+from shoecal_core.error_sources.scene import make_scene
 
 SETTINGS = DiagnosisSettings()
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from core.diagnosis.drawn import Urn, hypothesis
-from shoecal_core.diagnosis.signals import CLOSURE, COP
 from shoecal_core.diagnosis.where import where
+from shoecal_core.error_sources.signals import CLOSURE, COP
 
 
 def test_shares_add_up_and_the_largest_comes_first(urn: Urn) -> None:

@@ -20,7 +20,6 @@ from shoecal_core.calibration.fit import SelfCalibration, self_calibrate
 from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
 from shoecal_core.calibration.uncertainty import estimate_uncertainty
 from shoecal_core.model.double_support import DoubleSupport
@@ -31,6 +30,7 @@ from shoecal_core.planning.supports.observability import relative_information
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.error_sources import error_sources
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters

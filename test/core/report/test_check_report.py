@@ -11,7 +11,6 @@ import pytest
 from core.report.pages import read
 from core.report.sessions import swaying_session
 from shoecal_core import cli
-from shoecal_core.calibration.aligned import align
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.screening.result import LeftOut, Screening
 from shoecal_core.model.kinematics import Kinematics
@@ -20,6 +19,7 @@ from shoecal_core.recording.session import Session
 from shoecal_core.report.check_content import CheckReport
 from shoecal_core.report.check_report import check_page, check_report
 from shoecal_core.report.html import key_columns, render
+from shoecal_core.samples.aligned import align
 
 HOSTILE = "<script>alert(1)</script>"
 

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.refinement.unknowns import ALL, Unknown
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.model.sensitivity import BodySensitivity, SensitiveBody
+from shoecal_core.samples.stance import Stance
 
 FloatArray = NDArray[np.float64]
 

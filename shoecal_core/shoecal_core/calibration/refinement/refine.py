@@ -22,7 +22,7 @@ from shoecal_core.calibration.refinement.reference import Reference, extra_force
 from shoecal_core.calibration.refinement.unknowns import MEASURING, Unknown, column_change
 from shoecal_core.calibration.residuals import Normal, Weights, hanging_weights
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, to_left, weight_below
 

@@ -20,10 +20,10 @@ from shoecal_core.calibration.refinement.unknowns import (
     with_found,
 )
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import Stance
 from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import Robot
+from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 
 COP_STD_M = 0.0005

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.screening.noise import noise, resolution
+from shoecal_core.samples.aligned import Aligned
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import columns_in_left, combined, weight_below
 

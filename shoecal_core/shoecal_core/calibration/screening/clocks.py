@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from shoecal_core.calibration.aligned import MIN_SAMPLES, Aligned, align
 from shoecal_core.calibration.screening.blocks import blocks
 from shoecal_core.calibration.screening.noise import spread
 from shoecal_core.calibration.screening.rough_fit import equations, prior, reweighed, solve
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.run import Run
+from shoecal_core.samples.aligned import MIN_SAMPLES, Aligned, align
 from shoecal_core.sensing.sensing import MINIMUM_FORCE
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import cop

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
-from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.model.kinematics import BodyStates
+from shoecal_core.samples.aligned import Aligned
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

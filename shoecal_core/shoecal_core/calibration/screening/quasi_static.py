@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import savgol_coeffs, savgol_filter
 
-from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.screening.noise import spread
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.model.robot import GRAVITY
+from shoecal_core.samples.aligned import Aligned
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

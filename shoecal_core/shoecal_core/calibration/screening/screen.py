@@ -10,7 +10,6 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.checks import Finding, check_time_offset
 from shoecal_core.calibration.screening import findings as words
 from shoecal_core.calibration.screening.blocks import blocks
@@ -23,6 +22,7 @@ from shoecal_core.calibration.screening.unresponsive import dead, stuck
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.unloading import aloft
 from shoecal_core.recording.run import Run
+from shoecal_core.samples.aligned import Aligned
 from shoecal_core.sensing.shoe import Shoe
 
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.screening import findings as words
 from shoecal_core.calibration.screening.blocks import Blocks, blocks
 from shoecal_core.calibration.screening.closure import Feet, Slipped, feet, lifted, slips
@@ -30,6 +29,7 @@ from shoecal_core.calibration.screening.weights import wrong_weights
 from shoecal_core.calibration.screening.wiring import check_wiring
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.unloading import Aloft
+from shoecal_core.samples.aligned import Aligned
 from shoecal_core.sensing.sensing import MINIMUM_FORCE
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, cop, foot_wrenches

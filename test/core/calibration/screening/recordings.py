@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from core.calibration import synthetic
 from core.sensing import shoes
-from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import BodyStates
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.run import JointSamples, Readings, Run
+from shoecal_core.samples.aligned import Aligned
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, at_cop, combined, cop, weight_below
 

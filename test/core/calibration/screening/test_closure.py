@@ -10,8 +10,8 @@ import pytest
 from numpy.typing import NDArray
 
 from core.calibration.screening.recordings import Recording, recording, turned
-from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.screening.closure import Slipped, feet, lifted, slips
+from shoecal_core.samples.aligned import Aligned
 
 FloatArray = NDArray[np.float64]
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from core.calibration.screening.recordings import HEIGHT, SETTINGS, recording
-from shoecal_core.calibration.aligned import Aligned
 from shoecal_core.calibration.screening.quasi_static import too_fast, zmp_shift
 from shoecal_core.model.robot import GRAVITY
+from shoecal_core.samples.aligned import Aligned
 
 
 def swaying(amplitude: float, pace: float, noise: float = 0.0) -> Aligned:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from core.diagnosis.altered import calm
-from shoecal_core.diagnosis.scene import Scene
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.scene import Scene
 
 
 @pytest.fixture(scope="session")

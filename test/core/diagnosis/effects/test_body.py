@@ -10,17 +10,17 @@ from numpy.typing import NDArray
 
 from core.diagnosis.altered import body_states, heavier, shifted, with_angles, with_robot
 from core.diagnosis.shows import assert_shows, shape, told
-from shoecal_core.diagnosis.body import driven_together
-from shoecal_core.diagnosis.effects.body import (
+from shoecal_core.error_sources.body import driven_together
+from shoecal_core.error_sources.effects.body import (
     Backlash,
     JointCompliance,
     JointOffset,
     LinkCom,
     Payload,
 )
-from shoecal_core.diagnosis.effects.dynamics import Inertia
-from shoecal_core.diagnosis.scene import Scene
-from shoecal_core.diagnosis.signals import COP
+from shoecal_core.error_sources.effects.dynamics import Inertia
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import COP
 from shoecal_core.model.robot import GRAVITY
 
 FloatArray = NDArray[np.float64]

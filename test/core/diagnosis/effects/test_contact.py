@@ -18,12 +18,12 @@ from core.diagnosis.altered import (
     with_robot,
 )
 from core.diagnosis.shows import assert_shows, shape, told
-from shoecal_core.diagnosis import body
-from shoecal_core.diagnosis.effects.contact import FloorTilt, FootPlacement, Slip, SoftGround
-from shoecal_core.diagnosis.samples import Samples
-from shoecal_core.diagnosis.scene import Scene
-from shoecal_core.diagnosis.signals import CLOSURE, COP
+from shoecal_core.error_sources import body
+from shoecal_core.error_sources.effects.contact import FloorTilt, FootPlacement, Slip, SoftGround
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import CLOSURE, COP
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.samples.samples import Samples
 from shoecal_core.sensing.shoe import FEET
 from shoecal_core.sensing.wrench import to_left
 

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from core.diagnosis.altered import with_forces
 from core.diagnosis.shows import assert_shows, shape, told
-from shoecal_core.diagnosis.effects.geometry import (
+from shoecal_core.error_sources.effects.geometry import (
     CellPosition,
     Crosstalk,
     OffAxisLoad,
     SwappedCells,
     sideways,
 )
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources.scene import Scene
 
 FloatArray = NDArray[np.float64]
 

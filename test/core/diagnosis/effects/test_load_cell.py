@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from core.diagnosis.altered import Work, with_forces
 from core.diagnosis.shows import assert_shows, shape, told
-from shoecal_core.diagnosis.effects import load_cell
-from shoecal_core.diagnosis.effects.places import channels_at
-from shoecal_core.diagnosis.samples import Track
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources.effects import load_cell
+from shoecal_core.error_sources.effects.places import channels_at
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.samples.samples import Track
 from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from core.diagnosis.altered import with_forces
 from core.diagnosis.shows import assert_shows, shape, told
-from shoecal_core.diagnosis.effects.places import all_channels_at
-from shoecal_core.diagnosis.effects.timing import Latency, LowPass
-from shoecal_core.diagnosis.samples import Track
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources.effects.places import all_channels_at
+from shoecal_core.error_sources.effects.timing import Latency, LowPass
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.samples.samples import Track
 
 FloatArray = NDArray[np.float64]
 PLACES = ("left", "right", "all")

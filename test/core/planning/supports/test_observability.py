@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from core.planning.bodies import Body
 from shoecal_core.calibration.residuals import Weights, normal_equations, pack
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.stance import make_stance
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.observability import (
@@ -24,6 +23,7 @@ from shoecal_core.planning.supports.observability import (
     uncertainties,
     uneven_share,
 )
+from shoecal_core.samples.stance import make_stance
 from shoecal_core.sensing.load_cases import double_support_outputs
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from shoecal_core.diagnosis.samples import Samples
 from shoecal_core.errors import ShoecalError
+from shoecal_core.samples.samples import Samples
 
 MOVES_M = 0.003
 """Way of the CoM below which a robot stands still; encoders' steps make less."""

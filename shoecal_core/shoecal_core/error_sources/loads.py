@@ -8,11 +8,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis import body
-from shoecal_core.diagnosis.filters import play
-from shoecal_core.diagnosis.samples import Samples, Track
-from shoecal_core.diagnosis.wiring import Wiring
+from shoecal_core.error_sources import body
+from shoecal_core.error_sources.wiring import Wiring
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.samples.filters import play
+from shoecal_core.samples.samples import Samples, Track
 from shoecal_core.sensing.wrench import ChannelParameters, combined, weight_below
 
 FloatArray = NDArray[np.float64]

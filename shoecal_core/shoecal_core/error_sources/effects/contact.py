@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.effects import places
-from shoecal_core.diagnosis.effects.base import ALL, Component, Place, Shape
-from shoecal_core.diagnosis.scene import Scene
-from shoecal_core.diagnosis.signals import CLOSURE, COP, ROLL_PITCH
-from shoecal_core.diagnosis.steps import step_times
+from shoecal_core.error_sources.base import ALL, Component, Place, Shape
+from shoecal_core.error_sources.effects import places
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import CLOSURE, COP, ROLL_PITCH
+from shoecal_core.error_sources.steps import step_times
 from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]

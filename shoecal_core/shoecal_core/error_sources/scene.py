@@ -8,13 +8,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis import body
-from shoecal_core.diagnosis.give import Give
-from shoecal_core.diagnosis.planes import cell_planes
-from shoecal_core.diagnosis.responses import Responses
-from shoecal_core.diagnosis.samples import Samples
-from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import (
+from shoecal_core.error_sources import body
+from shoecal_core.error_sources.give import Give
+from shoecal_core.error_sources.planes import cell_planes
+from shoecal_core.error_sources.responses import Responses
+from shoecal_core.error_sources.settings import SignalSettings
+from shoecal_core.error_sources.signals import (
     AIR,
     CLOSURE,
     COP,
@@ -26,7 +25,8 @@ from shoecal_core.diagnosis.signals import (
     SIGNALS,
     TILT,
 )
-from shoecal_core.diagnosis.wiring import Wiring
+from shoecal_core.error_sources.wiring import Wiring
+from shoecal_core.samples.samples import Samples
 from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
@@ -158,7 +158,7 @@ class Scene(Responses):
         """Without values (T, s) that nothing explains, and those left out before."""
         return replace(self, outliers=self.outliers | outliers)
 
-    def with_planes(self, settings: DiagnosisSettings) -> Scene:
+    def with_planes(self, settings: SignalSettings) -> Scene:
         """With the planes of the cells as the outputs now show them."""
         return replace(self, planes=cell_planes(self.samples, self.parameters, settings))
 
@@ -166,7 +166,7 @@ class Scene(Responses):
 def make_scene(
     samples: Samples,
     parameters: ChannelParameters,
-    settings: DiagnosisSettings,
+    settings: SignalSettings,
     without: frozenset[str] = frozenset(),
 ) -> Scene:
     """The scene under first parameters; planes are found from the readings."""

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.body import driven_together
-from shoecal_core.diagnosis.effects import places
-from shoecal_core.diagnosis.effects.base import Component, Place, Shape
-from shoecal_core.diagnosis.give import Given
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources.base import Component, Place, Shape
+from shoecal_core.error_sources.body import driven_together
+from shoecal_core.error_sources.effects import places
+from shoecal_core.error_sources.give import Given
+from shoecal_core.error_sources.scene import Scene
 
 FloatArray = NDArray[np.float64]
 LEAST_MASS = 0.01

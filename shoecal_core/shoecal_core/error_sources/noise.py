@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.regression import Noise
-from shoecal_core.diagnosis.samples import Samples
-from shoecal_core.diagnosis.scene import Scene
-from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
+from shoecal_core.error_sources.regression import Noise
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.settings import SignalSettings
+from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
+from shoecal_core.samples.samples import Samples
 
 FloatArray = NDArray[np.float64]
 MOST_KEEP = 0.97
@@ -42,7 +42,7 @@ def least_noise(scene: Scene) -> FloatArray:
     return least
 
 
-def with_model_error(scene: Scene, noise: Noise, settings: DiagnosisSettings) -> Noise:
+def with_model_error(scene: Scene, noise: Noise, settings: SignalSettings) -> Noise:
     """With what no model tells: soles that give, legs that brace each other, links that bend.
 
     As large as if each sole leant by `model_error_rad`, and alike for `model_error_s`: however
@@ -56,7 +56,7 @@ def with_model_error(scene: Scene, noise: Noise, settings: DiagnosisSettings) ->
     return Noise(std, (noise.std**2 * noise.keep + error**2 * keep) / std**2)
 
 
-def model_error(scene: Scene, settings: DiagnosisSettings) -> FloatArray:
+def model_error(scene: Scene, settings: SignalSettings) -> FloatArray:
     """(s,) what each signal is off when soles lean by `model_error_rad`."""
     lean = settings.model_error_rad
     height = float(np.median(scene.samples.states.com[:, 0, 2]))
@@ -71,7 +71,7 @@ def model_error(scene: Scene, settings: DiagnosisSettings) -> FloatArray:
     return error
 
 
-def quiet(scene: Scene, settings: DiagnosisSettings) -> FloatArray:
+def quiet(scene: Scene, settings: SignalSettings) -> FloatArray:
     """(s,) noise that a robot without a fault has at most: of sensors, and of any model.
 
     What is more may be an effect that nothing known explains: it must not raise the floor that

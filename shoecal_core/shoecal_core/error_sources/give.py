@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 
-from shoecal_core.diagnosis.samples import Samples
-from shoecal_core.diagnosis.signals import FLAT_OF_CLOSURE
+from shoecal_core.error_sources.signals import FLAT_OF_CLOSURE
+from shoecal_core.samples.samples import Samples
 
 FloatArray = NDArray[np.float64]
 

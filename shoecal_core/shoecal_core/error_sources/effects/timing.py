@@ -7,12 +7,12 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.effects import places
-from shoecal_core.diagnosis.effects.base import Component, Place, Shape
-from shoecal_core.diagnosis.effects.load_cell import shown
-from shoecal_core.diagnosis.filters import slope
-from shoecal_core.diagnosis.samples import Track
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources.base import Component, Place, Shape
+from shoecal_core.error_sources.effects import places
+from shoecal_core.error_sources.effects.load_cell import shown
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.samples.filters import slope
+from shoecal_core.samples.samples import Track
 
 FloatArray = NDArray[np.float64]
 TYPICAL_LAG = 0.1

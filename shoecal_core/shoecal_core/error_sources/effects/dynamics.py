@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from shoecal_core.diagnosis.effects.base import Component, Place, Shape
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources.base import Component, Place, Shape
+from shoecal_core.error_sources.scene import Scene
 
 
 class Inertia:

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.scene import Scene
-from shoecal_core.diagnosis.signals import CLOSURE
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import CLOSURE
 
 FloatArray = NDArray[np.float64]
 BEFORE_S, AWAY_S = 1.5, 0.4

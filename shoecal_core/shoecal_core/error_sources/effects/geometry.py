@@ -9,12 +9,12 @@ from itertools import combinations, permutations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.effects import places
-from shoecal_core.diagnosis.effects.base import Component, Place, Shape
-from shoecal_core.diagnosis.effects.load_cell import shown
-from shoecal_core.diagnosis.scene import Scene
-from shoecal_core.diagnosis.signals import AIR
-from shoecal_core.diagnosis.wiring import Wiring
+from shoecal_core.error_sources.base import Component, Place, Shape
+from shoecal_core.error_sources.effects import places
+from shoecal_core.error_sources.effects.load_cell import shown
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import AIR
+from shoecal_core.error_sources.wiring import Wiring
 from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.samples import Samples
+from shoecal_core.samples.samples import Samples
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

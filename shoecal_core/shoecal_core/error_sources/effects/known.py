@@ -5,7 +5,8 @@ from __future__ import annotations
 import importlib.util
 from pathlib import Path
 
-from shoecal_core.diagnosis.effects import (
+from shoecal_core.error_sources.base import Effect
+from shoecal_core.error_sources.effects import (
     body,
     contact,
     dynamics,
@@ -13,7 +14,6 @@ from shoecal_core.diagnosis.effects import (
     load_cell,
     timing,
 )
-from shoecal_core.diagnosis.effects.base import Effect
 from shoecal_core.errors import FieldError, FileSyntaxError
 from shoecal_core.files import open_file
 
@@ -72,6 +72,6 @@ def effects_from(path: Path) -> tuple[Effect, ...]:
             raise FieldError(
                 path,
                 f"{effect!r} in EFFECTS is no effect: it lacks {', '.join(lacking)}; "
-                "see shoecal_core.diagnosis.effects.base.Effect",
+                "see shoecal_core.error_sources.base.Effect",
             )
     return tuple(effects)

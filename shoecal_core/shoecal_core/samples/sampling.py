@@ -9,15 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from shoecal_core.calibration.aligned import Aligned, align
-from shoecal_core.diagnosis.clocks import check_clocks
-from shoecal_core.diagnosis.known_weight import carried, with_mass
-from shoecal_core.diagnosis.missing import missing
-from shoecal_core.diagnosis.momentum import standing_spin
-from shoecal_core.diagnosis.samples import Samples, Track
-from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.side_channels import efforts, temperature, upwards
-from shoecal_core.diagnosis.walking_samples import Walk, find_walk, pieces
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import GRAVITY, Robot
@@ -25,6 +16,15 @@ from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
+from shoecal_core.samples.aligned import Aligned, align
+from shoecal_core.samples.clocks import check_clocks
+from shoecal_core.samples.known_weight import carried, with_mass
+from shoecal_core.samples.missing import missing
+from shoecal_core.samples.momentum import standing_spin
+from shoecal_core.samples.samples import Samples, Track
+from shoecal_core.samples.settings import SampleSettings
+from shoecal_core.samples.side_channels import efforts, temperature, upwards
+from shoecal_core.samples.walking_samples import Walk, find_walk, pieces
 from shoecal_core.sensing.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
@@ -41,7 +41,7 @@ LEAST_FILLED = 0.5
 def load_samples(
     session: Session,
     runs: Sequence[int],
-    settings: DiagnosisSettings,
+    settings: SampleSettings,
     progress: Callable[[str, float], None] | None = None,
 ) -> Samples:
     """Read runs and make samples of them.
@@ -76,7 +76,7 @@ def _parts(
     read: Sequence[tuple[Run, Aligned]],
     robot: Robot,
     shoe: Shoe,
-    settings: DiagnosisSettings,
+    settings: SampleSettings,
     notes: list[str],
 ) -> list[_Part]:
     """Samples of each run that has any; of the others it is noted why not."""
@@ -171,7 +171,7 @@ def _part(
     aligned: Aligned,
     robot: Robot,
     shoe: Shoe,
-    settings: DiagnosisSettings,
+    settings: SampleSettings,
     rate: float,
     at: int,
     segments: int,
@@ -246,7 +246,7 @@ def _averaged(values: FloatArray, width: int) -> FloatArray:
 
 
 def _stances(
-    aligned: Aligned, robot: Robot, settings: DiagnosisSettings
+    aligned: Aligned, robot: Robot, settings: SampleSettings
 ) -> tuple[IntArray, BoolArray]:
     """Number of the stance of each sample, -1 between two; and which feet carry each stance."""
     states, time = aligned.states, aligned.time

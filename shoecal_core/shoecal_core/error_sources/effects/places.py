@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.effects.base import ALL, Place
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources.base import ALL, Place
+from shoecal_core.error_sources.scene import Scene
 from shoecal_core.sensing.shoe import FEET, Shoe
 
 IntArray = NDArray[np.int64]

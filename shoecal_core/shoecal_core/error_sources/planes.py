@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.samples import Samples
-from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.error_sources.settings import SignalSettings
+from shoecal_core.samples.samples import Samples
 from shoecal_core.sensing.shoe import FEET
 from shoecal_core.sensing.wrench import ChannelParameters
 
@@ -15,7 +15,7 @@ BoolArray = NDArray[np.bool_]
 
 
 def cell_planes(
-    samples: Samples, parameters: ChannelParameters, settings: DiagnosisSettings
+    samples: Samples, parameters: ChannelParameters, settings: SignalSettings
 ) -> FloatArray:
     """(2, n) direction in which the outputs of a foot's four cells hardly vary.
 

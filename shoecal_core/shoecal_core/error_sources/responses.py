@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis import body
-from shoecal_core.diagnosis.loads import Loads
-from shoecal_core.diagnosis.signals import (
+from shoecal_core.error_sources import body
+from shoecal_core.error_sources.loads import Loads
+from shoecal_core.error_sources.signals import (
     AIR,
     CLOSURE,
     COP,

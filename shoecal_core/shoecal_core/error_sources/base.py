@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources.scene import Scene
 
 FloatArray = NDArray[np.float64]
 ALL = "all"

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.effects import places
-from shoecal_core.diagnosis.effects.base import Component, Place, Shape
-from shoecal_core.diagnosis.filters import low_passed
-from shoecal_core.diagnosis.samples import Track
-from shoecal_core.diagnosis.scene import Scene
+from shoecal_core.error_sources.base import Component, Place, Shape
+from shoecal_core.error_sources.effects import places
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.samples.filters import low_passed
+from shoecal_core.samples.samples import Track
 from shoecal_core.sensing.wrench import weight_below
 
 FloatArray = NDArray[np.float64]

@@ -17,12 +17,12 @@ from scipy.ndimage import binary_erosion, label
 from scipy.signal import savgol_filter
 from scipy.spatial.transform import Rotation, Slerp
 
-from shoecal_core.calibration.aligned import Aligned
-from shoecal_core.calibration.stance import Stance, make_stance
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.recording.run import PoseSamples
+from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.sensing.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]

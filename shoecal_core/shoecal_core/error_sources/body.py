@@ -8,10 +8,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.momentum import base_in_stance
-from shoecal_core.diagnosis.samples import Samples
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.model.robot import Robot
+from shoecal_core.samples.momentum import base_in_stance
+from shoecal_core.samples.samples import Samples
 
 FloatArray = NDArray[np.float64]
 _STEP = 1e-5
