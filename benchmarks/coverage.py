@@ -25,9 +25,9 @@ from pages import table, write_trust
 from population import Member, different_robots, one_robot, sessions
 from shoecal_core.calibration.assessment import NORMAL_95
 from shoecal_core.calibration.evaluate import truth_series
-from shoecal_core.calibration.expected import ErrorModel
 from shoecal_core.calibration.pipeline import calibrate_session
-from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
+from shoecal_core.error_sources.tolerances import ModelTolerances, Tolerances
+from shoecal_core.estimation.expected import ErrorModel
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
 from shoecal_core.sensing.sensing import Sensing

@@ -35,11 +35,11 @@ import bench_json
 import pages
 from population import OUT, different_robots, sessions
 from shoecal_core.calibration.fit import fit_parameters, prior_of
-from shoecal_core.calibration.initial_guess import InitialGuess, initial_guess
 from shoecal_core.calibration.least_squares import Fit, Prior
 from shoecal_core.calibration.pipeline import load_data
 from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.estimation.initial_guess import InitialGuess, initial_guess
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 

@@ -20,7 +20,7 @@ from matplotlib.patches import Arc
 
 from shoecal_core.calibration.pipeline import calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import Tolerances
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.files import atomic_write
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot_file import load_robot, shoe_file_of

@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.evaluate import errors, measured_series, modelled_series
 from shoecal_core.calibration.fit import fit_parameters
-from shoecal_core.calibration.initial_guess import initial_guess
 from shoecal_core.calibration.pipeline import load_data, split_runs
 from shoecal_core.calibration.residuals import unpack
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.sensing import Sensing

@@ -20,8 +20,8 @@ from rich.console import Console
 from shoecal_msgs.action import Calibrate
 
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.commands.progress import shown_progress
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, read_bytes, write_yaml
 from shoecal_core.recording.session import Session

@@ -8,12 +8,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.expected import ErrorModel, Spread
 from shoecal_core.calibration.fit import SelfCalibration
 from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
-from shoecal_core.calibration.uncertainty import Uncertainty, estimate_uncertainty
+from shoecal_core.calibration.uncertainty import walking_covariance
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation.budget import Budget, budget
+from shoecal_core.estimation.expected import ErrorModel, Spread
+from shoecal_core.estimation.joint_fit import JointFit
+from shoecal_core.estimation.support_error import support_covariance
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.forecast import Addition, Forecast, best_additions, forecast
@@ -36,8 +39,10 @@ class Assessment:
     """What is known of a calibration's n channels besides their numbers.
 
     Attributes:
-        uncertainty: of gains, offsets and time offset.
+        covariance: (2n + 1,) squared, of gains, offsets and time offset.
+        error_model: of the expected errors at any load.
         both, left, right: expected errors over the sensing polygons: see `ErrorModel`.
+        budget: where they come from; None for a walk, whose model errors are not known.
         told: what the data told by themselves: rank, singular values, weak directions.
         additions: double supports that would fix weak directions best; none where none is weak.
         seen_std: (2n,) of gains and offsets without the patterns that no data show, as they
@@ -45,10 +50,12 @@ class Assessment:
         load_range: (2, n) lowest and highest output that each channel was fitted at [N or N m].
     """
 
-    uncertainty: Uncertainty
+    covariance: FloatArray
+    error_model: ErrorModel
     both: Spread
     left: Spread
     right: Spread
+    budget: Budget | None
     told: Forecast
     additions: tuple[Addition, ...]
     seen_std: FloatArray
@@ -66,7 +73,7 @@ class Assessment:
 
     def interval(self) -> FloatArray:
         """(2n + 1,) half 95 % intervals: gains and offsets as `seen_std`, time offset."""
-        time_offset_std = np.sqrt(self.uncertainty.covariance[-1, -1])
+        time_offset_std = np.sqrt(self.covariance[-1, -1])
         return NORMAL_95 * np.append(self.seen_std, time_offset_std)
 
     def to_json(self, shoe: Shoe) -> dict[str, object]:
@@ -91,31 +98,46 @@ class Assessment:
             "weak_directions": [weak.words for weak in told.weak],
             "supports_to_add": [addition.to_json() for addition in self.additions],
             "load_range_n": dict(zip(shoe.names, self.load_range.T.tolist(), strict=True)),
+            "budget": [] if self.budget is None else self.budget.to_json(),
         }
 
 
 def assess(
     robot: Robot,
     stages: SelfCalibration,
+    joint: JointFit | None,
     stances: Sequence[Stance],
     settings: CalibrationSettings,
     tolerances: Tolerances,
 ) -> Assessment:
-    """What a fit's data told.
+    """What a fit's data showed.
 
     Args:
         robot: that moved.
         stages: the self-calibration.
+        joint: its joint fit; None for a walk.
         stances: it was fitted to.
         settings: its weights.
         tolerances: of robot and shoes.
     """
     shoe, parameters = stages.shoe, stages.parameters
     count = len(shoe.names)
-    model = ModelTolerances(robot, shoe, tolerances)
-    weights = Weights.of(settings)
-    uncertainty = estimate_uncertainty(stages.fit, stances, weights, model)
-    both, left, right = ErrorModel(parameters, uncertainty, model).over_polygons()
+    if joint is None:
+        covariance = walking_covariance(stages.fit, stances, Weights.of(settings))
+        measuring, shoe_columns = covariance[:-1, :-1], list[FloatArray]()
+    else:
+        covariance = joint.covariance[: 2 * count + 1, : 2 * count + 1]
+        measuring, shoe_columns = joint.measuring
+    errors = ErrorModel.of(
+        robot,
+        shoe,
+        parameters,
+        measuring,
+        shoe_columns,
+        support_covariance(joint, tolerances),
+        tolerances,
+    )
+    both, left, right = errors.over_polygons()
     planning = PlannerSettings(fixed_below=settings.fixed_below)
     information = stages.fit.information[: 2 * count, : 2 * count]
     known = relative_information(robot, shoe, parameters, information)
@@ -127,27 +149,29 @@ def assess(
         for each in stances
     ]
     return Assessment(
-        uncertainty=uncertainty,
+        covariance=covariance,
+        error_model=errors,
         both=both,
         left=left,
         right=right,
+        budget=None if joint is None else budget(joint, errors, (both, left, right)),
         told=told,
         additions=tuple(missing),
-        seen_std=_seen_std(robot, stages, uncertainty, planning),
+        seen_std=_seen_std(robot, stages, covariance, planning),
         load_range=np.stack((np.min(ends, axis=(0, 1)), np.max(ends, axis=(0, 1)))),
     )
 
 
 def _seen_std(
-    robot: Robot, stages: SelfCalibration, uncertainty: Uncertainty, planning: PlannerSettings
+    robot: Robot, stages: SelfCalibration, covariance: FloatArray, planning: PlannerSettings
 ) -> FloatArray:
     """(2n,) of the parameters' part that some double supports could show."""
     shoe, supports = stages.shoe, planning.training_supports
     turn = from_relative(robot, shoe, stages.parameters)
     seen = observable(reference_information(robot, shoe, supports, planning))
     kept = turn @ seen @ seen.T @ np.linalg.inv(turn)
-    covariance = kept @ uncertainty.covariance[:-1, :-1] @ kept.T
-    std: FloatArray = np.sqrt(np.clip(np.diag(covariance), 0.0, None))
+    projected = kept @ covariance[:-1, :-1] @ kept.T
+    std: FloatArray = np.sqrt(np.clip(np.diag(projected), 0.0, None))
     return std
 
 

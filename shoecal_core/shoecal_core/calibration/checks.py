@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from shoecal_core.calibration.calibration import VERDICTS
-from shoecal_core.calibration.initial_guess import InitialGuess
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.planning.supports.forecast import Addition, Forecast
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.chunks import chunks
+from shoecal_core.estimation.chunks import chunks
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.correction import (
     POLYNOMIAL,

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.correction_fit import fit_corrections
-from shoecal_core.calibration.initial_guess import InitialGuess, initial_guess
 from shoecal_core.calibration.least_squares import Fit, Prior, minimise
 from shoecal_core.calibration.residuals import Problem, Weights, pack, unpack
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.estimation.initial_guess import InitialGuess, initial_guess
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.correction import CopCorrection
 from shoecal_core.sensing.sensing import Sensing

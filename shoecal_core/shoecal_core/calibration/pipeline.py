@@ -27,16 +27,16 @@ from shoecal_core.calibration.checks import (
 from shoecal_core.calibration.evaluate import Errors, errors, measured_series, modelled_series
 from shoecal_core.calibration.extract import stances_of
 from shoecal_core.calibration.fit import SelfCalibration, prior_of, self_calibrate
+from shoecal_core.calibration.joint import SAMPLING, corrected, joint_calibration, with_joint
 from shoecal_core.calibration.lagging import check_lags, lags
-from shoecal_core.calibration.refinement.found_effects import FoundEffects
-from shoecal_core.calibration.refinement.refined import Refined, refined
 from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.screening.clocks import LEFT_STD_S, put_together
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import Tolerances
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.files import sha256
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import Robot
@@ -44,6 +44,8 @@ from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.aligned import align
+from shoecal_core.samples.samples import Samples
+from shoecal_core.samples.sampling import make_samples
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
@@ -60,6 +62,7 @@ class SessionData:
     Attributes:
         robot, shoe: what it was recorded with.
         stances: by number of the run.
+        samples: means of all runs that stand; None where the robot walks, or without a screening.
         start_ns: stamp that each run's times count from [ns since the epoch].
         end_ns: stamp of the last sample of all [ns since the epoch].
         temperature: mean of what the device told [degC], NaN where it told none.
@@ -69,6 +72,7 @@ class SessionData:
     robot: Robot
     shoe: Shoe
     stances: dict[int, tuple[Stance, ...]]
+    samples: Samples | None
     start_ns: dict[int, int]
     end_ns: int
     temperature: float
@@ -77,18 +81,6 @@ class SessionData:
     def of(self, runs: Sequence[int]) -> list[Stance]:
         """Stances of some runs."""
         return [stance for run in runs for stance in self.stances[run]]
-
-    def corrected(self, refinement: Refined) -> SessionData:
-        """The same with the corrected shoe and reference."""
-        correct = refinement.refinement.correct
-        return replace(
-            self,
-            shoe=refinement.refinement.shoe,
-            stances={
-                run: tuple(correct(stance) for stance in stances)
-                for run, stances in self.stances.items()
-            },
-        )
 
 
 @dataclass(frozen=True)
@@ -103,7 +95,8 @@ class Outcome:
         train, test: numbers of the runs; those that were left out are in neither.
         modelled: errors against the model, by stage (`initial_guess`, `self_calibration`) and
             set (`train`, `test`); a set without runs is left out.
-        refined: what was allowed to be wrong, and is put right in `data`; None: nothing.
+        joint: the fit of gains and offsets with all that may be wrong, which is put right in
+            `data`; None for a walk.
     """
 
     calibration: Calibration
@@ -113,7 +106,7 @@ class Outcome:
     train: tuple[int, ...]
     test: tuple[int, ...]
     modelled: dict[str, dict[str, Errors]]
-    refined: Refined | None = None
+    joint: JointFit | None = None
 
     @property
     def screening(self) -> Screening:
@@ -144,6 +137,11 @@ def load_data(
     else:
         aligned, late = put_together(recorded, shoe, kinematics, settings)
         screening = screen(recorded, aligned, shoe, robot.weight, settings, late)
+    samples = None
+    standing = all(run.info.support is not None for run in recorded.values())
+    if settings is not None and standing and not screening.fails:
+        read = [(run, aligned[number]) for number, run in recorded.items()]
+        samples = make_samples(read, robot, shoe, kinematics, SAMPLING, screening.kept)
     temperatures = [run.readings.temperature for run in recorded.values()]
     told = [values[np.isfinite(values)] for values in temperatures]
     return SessionData(
@@ -153,6 +151,7 @@ def load_data(
             number: tuple(stances_of(run, aligned[number], shoe, kinematics, screening))
             for number, run in recorded.items()
         },
+        samples=samples,
         start_ns={number: run.start_ns for number, run in recorded.items()},
         end_ns=max(
             (run.start_ns + round(1e9 * float(run.readings.time[-1])) for run in recorded.values()),
@@ -201,7 +200,6 @@ def calibrate_session(
     *,
     source: str = "self",
     made_ns: int = 0,
-    effects: FoundEffects | None = None,
 ) -> Outcome:
     """Self-calibration from a recording (paper, section VI).
 
@@ -212,7 +210,6 @@ def calibrate_session(
         tolerances: of what the files of robot and shoes say.
         source: kept in the calibration.
         made_ns: time stamp of the calibration [ns since the epoch]; 0: that of the last run.
-        effects: found by a diagnosis: fitted too, with the tolerances; None: neither.
 
     Raises:
         ShoecalError: when no calibration can be had from the session at all. A calibration
@@ -228,13 +225,14 @@ def calibrate_session(
         raise SessionError(session.folder, "; ".join(finding.reason for finding in found))
     train, test = (tuple(run for run in runs if data.stances[run]) for runs in (train, test))
     _require_supports(session, data.of(train), found)
-    refinement = None
-    if effects is not None:
-        refinement = refined(data.robot, data.shoe, data.of(train), effects, settings, tolerances)
-        data, settings = data.corrected(refinement), refinement.settings
-        found += refinement.findings
+    stages = self_calibrate(data.shoe, data.of(train), _fitting(settings, data.screening))
+    joint = None
+    if data.samples is not None:
+        fitting = _fitting(settings, data.screening)
+        joint = joint_calibration(data.samples, train, stages, fitting, tolerances)
+        stages = with_joint(stages, joint)
+        data = replace(data, shoe=joint.shoe, stances=corrected(data.stances, joint))
     training, testing = data.of(train), data.of(test)
-    stages = self_calibrate(data.shoe, training, _fitting(settings, data.screening))
     guessed = Sensing(data.shoe, stages.guess.parameters)
     sets = {name: part for name, part in (("train", training), ("test", testing)) if part}
     modelled = {
@@ -242,11 +240,11 @@ def calibrate_session(
         for stage, sensing in (("initial_guess", guessed), ("self_calibration", stages.sensing))
     }
     found += _lagging(data, stages, training, settings)
-    assessment = assess(data.robot, stages, training, settings, tolerances)
+    assessment = assess(data.robot, stages, joint, training, settings, tolerances)
     verdict = _verdict(data, stages, modelled["self_calibration"], settings, found, assessment)
     return Outcome(
         calibration=replace(
-            _calibration(data, stages, assessment, verdict, source, made_ns, refinement),
+            _calibration(data, stages, assessment, verdict, source, made_ns),
             fitted_runs=tuple(sha256(entry.path) for entry in session.runs if entry.run in train),
         ),
         stages=stages,
@@ -255,7 +253,7 @@ def calibrate_session(
         train=train,
         test=test,
         modelled=modelled,
-        refined=refinement,
+        joint=joint,
     )
 
 
@@ -327,7 +325,6 @@ def _calibration(
     verdict: Verdict,
     source: str,
     made_ns: int,
-    refinement: Refined | None,
 ) -> Calibration:
     count = len(data.shoe.names)
     stamp = made_ns or data.end_ns
@@ -342,12 +339,12 @@ def _calibration(
         shoe_hash=data.shoe.digest,
         channels=data.shoe.names,
         parameters=stages.parameters,
-        covariance=assessment.uncertainty.covariance[: 2 * count, : 2 * count],
+        covariance=assessment.covariance[: 2 * count, : 2 * count],
         corrections=stages.corrections,
         weight=data.robot.weight,
         time_offset=data.screening.time_offset + stages.time_offset,
         temperature=data.temperature,
         verdict=verdict.verdict,
         reasons=verdict.reasons,
-        columns=None if refinement is None else data.shoe.columns,
+        columns=data.shoe.columns,
     )

@@ -15,9 +15,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.chunks import chunks
 from shoecal_core.calibration.moments import WrenchMoments, WrenchResiduals
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.estimation.chunks import chunks
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, weight_below

@@ -10,14 +10,17 @@ from shoecal_core.calibration.assessment import Assessment
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.commands.forecast_lines import weak_lines
 from shoecal_core.commands.tables import new_table
+from shoecal_core.estimation.budget import Budget
 from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]
+LISTED = 3
+"""Error sources that are named."""
 
 
 def expected_table(assessment: Assessment) -> Table:
     """Expected errors of GRF and CoP: one standard deviation over the sensing polygons."""
-    carried = bool(assessment.uncertainty.causes)
+    carried = assessment.budget is not None
     table = new_table("Expected errors" if carried else "Known part of the errors")
     table.add_column("", no_wrap=True)
     for name in ("GRF (N)", "CoP (mm)", "at worst (mm)"):
@@ -41,10 +44,12 @@ def trust_lines(assessment: Assessment, screening: Screening) -> list[str]:
     """What was fixed, what stays open, what was left out."""
     told = assessment.told
     lines = []
-    if not assessment.uncertainty.causes:
+    if assessment.budget is None:
         lines.append("the model's own errors come on top: for walking they are not known")
     possible = max(told.possible, told.rank)
     lines += [f"the data fixed {told.rank} of {possible} directions", *weak_lines(told)]
+    if assessment.budget is not None:
+        lines.append(f"largest sources of the expected CoP error: {budget_text(assessment.budget)}")
     count = sum(screening.samples.values())
     lost = sum(one.samples for one in screening.left_out)
     if lost:
@@ -54,6 +59,12 @@ def trust_lines(assessment: Assessment, screening: Screening) -> list[str]:
             + ", ".join(causes)
         )
     return lines
+
+
+def budget_text(budget: Budget) -> str:
+    """The largest sources of the CoP error of both feet, with their shares."""
+    largest = sorted(budget.sources, key=lambda one: float(one.share[0]), reverse=True)[:LISTED]
+    return ", ".join(f"{one.effect} {one.share[0]:.0%}" for one in largest)
 
 
 def _rms(values: FloatArray) -> float:

@@ -11,17 +11,16 @@ from rich.console import Console
 
 from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.calibration.checks import tell_reasons
-from shoecal_core.calibration.initial_guess import InitialGuess
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
-from shoecal_core.calibration.refinement.found_effects import load_found_effects
-from shoecal_core.calibration.refinement.unknowns import MEASURING
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.commands.arguments import add_force, add_sets, require_folder
 from shoecal_core.commands.assessment_table import expected_table, trust_lines
 from shoecal_core.commands.screening_table import screening_table
 from shoecal_core.commands.tables import errors_table, new_table, reason_lines, stages_rows
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.initial_guess import InitialGuess
+from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.recording.session import Session
 from shoecal_core.report.calibration_content import channel_units
 from shoecal_core.report.quantities import uncertain
@@ -29,7 +28,7 @@ from shoecal_core.report.session_report import write_session_report
 from shoecal_core.settings import load_settings
 
 SURE = 2.0
-"""Effects are named from this many of their standard deviations on."""
+"""Standard deviations from which on a deviation is listed as significant."""
 
 
 class CalibrationFailedError(ShoecalError):
@@ -49,13 +48,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="parameter file of the calibrator node, for its weights and tolerances",
     )
-    parser.add_argument(
-        "--effects",
-        type=Path,
-        metavar="DIAGNOSIS.json",
-        help="of `shoecal diagnose --json`: fit all tolerances, too, and of what it found what it "
-        "is sure of or training runs bear out",
-    )
     add_sets(parser)
     add_force(parser)
 
@@ -69,21 +61,16 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     for path in filter(None, (args.out, args.report, args.json)):
         require_folder(path)
     session = Session.open(args.session, force=args.force)
-    effects = None if args.effects is None else load_found_effects(args.effects)
-    outcome = calibrate_session(
-        session, args.train, args.test, settings, tolerances, effects=effects
-    )
+    outcome = calibrate_session(session, args.train, args.test, settings, tolerances)
     console.print(errors_table("Measured against modelled", stages_rows(outcome.modelled)))
     _print_channels(outcome, console)
-    _print_refined(outcome, console)
+    _print_deviations(outcome, console)
     _print_trust(outcome, console)
     calibration = outcome.calibration
     if calibration.verdict != "FAIL":
         save_calibration(calibration, args.out)
     if args.report is not None:
-        write_session_report(
-            args.report, session, outcome, settings=settings, tolerances=tolerances
-        )
+        write_session_report(args.report, session, outcome, settings=settings)
     for line in reason_lines(calibration):
         console.print(line, soft_wrap=True)
     if calibration.verdict == "FAIL":
@@ -118,8 +105,7 @@ def to_json(outcome: Outcome) -> dict[str, object]:
         "assessment": outcome.assessment.to_json(outcome.data.shoe),
         "screening": outcome.screening.to_json(),
         "time_offset_s": calibration.time_offset,
-        "effects": [] if outcome.refined is None else outcome.refined.to_json(),
-        "effects_choice": None if outcome.refined is None else outcome.refined.choice.to_json(),
+        "deviations": [] if outcome.joint is None else deviations_json(outcome.joint),
         "initial_guess": {
             "cop_rows": _guess(outcome.stages.guess),
             "cop_and_weight_rows": _guess(outcome.stages.guess_with_weight),
@@ -139,27 +125,35 @@ def _guess(guess: InitialGuess) -> dict[str, float | None]:
     }
 
 
-def _print_refined(outcome: Outcome, console: Console) -> None:
-    """What was found to be wrong beyond doubt, on the measuring side and in the model."""
-    if outcome.refined is None:
+def deviations_json(joint: JointFit) -> list[dict[str, object]]:
+    """Every deviation of robot and shoes as it was fitted, SI units."""
+    return [
+        {
+            "effect": one.deviation.effect,
+            "location": list(one.deviation.location),
+            "component": one.deviation.component,
+            "run": one.deviation.run,
+            "unit": one.deviation.unit,
+            "value": one.value,
+            "std": one.std,
+            "as_built_std": one.deviation.std,
+        }
+        for one in joint.deviations
+    ]
+
+
+def _print_deviations(outcome: Outcome, console: Console) -> None:
+    """Deviations of robot and shoes that are significant."""
+    if outcome.joint is None:
         return
-    for title, measuring in (
-        ("shoes (part of the calibration)", True),
-        ("model (cleans the reference only)", False),
-    ):
-        sure = [
-            one
-            for one in outcome.refined.refinement.fitted
-            if (one.unknown.effect in MEASURING) == measuring and abs(one.value) > SURE * one.std
-        ]
-        told = ", ".join(
-            f"{one.unknown.effect} {' '.join(one.unknown.location)} {one.unknown.component} "
-            f"{one.value:.2g} ± {one.std:.2g}"
-            for one in sure
-        )
-        console.print(f"  {title}: {told or 'nothing sure'}", markup=False, soft_wrap=True)
-    if told := outcome.refined.choice.told:
-        console.print(f"  {told}", markup=False, soft_wrap=True)
+    sure = [
+        f"{one.deviation.effect} {' '.join(one.deviation.location)} {one.deviation.component} "
+        f"{one.value:.2g} ± {one.std:.2g} {one.deviation.unit}".rstrip()
+        for one in outcome.joint.deviations
+        if one.deviation.run is None and abs(one.value) > SURE * one.std
+    ]
+    listed = "; ".join(sure) or "none"
+    console.print(f"  differs from the files (significant): {listed}", markup=False, soft_wrap=True)
 
 
 def _print_trust(outcome: Outcome, console: Console) -> None:

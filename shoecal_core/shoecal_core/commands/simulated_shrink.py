@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.fit import fit_parameters
-from shoecal_core.calibration.initial_guess import initial_guess
 from shoecal_core.calibration.pipeline import load_data
 from shoecal_core.calibration.residuals import unpack
 from shoecal_core.calibration.settings import CalibrationSettings
@@ -24,6 +23,7 @@ from shoecal_core.commands.many_jobs import over_cores
 from shoecal_core.commands.replayed import Replayed, like_the_model, replay
 from shoecal_core.diagnosis.result import Cause, Diagnosis, Evidence, SimulatedShrink
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.files import Fields
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot_file import load_robot

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.initial_guess import initial_guess
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.error_sources.base import USUAL_WEIGHT
 from shoecal_core.error_sources.regression import Noise, Whitening, make_sums, solve
 from shoecal_core.error_sources.scene import Scene
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
+from shoecal_core.estimation.initial_guess import initial_guess
+from shoecal_core.estimation.priors import parameter_std
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.wrench import ChannelParameters, columns_in_left, combined, weight_below
@@ -60,14 +60,9 @@ def precision(
     scene: Scene, parameters: ChannelParameters, settings: DiagnosisSettings
 ) -> FloatArray:
     """(p,) prior precision of the baseline's columns."""
-    shoe = scene.samples.shoe
-    known = np.array([channel.nominal_gain is not None for channel in shoe.channels])
-    gain = np.abs(parameters.gain) * np.where(known, settings.nominal_gain_std, settings.gain_std)
-    larger = max(1.0, scene.samples.robot.weight / USUAL_WEIGHT)
-    offset = np.full(len(known), settings.offset_std_n * larger)
-    offset[shoe.torque] *= 0.1
+    own = parameter_std(scene.samples.shoe, parameters, scene.samples.robot.weight, settings)
     others = np.array([std for _, std in scene.nuisances])
-    return np.asarray(1.0 / np.concatenate((gain, offset, others)) ** 2)
+    return np.asarray(1.0 / np.concatenate((own, others)) ** 2)
 
 
 def coarse_noise(samples: Samples) -> Noise:

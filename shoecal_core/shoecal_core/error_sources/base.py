@@ -6,7 +6,7 @@ An effect is one small class. To add one, write it in a file of your own that de
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.tolerances import Tolerances
 
 FloatArray = NDArray[np.float64]
 ALL = "all"
@@ -41,6 +42,8 @@ class Component:
             (times the settings' `size_error`).
         blur: what no session could tell of it, as a standard deviation in its unit.
         most: what is larger, either way, is not this effect; by default `MOST` times `std`.
+        as_built: setting of `Tolerances` that says how far a robot that works may be off; empty
+            for what is normally not there at all.
     """
 
     name: str
@@ -50,6 +53,35 @@ class Component:
     form: float = 1.0
     blur: float = 0.0
     most: float | None = None
+    as_built: str = ""
+
+
+@dataclass(frozen=True)
+class Deviation:
+    """One number by which a robot that works may be off its files.
+
+    Attributes:
+        effect, location, component, unit: what it is, as in a diagnosis.
+        std: as built, in its unit.
+        column: (T, s) what one unit adds to measured minus modelled, in every signal.
+        run: the run that it belongs to; None: all of them.
+        shoe_column: (n, 3) what one unit adds to the channels' columns in their own sole's frame,
+            [m] for the moments of a force; None where the shoe's channels stay as they are.
+    """
+
+    effect: str
+    location: tuple[str, ...]
+    component: str
+    unit: str
+    std: float
+    column: FloatArray
+    run: int | None = None
+    shoe_column: FloatArray | None = None
+
+    @property
+    def key(self) -> tuple[str, tuple[str, ...], str, int | None]:
+        """What it is known by."""
+        return self.effect, self.location, self.component, self.run
 
 
 @dataclass(frozen=True)
@@ -103,6 +135,28 @@ class Effect(Protocol):
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
         """Its forms at a place; none where the recording lacks what it needs."""
         ...
+
+
+def as_built_std(component: Component, tolerances: Tolerances, weight: float) -> float:
+    """Of one component on a robot of this weight [N], in the component's unit."""
+    if not component.as_built:
+        return 0.0
+    std = float(getattr(tolerances, component.as_built))
+    return std * (weight / USUAL_WEIGHT) ** FORCES.get(component.unit, 0)
+
+
+def deviations(
+    effect: Effect, scene: Scene, tolerances: Tolerances, places: Iterable[Place]
+) -> Iterator[Deviation]:
+    """Every as-built component of an effect at these places, in the effect's first form."""
+    weight = scene.samples.robot.weight
+    stds = {one.name: as_built_std(one, tolerances, weight) for one in effect.components}
+    units = {one.name: one.unit for one in effect.components}
+    for place in places:
+        shape = next(iter(effect.shapes(scene, place)))
+        for name, column in zip(shape.free, shape.columns, strict=True):
+            if stds[name] > 0.0:
+                yield Deviation(effect.identifier, place, name, units[name], stds[name], column)
 
 
 def leasts(effect: Effect, names: tuple[str, ...]) -> FloatArray:

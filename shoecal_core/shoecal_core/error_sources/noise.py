@@ -77,21 +77,33 @@ def quiet(scene: Scene, settings: SignalSettings) -> FloatArray:
     What is more may be an effect that nothing known explains: it must not raise the floor that
     it is judged by. Of a robot that walks nothing of the kind can be said.
     """
-    samples = scene.samples
-    if samples.walks.any():
+    if scene.samples.walks.any():
         return np.full(len(SIGNALS), np.inf)
+    most: FloatArray = np.hypot(MODEL_ERRORS * model_error(scene, settings), white_noise(scene))
+    return most
+
+
+def white_noise(scene: Scene) -> FloatArray:
+    """(s,) standard deviation of what has no memory from sample to sample.
+
+    By fourth differences within segments, which smooth signals do not have; a median, as a jolt
+    is no noise either. Zero for a signal that is too short.
+    """
+    samples = scene.samples
     apart = len(WHITE) - 1
     rows = [slice(at, len(samples.run) - apart + at) for at in range(len(WHITE))]
     there = np.all([scene.mask[one] for one in rows], axis=0)
     there &= (samples.segment[rows[0]] == samples.segment[rows[-1]])[:, None]
     bend = np.sum([share * scene.residuals[one] for share, one in zip(WHITE, rows, strict=True)], 0)
-    # A median, as a jolt is no noise either.
-    white = [
-        np.median(np.abs(one[here])) / HALF_WITHIN / np.linalg.norm(WHITE) if here.any() else 0.0
-        for one, here in zip(bend.T, there.T, strict=True)
-    ]
-    most: FloatArray = np.hypot(MODEL_ERRORS * model_error(scene, settings), np.array(white))
-    return most
+    white: FloatArray = np.array(
+        [
+            np.median(np.abs(one[here])) / HALF_WITHIN / np.linalg.norm(WHITE)
+            if here.any()
+            else 0.0
+            for one, here in zip(bend.T, there.T, strict=True)
+        ]
+    )
+    return white
 
 
 def noise_of(samples: Samples, mask: NDArray[np.bool_], rest: FloatArray) -> Noise:

@@ -11,8 +11,6 @@ from shoecal_core.calibration.assessment import Assessment
 from shoecal_core.calibration.pipeline import Outcome
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
-from shoecal_core.report.error_sources import ErrorSources, error_sources
 
 FloatArray = NDArray[np.float64]
 
@@ -23,20 +21,18 @@ class Told:
 
     Attributes:
         assessment: of the calibration.
-        sources: of its expected errors.
         fixed_below: relative uncertainty from which on a direction does not count as fixed.
         screening: what was left out before the fit.
     """
 
     assessment: Assessment
-    sources: ErrorSources
     fixed_below: float
     screening: Screening
 
     @property
     def carried(self) -> bool:
         """The model's own errors are part of the uncertainties; of walking they are not."""
-        return bool(self.assessment.uncertainty.causes)
+        return self.assessment.budget is not None
 
     @property
     def error_name(self) -> str:
@@ -49,22 +45,15 @@ class Told:
         return max(self.assessment.told.possible, self.assessment.told.rank)
 
 
-def told_by(
-    outcome: Outcome,
-    settings: CalibrationSettings | None = None,
-    tolerances: Tolerances | None = None,
-) -> Told:
+def told_by(outcome: Outcome, settings: CalibrationSettings | None = None) -> Told:
     """What the data of a calibration told.
 
     Args:
         outcome: of `calibrate_session`.
-        settings, tolerances: that it was called with.
+        settings: that it was called with.
     """
-    data = outcome.data
-    model = ModelTolerances(data.robot, data.shoe, tolerances or Tolerances())
     return Told(
         assessment=outcome.assessment,
-        sources=error_sources(outcome.assessment, outcome.stages.parameters, model),
         fixed_below=(settings or CalibrationSettings()).fixed_below,
         screening=outcome.screening,
     )

@@ -6,20 +6,23 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from shoecal_core.calibration.expected import Spread
 from shoecal_core.calibration.screening.result import Screening
+from shoecal_core.estimation.expected import Spread
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.calibration_content import CalibrationReport, channel_units
+from shoecal_core.report.error_source_names import source_name
 from shoecal_core.report.figures.directions import singular_values
 from shoecal_core.report.figures.error_map import ErrorMap, common_levels, error_map
 from shoecal_core.report.figures.left_out import RunSpan, left_out_in_time
-from shoecal_core.report.figures.sources import Whole, largest_causes, shares
+from shoecal_core.report.figures.sources import largest_sources
 from shoecal_core.report.figures.spans import spans
 from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.page import Picture
 from shoecal_core.report.quantities import number, size
 from shoecal_core.sensing.shoe import FEET
+
+SHOWN_SOURCES = 8
 
 
 def rms(values: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> float:
@@ -76,30 +79,20 @@ def _summary(spread: Spread) -> str:
 
 
 def source_pictures(told: Told) -> tuple[Picture, ...]:
-    """Kinds of causes of expected errors, and the largest by name."""
-    sources = told.sources
-    kinds = {"noise": sources.noise, "left open": sources.prior}
-    explained = "Noise: what passes within seconds. Left open: what no run of these fixed."
-    if told.carried:
-        kinds["tolerances"] = sources.model
-        explained += " Tolerances: what the files of robot and shoes may be wrong by."
-    wholes = [
-        Whole(label, tuple(1e3 * float(part[index]) for part in kinds.values()))
-        for index, label in enumerate(("both feet", *(f"{side} foot" for side in FEET)))
-    ]
-    pictures = [Picture("Where it comes from", shares(tuple(kinds), wholes, "mm"), explained)]
-    if sources.causes:
+    """Error sources of the CoP of both feet together, and of single feet; none for a walk."""
+    budget = told.assessment.budget
+    if budget is None:
+        return ()
+    pictures = []
+    for label, part in (("both feet together", slice(0, 1)), ("a single foot", slice(1, 3))):
+        sizes = {source_name(one.effect): 1e3 * rms(one.size[part]) for one in budget.sources}
+        largest = sorted(sizes, key=lambda name: sizes[name], reverse=True)[:SHOWN_SOURCES]
         pictures.append(
             Picture(
-                "Largest causes by name",
-                largest_causes(
-                    [cause.text for cause in sources.causes],
-                    [1e3 * sources.saved(cause) for cause in sources.causes],
-                    "mm",
-                    "part in each foot's error",
-                ),
-                "Taken away in squares if it were known exactly: a tolerance that the residuals "
-                "have not ruled out.",
+                f"Error sources of the CoP, {label}",
+                largest_sources(largest, [sizes[name] for name in largest], "mm", "expected error"),
+                "Root mean square over the sensing polygons. The squares of all sources add up to "
+                "the square of the expected error.",
             )
         )
     return tuple(pictures)

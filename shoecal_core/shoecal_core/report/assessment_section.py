@@ -64,17 +64,9 @@ def time_offset_text(told: Told, time_offset: float) -> str:
 
 
 def _expected(content: CalibrationReport, told: Told) -> Group:
-    text = ""
-    if told.sources.mostly_open:
-        text = "Most of what a single foot may be off comes from what the data left open: " + (
-            "the double support below helps most."
-            if told.assessment.additions
-            else "loading each cell by itself would tell, see manual calibration."
-        )
     return Group(
         title="Expected error" if told.carried else "Known part of the error",
         pictures=(*error_pictures(content, told), *source_pictures(told)),
-        text=text,
         tables=_known(expected_table(told), helps_table(told)),
     )
 

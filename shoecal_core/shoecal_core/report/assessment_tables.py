@@ -4,24 +4,19 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.planning.supports.forecast import Forecast
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.assessment_figures import cause_name, rms
+from shoecal_core.report.error_source_names import cure, source_name
 from shoecal_core.report.page import Table
 from shoecal_core.report.quantities import UNKNOWN, number, size
 from shoecal_core.sensing.shoe import FEET
 
-CURES = (
-    ("zero of", "measure this joint's zero, or calibrate the robot's joints"),
-    ("mass of", "weigh this link"),
-    ("CoM of", "find this link's balance point"),
-    ("sag", "measure how far the joints give under load"),
-    ("place of", "measure where this cell stands"),
-    ("plates", "load the shoe with known weights: manual calibration"),
-    ("weight", "weigh robot and shoes"),
-)
+LISTED_SOURCES = 6
 
 
 def expected_table(told: Told) -> Table:
@@ -53,28 +48,33 @@ def expected_table(told: Told) -> Table:
 
 
 def helps_table(told: Told) -> Table | None:
-    """Causes by name; None where none is known, or all of them are beside the point."""
-    sources = told.sources
-    if not sources.causes or sources.mostly_open:
+    """What knowing an error source exactly would win; None where that is not known."""
+    budget = told.assessment.budget
+    if budget is None:
         return None
+    known = [one for one in budget.sources if np.isfinite(one.without).all()]
+    known.sort(key=lambda one: float(np.sum(one.without**2)))
     rows = tuple(
         (
-            cause.text,
+            source_name(one.effect),
+            f"{one.share[0]:.0%} ({one.interval[0, 0]:.0%} to {one.interval[0, 1]:.0%})",
             *(
                 _falls(float(now), float(then))
-                for now, then in zip(sources.total, cause.without, strict=True)
+                for now, then in zip(budget.total, one.without, strict=True)
             ),
-            next((cure for start, cure in CURES if cause.name.startswith(start)), UNKNOWN),
+            cure(one.effect) or UNKNOWN,
         )
-        for cause in sources.causes
+        for one in known[:LISTED_SOURCES]
     )
     return Table(
-        "What would help",
-        ("if known exactly", "both feet", *(f"{side} foot" for side in FEET), "how"),
+        "What would help most",
+        (
+            "if known exactly", "share of both feet (95 %)", "both feet",
+            *(f"{side} foot" for side in FEET), "how",
+        ),
         rows,
-        "Expected CoP error now and then. The tolerances are those set for robot and shoes, as far "
-        "as the residuals allow them.",
-    )
+        "Expected CoP error before → after. The interval is that of the share in this calibration.",
+    )  # fmt: skip
 
 
 def _falls(now: float, then: float) -> str:

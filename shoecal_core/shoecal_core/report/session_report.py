@@ -10,7 +10,6 @@ import numpy as np
 from shoecal_core.calibration.comparison import Comparison, compare
 from shoecal_core.calibration.pipeline import Outcome
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import Truth
@@ -29,7 +28,6 @@ def write_session_report(
     outcome: Outcome,
     *,
     settings: CalibrationSettings | None = None,
-    tolerances: Tolerances | None = None,
     truths: Mapping[int, Truth] | None = None,
     timing: Mapping[str, float] | None = None,
     provenance: Sequence[str] = (),
@@ -40,7 +38,7 @@ def write_session_report(
         path: of the HTML file.
         session: that the calibration was found from.
         outcome: of the calibration.
-        settings, tolerances: that the calibration was made with; None: the usual ones.
+        settings: that the calibration was made with; None: the usual ones.
         truths: of simulated runs, to be compared with; of no use unless every run has one.
         timing: seconds by stage.
         provenance: further lines on where this is from.
@@ -51,7 +49,7 @@ def write_session_report(
     calibration_report(
         path,
         session_content(
-            session, outcome, settings=settings, tolerances=tolerances, truths=truths,
+            session, outcome, settings=settings, truths=truths,
             timing=timing, provenance=provenance,
         ),
     )  # fmt: skip
@@ -62,7 +60,6 @@ def session_content(
     outcome: Outcome,
     *,
     settings: CalibrationSettings | None = None,
-    tolerances: Tolerances | None = None,
     truths: Mapping[int, Truth] | None = None,
     timing: Mapping[str, float] | None = None,
     provenance: Sequence[str] = (),
@@ -80,7 +77,7 @@ def session_content(
         calibration=outcome.calibration,
         stages=outcome.stages,
         runs=tuple(_run(session, outcome, kinematics, stances) for stances in by_run.values()),
-        told=told_by(outcome, settings, tolerances),
+        told=told_by(outcome, settings),
         timing=timing or {},
         provenance=(*_origin(session, outcome), *provenance),
     )
@@ -96,10 +93,7 @@ def _run(
 
 def _origin(session: Session, outcome: Outcome) -> list[str]:
     told = origin(session, outcome.data.stances)
-    lines = [told, f"Session folder {session.folder.name}; {_listed(outcome)}."]
-    if outcome.refined is not None and (choice := outcome.refined.choice.told):
-        lines.append(f"{choice[0].upper()}{choice[1:]}.")
-    return lines
+    return [told, f"Session folder {session.folder.name}; {_listed(outcome)}."]
 
 
 def _listed(outcome: Outcome) -> str:

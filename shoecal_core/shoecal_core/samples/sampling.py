@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -65,11 +65,33 @@ def load_samples(
             read.append((run, align(run, shoe, kinematics)))
         except FileError as error:
             notes.append(f"run {number} is left out: {error}")
-    parts = _parts(read, robot, shoe, settings, notes)
-    if not parts:
+    samples = make_samples(read, robot, shoe, kinematics, settings)
+    if samples is None:
         raise SessionError(session.folder, "no run can be used: " + "; ".join(notes))
-    samples = _joined(parts, robot, shoe, kinematics)
-    return replace(samples, notes=(*notes, *missing(samples)))
+    return replace(samples, notes=(*notes, *samples.notes, *missing(samples)))
+
+
+def make_samples(
+    read: Sequence[tuple[Run, Aligned]],
+    robot: Robot,
+    shoe: Shoe,
+    kinematics: Kinematics,
+    settings: SampleSettings,
+    kept: Mapping[int, BoolArray] | None = None,
+) -> Samples | None:
+    """Samples of runs that were read and aligned; None where no run gives any.
+
+    Args:
+        read: runs with the joint angles at the times of their readings.
+        robot, shoe, kinematics: of what was recorded.
+        settings: rates.
+        kept: by run, (T,) which of the aligned readings count; all of runs that are not listed.
+    """
+    notes: list[str] = []
+    parts = _parts(read, robot, shoe, settings, kept or {}, notes)
+    if not parts:
+        return None
+    return replace(_joined(parts, robot, shoe, kinematics), notes=tuple(notes))
 
 
 def _parts(
@@ -77,6 +99,7 @@ def _parts(
     robot: Robot,
     shoe: Shoe,
     settings: SampleSettings,
+    kept: Mapping[int, BoolArray],
     notes: list[str],
 ) -> list[_Part]:
     """Samples of each run that has any; of the others it is noted why not."""
@@ -89,7 +112,8 @@ def _parts(
     at, segments = 0, 0
     for run, aligned in read:
         try:
-            part = _part(run, aligned, robot, shoe, settings, rate, at, segments, first_ns)
+            counts = kept.get(run.info.run, np.ones(len(aligned.time), dtype=bool))
+            part = _part(run, aligned, counts, robot, shoe, settings, rate, at, segments, first_ns)
         except ShoecalError as error:
             notes.append(f"run {run.info.run} is left out: {error}")
             continue
@@ -169,6 +193,7 @@ class _Part:
 def _part(
     run: Run,
     aligned: Aligned,
+    counts: BoolArray,
     robot: Robot,
     shoe: Shoe,
     settings: SampleSettings,
@@ -180,7 +205,7 @@ def _part(
     step = max(1, round(_rate(aligned.time) / settings.filter_rate_hz))
     thin = np.zeros(len(aligned.time), dtype=bool)
     thin[::step] = True
-    aligned = aligned.part(thin)
+    aligned, counts = aligned.part(thin), counts[thin]
     time = aligned.time
     walk = find_walk(run, aligned, shoe, robot) if run.info.support is None else None
     if walk is None:
@@ -188,7 +213,7 @@ def _part(
     else:
         stance, loaded = walk.stance, walk.loaded
     key = np.floor(time * rate) if walk is None else pieces(time, stance, rate)
-    chosen = _bins(time, stance, key, rate)
+    chosen = _bins(time, np.where(counts, stance, -1), key, rate)
     if chosen is None:
         return None
     weights, owner = chosen

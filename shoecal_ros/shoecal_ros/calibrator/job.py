@@ -14,7 +14,7 @@ from rclpy.action import ActionClient
 from shoecal_msgs.action import Calibrate
 
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import Tolerances
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.settings import PlannerSettings

@@ -7,7 +7,7 @@ from pathlib import Path
 from shoecal_core.calibration.calibration import Calibration, save_calibration
 from shoecal_core.calibration.pipeline import calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import Tolerances
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports

@@ -13,8 +13,8 @@ from shoecal_core.calibration.comparison import Comparison, compare, read_truths
 from shoecal_core.calibration.evaluate import Errors, errors
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import Tolerances
 from shoecal_core.commands.tables import errors_table, reason_lines, stages_rows
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, read_bytes
 from shoecal_core.recording.session import Session

@@ -19,7 +19,7 @@ from shoecal_msgs.msg import ShoeState
 from shoecal_core.calibration.drift import FALSE_ALARM
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.standstill import ModelTolerance
-from shoecal_core.calibration.tolerances import Tolerances
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.settings import PlannerSettings

@@ -26,8 +26,8 @@ from shoecal_core.calibration.checks import (
     tell_reasons,
 )
 from shoecal_core.calibration.fit import self_calibrate
-from shoecal_core.calibration.initial_guess import InitialGuess
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.forecast import Addition, forecast, total_information

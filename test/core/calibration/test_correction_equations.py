@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from core.calibration import synthetic
 from core.sensing import shoes
-from shoecal_core.calibration import chunks
 from shoecal_core.calibration.correction_equations import CorrectionEquations
+from shoecal_core.estimation import chunks
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.correction import CopCorrection
 from shoecal_core.sensing.sensing import Sensing

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from core.calibration.test_refinement import ROBOT, SETTINGS, SHOE, made, standing_still
 from shoecal_core.calibration.refinement.choice import STRONG, choose
 from shoecal_core.calibration.refinement.found_effects import FoundEffect, FoundEffects
 from shoecal_core.calibration.refinement.refine import Evidence
 from shoecal_core.calibration.refinement.refined import Refined, refined
 from shoecal_core.calibration.refinement.unknowns import Unknown, column_change
-from shoecal_core.calibration.tolerances import Tolerances
+
+from core.calibration.test_refinement import ROBOT, SETTINGS, SHOE, made, standing_still
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.samples.stance import Stance
 
 PLACE, TURN = 0.01, 0.02

@@ -14,11 +14,11 @@ from core.calibration import synthetic
 from core.sensing import shoes
 from shoecal_core.calibration import fit as module
 from shoecal_core.calibration.fit import fit_parameters, self_calibrate
-from shoecal_core.calibration.initial_guess import InitialGuess, initial_guess
 from shoecal_core.calibration.least_squares import Fit
 from shoecal_core.calibration.metrics import cop_mae
 from shoecal_core.calibration.residuals import Weights, normal_equations, pack, unpack
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.estimation.initial_guess import InitialGuess, initial_guess
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.sensing.sensing import Sensing

@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from core.calibration import synthetic
 from core.sensing import shoes
-from shoecal_core.calibration import chunks
-from shoecal_core.calibration.initial_guess import initial_guess
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation import chunks
+from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters

@@ -14,11 +14,11 @@ from scipy.signal import lfilter, lfiltic
 from core.calibration import synthetic
 from core.sensing import shoes
 from shoecal_core.calibration.fit import fit_parameters, prior_of
-from shoecal_core.calibration.initial_guess import initial_guess
 from shoecal_core.calibration.lagging import Lag, check_lags, lags
 from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters

@@ -17,7 +17,7 @@ from shoecal_core.calibration.evaluate import errors, measured_series, modelled_
 from shoecal_core.calibration.fit import self_calibrate
 from shoecal_core.calibration.pipeline import SessionData
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import Tolerances
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.model.double_support import DoubleSupport
 
 SETTINGS = CalibrationSettings()

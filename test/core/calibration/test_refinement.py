@@ -8,11 +8,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-
-from core.calibration import synthetic
-from core.model import robots
-from core.sensing import shoes
-from shoecal_core.calibration.fit import self_calibrate
 from shoecal_core.calibration.refinement.found_effects import FoundEffect, FoundEffects
 from shoecal_core.calibration.refinement.reference import Reference
 from shoecal_core.calibration.refinement.refine import Refinement, refine
@@ -24,8 +19,13 @@ from shoecal_core.calibration.refinement.unknowns import (
     tolerated,
     with_found,
 )
+
+from core.calibration import synthetic
+from core.model import robots
+from core.sensing import shoes
+from shoecal_core.calibration.fit import self_calibrate
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import Tolerances
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.samples.stance import Stance

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from core.calibration import synthetic
 from core.calibration.derivatives import assert_jacobian
 from core.sensing import shoes
-from shoecal_core.calibration import chunks
 from shoecal_core.calibration.residuals import (
     Normal,
     Weights,
@@ -23,6 +22,7 @@ from shoecal_core.calibration.residuals import (
     unpack,
     zero_normal,
 )
+from shoecal_core.estimation import chunks
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.sensing.sensing import Sensing

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from core.calibration import synthetic
 from core.model import robots
 from core.sensing import shoes
-from shoecal_core.calibration.expected import ErrorModel
 from shoecal_core.calibration.fit import fit_parameters
-from shoecal_core.calibration.initial_guess import initial_guess
 from shoecal_core.calibration.residuals import Weights, pack, residuals, unpack
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
 from shoecal_core.calibration.uncertainty import Uncertainty, estimate_uncertainty
+from shoecal_core.error_sources.tolerances import ModelTolerances, Tolerances
+from shoecal_core.estimation.expected import ErrorModel
+from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.model.robot import Robot
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.sensing import Sensing

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from shoecal_core.report.error_sources import error_sources
 
 from core.calibration import synthetic
 from core.model import robots
@@ -15,13 +16,13 @@ from shoecal_core.calibration.assessment import Assessment
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.comparison import Comparison
 from shoecal_core.calibration.evaluate import Series, measured_series, modelled_series
-from shoecal_core.calibration.expected import ErrorModel
 from shoecal_core.calibration.fit import SelfCalibration, self_calibrate
 from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
 from shoecal_core.calibration.uncertainty import estimate_uncertainty
+from shoecal_core.error_sources.tolerances import ModelTolerances, Tolerances
+from shoecal_core.estimation.expected import ErrorModel
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.settings import PlannerSettings
@@ -29,7 +30,6 @@ from shoecal_core.planning.supports.forecast import Addition, forecast
 from shoecal_core.planning.supports.observability import relative_information
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
-from shoecal_core.report.error_sources import error_sources
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe

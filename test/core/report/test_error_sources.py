@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
-from shoecal_core.calibration.expected import ErrorModel
-from shoecal_core.calibration.pipeline import Outcome
-from shoecal_core.calibration.tolerances import ModelTolerances, Tolerances
 from shoecal_core.report.error_sources import Cause, ErrorSources, error_sources, sizes
+
+from shoecal_core.calibration.pipeline import Outcome
+from shoecal_core.error_sources.tolerances import ModelTolerances, Tolerances
+from shoecal_core.estimation.expected import ErrorModel
 
 
 @pytest.fixture(scope="module")

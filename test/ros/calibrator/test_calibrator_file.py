@@ -4,7 +4,7 @@ import pytest
 
 from ros.bodies import ROOT
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.tolerances import Tolerances
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.settings import Settings, describe
 from shoecal_ros.calibrator.job_settings import JobSettings

@@ -52,7 +52,7 @@ class LinkCom:
     """A link's centre of mass lies elsewhere."""
 
     identifier, group = "link_com", "body"
-    components = tuple(Component(name, "m", 0.008) for name in "xyz")
+    components = tuple(Component(name, "m", 0.008, as_built="link_com_m") for name in "xyz")
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every link that weighs something."""
@@ -80,7 +80,7 @@ class JointOffset:
     """An encoder's zero is off."""
 
     identifier, group = "joint_offset", "body"
-    components = (Component("angle", "rad", 0.015),)
+    components = (Component("angle", "rad", 0.015, as_built="joint_zero_rad"),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every encoder of the legs."""
@@ -132,7 +132,9 @@ class JointCompliance(_Give):
     """A joint gives under its torque, behind the encoder."""
 
     identifier, group = "joint_compliance", "body"
-    components = (Component("compliance", "rad/(N m)", 0.008, 0.0),)
+    components = (
+        Component("compliance", "rad/(N m)", 0.008, 0.0, as_built="gear_compliance_rad_per_nm"),
+    )
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
         """In proportion to the torque that it holds, or as the soles tell if that follows it."""
@@ -147,7 +149,7 @@ class Backlash(_Give):
     """A joint has play behind the encoder: it lies on the side to which it is pushed."""
 
     identifier, group = "backlash", "body"
-    components = (Component("play", "rad", 0.015, 0.0),)
+    components = (Component("play", "rad", 0.015, 0.0, as_built="gear_play_rad"),)
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
         """By the sign of the torque; or, hardly loaded, anywhere in its play, as the soles tell."""

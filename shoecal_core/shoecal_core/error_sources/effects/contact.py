@@ -157,7 +157,11 @@ class SoftGround:
     """A shoe leans into the floor below its load."""
 
     identifier, group = "soft_ground", "contact"
-    components = (Component("compliance", "rad/(N m)", 0.008, 0.0, form=3.0),)
+    components = (
+        Component(
+            "compliance", "rad/(N m)", 0.008, 0.0, form=3.0, as_built="sole_compliance_rad_per_nm"
+        ),
+    )
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Each foot, or both alike."""

@@ -24,7 +24,9 @@ class CellPosition:
     """A cell, or a six-axis sensor, acts elsewhere than the shoe file says."""
 
     identifier, group = "cell_position", "load_cell"
-    components = (Component("x", "m", 0.004, most=0.025), Component("y", "m", 0.004, most=0.025))
+    components = tuple(
+        Component(name, "m", 0.004, most=0.025, as_built="cell_position_m") for name in "xy"
+    )
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every cell; of a six-axis sensor the channel of its vertical force."""

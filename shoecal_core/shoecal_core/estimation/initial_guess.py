@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.chunks import chunks
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.chunks import chunks
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, at_cop

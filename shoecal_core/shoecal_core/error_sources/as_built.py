@@ -1,0 +1,163 @@
+"""All errors that a robot has that works as it was built: nuisances of every fit.
+
+Each is linear near zero. Its column says what one unit of it adds to measured minus modelled, in
+every signal; those of the shoe also say how the channels' columns truly are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.error_sources.base import ALL, Deviation, deviations
+from shoecal_core.error_sources.effects import body, contact, geometry, places
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import AIR
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.sensing.wrench import to_left
+
+FloatArray = NDArray[np.float64]
+AXES = ("x", "y")
+FEWEST_CELLS = 3
+"""Of a foot whose plates may carry a part of the moment past its cells."""
+
+
+def as_built(scene: Scene, tolerances: Tolerances) -> list[Deviation]:
+    """Every deviation with a standard deviation above zero, linear about a scene."""
+    return [*of_body(scene, tolerances), *of_shoes(scene, tolerances)]
+
+
+def of_body(scene: Scene, tolerances: Tolerances) -> list[Deviation]:
+    """Of links, joints and soles: what gains and offsets hardly change."""
+    found = [*_links(scene, tolerances), *_joints(scene, tolerances), *_soles(scene, tolerances)]
+    return [one for one in found if one.std > 0.0]
+
+
+def of_shoes(scene: Scene, tolerances: Tolerances) -> list[Deviation]:
+    """Of channels, plates and single runs: what follows the outputs."""
+    found = [*_channels(scene, tolerances), *_runs(scene, tolerances)]
+    return [one for one in found if one.std > 0.0]
+
+
+def _links(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
+    com = body.LinkCom()
+    yield from deviations(com, scene, tolerances, com.places(scene))
+    links, samples = scene.links, scene.samples
+    own = samples.states.com[np.arange(len(samples.run)), samples.frame, :2]
+    for (name,) in com.places(scene):
+        index = links.names.index(name)
+        # The total is weighed: what one link weighs more all others weigh less.
+        share = links.mass[index] / samples.robot.mass
+        column = scene.by_model(0.0, share * (links.com[:, index, :2] - own)) * scene.mask
+        yield Deviation("link_mass", (name,), "share", "", tolerances.link_mass, column)
+
+
+def _joints(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
+    zero = body.JointOffset()
+    yield from deviations(zero, scene, tolerances, zero.places(scene))
+    # Gears of one robot are alike, and differ a little: one number in common, one a joint.
+    for gear in (body.JointCompliance(), body.Backlash()):
+        yield from deviations(gear, scene, tolerances, [(ALL,)])
+        for one in deviations(gear, scene, tolerances, places.each_joint(scene)):
+            yield replace(one, std=tolerances.gear_spread * one.std)
+
+
+def _soles(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
+    yield from deviations(contact.SoftGround(), scene, tolerances, places.each_foot(scene))
+
+
+def _channels(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
+    shoe = scene.samples.shoe
+    cell = geometry.CellPosition()
+    for one in deviations(cell, scene, tolerances, cell.places(scene)):
+        change = np.zeros((len(shoe.names), 3))
+        index = shoe.index(one.location[0])
+        change[index] = shoe.columns[index, 0] * _moved(one.component, 1.0)
+        yield replace(one, shoe_column=change)
+    for side in FEET:
+        for axis in AXES if len(_cells(shoe, side)) >= FEWEST_CELLS else ():
+            change = plates_column(shoe, side, axis)
+            column = -by_columns(scene, change)
+            std = tolerances.plate_share
+            yield Deviation("plates", (side,), axis, "", std, column, shoe_column=change)
+
+
+def _runs(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
+    """What may differ from run to run: zeros, and where the right foot stands."""
+    samples = scene.samples
+    for run in samples.runs:
+        here = samples.run == run
+        for channel, name in enumerate(samples.shoe.names):
+            change = np.zeros_like(scene.outputs)
+            change[here, channel] = 1.0
+            torque = bool(samples.shoe.torque[channel])
+            std = tolerances.run_zero_n * (0.1 if torque else 1.0)
+            unit = "N m" if torque else "N"
+            column = scene.by_outputs(change)
+            yield Deviation("zero_offset", (name,), "offset", unit, std, column, run=run)
+    stds = (tolerances.support_m, tolerances.support_m, tolerances.support_rad)
+    for segment, (left, right) in enumerate(samples.standing):
+        if not (left and right):
+            continue
+        here = samples.segment == segment
+        run = int(samples.run[here][0])
+        for axis, (name, std) in enumerate(zip(("dx", "dy", "dtheta"), stds, strict=True)):
+            change = np.zeros((len(here), 3))
+            change[here, axis] = 1.0
+            # The foot truly stands further: the measured CoP takes it for where it was.
+            column = scene.by_support(-change)
+            unit = "rad" if name == "dtheta" else "m"
+            place = (f"segment {segment}",)
+            yield Deviation("support", place, name, unit, std, column, run=run)
+
+
+def by_columns(scene: Scene, change: FloatArray) -> FloatArray:
+    """(T, s) when the channels' columns are taken to be `change` (n, 3) more, each foot's own."""
+    wiring = scene.wiring
+    right = (wiring.foot == 1)[:, None]
+    stacked = []
+    for (stands_left, stands_right), support in zip(
+        scene.samples.standing, scene.supports, strict=True
+    ):
+        if stands_left and stands_right:
+            stacked.append(np.where(right, change @ to_left(support).T, change))
+        else:
+            foot = 0 if stands_left else 1
+            stacked.append(np.where((wiring.foot == foot)[:, None], change, 0.0))
+    per_sample = np.array(stacked)[scene.samples.segment]
+    wrench = np.einsum("tn,tnw->tw", scene.outputs, per_sample)
+    found = scene.by_wrench(wrench, settled=False)
+    feet = [
+        scene.outputs @ np.where((wiring.foot == foot)[:, None], change, 0.0) for foot in (0, 1)
+    ]
+    found[:, AIR] = scene.hanging(np.stack(feet, axis=1))
+    return scene.settled(found)
+
+
+def plates_column(shoe: Shoe, side: str, axis: str) -> FloatArray:
+    """(n, 3) when the cells of a foot act further from their middle by their whole distance.
+
+    A share s of the moment that plates carry past the cells is s / (1 - s) of it.
+    """
+    own = _cells(shoe, side)
+    change = np.zeros((len(shoe.names), 3))
+    place = shoe.positions[own, AXES.index(axis)]
+    for cell, lever in zip(own, place - place.mean(), strict=True):
+        change[cell] = shoe.columns[cell, 0] * _moved(axis, float(lever))
+    return change
+
+
+def _cells(shoe: Shoe, side: str) -> NDArray[np.int64]:
+    """Channels of a foot that feel its vertical force."""
+    own = shoe.of_foot(FEET.index(side))
+    felt: NDArray[np.int64] = own[shoe.columns[own, 0] != 0.0]
+    return felt
+
+
+def _moved(axis: str, length: float) -> FloatArray:
+    """(3,) column of a force that acts further along x or y by a length [m]."""
+    return np.array([0.0, 0.0, -length] if axis == "x" else [0.0, length, 0.0])

@@ -1,0 +1,1 @@
+"""Gains and offsets with everything that may be wrong beside them: fit, uncertainty, budget."""

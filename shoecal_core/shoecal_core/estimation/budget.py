@@ -1,0 +1,194 @@
+"""Where the expected error of the CoP comes from, and what would shrink it most.
+
+Of a linear Gaussian estimate with priors P, posterior C and data, the error is
+    estimate - truth = noise term - C P^-1 (truth - prior mean),
+so that of the variance J C J' of an output with derivatives J the unknown i has the part
+(J C e_i)^2 / P_ii, and noise and form error have the rest. What a source has in the error of this
+very calibration follows from what is believed of it now: draws of the posterior. What would be won
+by knowing a set of unknowns exactly follows from the conditional covariance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.estimation.expected import ErrorModel, Spread
+from shoecal_core.estimation.joint_fit import JointFit
+
+FloatArray = NDArray[np.float64]
+
+DRAWS = 400
+CREDIBLE = (2.5, 97.5)
+NOISE, PRIOR, SIDEWAYS, SUPPORT = "noise", "gains_and_offsets", "sideways_force", "support"
+"""Sources that are no deviations: noise with form error, what only the prior of gains and offsets
+fixes, sideways forces at the cells' height, and where the right foot stands."""
+
+
+@dataclass(frozen=True)
+class ErrorSource:
+    """One kind of error source; arrays are for both feet, left, right.
+
+    Attributes:
+        effect: identifier, or one of the names above.
+        size: (3,) root mean square CoP error that it causes, over the sensing polygons [m].
+        share: (3,) of the mean square error.
+        interval: (3, 2) 95 % interval of that share in this calibration.
+        without: (3,) expected CoP error if it were known exactly [m]; NaN where it cannot be.
+    """
+
+    effect: str
+    size: FloatArray
+    share: FloatArray
+    interval: FloatArray
+    without: FloatArray
+
+
+@dataclass(frozen=True)
+class Budget:
+    """The CoP error's sources, the largest first; arrays are for both feet, left, right.
+
+    Attributes:
+        total: (3,) root mean square CoP error over the sensing polygons [m].
+        sources: whose mean squares add up to the total's.
+    """
+
+    total: FloatArray
+    sources: tuple[ErrorSource, ...]
+
+    def source(self, effect: str) -> ErrorSource | None:
+        """That of one name; None where it has no part."""
+        return next((one for one in self.sources if one.effect == effect), None)
+
+    def to_json(self) -> list[dict[str, object]]:
+        """Rows for result files, shares of the error of both feet [mm]."""
+        return [
+            {
+                "source": one.effect,
+                "cop_share": float(one.share[0]),
+                "ci95": one.interval[0].tolist(),
+                "cop_mm": (1e3 * one.size).tolist(),
+                "cop_mm_if_known": [
+                    None if np.isnan(value) else 1e3 * float(value) for value in one.without
+                ],
+            }
+            for one in self.sources
+        ]
+
+
+def budget(fit: JointFit, model: ErrorModel, spreads: Sequence[Spread]) -> Budget:
+    """The budget of a calibration's expected CoP error.
+
+    Args:
+        fit: of the calibration.
+        model: its expected errors.
+        spreads: of both feet, left and right over the sensing polygons.
+    """
+    total = np.array([_mean_square(one) for one in spreads])
+    both, left, right = model.load_cases()
+    jacobians = [
+        _of_all(fit, model.both_jacobian(both, model.neutral)[:, 1:]),
+        _of_all(fit, model.foot_jacobian(left, 0)[:, 1:]),
+        _of_all(fit, model.foot_jacobian(right, 1)[:, 1:]),
+    ]
+    groups = _groups(fit)
+    parts = np.array([_drawn(fit, one, groups) for one in jacobians])  # (3, g + 1, draws)
+    estimated = np.array([_variance(one, fit.covariance) for one in jacobians])
+    extra = np.clip(total - estimated, 0.0, None)
+    names = [*groups, NOISE]
+    squares = np.array([_expected(fit, one, groups) for one in jacobians])  # (3, g + 1)
+    drawn_total = parts.sum(axis=1) + extra[:, None]
+    sources = []
+    for index, name in enumerate(names):
+        known = np.full(3, np.nan)
+        if name in groups and name != PRIOR:
+            rest = _conditional(fit.covariance, groups[name])
+            known = np.sqrt(np.array([_variance(one, rest) for one in jacobians]) + extra)
+        shares = parts[:, index] / drawn_total
+        sources.append(_source(name, squares[:, index], total, shares, known))
+    for name, square in ((SUPPORT, extra * [1, 0, 0]), (SIDEWAYS, extra * [0, 1, 1])):
+        shares = square[:, None] / drawn_total
+        sources.append(_source(name, square, total, shares, np.sqrt(total - square)))
+    sources.sort(key=lambda one: float(one.share.sum()), reverse=True)
+    return Budget(np.sqrt(total), tuple(one for one in sources if one.share.any()))
+
+
+def _source(
+    name: str, square: FloatArray, total: FloatArray, shares: FloatArray, known: FloatArray
+) -> ErrorSource:
+    interval = np.percentile(shares, CREDIBLE, axis=1).T
+    return ErrorSource(name, np.sqrt(square), square / total, interval, known)
+
+
+def _groups(fit: JointFit) -> dict[str, NDArray[np.int64]]:
+    """Indices of the unknowns of each kind."""
+    first = len(fit.vector)
+    found: dict[str, list[int]] = {PRIOR: list(range(first - 1)), "time_offset": [first - 1]}
+    for index, one in enumerate(fit.deviations, start=first):
+        name = "placement" if one.deviation.effect == SUPPORT else one.deviation.effect
+        found.setdefault(name, []).append(index)
+    return {name: np.array(indices) for name, indices in found.items()}
+
+
+def _of_all(fit: JointFit, jacobian: FloatArray) -> FloatArray:
+    """(2 p, u) derivatives by all unknowns, of those (p, 2, 2n + d) by what measures."""
+    count = len(fit.vector) - 1
+    whole = np.zeros((2 * len(jacobian), len(fit.covariance)))
+    flat = jacobian.reshape(len(whole), -1)
+    whole[:, :count] = flat[:, :count]
+    measuring = [
+        index
+        for index, one in enumerate(fit.deviations, start=count + 1)
+        if one.deviation.shoe_column is not None
+    ]
+    whole[:, measuring] = flat[:, count:]
+    return whole
+
+
+def _variance(jacobian: FloatArray, covariance: FloatArray) -> float:
+    """Mean over p places of the variances along x and y [m^2]."""
+    return 2.0 * float(np.mean(np.sum((jacobian @ covariance) * jacobian, axis=1)))
+
+
+def _mean_square(spread: Spread) -> float:
+    return float(np.nanmean(np.sum(spread.cop**2, axis=1)))
+
+
+def _gains(fit: JointFit, jacobian: FloatArray) -> FloatArray:
+    """(2 p, u) what one unit of each unknown's true value adds to the error, but for its sign."""
+    gains: FloatArray = (jacobian @ fit.covariance) / fit.prior_std**2
+    return gains
+
+
+def _expected(
+    fit: JointFit, jacobian: FloatArray, groups: dict[str, NDArray[np.int64]]
+) -> FloatArray:
+    """(g + 1,) mean squares of the groups and of noise, before anything was recorded."""
+    by = 2.0 * np.mean((_gains(fit, jacobian) * fit.prior_std) ** 2, axis=0)
+    parts = [float(by[indices].sum()) for indices in groups.values()]
+    return np.array([*parts, max(_variance(jacobian, fit.covariance) - sum(parts), 0.0)])
+
+
+def _drawn(fit: JointFit, jacobian: FloatArray, groups: dict[str, NDArray[np.int64]]) -> FloatArray:
+    """(g + 1, draws) mean squares of the groups and of noise, by draws of the posterior."""
+    size = len(fit.prior_std)
+    values, vectors = np.linalg.eigh(fit.covariance / np.outer(fit.prior_std, fit.prior_std))
+    root = fit.prior_std[:, None] * vectors * np.sqrt(np.clip(values, 0.0, None))
+    wrong = root @ np.random.default_rng(0).standard_normal((size, DRAWS))
+    estimate = np.concatenate((fit.away, [one.value for one in fit.deviations]))
+    truth = estimate[:, None] + wrong
+    gains = _gains(fit, jacobian)
+    parts = [-gains[:, indices] @ truth[indices] for indices in groups.values()]
+    parts.append(-jacobian @ wrong - sum(parts))
+    return np.array([2.0 * np.mean(one**2, axis=0) for one in parts])
+
+
+def _conditional(covariance: FloatArray, known: NDArray[np.int64]) -> FloatArray:
+    """Covariance of all unknowns once some are known exactly."""
+    own = covariance[np.ix_(known, known)]
+    across = covariance[:, known]
+    rest: FloatArray = covariance - across @ np.linalg.pinv(own, hermitian=True) @ across.T
+    return rest

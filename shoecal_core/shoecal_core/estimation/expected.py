@@ -1,0 +1,209 @@
+"""How far calibrated GRF and CoP may be off the truth, load by load.
+
+The error is linear in what was estimated: J (estimate - truth), with J the derivatives of measured
+GRF and CoP by gains, offsets and the deviations of the shoe, and the posterior covariance of all of
+them. Three terms are not estimated: the weight that the GRF rests on, where the right foot stands
+when the CoP of both feet is formed, and sideways forces, which act at the cells' height and move
+the CoP of each foot but not that of both.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.robot import GRAVITY, Robot
+from shoecal_core.planning.landmarks import sensing_hull
+from shoecal_core.planning.supports.polygon_error import places_over
+from shoecal_core.sensing.expected_error import wrench_slopes
+from shoecal_core.sensing.load_cases import double_support_outputs, single_support_outputs
+from shoecal_core.sensing.sensing import MINIMUM_FORCE
+from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.sensing.wrench import (
+    ChannelParameters,
+    columns_in_left,
+    combined,
+    foot_wrenches,
+    to_left,
+)
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Standard deviations of a wrench's error at p load cases.
+
+    Attributes:
+        places: (p, 2) the CoP, in the frame that it is given in [m].
+        grf: (p,) [N].
+        cop: (p, 2) along x and y [m]; NaN where nothing is loaded.
+    """
+
+    places: FloatArray
+    grf: FloatArray
+    cop: FloatArray
+
+    @property
+    def cop_length(self) -> FloatArray:
+        """(p,) root mean square length of the CoP's error [m]."""
+        length: FloatArray = np.linalg.norm(self.cop, axis=1)
+        return length
+
+
+@dataclass(frozen=True)
+class ErrorModel:
+    """Expected errors of one calibration.
+
+    Attributes:
+        robot: whose weight and sensing polygons count.
+        shoe: with the columns that are used for measuring.
+        parameters: gains and offsets.
+        covariance: (p, p) of the errors of gains, offsets and shoe deviations, p = 2n + d.
+        shoe_columns: (d, n, 3) what one unit of each shoe deviation adds to the columns.
+        support_covariance: (3, 3) of the right foot's dx, dy, dtheta by the joints.
+        sideways: standard deviation of the sideways force on a foot, each axis [N].
+    """
+
+    robot: Robot
+    shoe: Shoe
+    parameters: ChannelParameters
+    covariance: FloatArray
+    shoe_columns: FloatArray
+    support_covariance: FloatArray
+    sideways: float
+
+    @classmethod
+    def of(
+        cls,
+        robot: Robot,
+        shoe: Shoe,
+        parameters: ChannelParameters,
+        covariance: FloatArray,
+        shoe_columns: Sequence[FloatArray],
+        support_covariance: FloatArray,
+        tolerances: Tolerances,
+    ) -> ErrorModel:
+        """With the tolerances of a robot."""
+        count = len(shoe.names)
+        return cls(
+            robot,
+            shoe,
+            parameters,
+            covariance,
+            np.array(shoe_columns).reshape(-1, count, 3),
+            support_covariance,
+            tolerances.sideways_share * robot.weight,
+        )
+
+    def both_feet(self, outputs: FloatArray, support: DoubleSupport) -> Spread:
+        """Of both feet together in the left sole's frame, for outputs (p, n) [N or N m]."""
+        feet = foot_wrenches(self.shoe, outputs)
+        wrenches = combined(feet, support)
+        jacobian = self.both_jacobian(outputs, support)
+        moved = _by_support(feet[:, 1], wrenches, support)
+        extra = np.zeros((len(outputs), 3))
+        extra[:, 1:] = np.einsum("pik,kl,pil->pi", moved, self.support_covariance, moved)
+        return self._spread(jacobian, wrenches, extra)
+
+    def foot(self, outputs: FloatArray, foot: int) -> Spread:
+        """Of one foot in its own sole's frame, for outputs (p, n) of all channels [N or N m]."""
+        wrenches = foot_wrenches(self.shoe, outputs)[:, foot]
+        extra = np.zeros((len(outputs), 3))
+        if not self.shoe.torque[self.shoe.of_foot(foot)].any():
+            lever = 0.5 * self.shoe.height * self.sideways
+            extra[:, 1:] = (lever / np.maximum(wrenches[:, :1], MINIMUM_FORCE)) ** 2
+        return self._spread(self.foot_jacobian(outputs, foot), wrenches, extra)
+
+    def both_jacobian(self, outputs: FloatArray, support: DoubleSupport) -> FloatArray:
+        """(p, 3, 2n + d) of GRF and CoP of both feet by gains, offsets and shoe deviations."""
+        wrenches = combined(foot_wrenches(self.shoe, outputs), support)
+        right = (self.shoe.foot == 1)[:, None]
+        changes = np.where(right, self.shoe_columns @ to_left(support).T, self.shoe_columns)
+        return self._jacobian(columns_in_left(self.shoe, support), changes, wrenches, outputs)
+
+    def foot_jacobian(self, outputs: FloatArray, foot: int) -> FloatArray:
+        """(p, 3, 2n + d) of GRF and CoP of one foot."""
+        own = (self.shoe.foot == foot)[:, None]
+        wrenches = foot_wrenches(self.shoe, outputs)[:, foot]
+        columns = np.where(own, self.shoe.columns, 0.0)
+        return self._jacobian(columns, np.where(own, self.shoe_columns, 0.0), wrenches, outputs)
+
+    def load_cases(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Outputs (p, n) of both feet in the neutral double support with the CoP anywhere in the
+        hull of both sensing polygons, and of left and right under half the weight with the CoP
+        anywhere in the foot's own polygon [N or N m].
+        """
+        robot, support = self.robot, self.neutral
+        places = places_over(np.array(sensing_hull(robot, support).exterior.coords))
+        both = double_support_outputs(self.shoe, support, robot.weight, places)
+        left, right = (
+            single_support_outputs(
+                self.shoe, index, robot.weight / 2.0, places_over(foot.sensing_polygon)
+            )
+            for index, foot in enumerate(robot.feet)
+        )
+        return both, left, right
+
+    @property
+    def neutral(self) -> DoubleSupport:
+        """The neutral double support."""
+        return DoubleSupport(*(float(value) for value in self.robot.support_range.neutral))
+
+    def over_polygons(self) -> tuple[Spread, Spread, Spread]:
+        """Of both feet, left and right in their load cases."""
+        both, left, right = self.load_cases()
+        return self.both_feet(both, self.neutral), self.foot(left, 0), self.foot(right, 1)
+
+    def _jacobian(
+        self, columns: FloatArray, changes: FloatArray, wrenches: FloatArray, outputs: FloatArray
+    ) -> FloatArray:
+        loaded = wrenches[:, :1] > MINIMUM_FORCE
+        wrenches = np.where(loaded, wrenches, [1.0, 0.0, 0.0])
+        slopes = wrench_slopes(columns, wrenches)
+        readings = (outputs - self.parameters.offset) / self.parameters.gain
+        by_shoe = np.einsum("pn,dnk->pkd", outputs, changes)
+        force, place = wrenches[:, :1], np.stack((-wrenches[:, 2], wrenches[:, 1]), axis=1)
+        place = place / force
+        moments = np.stack((-by_shoe[:, 2], by_shoe[:, 1]), axis=1)
+        cop = (moments - place[:, :, None] * by_shoe[:, :1]) / force[:, None]
+        shoe = np.concatenate((by_shoe[:, :1], cop), axis=1)
+        return np.concatenate([slopes * readings[:, None, :], slopes, shoe], axis=2)
+
+    def _spread(self, jacobian: FloatArray, wrenches: FloatArray, extra: FloatArray) -> Spread:
+        """With extra variances (p, 3) of GRF and CoP."""
+        loaded = wrenches[:, 0] > MINIMUM_FORCE
+        variances = ((jacobian @ self.covariance) * jacobian).sum(axis=2) + extra
+        # A wrong weight scales all gains alike.
+        relative = self.robot.mass_std * GRAVITY / self.robot.weight
+        variances[:, 0] += (relative * wrenches[:, 0]) ** 2
+        std = np.sqrt(np.clip(variances, 0.0, None))
+        force = np.where(loaded, wrenches[:, 0], 1.0)[:, None]
+        places = np.stack((-wrenches[:, 2], wrenches[:, 1]), axis=1) / force
+        return Spread(
+            np.where(loaded[:, None], places, np.nan),
+            std[:, 0],
+            np.where(loaded[:, None], std[:, 1:], np.nan),
+        )
+
+
+def _by_support(right: FloatArray, both: FloatArray, support: DoubleSupport) -> FloatArray:
+    """(p, 2, 3) of the CoP of both feet by the right foot's dx, dy, dtheta.
+
+    Args:
+        right: (p, 3) wrench of the right foot in its own sole frame.
+        both: (p, 3) of both feet in the left sole's.
+    """
+    share = right[:, 0] / np.maximum(both[:, 0], MINIMUM_FORCE)
+    force = np.maximum(right[:, 0], MINIMUM_FORCE)
+    place = np.stack((-right[:, 2], right[:, 1]), axis=1) / force[:, None]
+    turned = place @ support.rotation.T
+    moved = np.zeros((len(right), 2, 3))
+    moved[:, 0, 0] = moved[:, 1, 1] = share
+    moved[:, :, 2] = share[:, None] * np.stack((-turned[:, 1], turned[:, 0]), axis=1)
+    return moved

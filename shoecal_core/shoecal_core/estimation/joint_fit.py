@@ -1,0 +1,353 @@
+"""Gains and offsets, fitted together with everything that a robot as built may have wrong.
+
+    measured - modelled = J_b (b - b0) + tau C_m' + sum_k J_k x_k + form error + noise
+
+with b the gains and offsets (prior about the initial guess), tau the time offset of the joints,
+x_k ~ N(0, as-built^2) the deviations of `error_sources.as_built`, in all signals of
+`error_sources.signals`. The form error is what no linear source has in its form: alike for
+`correlation_s`, so that the samples within it count as one. Gauss-Newton; the prior makes every
+step well defined.
+
+Samples are means over 1 / RATE_HZ: the noise of single readings would bias the gains towards zero
+(errors in variables: Fuller, Measurement Error Models, 1987, ch. 1).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.error_sources.as_built import of_body, of_shoes
+from shoecal_core.error_sources.base import Deviation
+from shoecal_core.error_sources.noise import model_error, white_noise
+from shoecal_core.error_sources.regression import Noise, Whitening
+from shoecal_core.error_sources.scene import Scene, make_scene
+from shoecal_core.error_sources.settings import SignalSettings
+from shoecal_core.error_sources.signals import COP
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.priors import parameter_std
+from shoecal_core.samples.samples import Samples, Track
+from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.sensing.wrench import ChannelParameters
+
+FloatArray = NDArray[np.float64]
+
+RATE_HZ = 4.0
+"""Of the means that are fitted."""
+COARSE, SETTLED = 1e-3, 1e-6
+"""Largest step, in units of the parameters' priors, after which the derivatives of the body and
+the noise are taken anew, and at which the fit has settled."""
+MAX_STEPS = 20
+EXACT_S = 1e-6
+"""Standard deviation of a time offset that is held at zero."""
+
+
+@dataclass(frozen=True)
+class FittedDeviation:
+    """One deviation with its fitted value and standard deviation, in its unit."""
+
+    deviation: Deviation
+    value: float
+    std: float
+
+
+@dataclass(frozen=True)
+class JointFit:
+    """A joint fit of n channels' gains and offsets, the time offset and k deviations.
+
+    The covariance's order is gains, offsets, time offset, deviations.
+
+    Attributes:
+        scene: of all runs, at the fitted gains and offsets.
+        time_offset: the joints are late by this [s].
+        away: (2n + 1,) gains, offsets and time offset, less the middle of their priors.
+        deviations: all k of them.
+        covariance: (2n + 1 + k,) squared, if noise and form error are as stated.
+        prior_std: (2n + 1 + k,).
+        cost: sum of whitened squares, priors included.
+        initial_cost: the same at the initial guess.
+        steps: of Gauss-Newton.
+        last_step: the largest component of the last one, in units of its prior.
+        residuals: (T, s) what neither deviations nor nuisances explain.
+    """
+
+    scene: Scene
+    time_offset: float
+    away: FloatArray
+    deviations: tuple[FittedDeviation, ...]
+    covariance: FloatArray
+    prior_std: FloatArray
+    cost: float
+    initial_cost: float
+    steps: int
+    last_step: float
+    residuals: FloatArray
+
+    @property
+    def parameters(self) -> ChannelParameters:
+        """Gains and offsets."""
+        return self.scene.parameters
+
+    @property
+    def vector(self) -> FloatArray:
+        """(2n + 1,) gains, offsets, time offset."""
+        return np.concatenate((self.parameters.gain, self.parameters.offset, [self.time_offset]))
+
+    @cached_property
+    def shoe(self) -> Shoe:
+        """The shoe with the channels' columns as they were fitted."""
+        shoe = self.scene.samples.shoe
+        columns = shoe.columns.copy()
+        for one in self.deviations:
+            if one.deviation.shoe_column is not None:
+                columns = columns + one.value * one.deviation.shoe_column
+        return shoe.with_columns(columns)
+
+    @property
+    def measuring(self) -> tuple[FloatArray, list[FloatArray]]:
+        """Covariance (2n + d,) squared of gains, offsets and shoe deviations, and the (n, 3) that
+        a unit of each of these d adds to the channels' columns.
+        """
+        own = list(range(len(self.vector) - 1))
+        columns = []
+        for index, one in enumerate(self.deviations, start=len(self.vector)):
+            if one.deviation.shoe_column is not None:
+                own.append(index)
+                columns.append(one.deviation.shoe_column)
+        return self.covariance[np.ix_(own, own)], columns
+
+    @cached_property
+    def model_shift(self) -> FloatArray:
+        """(T, 2) by which links, joints and soles move the CoP that is to be measured [m]."""
+        shift = np.zeros((len(self.residuals), 2))
+        for one in self.deviations:
+            if one.deviation.run is None and one.deviation.shoe_column is None:
+                shift += one.value * one.deviation.column[:, COP]
+        return shift
+
+    @cached_property
+    def information(self) -> FloatArray:
+        """(2n + 1,) squared: the data's Fisher information, all deviations marginalised."""
+        size = len(self.vector)
+        whole = np.linalg.inv(self.covariance[:size, :size])
+        whole -= np.diag(1.0 / self.prior_std[:size] ** 2)
+        information: FloatArray = 0.5 * (whole + whole.T)
+        return information
+
+
+def fit_jointly(
+    samples: Samples,
+    train: Sequence[int],
+    guess: ChannelParameters,
+    start: ChannelParameters,
+    settings: SignalSettings,
+    tolerances: Tolerances,
+    time_offset_std_s: float,
+) -> JointFit:
+    """Fit gains, offsets, time offset and deviations to the training runs.
+
+    Args:
+        samples: means of all runs.
+        train: numbers of the runs to fit.
+        guess: gains and offsets that the priors are about.
+        start: gains and offsets to begin with.
+        settings: priors, and the size of the form error.
+        tolerances: how far robot and shoes may be off their files.
+        time_offset_std_s: how far joints and readings may be apart in time [s].
+
+    Raises:
+        ShoecalError: when it does not settle.
+    """
+    scene = make_scene(samples, start, settings).with_planes(settings)
+    fitted = np.isin(samples.run, train)
+    late = _time_offset_column(scene)
+    own_std = np.append(
+        parameter_std(samples.shoe, guess, samples.robot.weight, settings),
+        max(time_offset_std_s, EXACT_S),
+    )
+    steps, initial_cost = 0, None
+    for tolerance in (COARSE, SETTLED):
+        noise = _sample_noise(scene, settings)
+        body = of_body(scene, tolerances)
+        moved = np.inf
+        while moved >= tolerance:
+            if steps == MAX_STEPS:
+                raise ShoecalError(
+                    f"the joint fit did not settle within {MAX_STEPS} steps (the last one was "
+                    f"{moved:.1e} of the priors): check polarities and cell positions in the shoe "
+                    "file, and that the robot file is this robot's"
+                )
+            system = _System.at(scene, fitted, guess, own_std, late, body, noise, tolerances)
+            if initial_cost is None:
+                initial_cost = system.cost(np.zeros(len(system.std)))
+            solution = system.solution()
+            moved = system.moved(solution)
+            scene = scene.with_parameters(system.parameters_after(solution)).with_planes(settings)
+            steps += 1
+    assert initial_cost is not None
+    return system.fit(scene, solution, initial_cost, steps, moved)
+
+
+def _sample_noise(scene: Scene, settings: SignalSettings) -> Noise:
+    """Of the samples: sensor noise, and the form error as if each sample erred by itself.
+
+    Samples within the correlation time err alike; each therefore counts by its share only.
+    """
+    together = max(1.0, settings.model_error_s * RATE_HZ)
+    std = np.hypot(white_noise(scene), np.sqrt(together) * model_error(scene, settings))
+    return Noise(std, np.zeros(len(std)))
+
+
+def _time_offset_column(scene: Scene) -> FloatArray:
+    """(T, s) a unit of the joints' time offset: the modelled CoP lags by its rate of change."""
+    samples = scene.samples
+
+    def rates(track: Track) -> FloatArray:
+        rate: FloatArray = np.gradient(track.com[..., :2], track.time, axis=0)
+        return rate
+
+    both = samples.decimated(rates)
+    column = np.zeros_like(scene.residuals)
+    column[:, COP] = both[np.arange(len(both)), samples.frame]
+    column[:, COP] *= ~samples.walks[:, None]
+    return column * scene.mask
+
+
+@dataclass(frozen=True)
+class _System:
+    """The problem, linear about a scene: columns times unknowns give the residuals.
+
+    Unknowns are what gains and offsets are too large by, the time offset, deviations, nuisances.
+
+    Attributes:
+        scene: linearised about.
+        deviations: k of them.
+        std: (u,) prior standard deviation of each unknown.
+        away: (u,) where the priors have their middle.
+        columns: (u, T, s).
+        rows: (u, r) the same whitened, for r signals that are there.
+        target: (r,) whitened residuals.
+    """
+
+    scene: Scene
+    deviations: tuple[Deviation, ...]
+    std: FloatArray
+    away: FloatArray
+    columns: FloatArray
+    rows: FloatArray
+    target: FloatArray
+
+    @classmethod
+    def at(
+        cls,
+        scene: Scene,
+        fitted: NDArray[np.bool_],
+        guess: ChannelParameters,
+        own_std: FloatArray,
+        late: FloatArray,
+        body: Sequence[Deviation],
+        noise: Noise,
+        tolerances: Tolerances,
+    ) -> _System:
+        own = len(own_std) - 1
+        deviations = (*body, *of_shoes(scene, tolerances))
+        nuisances = scene.nuisances
+        columns = np.concatenate(
+            (
+                scene.baseline[:own],
+                late[None],
+                np.array([one.column for one in deviations]).reshape(-1, *late.shape),
+                scene.baseline[own:],
+            )
+        )
+        std = np.concatenate(
+            (own_std, [one.std for one in deviations], [std for _, std in nuisances])
+        )
+        away = np.zeros(len(std))
+        parameters = scene.parameters
+        away[:own] = np.concatenate(
+            (parameters.gain - guess.gain, parameters.offset - guess.offset)
+        )
+        whitening = Whitening(scene.samples, scene.mask, noise)
+        there = scene.mask & fitted[:, None]
+        return cls(
+            scene=scene,
+            deviations=deviations,
+            std=std,
+            away=away,
+            columns=columns,
+            rows=whitening(columns)[:, there],
+            target=whitening(scene.residuals)[there],
+        )
+
+    @cached_property
+    def _inverse(self) -> FloatArray:
+        """(u, u) covariance of the unknowns."""
+        scaled = self.rows * self.std[:, None]
+        normal = scaled @ scaled.T + np.eye(len(self.std))
+        inverse: FloatArray = np.linalg.inv(normal) * np.outer(self.std, self.std)
+        return inverse
+
+    def solution(self) -> FloatArray:
+        """(u,) of least cost."""
+        found: FloatArray = self._inverse @ (self.rows @ self.target + self.away / self.std**2)
+        return found
+
+    def cost(self, unknowns: FloatArray) -> float:
+        """Sum of squares, priors included."""
+        left = self.target - unknowns @ self.rows
+        return float(left @ left + np.sum(((unknowns - self.away) / self.std) ** 2))
+
+    def moved(self, solution: FloatArray) -> float:
+        """Largest change of gains and offsets, in units of their priors."""
+        own = 2 * len(self.scene.parameters.gain)
+        return float(np.max(np.abs(solution[:own] / self.std[:own])))
+
+    def parameters_after(self, solution: FloatArray) -> ChannelParameters:
+        """Gains and offsets without what they were too large by."""
+        count, now = len(self.scene.parameters.gain), self.scene.parameters
+        return ChannelParameters(
+            now.gain - solution[:count], now.offset - solution[count : 2 * count]
+        )
+
+    def fit(
+        self,
+        scene: Scene,
+        solution: FloatArray,
+        initial_cost: float,
+        steps: int,
+        moved: float,
+    ) -> JointFit:
+        """The result, for a solution that has settled."""
+        first = 2 * len(scene.parameters.gain) + 1
+        size = first + len(self.deviations)
+        # Gains and offsets enter as what they are too large by.
+        sign = np.ones(size)
+        sign[: first - 1] = -1.0
+        covariance = self._inverse[:size, :size] * np.outer(sign, sign)
+        stds = np.sqrt(np.diag(covariance))[first:]
+        fitted = tuple(
+            FittedDeviation(one, float(value), float(std))
+            for one, value, std in zip(self.deviations, solution[first:size], stds, strict=True)
+        )
+        return JointFit(
+            scene=scene,
+            time_offset=float(solution[first - 1]),
+            away=np.append(
+                (self.away - solution)[: first - 1],
+                solution[first - 1],
+            ),
+            deviations=fitted,
+            covariance=covariance,
+            prior_std=self.std[:size],
+            cost=self.cost(solution),
+            initial_cost=initial_cost,
+            steps=steps,
+            last_step=moved,
+            residuals=self.scene.residuals - np.tensordot(solution, self.columns, 1),
+        )
