@@ -1,14 +1,14 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: firmware stand-ins robots clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust coverage chosen-supports caught-faults faults blind effects-table own-steps motion-menu pictures figures reference docs wheel lock clean
+.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust accuracy repeats chosen-supports caught-faults faults blind effects-table own-steps motion-menu pictures figures reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
 unexport ROS_DISTRO ROS_VERSION ROS_PYTHON_VERSION RMW_IMPLEMENTATION
 
 BIN := .venv/bin
-FLOOR_PYTHON ?= python3.12
+FLOOR_PYTHON ?= python3.11
 DOCS_PYTHON ?= python3
 LOCK := uv pip compile --quiet --upgrade --generate-hashes --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock"
@@ -23,7 +23,7 @@ demo: setup  ## the main job on the simulated robot (ARGS="--seed 2")
 	$(BIN)/shoecal demo $(ARGS)
 
 test: export OPENBLAS_NUM_THREADS := 1
-test: setup stand-ins  ## all tests (ARGS="-k name")
+test: setup stand-ins descriptions  ## all tests (ARGS="-k name")
 	$(BIN)/python -m pytest -n auto --dist loadfile $(ARGS)
 
 stand-ins: setup  ## messages of robots' drivers, for the tests of adapters
@@ -86,11 +86,15 @@ motion-menu: setup  ## every motion of the menu and how long it takes, into docs
 paper: setup  ## the paper's evaluation over ten robots, into docs/evidence/paper.md (ARGS="--seeds 20")
 	$(BIN)/python benchmarks/paper.py $(ARGS)
 
-trust: chosen-supports coverage caught-faults  ## what trust in a calibration rests on, into docs/evidence/trust.md
+trust: chosen-supports accuracy repeats caught-faults  ## what trust in a calibration rests on, into docs/evidence/trust.md
 
-coverage: export OPENBLAS_NUM_THREADS := 1
-coverage: setup  ## do stated uncertainties hold? (ARGS="--count 20")
-	$(BIN)/python benchmarks/coverage.py $(ARGS)
+accuracy: export OPENBLAS_NUM_THREADS := 1
+accuracy: setup  ## errors of a calibration, and do stated ones hold? (ARGS="--seeds 2 --realities default")
+	$(BIN)/python benchmarks/accuracy.py $(ARGS)
+
+repeats: export OPENBLAS_NUM_THREADS := 1
+repeats: setup  ## one robot calibrated again and again (ARGS="--repeats 5")
+	$(BIN)/python benchmarks/repeats.py $(ARGS)
 
 chosen-supports: export OPENBLAS_NUM_THREADS := 1
 chosen-supports: setup  ## double supports chosen against random ones (ARGS="--seeds 24")
@@ -125,15 +129,20 @@ firmware:  ## firmware of a shoe, and more (ARGS="flash PORT=/dev/ttyUSB0", ARGS
 	@$(MAKE) --no-print-directory -C firmware $(ARGS)
 
 robots: export OPENBLAS_NUM_THREADS := 1
-robots: setup  ## public humanoids drafted, planned and calibrated, into docs/evidence/robots.md (ARGS="--only g1")
-	$(BIN)/python -m pip --disable-pip-version-check install --quiet --no-deps --require-hashes \
-		--requirement requirements-robots.txt
+robots: setup descriptions  ## public humanoids drafted, planned and calibrated, into docs/evidence/robots.md (ARGS="--only g1")
 	$(BIN)/python benchmarks/public_robots.py $(ARGS)
+
+descriptions: setup .venv/.descriptions  ## descriptions of public humanoids, for tests and figures
+
+.venv/.descriptions: requirements-robots.txt
+	$(BIN)/python -m pip --disable-pip-version-check install --quiet --no-deps --require-hashes \
+		--requirement $<
+	@touch $@
 
 lock:  ## resolve the lock files anew (needs uv)
 	$(LOCK) --universal --fork-strategy fewest --python-version 3.11 \
 		--output-file requirements.txt requirements.in shoecal_core/setup.py shoecal_ros/setup.py
-	$(LOCK) --override requirements-floor.in --python-version 3.12 \
+	$(LOCK) --override requirements-floor.in --python-version 3.11 \
 		--python-platform x86_64-manylinux_2_35 \
 		--output-file requirements-floor.txt requirements-floor.in shoecal_core/setup.py
 	$(LOCK) --universal --python-version 3.11 \

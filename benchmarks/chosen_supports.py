@@ -24,7 +24,7 @@ import numpy as np
 from chosen_supports_page import page_body, summarise
 from chosen_supports_results import Examination, Floor, Result, examine
 from pages import write_trust
-from population import ROOT, different_robots, make_session, nao, sessions
+from population import ROOT, different_robots, make_session, nao, paper_runs, sessions
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import CHOICES, PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports
@@ -76,7 +76,7 @@ def trials(seeds: int, out: Path) -> Iterator[Trial]:
 def make(trial: Trial) -> Trial:
     """Simulate the session of a trial."""
     supports = WAYS[trial.way](trial.seed)
-    make_session(trial.folder, supports, seed=NOISE + trial.seed, robot_seed=trial.seed)
+    make_session(trial.folder, paper_runs(supports), seed=NOISE + trial.seed, robot_seed=trial.seed)
     return trial
 
 

@@ -285,7 +285,8 @@ def _promises(summary: Summary) -> str:
         for name, promise in summary.promises.items()
     )
     return (
-        f"{table(rows)}\n\nRank correlation of prediction and outcome over all trials: {correlations}."
+        f"{table(rows)}\n\n"
+        f"Rank correlation of prediction and outcome over all trials: {correlations}."
     )
 
 

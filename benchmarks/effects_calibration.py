@@ -21,15 +21,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import bench_json
-import pages
-from shoecal_core.calibration.comparison import compare, read_truths, stage_errors
-from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.refinement.found_effects import (
     FoundEffect,
     FoundEffects,
     load_found_effects,
 )
+
+import bench_json
+import pages
+from shoecal_core.calibration.comparison import compare, read_truths, stage_errors
+from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.unloading import UNLOADING
 from shoecal_core.commands.many_jobs import over_cores
 from shoecal_core.errors import ShoecalError

@@ -58,6 +58,16 @@ def descriptions() -> Path | None:
     return Path(str(found.locate_file(FOLDER)))
 
 
+def icubs() -> list[Path]:
+    """URDFs of whole iCubs in the package icub-models; none where it is not installed."""
+    try:
+        files = distribution("icub-models").files or []
+    except PackageNotFoundError:
+        return []
+    found = (Path(str(file.locate())).resolve() for file in files if file.name == "model.urdf")
+    return sorted(urdf for urdf in found if urdf.parent.name.startswith("iCub"))
+
+
 def version() -> str:
     """Of the package."""
     return distribution(PACKAGE).version

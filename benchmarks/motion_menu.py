@@ -12,8 +12,8 @@ from collections.abc import Sequence
 
 from own_steps import ROBOTS, robot_of
 from pages import ROOT, table, write_section
-from shoecal_core.planning.menu import MENU
 from shoecal_core.planning.motion import Motion, Phase
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.feasible import Feasible
@@ -28,14 +28,16 @@ def planned(name: str) -> dict[str, Motion]:
     settings = PlannerSettings()
     planner = Planner(robot, settings)
     neutral = named_support("neutral", Feasible(robot, settings))
-    return {motion: planner.plan(neutral, motion) for motion in MENU}
+    return {motion: planner.plan(neutral, motion) for motion in MOTION_KINDS}
 
 
 def parts(phases: Sequence[Phase]) -> str:
     """Their names, in order, each once where it repeats."""
     return ", ".join(
-        f"{name} (on the {carrying.value} foot)" if carrying.value != "both" else name
-        for (name, carrying), _ in itertools.groupby(phases, lambda one: (one.name, one.carrying))
+        f"{name} (on the {support_phase.value} foot)" if support_phase.value != "both" else name
+        for (name, support_phase), _ in itertools.groupby(
+            phases, lambda one: (one.name, one.support_phase)
+        )
     )
 
 
@@ -43,7 +45,7 @@ def section(motions: dict[str, dict[str, Motion]]) -> str:
     """The part of the page."""
     first = next(iter(motions.values()))
     rows = [["name", "what", "parts", *(f"{name} [s]" for name in motions)]]
-    for name, kind in MENU.items():
+    for name, kind in MOTION_KINDS.items():
         lasting = [f"{one[name].duration:.0f}" for one in motions.values()]
         rows.append([f"`{name}`", kind.doc, parts(first[name].phases), *lasting])
     return f"""\

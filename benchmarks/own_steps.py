@@ -33,11 +33,11 @@ from shoecal_core.files import atomic_write
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.steps import Stepper
+from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.sensing.shoe import load_shoe
 from shoecal_core.simulation.drawn import draw
@@ -167,7 +167,9 @@ def go(supports: int, who: tuple[str, int]) -> Walked:
 
 def _one_foot(motion: Motion) -> float:
     return sum(
-        phase.end - phase.begin for phase in motion.phases if phase.carrying is not Carrying.BOTH
+        phase.end - phase.begin
+        for phase in motion.phases
+        if phase.support_phase is not SupportPhase.BOTH
     )
 
 

@@ -16,16 +16,16 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.checking.findings import Finding
-from shoecal_core.planning.course import Course
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.problem import HorizonProblem, Solution, Solver
 from shoecal_core.planning.horizon.rolling import Path as Planned
 from shoecal_core.planning.horizon.rolling import RollingHorizon
 from shoecal_core.planning.horizon.sqp import SqpSolver
 from shoecal_core.planning.legs import Legs
-from shoecal_core.planning.menu import kind_named
 from shoecal_core.planning.motion import Motion, timed
+from shoecal_core.planning.motion_catalogue import motion_kind
 from shoecal_core.planning.planner import Planner
+from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.sensing.shoe import Shoe, load_shoe
@@ -33,11 +33,13 @@ from shoecal_core.workspace import config_dir
 
 FloatArray = NDArray[np.float64]
 OUT = ROOT / "out" / "planner"
+OF_CONFIG = ("nao", "wren")
+"""Robots that config/ holds; those of the tests lie in test/data."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A robot with its shoes, as the repository holds it."""
+    """A robot with its shoes, as the repository holds it: `nao`, `wren` or `odd_biped`."""
 
     name: str
     robot: Robot
@@ -45,8 +47,9 @@ class Case:
 
     @classmethod
     def named(cls, name: str) -> Case:
-        shoe = load_shoe(config_dir() / "shoes" / f"{name}_shoe.yaml")
-        return cls(name, load_robot(config_dir() / "robots" / f"{name}.yaml", shoe), shoe)
+        folder = config_dir() if name in OF_CONFIG else ROOT / "test" / "data"
+        shoe = load_shoe(folder / "shoes" / f"{name.removesuffix('_biped')}_shoe.yaml")
+        return cls(name, load_robot(folder / "robots" / f"{name}.yaml", shoe), shoe)
 
     def supports(self, count: int, settings: PlannerSettings, seed: int) -> list[DoubleSupport]:
         """As the planner chooses them for one calibration."""
@@ -149,18 +152,18 @@ def closed_loop(
         support: where it stands.
         solver: under test.
         rescue: tried where that one fails.
-        motion: on the menu, of one course.
+        motion: on the menu, of one segment.
     """
     recorder, others = Recorder(solver), [Recorder(other) for other in rescue]
     legs, settings = planner.legs, planner.settings
     horizon = RollingHorizon(planner.horizon.collocation, [recorder, *others])
     angles = planner.stance(support)
-    (course,) = kind_named(motion).courses(planner.standing(angles))
+    (segment,) = motion_kind(motion).segments(planner.standing(angles))
     watch = Stopwatch()
-    planned = horizon.roll(angles[legs.robot.legs], course, angles)
+    planned = horizon.roll(angles[legs.robot.legs], segment, angles)
     span = watch.read()
-    made = timed(legs, [(course, planned)], motion, angles, settings)
-    foot_error, violation = applied_violation(planner, course, planned, angles)
+    made = timed(legs, [(segment, planned)], motion, angles, settings)
+    foot_error, violation = applied_violation(planner, segment, planned, angles)
     return Loop(
         support=support,
         solves=tuple(recorder.solves),
@@ -175,7 +178,7 @@ def closed_loop(
 
 
 def applied_violation(
-    planner: Planner, course: Course, planned: Planned, others: FloatArray
+    planner: Planner, segment: MotionSegment, planned: Planned, others: FloatArray
 ) -> tuple[float, float]:
     """Of all planned states: largest error of the feet, largest violation of any constraint.
 
@@ -183,7 +186,7 @@ def applied_violation(
     """
     collocation, settings = planner.horizon.collocation, planner.settings
     states = planned.states
-    scene = course.scene(planner.legs.robot, settings, others, 0)
+    scene = segment.scene(planner.legs.robot, settings, others, 0)
     values = collocation.evaluate(states, scene)
     excess = [
         np.abs(values.foot_error),

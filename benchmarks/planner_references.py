@@ -20,7 +20,7 @@ from planner_cases import OUT
 from shoecal_core.compiler import find_compiler
 from shoecal_core.files import atomic_write
 from shoecal_core.planning.horizon.collocation import Collocation
-from shoecal_core.planning.horizon.ipopt import IpoptSolver, horizon_programme, ipopt_options
+from shoecal_core.planning.horizon.ipopt import IpoptSolver, horizon_nlp, ipopt_options
 
 LIBRARIES = OUT / "compiled"
 FASTEST = ("-O3", "-march=native")
@@ -44,7 +44,7 @@ def mx_ipopt(collocation: Collocation) -> IpoptSolver:
 def judge(collocation: Collocation) -> IpoptSolver:
     """Tight tolerances and unrelaxed bounds, to tell what the optimum is."""
     options = ipopt_options(collocation.settings) | _JUDGE
-    programme = horizon_programme(collocation, ca.SX)
+    programme = horizon_nlp(collocation, ca.SX)
     return IpoptSolver(collocation, ca.nlpsol("judge", "ipopt", programme, options))
 
 
@@ -67,7 +67,7 @@ def compiled_ipopt(
 
 
 def _from_mx(collocation: Collocation) -> ca.Function:
-    programme = horizon_programme(collocation, ca.MX)
+    programme = horizon_nlp(collocation, ca.MX)
     return ca.nlpsol("horizon", "ipopt", programme, ipopt_options(collocation.settings))
 
 

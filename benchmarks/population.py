@@ -24,7 +24,7 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.standard import listed_runs
+from shoecal_core.planning.standard import PlannedRun, listed_runs
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import Shoe, load_shoe
@@ -95,27 +95,39 @@ def nao() -> tuple[Robot, Shoe]:
     return load_robot(config_dir() / "robots" / "nao.yaml", shoe), shoe
 
 
+def paper_runs(supports: Sequence[DoubleSupport]) -> tuple[PlannedRun, ...]:
+    """The paper's own protocol: one motion over landmarks in each double support."""
+    return listed_runs(supports, ["landmarks"] * len(supports))
+
+
 def make_session(
-    folder: Path, supports: Sequence[DoubleSupport], *, seed: int, robot_seed: int
+    folder: Path,
+    runs: Sequence[PlannedRun],
+    *,
+    seed: int,
+    robot_seed: int,
+    reality: Path | None = None,
 ) -> None:
     """Simulate a session of the NAO; whole or not at all: an interrupted one counts as not made.
 
     Args:
         folder: to make.
-        supports: to visit.
+        runs: in double supports that were drawn.
         seed: of the noise.
         robot_seed: of robot and cells.
+        reality: changes to the default reality.
     """
     robot, shoe = nao()
     plan = SimulationPlan(
         robot=robot,
         shoe=shoe,
-        reality=load_reality(config_dir() / "realities" / "default.yaml"),
+        reality=load_reality(config_dir() / "realities" / "default.yaml", reality),
         settings=PlannerSettings(),
-        runs=listed_runs(supports, ["landmarks"] * len(supports)),
+        runs=runs,
         rate=RATE_HZ,
         seed=seed,
         robot_seed=robot_seed,
+        drawn=True,
     )
     begun = folder.with_name(folder.name + ".begun")
     shutil.rmtree(begun, ignore_errors=True)
@@ -127,7 +139,9 @@ def make_session(
 def _make(member: Member) -> Member:
     robot, shoe = nao()
     supports = draw_supports(robot, shoe, PlannerSettings(), SUPPORTS, member.seed)
-    make_session(member.folder, supports, seed=member.seed, robot_seed=member.robot_seed)
+    make_session(
+        member.folder, paper_runs(supports), seed=member.seed, robot_seed=member.robot_seed
+    )
     return member
 
 

@@ -94,7 +94,7 @@ def run(humanoid: Humanoid, folder: Path, out: Path, supports: int, seed: int) -
     reality = out / "reality.yaml"
     write_yaml(reality, scaled_reality(robot, shoe, com_height))
     planning = out / "planner.yaml"
-    write_yaml(planning, {"planner": {"ros__parameters": {"planning": PLANNING}}})
+    write_yaml(planning, {"/**/planner": {"ros__parameters": {"planning": PLANNING}}})
     folder_of_runs = out / "session"
     seconds["simulation"] = -_processor_seconds()
     shoecal(

@@ -54,7 +54,7 @@ setup(
         "pin==4.1.0",
         "pyyaml>=6.0",
         "rich>=13.7",
-        "rosbags>=0.10",
+        "rosbags>=0.11",
         "scipy>=1.11",
         "shapely>=2.0",
         "shtab>=1.6",

@@ -26,13 +26,13 @@ from blind.submit import Submission, submit
 from population import nao
 from shoecal_core.diagnosis.candidates import STANCE_MOTION, STANCES, stance
 from shoecal_core.errors import ShoecalError
-from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import TRAIN, PlannedRun
 from shoecal_core.planning.supports.feasible import Feasible
 
 PROPOSED, RANDOM = "proposed", "random"
-DRAWN = (*MENU, *STANCES, *BY_HAND)
+DRAWN = (*MOTION_KINDS, *STANCES, *BY_HAND)
 """What a motion at random is drawn from: all that can be proposed."""
 
 

@@ -27,7 +27,7 @@ from rclpy.serialization import deserialize_message
 from shoecal_msgs.srv import GetCalibration, SelfCalibrate, SetCalibration
 from std_srvs.srv import Trigger
 
-from shoecal_ros.common.process import keep_what_stands
+from shoecal_ros.common.process import freeze_objects
 
 WAIT_S = 60.0
 """For what is not answered when the last call was made."""
@@ -86,7 +86,7 @@ def call(node: Node, count: int, rate: float, requests: Sequence[Any]) -> dict[s
         if not caller.client.wait_for_service(60.0):
             sys.exit(f"nobody offers {caller.client.srv_name}")
     _until_known(Caller(node, GetCalibration, "shoe/get_calibration"))
-    keep_what_stands()
+    freeze_objects()
     took, bare_took = [-1.0] * count, [-1.0] * count
     begin, done = time.monotonic(), 0
     while done < count or (min(took) < 0.0 and time.monotonic() < begin + count / rate + WAIT_S):

@@ -114,7 +114,7 @@ def _store(folder: Path, made: list[Calibration], tell: Callable[[bytes], None])
     store = CalibrationStore(folder, originals.robot(), originals.shoe())
     store.load(originals.START_NS)
     for number, calibration in enumerate(made):
-        applied = store.one_before() if number % 3 == 2 else calibration
+        applied = store.one_before()[0] if number % 3 == 2 else calibration
         store.apply(applied, originals.START_NS + number)
         tell(b".")
 

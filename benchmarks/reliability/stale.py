@@ -33,7 +33,7 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.sensing.shoe import FEET
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import calibration_to_ros, time_from_ros
-from shoecal_ros.common.process import keep_what_stands
+from shoecal_ros.common.process import freeze_objects
 
 AWAY: dict[str, tuple[str, Callable[[Any], bool], list[bool]]] = {
     "joints": ("joints", lambda state: state.joints_stale, [True, True]),
@@ -206,7 +206,7 @@ def tried(first: int, count: int, seed: int, progress: Progress) -> list[Try]:
     with live_world() as world:
         scene = Scene(world)
         # As nodes do, or who listens here would be late by itself.
-        keep_what_stands()
+        freeze_objects()
         try:
             for index in range(first, first + count):
                 found.append(scene.try_one(np.random.default_rng([seed, index])))

@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TypeVar, cast, get_type_hints
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.files import read_yaml
+from shoecal_core.parameter_file import sections_of
 
 Value = bool | int | float | str
 T = TypeVar("T", bound=Value)
@@ -161,18 +161,21 @@ def load_settings(cls: type[S], path: Path, node_name: str, section: str) -> S:
 
     Args:
         cls: the Settings class.
-        path: YAML of the form `node_name: {ros__parameters: {section: {key: value}}}`.
-        node_name: whose parameters to take.
+        path: YAML of the form `/**/node_name: {ros__parameters: {section: {key: value}}}`.
+        node_name: whose parameters to take; with its namespace where that matters.
         section: of them; where it is left out everything has its default.
 
     Raises:
         FileError: names the file, the key and the cure.
     """
-    block = read_yaml(path).mapping(node_name).mapping("ros__parameters")
-    if section not in block:
-        return cls()
-    entries = block.mapping(section)
-    try:
-        return from_values(cls, {key: entries.value(key) for key in entries.keys()})
-    except SettingError as error:
-        raise entries.error(error.key, error.problem) from error
+    values: dict[str, object] = {}
+    for block in sections_of(path, node_name):
+        if section not in block.fields:
+            continue
+        entries = block.fields.mapping(section)
+        try:
+            values |= {key: entries.value(key) for key in entries.keys()}
+            from_values(cls, values)
+        except SettingError as error:
+            raise entries.error(error.key, error.problem) from error
+    return from_values(cls, values)

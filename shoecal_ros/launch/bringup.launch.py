@@ -1,21 +1,28 @@
-"""The nodes beside a robot: shoe_driver, model, planner, calibrator.
+"""The nodes beside a robot: shoe_driver, model, planner, calibrator, and where need be an adapter.
 
     ros2 launch shoecal_ros bringup.launch.py robot:=ROBOT.yaml shoe:=SHOE.yaml port:=/dev/ttyUSB0
 
-Discovery stays on this computer unless ROS_AUTOMATIC_DISCOVERY_RANGE is set before.
+Arguments, files and packages are checked before the first node starts. Discovery stays on this
+computer unless ROS_AUTOMATIC_DISCOVERY_RANGE is set before.
 """
 
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, IncludeLaunchDescription, SetEnvironmentVariable
+from launch import LaunchContext, LaunchDescription
+from launch.actions import (
+    DeclareLaunchArgument,
+    IncludeLaunchDescription,
+    OpaqueFunction,
+    SetEnvironmentVariable,
+)
 from launch.launch_description_sources import PythonLaunchDescriptionSource
-from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
-from launch_ros.parameter_descriptions import ParameterValue
 
 from shoecal_core.workspace import network_environment
+from shoecal_ros.bringup import robot_nodes
+from shoecal_ros.launched import action
 
 VIEW = Path(get_package_share_directory("shoecal_ros")) / "launch" / "view.launch.py"
 CONFIG = Path(get_package_share_directory("shoecal_core")) / "config"
@@ -29,24 +36,17 @@ ARGUMENTS = {
     ),
     "port": ("", "serial port; empty: the one in the device file"),
     "params": (str(CONFIG / "nodes"), "folder of the nodes' parameter files"),
+    "state": ("", "folder of calibrations and sessions; empty: those of calibrator.yaml"),
+    "adapter": ("none", "also start an adapter: nao_lola, naoqi, controller or none"),
     "namespace": ("", "namespace of all nodes"),
+    "enclaves": ("false", "true gives each node its SROS2 enclave, /shoecal/NODE"),
     "use_sim_time": ("false", "true where a simulator owns /clock"),
     "viewer": ("none", "also start a viewer: rviz, foxglove, plotjuggler or none"),
 }
 
 
 def generate_launch_description() -> LaunchDescription:
-    """Declare the arguments and start the four nodes."""
-    robot = {
-        "robot_file": ParameterValue(LaunchConfiguration("robot"), value_type=str),
-        "shoe_file": ParameterValue(LaunchConfiguration("shoe"), value_type=str),
-    }
-    device = {
-        "config_file": ParameterValue(LaunchConfiguration("device"), value_type=str),
-        "port": ParameterValue(LaunchConfiguration("port"), value_type=str),
-    }
-    planner_file = PathJoinSubstitution([LaunchConfiguration("params"), "planner.yaml"])
-    same_planning = {"planner_file": ParameterValue(planner_file, value_type=str)}
+    """Declare the arguments, check them, and start the nodes."""
     return LaunchDescription(
         [
             *(SetEnvironmentVariable(*each) for each in network_environment().items()),
@@ -54,10 +54,7 @@ def generate_launch_description() -> LaunchDescription:
                 DeclareLaunchArgument(name, default_value=default, description=text)
                 for name, (default, text) in ARGUMENTS.items()
             ),
-            _node("shoe_driver", [device]),
-            _node("model", [_file("model"), robot]),
-            _node("planner", [_file("planner"), robot]),
-            _node("calibrator", [_file("calibrator"), robot, same_planning]),
+            OpaqueFunction(function=_nodes),
             IncludeLaunchDescription(
                 PythonLaunchDescriptionSource(str(VIEW)),
                 launch_arguments={
@@ -69,17 +66,6 @@ def generate_launch_description() -> LaunchDescription:
     )
 
 
-def _node(name: str, parameters: list[object]) -> Node:
-    sim_time = ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)
-    return Node(
-        package="shoecal_ros",
-        executable=name,
-        name=name,
-        namespace=LaunchConfiguration("namespace"),
-        parameters=[*parameters, {"use_sim_time": sim_time}],
-        output="screen",
-    )
-
-
-def _file(name: str) -> PathJoinSubstitution:
-    return PathJoinSubstitution([LaunchConfiguration("params"), f"{name}.yaml"])
+def _nodes(context: LaunchContext) -> list[Node]:
+    arguments = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    return [action(node) for node in robot_nodes(arguments)]

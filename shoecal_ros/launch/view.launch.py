@@ -14,19 +14,23 @@ Discovery stays on this computer unless ROS_AUTOMATIC_DISCOVERY_RANGE is set bef
 from pathlib import Path
 
 from ament_index_python.packages import get_package_share_directory
-from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, LogInfo, SetEnvironmentVariable
-from launch.conditions import IfCondition
-from launch.substitutions import EqualsSubstitution, LaunchConfiguration
+from launch import LaunchContext, LaunchDescription
+from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction, SetEnvironmentVariable
+from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 from launch_ros.parameter_descriptions import ParameterValue
 
 from shoecal_core.workspace import network_environment
+from shoecal_ros.bringup import VIEWERS, check_viewer
 
 SHARE = Path(get_package_share_directory("shoecal_ros"))
-RVIZ = str(SHARE / "rviz" / "shoecal.rviz")
 FOXGLOVE = str(SHARE / "foxglove" / "shoecal.json")
-PLOTJUGGLER = str(SHARE / "plotjuggler" / "shoecal.xml")
+LAYOUT_ARGUMENTS = {
+    "rviz": ["-d", str(SHARE / "rviz" / "shoecal.rviz")],
+    "plotjuggler": ["--layout", str(SHARE / "plotjuggler" / "shoecal.xml")],
+    "foxglove": [],
+}
+PARAMETERS = {"foxglove": {"address": "127.0.0.1", "port": 8765}}
 
 ARGUMENTS = {
     "viewer": ("rviz", "rviz, foxglove, plotjuggler or none"),
@@ -36,7 +40,6 @@ ARGUMENTS = {
 
 def generate_launch_description() -> LaunchDescription:
     """Start the one viewer that is asked for."""
-    bridge = {"address": "127.0.0.1", "port": 8765}
     return LaunchDescription(
         [
             *(SetEnvironmentVariable(*each) for each in network_environment().items()),
@@ -44,34 +47,24 @@ def generate_launch_description() -> LaunchDescription:
                 DeclareLaunchArgument(name, default_value=default, description=text)
                 for name, (default, text) in ARGUMENTS.items()
             ),
-            _viewer("rviz", "rviz2", "rviz2", ["-d", RVIZ]),
-            _viewer("plotjuggler", "plotjuggler", "plotjuggler", ["--layout", PLOTJUGGLER]),
-            _viewer("foxglove", "foxglove_bridge", "foxglove_bridge", [], bridge),
-            LogInfo(
-                msg=f"Foxglove: connect to ws://localhost:8765 and open the layout {FOXGLOVE}",
-                condition=_asked("foxglove"),
-            ),
+            OpaqueFunction(function=_viewer),
         ]
     )
 
 
-def _asked(viewer: str) -> IfCondition:
-    return IfCondition(EqualsSubstitution(LaunchConfiguration("viewer"), viewer))
-
-
-def _viewer(
-    viewer: str,
-    package: str,
-    executable: str,
-    arguments: list[str],
-    parameters: dict[str, object] | None = None,
-) -> Node:
+def _viewer(context: LaunchContext) -> list[Node | LogInfo]:
+    viewer = check_viewer(LaunchConfiguration("viewer").perform(context))
+    if not viewer:
+        return []
     sim_time = ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)
-    return Node(
-        package=package,
-        executable=executable,
-        arguments=arguments,
-        parameters=[{**(parameters or {}), "use_sim_time": sim_time}],
+    node = Node(
+        package=VIEWERS[viewer],
+        executable=VIEWERS[viewer],
+        arguments=LAYOUT_ARGUMENTS[viewer],
+        parameters=[{**PARAMETERS.get(viewer, {}), "use_sim_time": sim_time}],
         output="screen",
-        condition=_asked(viewer),
     )
+    if viewer != "foxglove":
+        return [node]
+    hint = f"Foxglove: connect to ws://localhost:8765 and open the layout {FOXGLOVE}"
+    return [node, LogInfo(msg=hint)]

@@ -105,7 +105,7 @@ def _print(line: dict[str, object]) -> None:
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(VoltageStream))
+    run(VoltageStream)
 
 
 if __name__ == "__main__":

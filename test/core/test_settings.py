@@ -92,8 +92,8 @@ def test_reads_a_ros_parameter_file(tmp_path: Path) -> None:
             ["part.length", "at most 2 m"],
         ),
         ("node: {ros__parameters: {part: {robot: nao.yaml}}}", ["part.robot", "unknown"]),
-        ("node: {length: 1.0}", ["node.ros__parameters", "missing"]),
-        ("planner: {ros__parameters: {}}", ["node", "missing"]),
+        ("node: {length: 1.0}", ["node.length", "expected a mapping"]),
+        ("planner: {ros__parameters: {}}", ["/**/node", "missing", "only of planner"]),
         ("node: {ros__parameters: {part: {length: }}}", ["length", "missing"]),
     ],
 )

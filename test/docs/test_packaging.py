@@ -29,7 +29,8 @@ ROSDEP_KEYS = {
 """Looked up in rosdep/python.yaml and base.yaml of ros/rosdistro, August 2026: each has a rule for
 Ubuntu. A new one belongs here once it has been looked up there."""
 ROS_PACKAGES = {
-    "action_msgs", "ament_cmake", "builtin_interfaces", "coal", "control_msgs", "diagnostic_msgs",
+    "action_msgs", "ament_cmake", "ament_index_python", "builtin_interfaces", "coal",
+    "control_msgs", "diagnostic_msgs",
     "geometry_msgs", "launch", "launch_ros", "pinocchio", "rcl_interfaces", "rclpy",
     "robot_state_publisher", "rosgraph_msgs", "rosidl_default_generators",
     "rosidl_default_runtime", "sensor_msgs", "std_msgs", "std_srvs", "tf2_msgs",
@@ -110,7 +111,9 @@ def test_what_is_imported_is_needed(package: str) -> None:
 @pytest.mark.parametrize("package", ["shoecal_core", "shoecal_ros"])
 def test_what_tests_import_is_needed(package: str) -> None:
     """So that `rosdep install` brings what `colcon test` takes."""
-    beside = {path.stem for part in ("benchmarks", "test") for path in (ROOT / part).iterdir()}
+    beside = {
+        path.stem for part in ("benchmarks", "scripts", "test") for path in (ROOT / part).iterdir()
+    }
     own = {*beside, *PACKAGES} | OPTIONAL | set(sys.stdlib_module_names)
     known = needed(package) | needed("shoecal_core") | {"python3-pytest"}
     tests = ROOT / "test" / package.removeprefix("shoecal_")

@@ -47,7 +47,7 @@ def calibration(
     values: dict[str, object] = {
         "id": identity,
         "source": "self",
-        "made_ns": 5_000_000_000,
+        "made_ns": 10**18,
         "robot": robot.name,
         "shoe": shoe.name,
         "robot_hash": robot.digest,

@@ -67,9 +67,11 @@ class Assessment:
         return self.left, self.right
 
     def expected_cop(self) -> tuple[float, dict[str, float]]:
-        """Root mean square CoP error over the sensing polygons: both feet, and by foot [m]."""
-        feet = {name: _rms(one.cop_length) for name, one in zip(FEET, self.feet, strict=True)}
-        return _rms(self.both.cop_length), feet
+        """Expected mean absolute CoP error [m]: of both feet together in the neutral double
+        support, and of each foot under half the weight, the CoP anywhere in the sensing polygons.
+        """
+        feet = {name: _mean(one.cop_mean) for name, one in zip(FEET, self.feet, strict=True)}
+        return _mean(self.both.cop_mean), feet
 
     def interval(self) -> FloatArray:
         """(2n + 1,) half 95 % intervals: gains and offsets as `seen_std`, time offset."""
@@ -83,6 +85,7 @@ class Assessment:
         for name, spread in zip(("both", *FEET), (self.both, *self.feet), strict=True):
             expected[name] = {
                 "grf_std_n": _rms(spread.grf),
+                "cop_mae_mm": 1e3 * _mean(spread.cop_mean),
                 "cop_std_mm": 1e3 * _rms(spread.cop_length),
                 "cop_worst_mm": 1e3 * float(np.nanmax(spread.cop_length)),
             }
@@ -173,6 +176,10 @@ def _seen_std(
     projected = kept @ covariance[:-1, :-1] @ kept.T
     std: FloatArray = np.sqrt(np.clip(np.diag(projected), 0.0, None))
     return std
+
+
+def _mean(values: FloatArray) -> float:
+    return float(np.nanmean(values))
 
 
 def _rms(values: FloatArray) -> float:

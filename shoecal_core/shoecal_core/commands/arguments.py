@@ -12,7 +12,7 @@ from shoecal_core.errors import FileMissingError, ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import shoe_file_of
-from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.planning.supports.feasible import Feasible
@@ -44,10 +44,10 @@ def motion_names(text: str) -> tuple[str, ...]:
     if names == (STANDARD_SET,):
         return names
     for name in names:
-        if name not in MENU:
+        if name not in MOTION_KINDS:
             raise argparse.ArgumentTypeError(
                 f"'{name}': expected '{STANDARD_SET}' alone, or motions separated by commas, of: "
-                f"{', '.join(MENU)}{nearest(name, (STANDARD_SET, *MENU))}"
+                f"{', '.join(MOTION_KINDS)}{nearest(name, (STANDARD_SET, *MOTION_KINDS))}"
             )
     return names
 
@@ -100,14 +100,26 @@ def add_force(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """`--json` of a subcommand's own parser; the command's has it already."""
+    parser.add_argument(
+        "--json",
+        type=Path,
+        metavar="FILE",
+        # The command's parser has stored a value by then; a default here would undo it.
+        default=argparse.SUPPRESS,
+        help="also write the figures as JSON",
+    )
+
+
 def add_planning(parser: argparse.ArgumentParser) -> None:
     """`--motion`, `--supports` or `--stance`, `--seed` and `--settings` of planning."""
     parser.add_argument(
         "--motion",
-        choices=list(MENU),
+        choices=list(MOTION_KINDS),
         default="landmarks",
         metavar="NAME",
-        help=_listed("what to do", {name: kind.doc for name, kind in MENU.items()}),
+        help=_listed("what to do", {name: kind.doc for name, kind in MOTION_KINDS.items()}),
     )
     where = parser.add_mutually_exclusive_group()
     where.add_argument(

@@ -19,22 +19,25 @@ LISTED = 3
 
 
 def expected_table(assessment: Assessment) -> Table:
-    """Expected errors of GRF and CoP: one standard deviation over the sensing polygons."""
+    """Expected GRF error (standard deviation) and CoP MAE over the sensing polygons.
+
+    Both feet stand in the neutral double support; a single foot bears half the weight.
+    """
     carried = assessment.budget is not None
     table = new_table("Expected errors" if carried else "Known part of the errors")
     table.add_column("", no_wrap=True)
-    for name in ("GRF (N)", "CoP (mm)", "at worst (mm)"):
+    for name in ("GRF (N)", "CoP MAE (mm)", "at worst (mm)"):
         table.add_column(name, justify="right", no_wrap=True)
     for label, spread in zip(
         ("both feet", *(f"{side} foot" for side in FEET)),
         (assessment.both, *assessment.feet),
         strict=True,
     ):
-        lengths = 1e3 * spread.cop_length[np.isfinite(spread.cop_length)]
+        lengths = 1e3 * spread.cop_mean[np.isfinite(spread.cop_mean)]
         table.add_row(
             label,
             f"{_rms(spread.grf):.2f}",
-            f"{_rms(lengths):.1f}" if len(lengths) else "-",
+            f"{lengths.mean():.1f}" if len(lengths) else "-",
             f"{lengths.max():.1f}" if len(lengths) else "-",
         )
     return table

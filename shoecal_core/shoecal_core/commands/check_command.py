@@ -10,14 +10,18 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
+from shoecal_core.calibration.checks import split_reason
 from shoecal_core.calibration.extract import stances_of
+from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.screening.clocks import put_together
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.arguments import add_force, require_folder
+from shoecal_core.commands.assessment_table import expected_table
 from shoecal_core.commands.screening_table import screening_table
 from shoecal_core.commands.tables import new_table, verdict_line
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot_file import load_robot
@@ -40,21 +44,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--settings",
         type=Path,
         metavar="FILE",
-        help="parameter file of the calibrator node, for its weights",
+        help="parameter file of the calibrator node, for its weights and tolerances",
     )
     parser.add_argument("--report", type=Path, metavar="FILE", help="also write an HTML report")
     add_force(parser)
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
-    """Read every run, say what is in it, and name whatever is in the way of a calibration."""
+    """List what is in every run, then calibrate: what `calibrate` refuses, this never passes."""
     if args.report is not None:
         require_folder(args.report)
-    settings = (
-        load_settings(CalibrationSettings, args.settings, "calibrator", "calibration")
-        if args.settings
-        else CalibrationSettings()
-    )
+    settings, tolerances = CalibrationSettings(), Tolerances()
+    if args.settings:
+        settings = load_settings(CalibrationSettings, args.settings, "calibrator", "calibration")
+        tolerances = load_settings(Tolerances, args.settings, "calibrator", "tolerances")
     session = Session.open(args.session, force=args.force)
     problems = [
         f"{path.name} was not finished: rescue it with `shoecal recover {path}`"
@@ -72,6 +75,13 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         problems.append(f"{session.folder}: no run can be read; record some")
     problems += [found.reason for found in screening.findings if found.verdict == "FAIL"]
     warnings = [found.reason for found in screening.findings if found.verdict == "WARN"]
+    calibration = None if problems else _calibration(session, settings, tolerances, problems)
+    if calibration is not None:
+        console.print(expected_table(calibration.assessment))
+        found = {reason: split_reason(reason, "WARN") for reason in calibration.calibration.reasons}
+        levels = found.values() if calibration.calibration.verdict != "PASS" else ()
+        problems += [text for level, text in levels if level == "FAIL"]
+        warnings += [text for level, text in levels if level == "WARN" and text not in warnings]
     if screening.left_out:
         console.print(screening_table(screening))
     for verdict, lines in (("FAIL", problems), ("WARN", warnings)):
@@ -92,7 +102,24 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         "problems": problems,
         "warnings": warnings,
         "screening": screening.to_json(),
+        "assessment": None
+        if calibration is None
+        else calibration.assessment.to_json(calibration.data.shoe),
     }
+
+
+def _calibration(
+    session: Session,
+    settings: CalibrationSettings,
+    tolerances: Tolerances,
+    problems: list[str],
+) -> Outcome | None:
+    """What `calibrate` would find; None where it would refuse, which is a problem."""
+    try:
+        return calibrate_session(session, settings=settings, tolerances=tolerances)
+    except ShoecalError as error:
+        problems.append(str(error))
+        return None
 
 
 class _Read:

@@ -17,7 +17,7 @@ from shoecal_core.commands.arguments import STANDARD_SET
 from shoecal_core.commands.parsers import COMMANDS, actions_of, command_line
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.errors import ShoecalError
-from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 
 SHELLS = {
     "bash": "shoecal completion bash > ~/.local/share/bash-completion/completions/shoecal",
@@ -44,7 +44,10 @@ def completion_script(shell: str) -> str:
     """The script for one of SHELLS."""
     shtab = _shtab()
     parser = command_line(list(COMMANDS))
-    names = {"only": [effect.identifier for effect in EFFECTS], "motions": (STANDARD_SET, *MENU)}
+    names = {
+        "only": [effect.identifier for effect in EFFECTS],
+        "motions": (STANDARD_SET, *MOTION_KINDS),
+    }
     for action in actions_of(parser):
         if action.type is Path:
             action.complete = shtab.FILE  # type: ignore[attr-defined]

@@ -29,7 +29,13 @@ from shoecal_core.calibration.manual.loads import CELLS, SHOE, Load, planned_loa
 from shoecal_core.calibration.manual.measurements import Measurements
 from shoecal_core.calibration.manual.measurements_file import load_measurements, save_measurements
 from shoecal_core.calibration.manual.settings import ManualSettings, load_manual_settings
-from shoecal_core.commands.arguments import add_shoe, require_folder, seed_number, shoe_file
+from shoecal_core.commands.arguments import (
+    add_json,
+    add_shoe,
+    require_folder,
+    seed_number,
+    shoe_file,
+)
 from shoecal_core.commands.manual_guide import guide_person
 from shoecal_core.commands.manual_guide_streams import FrameStream, driver_stream, file_stream
 from shoecal_core.commands.manual_tables import (
@@ -132,14 +138,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             help="weights and samples (default: manual.yaml)",
         )
         task.add_argument("--report", type=Path, metavar="FILE", help="also write an HTML report")
-        # As `shoecal manual` itself has it; what stands there must not be undone here.
-        task.add_argument(
-            "--json",
-            type=Path,
-            metavar="FILE",
-            default=argparse.SUPPRESS,
-            help="also write the figures as JSON",
-        )
+        add_json(task)
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:

@@ -10,9 +10,13 @@ from rich.console import Console
 
 from shoecal_core.drafting.draft import draft_robot, prove, relative
 from shoecal_core.drafting.notes import Note, robot_notes, shoe_notes
+from shoecal_core.drafting.soles import SoleSize
 from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileTakenError, ShoecalError
 from shoecal_core.files import atomic_write, make_folder
+
+LARGEST_M = 0.5
+"""From an ankle to an edge of its sole; more was given in other units."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,6 +39,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="the ankles have six-axis sensors, though the URDF names none",
     )
+    parser.add_argument(
+        "--sole",
+        type=float,
+        nargs=5,
+        metavar=("BACK", "FRONT", "INNER", "OUTER", "HEIGHT"),
+        help="a measured sole, where the URDF has no shape of the feet: its edges from the ankle, "
+        "and the ankle's height above the floor (m)",
+    )
     parser.add_argument("--force", action="store_true", help="replace files that are there")
 
 
@@ -48,7 +60,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         if file.exists() and not args.force:
             problem = "is there already; name another one, or replace it with --force"
             raise FileTakenError(file, problem)
-    draft = draft_robot(args.urdf, args.robot_name or out.stem, six_axis=args.six_axis)
+    draft = draft_robot(
+        args.urdf, args.robot_name or out.stem, six_axis=args.six_axis, sole=_sole(args.sole)
+    )
     texts = {out: robot_text(draft, relative(args.urdf, out.parent)), shoe: shoe_text(draft)}
     prove(draft, texts[out], texts[shoe])
     for file, text in texts.items():
@@ -74,6 +88,19 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             for note in told
         ],
     }
+
+
+def _sole(numbers: Sequence[float] | None) -> SoleSize | None:
+    """The sole of `--sole`."""
+    if numbers is None:
+        return None
+    size = SoleSize(*numbers)
+    for name, value in zip(("BACK", "FRONT", "INNER", "OUTER", "HEIGHT"), numbers, strict=True):
+        if not 0.0 < value < LARGEST_M:
+            raise ShoecalError(
+                f"--sole: {name} is {value:g}; give it in metres, above 0 and below {LARGEST_M:g}"
+            )
+    return size
 
 
 def _tell(console: Console, file: Path, notes: Sequence[Note]) -> None:

@@ -11,7 +11,7 @@ from shoecal_core.planning.steps import Stepper, require_steps_left
 from shoecal_core.simulation.robot import SimulatedRobot
 
 SETTLE_S = 1.0
-"""Standing still after a step, before joint angles are measured for the next one [s]."""
+"""InitialStance still after a step, before joint angles are measured for the next one [s]."""
 PERIOD_S = 0.02
 """How often the robot is looked at while it steps [s]."""
 

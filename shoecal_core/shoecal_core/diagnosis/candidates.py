@@ -10,8 +10,8 @@ from shoecal_core.error_sources.effects.contact import TURNED
 from shoecal_core.error_sources.scene import Scene
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.menu import MENU
 from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.feasible import Feasible
@@ -74,7 +74,7 @@ def possible_runs(
     neutral = DoubleSupport(*map(float, scene.samples.robot.support_range.neutral))
     usual = so_far[0] if so_far else neutral
     planned: dict[str, Motion] = {}
-    names = (*MENU, *STANCES)
+    names = (*MOTION_KINDS, *STANCES)
     for index, name in enumerate(names):
         if progress is not None:
             progress(f"planning {name}", index / len(names))

@@ -153,7 +153,7 @@ def _stances(motion: Motion) -> tuple[BoolArray, IntArray]:
     kinds = np.zeros(len(motion.time), dtype=np.int64)
     carried = {"both": 0, "left": 1, "right": 2}
     for phase in motion.phases:
-        kinds[motion.time >= phase.begin] = carried[phase.carrying.value]
+        kinds[motion.time >= phase.begin] = carried[phase.support_phase.value]
     loaded = np.stack((kinds != carried["right"], kinds != carried["left"]), axis=1)
     stance = np.full(len(kinds), -1)
     change = np.flatnonzero(np.diff(kinds)) + 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -93,24 +94,37 @@ def read_body(urdf: Path) -> Body:
     )
 
 
-def shape_points(body: Body, joints: set[int]) -> dict[int, FloatArray]:
-    """Corners of the shapes of these joints' links, (k, 3) each in its joint's frame [m].
+@dataclass(frozen=True)
+class Shapes:
+    """Shapes of some joints' links.
+
+    Attributes:
+        points: (k, 3) corners by joint, each in its joint's frame [m].
+        missing: by joint, mesh files of links of which no shape is there.
+    """
+
+    points: Mapping[int, FloatArray]
+    missing: Mapping[int, tuple[str, ...]]
+
+
+def find_shapes(body: Body, joints: set[int]) -> Shapes:
+    """Corners of the shapes of these joints' links.
 
     A link's collision shapes, or its visual ones where it has no other. Curved shapes are drawn
     with corners; those on a shape's own axes lie on its surface exactly.
 
     Raises:
-        FileError: for a mesh that cannot be read.
+        FileError: for a mesh that is there and cannot be read.
     """
-    model = body.model
     links = {
-        frame.name: int(frame.parentJoint)
-        for frame in model.frames
+        str(frame.name): int(frame.parentJoint)
+        for frame in body.model.frames
         if frame.type == pin.FrameType.BODY and frame.parentJoint in joints
     }
+    root, lost = _without_missing_meshes(body, set(links))
     collision = {
         link.get("name")
-        for link in body.root.iter("link")
+        for link in root.iter("link")
         if link.get("name") in links and link.find("collision/geometry") is not None
     }
     points: dict[int, list[FloatArray]] = {joint: [] for joint in joints}
@@ -119,21 +133,62 @@ def shape_points(body: Body, joints: set[int]) -> dict[int, FloatArray]:
         (pin.GeometryType.VISUAL, "visual"),
     ):
         wanted = {name for name in links if (name in collision) == (tag == "collision")}
-        for item in _geometry(body, kind, tag, wanted):
+        for item in _geometry(body, root, kind, tag, wanted):
             corners = _upright(item, _corners(item.geometry))
             points[int(item.parentJoint)].append(
                 np.array([item.placement.act(point) for point in corners]).reshape(-1, 3)
             )
-    return {
+    missing: dict[int, tuple[str, ...]] = dict.fromkeys(joints, ())
+    for link, files in lost.items():
+        missing[links[link]] += files
+    corners_of = {
         joint: np.concatenate(found) if found else np.zeros((0, 3))
         for joint, found in points.items()
     }
+    return Shapes(corners_of, missing)
 
 
-def _geometry(body: Body, kind: pin.GeometryType, tag: str, wanted: set[str]) -> list[Any]:
-    """Shapes of these links alone: a mesh that is missing elsewhere is nobody's concern."""
+def _without_missing_meshes(
+    body: Body, links: set[str]
+) -> tuple[ElementTree.Element, dict[str, tuple[str, ...]]]:
+    """The URDF without shapes whose meshes are not there, and their files by link.
+
+    Descriptions are often installed without their meshes, which are another package.
+    """
+    root = copy.deepcopy(body.root)
+    missing: dict[str, tuple[str, ...]] = {}
+    for link in root.iter("link"):
+        name = link.get("name", "")
+        for tag in ("collision", "visual"):
+            for shape in link.findall(tag) if name in links else ():
+                mesh = shape.find("geometry/mesh")
+                file = "" if mesh is None else mesh.get("filename", "")
+                if file and not _exists(body, file):
+                    link.remove(shape)
+                    missing[name] = (*missing.get(name, ()), file)
+        if link.find("collision/geometry") is not None or link.find("visual/geometry") is not None:
+            missing.pop(name, None)
+    return root, missing
+
+
+def _folders(body: Body) -> list[Path]:
+    """Where packages are looked for: the folders above the URDF."""
+    return list(body.urdf.resolve().parents)[:-1]
+
+
+def _exists(body: Body, file: str) -> bool:
+    scheme, _, rest = file.rpartition("://")
+    if scheme == "file":
+        return Path(rest).is_file()
+    return any((folder / rest).is_file() for folder in _folders(body))
+
+
+def _geometry(
+    body: Body, root: ElementTree.Element, kind: pin.GeometryType, tag: str, wanted: set[str]
+) -> list[Any]:
+    """Shapes of these links alone: what is wrong with the others does not matter."""
     robot = ElementTree.Element("robot", {"name": "part"})
-    for element in body.root:
+    for element in root:
         part = ElementTree.Element(element.tag, element.attrib)
         part.extend(
             child
@@ -143,21 +198,19 @@ def _geometry(body: Body, kind: pin.GeometryType, tag: str, wanted: set[str]) ->
         )
         if element.tag in ("link", "joint", "material"):
             robot.append(part)
-    folders = [str(folder) for folder in body.urdf.resolve().parents][:-1]
     try:
         with caught_stderr():
             geometry = pin.buildGeomFromUrdfString(
                 body.model,
                 ElementTree.tostring(robot, encoding="unicode"),
                 kind,
-                package_dirs=folders,
+                package_dirs=[str(folder) for folder in _folders(body)],
             )
     except (ValueError, RuntimeError) as error:
         reason = str(error).splitlines()[0] if str(error) else "rejected by the parser"
         raise UrdfError(
             body.urdf,
-            f"a shape of its legs cannot be read: {reason}; put the meshes where the URDF names "
-            "them (package://NAME is looked for in the folders above it)",
+            f"a shape of its legs cannot be read: {reason}; repair that mesh or take it out",
             field=tag,
         ) from error
     return list(geometry.geometryObjects)

@@ -123,7 +123,8 @@ def _foot(body: Body, side: str, joint: int, points: FloatArray, sole: Sole) -> 
     link, frame = body.link(joint)
     inside = np.array([(frame * sole.placement).actInv(point) for point in points])
     width = float(np.ptp(sole.outline[:, 1]))
-    radius = min(0.5 * float(inside[:, 2].max()), FOOT_RADIUS * width)
+    thickness = float(inside[:, 2].max()) if len(inside) else sole.height
+    radius = min(0.5 * thickness, FOOT_RADIUS * width)
     back, front = float(sole.outline[:, 0].min()), float(sole.outline[:, 0].max())
     inner = (
         sole.outline[:, 1].min() + radius if side == "left" else sole.outline[:, 1].max() - radius

@@ -14,12 +14,24 @@ from shapely import affinity
 from shapely.geometry.base import BaseGeometry
 from shapely.ops import nearest_points
 
-from shoecal_core.drafting.body import Body, own_joints, read_body, shape_points
+from shoecal_core.drafting.body import Body, Shapes, find_shapes, own_joints, read_body
 from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
 from shoecal_core.drafting.legs import Legs, find_legs
 from shoecal_core.drafting.posture import find_posture
-from shoecal_core.drafting.six_axis import SixAxis, at_ankles, elsewhere, find_six_axis
-from shoecal_core.drafting.soles import Sole, find_sole, simplified
+from shoecal_core.drafting.six_axis import (
+    SixAxis,
+    at_ankles,
+    elsewhere,
+    find_six_axis,
+    more_on_feet,
+)
+from shoecal_core.drafting.soles import (
+    Sole,
+    SoleSize,
+    find_sole,
+    measured_sole,
+    simplified,
+)
 from shoecal_core.drafting.support_range import DraftRange, find_range
 from shoecal_core.errors import FileError
 from shoecal_core.model.robot_file import load_robot
@@ -48,6 +60,9 @@ class Draft:
         support_range: of the right foot.
         six_axis: left, right; None where the foot has none.
         other_sensors: six-axis sensors of the legs that are not used.
+        parallel_sensors: of feet with several sensors, each of which carries a part of the load.
+        missing_meshes: of the legs; their capsules are not known.
+        measured: the soles' sizes were given, not found.
     """
 
     name: str
@@ -60,6 +75,9 @@ class Draft:
     support_range: DraftRange
     six_axis: list[SixAxis | None]
     other_sensors: list[str]
+    parallel_sensors: list[str]
+    missing_meshes: tuple[str, ...]
+    measured: bool
 
     @property
     def mass(self) -> float:
@@ -82,6 +100,16 @@ class Draft:
             for name, place in places.items()
             if not (model.effortLimit[place] > 0.0 and model.velocityLimit[place] > 0.0)
         ]
+
+    @property
+    def unlimited(self) -> list[str]:
+        """Of the legs: continuous joints, which the URDF gives no limits."""
+        continuous = {
+            joint.get("name")
+            for joint in self.body.root.iter("joint")
+            if joint.get("type") == "continuous"
+        }
+        return [name for name in self.leg_names if name in continuous]
 
     @property
     def clipped(self) -> list[str]:
@@ -114,29 +142,31 @@ class Draft:
         return np.round([(point.x, point.y) for point in kept], 4)
 
 
-def draft_robot(urdf: Path, name: str, *, six_axis: bool = False) -> Draft:
+def draft_robot(
+    urdf: Path, name: str, *, six_axis: bool = False, sole: SoleSize | None = None
+) -> Draft:
     """Find legs, soles, posture, capsules and sensors in a URDF.
 
     Args:
+        urdf: of the robot.
         name: of the robot.
         six_axis: the feet have six-axis sensors even where the URDF names none.
+        sole: measured; None: found from the feet's shapes.
 
     Raises:
-        FileError: for a URDF that is no humanoid on two feet, without masses, limits or shapes.
+        FileError: for a URDF that is no humanoid on two feet, without masses or limits, or without
+            shapes of the feet where no sole was measured.
     """
     body = read_body(urdf)
     legs = find_legs(body)
-    points = shape_points(body, {joint for chain in legs.chains for joint in chain})
-    left, right = (
-        find_sole(body, chain[-1], points[chain[-1]], legs.forward) for chain in legs.chains
-    )
-    soles = (left, right)
+    shapes = find_shapes(body, {joint for chain in legs.chains for joint in chain})
+    soles = _soles(body, legs, shapes, sole)
     sensors = find_six_axis(body, legs, soles)
     if six_axis and None in sensors:
         sensors = at_ankles(body, legs, soles)
     if None in sensors:
         sensors = [None, None]
-    capsules = find_capsules(body, legs, points, soles)
+    capsules = find_capsules(body, legs, shapes.points, soles)
     return Draft(
         name=name,
         body=body,
@@ -148,7 +178,49 @@ def draft_robot(urdf: Path, name: str, *, six_axis: bool = False) -> Draft:
         support_range=find_range(body, legs, soles, capsules),
         six_axis=sensors,
         other_sensors=elsewhere(body, legs),
+        parallel_sensors=more_on_feet(body, legs, soles),
+        missing_meshes=tuple(sorted({file for one in shapes.missing.values() for file in one})),
+        measured=sole is not None,
     )
+
+
+def _soles(body: Body, legs: Legs, shapes: Shapes, size: SoleSize | None) -> tuple[Sole, Sole]:
+    """Left and right, measured or found."""
+    found = []
+    for chain, is_left in zip(legs.chains, (True, False), strict=True):
+        foot = chain[-1]
+        if size is not None:
+            found.append(measured_sole(body, foot, size, legs.forward, is_left=is_left))
+            continue
+        if shapes.missing[foot]:
+            raise UrdfError(
+                body.urdf,
+                f"its mesh {shapes.missing[foot][0]} is not there, so its sole is not known; put "
+                "the meshes where the URDF names them (package://NAME is looked for in the "
+                "folders above it), or measure the sole and give --sole",
+                field=f"link {body.link(foot)[0]}",
+            )
+        found.append(find_sole(body, foot, shapes.points[foot], legs.forward))
+    left, right = found
+    _check_apart(body, left, right)
+    return left, right
+
+
+def _check_apart(body: Body, left: Sole, right: Sole) -> None:
+    """Refuse soles that reach into each other: the URDF's meshes may be turned or mirrored."""
+    outlines = []
+    for sole in (left, right):
+        corners = np.column_stack([sole.outline, np.zeros(len(sole.outline))])
+        in_base = [left.in_base.actInv(sole.in_base.act(corner))[:2] for corner in corners]
+        outlines.append(shapely.Polygon(in_base))
+    if outlines[0].intersects(outlines[1]):
+        length, width = 1e3 * np.ptp(left.outline, axis=0)
+        raise UrdfError(
+            body.urdf,
+            f"by the shapes of the feet its soles are {length:.0f} mm long and {width:.0f} mm wide "
+            "and overlap in the zero pose; turn the meshes, or measure the sole and give --sole",
+            field=f"link {left.link}",
+        )
 
 
 def prove(draft: Draft, robot_text: str, shoe_text: str) -> None:

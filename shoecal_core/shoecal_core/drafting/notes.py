@@ -47,6 +47,14 @@ def robot_notes(draft: Draft) -> list[Note]:
                 "give the motors' limits there, or nothing can be planned.",
             )
         )
+    if draft.unlimited:
+        notes.append(
+            Note(
+                "legs",
+                f"{', '.join(draft.unlimited)}: continuous in the URDF, so half a turn either way.",
+                "make them revolute there, with the motors' limits.",
+            )
+        )
     notes.append(_posture(draft))
     notes.append(
         Note(
@@ -55,10 +63,13 @@ def robot_notes(draft: Draft) -> list[Note]:
             "the robot can stand at its ends; `shoecal plan` leaves out what it cannot reach.",
         )
     )
+    missing = ""
     if {"left_thigh", "left_shank"} - {capsule.name for capsule in draft.capsules}:
         missing = "Thighs or shanks have no shape in the URDF, so no capsule. "
-    else:
-        missing = ""
+    if draft.missing_meshes:
+        more = len(draft.missing_meshes) - 1
+        rest = f" and {more} more meshes are" if more else " is"
+        missing = f"{missing}{draft.missing_meshes[0]}{rest} not there. "
     notes.append(
         Note(
             "capsules",
@@ -75,10 +86,11 @@ def _feet(draft: Draft) -> list[Note]:
     told = "by the joints' names" if draft.legs.named else "by the base's x axis, as no name tells"
     left = draft.soles[0]
     length, width = np.ptp(left.outline, axis=0)
+    source = "Measured soles" if draft.measured else "Lowest faces"
     notes = [
         Note(
             "feet",
-            f"Lowest faces of {left.link} and {draft.soles[1].link}, below their last joints; left "
+            f"{source} of {left.link} and {draft.soles[1].link}, below their last joints; left "
             f"was told {told}, forward is ({forward}) of the base.",
             f"the sole is {1e3 * length:.0f} mm long and {1e3 * width:.0f} mm wide, "
             f"{1e3 * left.height:.1f} mm below the ankle; outlines hold what touches the floor.",
@@ -159,6 +171,15 @@ def _sensors(draft: Draft) -> list[Note]:
                 "six_axis",
                 "Its axes are not parallel to the sole's.",
                 "turn the readings into the sole's axes before shoecal sees them.",
+            )
+        )
+    if draft.parallel_sensors:
+        notes.append(
+            Note(
+                "six_axis",
+                f"{', '.join(draft.parallel_sensors)} each carry a part of their foot.",
+                "shoecal reads one sensor a foot: publish the sum of a foot's wrenches about "
+                "origin_m.",
             )
         )
     if draft.other_sensors:

@@ -37,12 +37,27 @@ class SixAxis:
 
 
 def find_six_axis(body: Body, legs: Legs, soles: tuple[Sole, Sole]) -> list[SixAxis | None]:
-    """Left and right: the named sensor that turns with the foot; the highest of several."""
-    names = _named(body)
-    return [
-        _of_foot(body, names, chain[-1], sole)
+    """Left and right: the sensor that turns with the foot, the highest of several.
+
+    Those that a `<sensor type="force_torque">` declares count before those that are sensors by
+    their names alone: names with `ft` in them are also those of gyroscopes beside a sensor.
+    """
+    found = []
+    for chain, sole in zip(legs.chains, soles, strict=True):
+        declared = _declared_on_foot(body, chain[-1], sole)
+        sensors = declared or _named_on_foot(body, chain[-1], sole)
+        found.append(max(sensors, key=lambda sensor: sensor.origin[2], default=None))
+    return found
+
+
+def more_on_feet(body: Body, legs: Legs, soles: tuple[Sole, Sole]) -> list[str]:
+    """Declared sensors of feet that have several, where each carries a part of the load."""
+    return sorted(
+        sensor.name
         for chain, sole in zip(legs.chains, soles, strict=True)
-    ]
+        if len(declared := _declared_on_foot(body, chain[-1], sole)) > 1
+        for sensor in declared
+    )
 
 
 def at_ankles(body: Body, legs: Legs, soles: tuple[Sole, Sole]) -> list[SixAxis | None]:
@@ -54,50 +69,91 @@ def at_ankles(body: Body, legs: Legs, soles: tuple[Sole, Sole]) -> list[SixAxis 
 
 
 def elsewhere(body: Body, legs: Legs) -> list[str]:
-    """Named sensors of the legs that do not turn with the foot."""
-    names = _named(body)
+    """Sensors of the legs that do not turn with the foot; by their names where none is declared."""
+    declared = {name for name, _ in _declared(body)}
     inner = {joint for chain in legs.chains for joint in chain[:-1]}
-    return sorted(
-        str(frame.name)
+    fixed = [
+        frame
         for frame in body.model.frames
-        if frame.type == pin.FrameType.FIXED_JOINT
-        and frame.name in names
-        and frame.parentJoint in inner
-    )
+        if frame.type == pin.FrameType.FIXED_JOINT and frame.parentJoint in inner
+    ]
+    names = declared or _named(body)
+    return sorted(str(frame.name) for frame in fixed if frame.name in names)
+
+
+def _declared(body: Body) -> list[tuple[str, pin.SE3]]:
+    """Joints (and links) that a force-torque sensor is declared on, and its pose in their child."""
+    found = [
+        (element.get("reference", ""), _pose(sensor.findtext("pose", "")))
+        for element in body.root.iter("gazebo")
+        for sensor in element.iterfind("sensor[@type='force_torque']")
+    ]
+    for sensor in body.root.iterfind("sensor[@type='force_torque']"):
+        parent, origin = sensor.find("parent"), sensor.find("origin")
+        if parent is not None:
+            name = parent.get("joint") or parent.get("link") or ""
+            text = "" if origin is None else f"{origin.get('xyz', '')} {origin.get('rpy', '')}"
+            found.append((name, _pose(text)))
+    return [(name, pose) for name, pose in found if name]
+
+
+def _pose(text: str) -> pin.SE3:
+    """From `x y z roll pitch yaw`; no displacement where that is not what stands there."""
+    try:
+        numbers = np.array([float(part) for part in text.split()])
+    except ValueError:
+        numbers = np.zeros(0)
+    if len(numbers) != 6 or not np.isfinite(numbers).all():
+        return pin.SE3.Identity()
+    return pin.SE3(pin.rpy.rpyToMatrix(*numbers[3:]), numbers[:3])
 
 
 def _named(body: Body) -> set[str]:
-    """Fixed joints that are sensors by their own name, their link's, or a <sensor> on them."""
-    told = {
-        element.get("reference", "")
-        for element in body.root.iter("gazebo")
-        if element.find("sensor[@type='force_torque']") is not None
-    }
-    for sensor in body.root.iter("sensor"):
-        parent = sensor.find("parent")
-        if sensor.get("type") == "force_torque" and parent is not None:
-            told |= {parent.get("joint", ""), parent.get("link", "")}
+    """Fixed joints that are sensors by their own name or their link's."""
     names = set()
     for joint in body.root.iter("joint"):
         child = joint.find("child")
         both = (joint.get("name", ""), "" if child is None else child.get("link", ""))
-        if joint.get("type") == "fixed" and (told & {*both} - {""} or any(map(NAME.search, both))):
+        if joint.get("type") == "fixed" and any(map(NAME.search, both)):
             names.add(both[0])
     return names
 
 
-def _of_foot(body: Body, names: set[str], joint: int, sole: Sole) -> SixAxis | None:
-    placement = body.placements[joint]
-    found = []
-    for frame in body.model.frames:
-        if (
-            frame.type == pin.FrameType.FIXED_JOINT
-            and frame.name in names
-            and frame.parentJoint == joint
-        ):
-            in_sole = sole.in_base.actInv(placement * frame.placement)
-            found.append(SixAxis(str(frame.name), in_sole.translation, _signs(in_sole.rotation)))
-    return max(found, key=lambda sensor: sensor.origin[2]) if found else None
+def _declared_on_foot(body: Body, joint: int, sole: Sole) -> list[SixAxis]:
+    """Each once: a URDF may declare one for Gazebo and for others."""
+    found: dict[str, SixAxis] = {}
+    for name, pose in _declared(body):
+        frame = _frame(body, name, joint)
+        if frame is not None:
+            found.setdefault(name, _in_sole(body, joint, sole, name, frame * pose))
+    return list(found.values())
+
+
+def _frame(body: Body, name: str, joint: int) -> pin.SE3 | None:
+    """A frame of the foot in its joint's frame; None for one that is elsewhere."""
+    model = body.model
+    if name == model.names[joint]:
+        return body.link(joint)[1]
+    for frame in model.frames:
+        if frame.name == name and frame.parentJoint == joint:
+            return pin.SE3(frame.placement)
+    return None
+
+
+def _named_on_foot(body: Body, joint: int, sole: Sole) -> list[SixAxis]:
+    names = _named(body)
+    return [
+        _in_sole(body, joint, sole, str(frame.name), frame.placement)
+        for frame in body.model.frames
+        if frame.type == pin.FrameType.FIXED_JOINT
+        and frame.name in names
+        and frame.parentJoint == joint
+    ]
+
+
+def _in_sole(body: Body, joint: int, sole: Sole, name: str, frame: pin.SE3) -> SixAxis:
+    in_sole = sole.in_base.actInv(body.placements[joint] * frame)
+    return SixAxis(name, in_sole.translation, _signs(in_sole.rotation))
 
 
 def _signs(rotation: FloatArray) -> tuple[int, int, int] | None:

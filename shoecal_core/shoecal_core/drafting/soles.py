@@ -29,6 +29,23 @@ LEAST_AREA = 2e-4
 
 
 @dataclass(frozen=True)
+class SoleSize:
+    """A rectangular sole as somebody measured it: its edges from the ankle's axes [m].
+
+    Attributes:
+        back, front: behind and before the ankle.
+        inner, outer: towards the other foot and away from it.
+        height: of the ankle above the floor.
+    """
+
+    back: float
+    front: float
+    inner: float
+    outer: float
+    height: float
+
+
+@dataclass(frozen=True)
 class Sole:
     """One sole.
 
@@ -59,12 +76,12 @@ def find_sole(body: Body, joint: int, points: FloatArray, forward: FloatArray) -
     Raises:
         UrdfError: for a foot without shapes, or without a face to stand on.
     """
-    link, frame = body.link(joint)
+    link, _ = body.link(joint)
     if len(points) < 4:
         raise UrdfError(
             body.urdf,
             "has no <collision> or <visual> shape, so its sole is not known; add one (a box of "
-            "the sole's size is enough)",
+            "the sole's size is enough), or measure the sole and give --sole",
             field=f"link {link}",
         )
     placement = body.placements[joint]
@@ -74,10 +91,7 @@ def find_sole(body: Body, joint: int, points: FloatArray, forward: FloatArray) -
     ground = float((seen @ normal).min())
     touching = seen[seen @ normal < ground + TOUCHING]
     height = float(ankle @ normal) - ground
-    ahead = forward - (forward @ normal) * normal
-    ahead /= np.linalg.norm(ahead)
-    axes = np.column_stack([ahead, np.cross(normal, ahead), normal])
-    in_base = pin.SE3(axes, ankle - height * normal)
+    in_base = _below(ankle, height, normal, forward)
     flat = np.array([in_base.actInv(point)[:2] for point in touching])
     outline = shapely.MultiPoint(flat).convex_hull
     if not isinstance(outline, shapely.Polygon) or outline.area < LEAST_AREA:
@@ -87,13 +101,39 @@ def find_sole(body: Body, joint: int, points: FloatArray, forward: FloatArray) -
             "foot a <collision> box of the sole's size",
             field=f"link {link}",
         )
-    return Sole(
-        link=link,
-        placement=(placement * frame).actInv(in_base),
-        outline=simplified(outline),
-        in_base=in_base,
-        height=height,
-    )
+    return _sole(body, joint, simplified(outline), in_base, height)
+
+
+def measured_sole(
+    body: Body, joint: int, size: SoleSize, forward: FloatArray, *, is_left: bool
+) -> Sole:
+    """The sole of a given size, level in the zero pose.
+
+    Args:
+        body: in its zero pose.
+        joint: the leg's last.
+        size: of either foot.
+        forward: (3,) in the base.
+        is_left: the left foot's inner edge is on its right.
+    """
+    right, left = (size.inner, size.outer) if is_left else (size.outer, size.inner)
+    corners = shapely.box(-size.back, -right, size.front, left)
+    in_base = _below(body.origin(joint), size.height, UP, forward)
+    return _sole(body, joint, simplified(corners), in_base, size.height)
+
+
+def _below(ankle: FloatArray, height: float, normal: FloatArray, forward: FloatArray) -> pin.SE3:
+    """The sole frame in the base: below the ankle, x forward, z along the normal."""
+    ahead = forward - (forward @ normal) * normal
+    ahead /= np.linalg.norm(ahead)
+    axes = np.column_stack([ahead, np.cross(normal, ahead), normal])
+    return pin.SE3(axes, ankle - height * normal)
+
+
+def _sole(body: Body, joint: int, outline: FloatArray, in_base: pin.SE3, height: float) -> Sole:
+    link, frame = body.link(joint)
+    placement = (body.placements[joint] * frame).actInv(in_base)
+    return Sole(link, placement, outline, in_base, height)
 
 
 def simplified(polygon: BaseGeometry) -> FloatArray:

@@ -22,6 +22,8 @@ from shoecal_core.estimation.joint_fit import JointFit
 FloatArray = NDArray[np.float64]
 
 DRAWS = 400
+ROUNDING = 1e-12
+"""Added to a covariance in units of its priors, which rounding may leave indefinite."""
 CREDIBLE = (2.5, 97.5)
 NOISE, PRIOR, SIDEWAYS, SUPPORT = "noise", "gains_and_offsets", "sideways_force", "support"
 """Sources that are no deviations: noise with form error, what only the prior of gains and offsets
@@ -95,7 +97,8 @@ def budget(fit: JointFit, model: ErrorModel, spreads: Sequence[Spread]) -> Budge
         _of_all(fit, model.foot_jacobian(right, 1)[:, 1:]),
     ]
     groups = _groups(fit)
-    parts = np.array([_drawn(fit, one, groups) for one in jacobians])  # (3, g + 1, draws)
+    wrong = _draws(fit)
+    parts = np.array([_drawn(fit, one, groups, wrong) for one in jacobians])  # (3, g + 1, draws)
     estimated = np.array([_variance(one, fit.covariance) for one in jacobians])
     extra = np.clip(total - estimated, 0.0, None)
     names = [*groups, NOISE]
@@ -172,17 +175,24 @@ def _expected(
     return np.array([*parts, max(_variance(jacobian, fit.covariance) - sum(parts), 0.0)])
 
 
-def _drawn(fit: JointFit, jacobian: FloatArray, groups: dict[str, NDArray[np.int64]]) -> FloatArray:
-    """(g + 1, draws) mean squares of the groups and of noise, by draws of the posterior."""
-    size = len(fit.prior_std)
-    values, vectors = np.linalg.eigh(fit.covariance / np.outer(fit.prior_std, fit.prior_std))
-    root = fit.prior_std[:, None] * vectors * np.sqrt(np.clip(values, 0.0, None))
-    wrong = root @ np.random.default_rng(0).standard_normal((size, DRAWS))
+def _draws(fit: JointFit) -> FloatArray:
+    """(u, draws) errors of all unknowns, drawn from the posterior."""
+    scaled = fit.covariance / np.outer(fit.prior_std, fit.prior_std)
+    root = np.linalg.cholesky(scaled + ROUNDING * np.eye(len(scaled)))
+    drawn = np.random.default_rng(0).standard_normal((len(scaled), DRAWS))
+    wrong: FloatArray = fit.prior_std[:, None] * (root @ drawn)
+    return wrong
+
+
+def _drawn(
+    fit: JointFit, jacobian: FloatArray, groups: dict[str, NDArray[np.int64]], wrong: FloatArray
+) -> FloatArray:
+    """(g + 1, draws) mean squares of the groups and of noise, for drawn errors (u, draws)."""
     estimate = np.concatenate((fit.away, [one.value for one in fit.deviations]))
-    truth = estimate[:, None] + wrong
+    truth = estimate[:, None] - wrong
     gains = _gains(fit, jacobian)
     parts = [-gains[:, indices] @ truth[indices] for indices in groups.values()]
-    parts.append(-jacobian @ wrong - sum(parts))
+    parts.append(jacobian @ wrong - sum(parts))
     return np.array([2.0 * np.mean(one**2, axis=0) for one in parts])
 
 

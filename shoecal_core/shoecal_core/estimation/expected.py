@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ellipe
 
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.model.double_support import DoubleSupport
@@ -48,6 +49,18 @@ class Spread:
     places: FloatArray
     grf: FloatArray
     cop: FloatArray
+
+    @property
+    def cop_mean(self) -> FloatArray:
+        """(p,) expected length of the CoP's error, as its mean absolute error has it [m].
+
+        Of a normal error with standard deviations a >= b along its axes it is
+        a sqrt(2 / pi) E(1 - b^2 / a^2), E the complete elliptic integral of the second kind.
+        """
+        long, short = self.cop.max(axis=1), self.cop.min(axis=1)
+        ratio = np.divide(short, long, out=np.ones_like(long), where=long > 0.0)
+        mean: FloatArray = long * np.sqrt(2.0 / np.pi) * ellipe(1.0 - ratio**2)
+        return mean
 
     @property
     def cop_length(self) -> FloatArray:

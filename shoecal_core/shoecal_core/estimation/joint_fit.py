@@ -20,11 +20,11 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
 
 from shoecal_core.error_sources.as_built import of_body, of_shoes
 from shoecal_core.error_sources.base import Deviation
 from shoecal_core.error_sources.noise import model_error, white_noise
-from shoecal_core.error_sources.regression import Noise, Whitening
 from shoecal_core.error_sources.scene import Scene, make_scene
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signals import COP
@@ -39,7 +39,7 @@ FloatArray = NDArray[np.float64]
 
 RATE_HZ = 4.0
 """Of the means that are fitted."""
-COARSE, SETTLED = 1e-3, 1e-6
+COARSE, SETTLED = 1e-2, 1e-4
 """Largest step, in units of the parameters' priors, after which the derivatives of the body and
 the noise are taken anew, and at which the fit has settled."""
 MAX_STEPS = 20
@@ -172,7 +172,7 @@ def fit_jointly(
     )
     steps, initial_cost = 0, None
     for tolerance in (COARSE, SETTLED):
-        noise = _sample_noise(scene, settings)
+        sample_std = _sample_std(scene, settings)
         body = of_body(scene, tolerances)
         moved = np.inf
         while moved >= tolerance:
@@ -182,7 +182,7 @@ def fit_jointly(
                     f"{moved:.1e} of the priors): check polarities and cell positions in the shoe "
                     "file, and that the robot file is this robot's"
                 )
-            system = _System.at(scene, fitted, guess, own_std, late, body, noise, tolerances)
+            system = _System.at(scene, fitted, guess, own_std, late, body, sample_std, tolerances)
             if initial_cost is None:
                 initial_cost = system.cost(np.zeros(len(system.std)))
             solution = system.solution()
@@ -193,14 +193,14 @@ def fit_jointly(
     return system.fit(scene, solution, initial_cost, steps, moved)
 
 
-def _sample_noise(scene: Scene, settings: SignalSettings) -> Noise:
-    """Of the samples: sensor noise, and the form error as if each sample erred by itself.
+def _sample_std(scene: Scene, settings: SignalSettings) -> FloatArray:
+    """(s,) of the samples: sensor noise, and the form error as if each sample erred by itself.
 
     Samples within the correlation time err alike; each therefore counts by its share only.
     """
     together = max(1.0, settings.model_error_s * RATE_HZ)
-    std = np.hypot(white_noise(scene), np.sqrt(together) * model_error(scene, settings))
-    return Noise(std, np.zeros(len(std)))
+    std: FloatArray = np.hypot(white_noise(scene), np.sqrt(together) * model_error(scene, settings))
+    return std
 
 
 def _time_offset_column(scene: Scene) -> FloatArray:
@@ -251,7 +251,7 @@ class _System:
         own_std: FloatArray,
         late: FloatArray,
         body: Sequence[Deviation],
-        noise: Noise,
+        sample_std: FloatArray,
         tolerances: Tolerances,
     ) -> _System:
         own = len(own_std) - 1
@@ -273,30 +273,36 @@ class _System:
         away[:own] = np.concatenate(
             (parameters.gain - guess.gain, parameters.offset - guess.offset)
         )
-        whitening = Whitening(scene.samples, scene.mask, noise)
         there = scene.mask & fitted[:, None]
+        scale = 1.0 / np.broadcast_to(sample_std, there.shape)[there]
         return cls(
             scene=scene,
             deviations=deviations,
             std=std,
             away=away,
             columns=columns,
-            rows=whitening(columns)[:, there],
-            target=whitening(scene.residuals)[there],
+            rows=columns[:, there] * scale,
+            target=scene.residuals[there] * scale,
         )
 
     @cached_property
-    def _inverse(self) -> FloatArray:
-        """(u, u) covariance of the unknowns."""
+    def _factor(self) -> tuple[FloatArray, bool]:
+        """Cholesky factor of the normal equations, of the unknowns in units of their priors."""
         scaled = self.rows * self.std[:, None]
-        normal = scaled @ scaled.T + np.eye(len(self.std))
-        inverse: FloatArray = np.linalg.inv(normal) * np.outer(self.std, self.std)
-        return inverse
+        factor: tuple[FloatArray, bool] = cho_factor(scaled @ scaled.T + np.eye(len(self.std)))
+        return factor
 
     def solution(self) -> FloatArray:
         """(u,) of least cost."""
-        found: FloatArray = self._inverse @ (self.rows @ self.target + self.away / self.std**2)
+        right = self.std * (self.rows @ self.target) + self.away / self.std
+        found: FloatArray = self.std * cho_solve(self._factor, right)
         return found
+
+    def covariance(self) -> FloatArray:
+        """(u, u) of the unknowns."""
+        inverse = cho_solve(self._factor, np.eye(len(self.std)))
+        covariance: FloatArray = inverse * np.outer(self.std, self.std)
+        return 0.5 * (covariance + covariance.T)
 
     def cost(self, unknowns: FloatArray) -> float:
         """Sum of squares, priors included."""
@@ -329,7 +335,7 @@ class _System:
         # Gains and offsets enter as what they are too large by.
         sign = np.ones(size)
         sign[: first - 1] = -1.0
-        covariance = self._inverse[:size, :size] * np.outer(sign, sign)
+        covariance = self.covariance()[:size, :size] * np.outer(sign, sign)
         stds = np.sqrt(np.diag(covariance))[first:]
         fitted = tuple(
             FittedDeviation(one, float(value), float(std))

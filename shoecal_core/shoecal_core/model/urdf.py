@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from xml.etree import ElementTree
 from xml.parsers import expat
 
 import numpy as np
@@ -86,7 +87,7 @@ def read_urdf(path: Path) -> Urdf:
         )
     try:
         with caught_stderr() as complaints:
-            model = pin.buildModelFromXML(text, pin.JointModelFreeFlyer())
+            model = pin.buildModelFromXML(_bounded(text), pin.JointModelFreeFlyer())
     except (ValueError, RuntimeError, IndexError) as error:
         raise UrdfError(path, f"not a usable URDF: {_reason(complaints, error)}") from error
     understood = sum(inertia.mass for inertia in model.inertias)
@@ -102,6 +103,25 @@ def read_urdf(path: Path) -> Urdf:
         raise UrdfError(path, f"no link has a mass{missing}; the CoM needs them", field="inertial")
     _check_joints(path, model)
     return Urdf(model, reader.mimics)
+
+
+def _bounded(text: str) -> str:
+    """The URDF with every continuous joint as a revolute one of half a turn either way.
+
+    Pinocchio gives a continuous joint a sine and a cosine; everything here takes one angle a joint.
+    Kinematics hold for any angle all the same.
+    """
+    if '"continuous"' not in text and "'continuous'" not in text:
+        return text
+    root = ElementTree.fromstring(text)  # noqa: S314 - document types have been refused
+    for joint in root.iter("joint"):
+        if joint.get("type") == "continuous":
+            joint.set("type", "revolute")
+            limit = joint.find("limit")
+            if limit is None:
+                limit = ElementTree.SubElement(joint, "limit", {"effort": "0", "velocity": "0"})
+            limit.attrib.update(lower=str(-math.pi), upper=str(math.pi))
+    return ElementTree.tostring(root, encoding="unicode")
 
 
 def joint_names(path: Path) -> frozenset[str]:
@@ -172,7 +192,10 @@ def _check_joints(path: Path, model: pin.Model) -> None:
         joint = model.joints[index]
         if joint.nq != 1:
             raise UrdfError(
-                path, "only revolute and prismatic joints with limits are understood", field=field
+                path,
+                "only revolute, continuous and prismatic joints are understood; make it fixed, or "
+                "one of these",
+                field=field,
             )
         if not np.linalg.norm(joint_axis(model, index)) > 0.5:
             raise UrdfError(path, "its axis has no direction", field=field)

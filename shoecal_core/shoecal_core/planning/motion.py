@@ -12,11 +12,11 @@ from scipy.interpolate import CubicSpline
 
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import GRAVITY
-from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.course import Course
 from shoecal_core.planning.horizon.rolling import Path
 from shoecal_core.planning.legs import FootPose, Legs
+from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.timing import GRID, Profile, Rates, fastest
 
 FloatArray = NDArray[np.float64]
@@ -27,19 +27,21 @@ class Phase:
     """A span of a motion, from rest to rest.
 
     Attributes:
-        name: of the course that was followed.
-        carrying: which feet stand.
+        name: of the segment that was followed.
+        support_phase: which feet stand.
         begin, end: since the motion's begin [s].
         foot_poses: of the right sole in the left sole's frame, at begin and end.
         pace: factor on all speeds.
+        loaded: whether left, right have to keep load and grip.
     """
 
     name: str
-    carrying: Carrying
+    support_phase: SupportPhase
     begin: float
     end: float
     foot_poses: tuple[FootPose, FootPose]
     pace: float = 1.0
+    loaded: tuple[bool, bool] = (True, True)
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ class Motion:
     """A whole-body motion from standing still to standing still on both feet.
 
     Attributes:
-        name: on the menu of motions, for example `landmarks`.
+        name: in the motion catalogue, for example `landmarks`.
         support: where it begins.
         foot_pose: the pose between the soles there, as the joint angles tell it.
         joint_names: m joints.
@@ -86,7 +88,7 @@ def com_acceleration_limit(height: float, settings: PlannerSettings) -> float:
 
 def timed(
     legs: Legs,
-    parts: Sequence[tuple[Course, Path]],
+    parts: Sequence[tuple[MotionSegment, Path]],
     name: str,
     others: FloatArray,
     settings: PlannerSettings,
@@ -101,12 +103,12 @@ def timed(
         settings: speeds, accelerations, hold time and sample rate.
     """
     robot = legs.robot
-    ways = [_way(legs, course, path, others, settings) for course, path in parts]
+    ways = [_way(legs, segment, path, others, settings) for segment, path in parts]
     # Whole samples, so that at the borders of parts there is one at rest.
     hold = math.ceil(settings.hold_time * settings.sample_rate)
     begins = [hold]
-    for (course, _), way in zip(parts, ways, strict=True):
-        seconds = float(way.profile.times[-1]) + course.pause
+    for (segment, _), way in zip(parts, ways, strict=True):
+        seconds = float(way.profile.times[-1]) + segment.pause
         begins.append(begins[-1] + math.ceil(seconds * settings.sample_rate))
     time = np.arange(begins.pop() + hold + 1) / settings.sample_rate
     leg_angles = np.zeros((len(time), len(robot.legs)))
@@ -127,7 +129,7 @@ def timed(
         velocities=robot.from_legs(leg_rates, still),
         cop=legs.cop(positions),
         path=Path.joined([path for _, path in parts]),
-        phases=_phases([course for course, _ in parts], time[begins[1:]], float(time[-1])),
+        phases=_phases([segment for segment, _ in parts], time[begins[1:]], float(time[-1])),
     )
 
 
@@ -145,9 +147,9 @@ class _Way:
 
 
 def _way(
-    legs: Legs, course: Course, path: Path, others: FloatArray, settings: PlannerSettings
+    legs: Legs, segment: MotionSegment, path: Path, others: FloatArray, settings: PlannerSettings
 ) -> _Way:
-    settings, robot = settings.paced(course.pace), legs.robot
+    settings, robot = settings.paced(segment.pace), legs.robot
     # Whoever never moves stays for one step.
     states = path.states if len(path.states) > 1 else np.repeat(path.states, 2, axis=0)
     count = len(states) - 1
@@ -155,7 +157,7 @@ def _way(
     grid = np.linspace(0.0, count, GRID * count + 1)
     # Speeds are those over the floor, so seen from a foot that stands on it.
     com = legs.kinematics.states(robot.from_legs(spline(grid), others)).com
-    com = com[:, course.carrying.standing]
+    com = com[:, segment.support_phase.standing]
     rates = Rates(
         joint_speed=np.minimum(robot.velocity_limit[robot.legs], settings.joint_speed),
         joint_acceleration=np.full(len(robot.legs), settings.joint_acceleration),
@@ -166,16 +168,17 @@ def _way(
     return _Way(spline, fastest(spline, com[:, :2], grid, rates))
 
 
-def _phases(courses: Sequence[Course], inner: FloatArray, end: float) -> tuple[Phase, ...]:
+def _phases(segments: Sequence[MotionSegment], inner: FloatArray, end: float) -> tuple[Phase, ...]:
     borders = [0.0, *inner.tolist(), end]
     return tuple(
         Phase(
-            course.name,
-            course.carrying,
+            segment.name,
+            segment.support_phase,
             begin,
             until,
-            (course.pose(0), course.foot_poses[-1]),
-            course.pace,
+            (segment.pose(0), segment.foot_poses[-1]),
+            segment.pace,
+            segment.loaded,
         )
-        for course, begin, until in zip(courses, borders[:-1], borders[1:], strict=True)
+        for segment, begin, until in zip(segments, borders[:-1], borders[1:], strict=True)
     )

@@ -12,21 +12,24 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
-from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.checking.findings import Report
-from shoecal_core.planning.course import Course
+from shoecal_core.planning.deflection import deflected, with_sag
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver
 from shoecal_core.planning.horizon.problem import Scene, Solver
 from shoecal_core.planning.horizon.rolling import Path, PlanningError, Progress, RollingHorizon
 from shoecal_core.planning.horizon.sqp import SqpSolver
 from shoecal_core.planning.legs import FootPose, Legs
-from shoecal_core.planning.lifting import standing_foot
-from shoecal_core.planning.menu import PUT_DOWN, Standing, kind_named
+from shoecal_core.planning.load_sharing import narrowed_strain
 from shoecal_core.planning.motion import Motion, timed
+from shoecal_core.planning.motion_catalogue import PUT_DOWN, InitialStance, motion_kind
 from shoecal_core.planning.posture import StanceSolver
+from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.planning.swing import lifted, stance_foot
 
 FloatArray = NDArray[np.float64]
 
@@ -71,7 +74,7 @@ class Planner:
         Raises:
             UnreachableError: when the robot cannot stand there.
             PlanningError, PlanningCanceledError, CheckFailedError: when there is no motion.
-            NameNotFoundError: for a motion that is not on the menu.
+            NameNotFoundError: for a motion that is not in the catalogue.
         """
         return self.plan_from(self.stance(support), motion, progress=progress, canceled=canceled)
 
@@ -93,21 +96,21 @@ class Planner:
                 leans too far.
             Else as `plan`.
         """
-        kind = kind_named(motion)
+        kind = motion_kind(motion)
         at = self.standing_on_one(joint_angles) if kind.on_one else self.standing(joint_angles)
-        courses = kind.courses(at)
-        return self.follow(joint_angles, motion, courses, progress=progress, canceled=canceled)
+        segments = kind.segments(at)
+        return self.follow(joint_angles, motion, segments, progress=progress, canceled=canceled)
 
     def follow(
         self,
         joint_angles: FloatArray,
         name: str,
-        courses: Sequence[Course],
+        segments: Sequence[MotionSegment],
         *,
         progress: Callable[[Progress], None] = lambda _: None,
         canceled: Callable[[], bool] = lambda: False,
     ) -> Motion:
-        """A checked motion along courses, one after another, from all joint angles (m,) [rad].
+        """A checked motion along segments, one after another, from all joint angles (m,) [rad].
 
         A motion that its check finds too fast is done more slowly. One that does not pass for
         another reason is planned once more in finer steps, unless a foot is on its way in it:
@@ -116,84 +119,133 @@ class Planner:
         Raises:
             PlanningError, PlanningCanceledError, CheckFailedError: when there is no motion.
         """
-        if not courses:
+        if not segments:
             raise PlanningError(f"motion '{name}' has no parts; give at least one")
 
         def checked(horizon: RollingHorizon) -> tuple[Motion, Report]:
-            parts = self._parts(horizon, joint_angles, courses, progress, canceled)
+            parts = self._parts(horizon, joint_angles, segments, progress, canceled)
             for pace in _PACES:
                 paced = horizon.collocation.settings.paced(pace)
                 found = timed(self.legs, parts, name, joint_angles, paced)
-                seen = check_motion(self.legs, found, self.settings)
+                seen = check_motion(self.legs, found, self.settings, self.strain)
                 if not seen.too_fast:
                     break
             return found, seen
 
         planned, report = checked(self.horizon)
-        if not report.kept and not any(course.moving for course in courses):
+        if not report.kept and not any(segment.moving for segment in segments):
             planned, report = checked(self._finer)
         report.require()
         return planned
 
+    @property
+    def strain(self) -> float:
+        """How far each joint may be off its angle where load is shared [rad]."""
+        return self.horizon.collocation.strain
+
+    def narrow_sharing(self, motion: Motion, left_load: FloatArray) -> float:
+        """Learn from a run how the feet share the load; later motions keep narrower margins for it.
+
+        Args:
+            motion: that was followed.
+            left_load: (T,) vertical force on the left foot at the motion's samples, measured; NaN
+                where it was not [N].
+
+        Returns:
+            The strain that is taken from now on [rad].
+        """
+        both = np.zeros(len(motion.time), dtype=bool)
+        for phase in motion.phases:
+            during = (motion.time >= phase.begin) & (motion.time <= phase.end)
+            both[during] = phase.support_phase is SupportPhase.BOTH and all(phase.loaded)
+        body = track(self.legs.robot, motion.positions[both], strain=self.strain)
+        strain = narrowed_strain(self.strain, body.loads[:, 0], body.spread.load, left_load[both])
+        for horizon in (self.horizon, self._finer):
+            horizon.collocation.strain = strain
+        return strain
+
     @cached_property
     def _finer(self) -> RollingHorizon:
         collocation = Collocation(self.legs, self.settings.finer())
+        collocation.strain = self.strain
         return RollingHorizon(collocation, _solvers(collocation))
 
     def _parts(
         self,
         horizon: RollingHorizon,
         joint_angles: FloatArray,
-        courses: Sequence[Course],
+        segments: Sequence[MotionSegment],
         progress: Callable[[Progress], None],
         canceled: Callable[[], bool],
-    ) -> list[tuple[Course, Path]]:
-        """Every course with its path, each from where the one before has ended."""
-        parts: list[tuple[Course, Path]] = []
+    ) -> list[tuple[MotionSegment, Path]]:
+        """Every segment with its path, each from where the one before has ended."""
+        parts: list[tuple[MotionSegment, Path]] = []
         start = joint_angles[self.legs.robot.legs]
-        landmarks, states = sum(len(course.targets) for course in courses), 0
+        landmarks, states = sum(len(segment.targets) for segment in segments), 0
         before = 0
 
         def told(now: Progress) -> None:
             progress(Progress(before + now.landmark, landmarks, states + now.steps, now.distance))
 
-        for course in courses:
-            path = horizon.roll(start, course, joint_angles, progress=told, canceled=canceled)
-            parts.append((course, path))
+        for segment in segments:
+            path = horizon.roll(start, segment, joint_angles, progress=told, canceled=canceled)
+            parts.append((segment, path))
             start = path.states[-1]
-            before, states = before + len(course.targets), states + len(path.states) - 1
+            before, states = before + len(segment.targets), states + len(path.states) - 1
         return parts
 
-    def standing(self, joint_angles: FloatArray) -> Standing:
+    def with_sag(
+        self, ends: Sequence[FootPose], support_phase: SupportPhase, others: FloatArray
+    ) -> PlannerSettings:
+        """Settings whose lift and clearance of a step are larger by what deflection takes of them.
+
+        Args:
+            ends: of the step: poses of the right sole in the left sole's frame.
+            support_phase: the foot that stands during the step.
+            others: (m,) all joint angles, of which those beside the legs count [rad].
+
+        Raises:
+            UnreachableError: when the robot cannot stand on that foot.
+        """
+        robot, poses = self.legs.robot, []
+        for end in ends:
+            up = lifted(end, support_phase, self.settings.step_lift)
+            legs = self._stance.solve_on_one(up, support_phase, others)
+            posture = robot.from_legs(legs, others)[None]
+            torques = track(robot, posture, support_phase.share).torques
+            poses.append((up, self.legs.foot_pose(deflected(robot, posture, torques)[0])))
+        return with_sag(robot, self.settings, poses, support_phase)
+
+    def standing(self, joint_angles: FloatArray) -> InitialStance:
         """What all joint angles (m,) [rad] of a robot on both feet say.
 
         Raises:
             StartError: when it does not stand on both feet, or leans too far.
         """
         foot_pose = self._measured(joint_angles)
-        _, height = standing_foot(foot_pose)
+        _, height = stance_foot(foot_pose)
         if height > self.settings.sole_height:
             raise StartError(
                 f"one sole is {1e3 * height:.1f} mm above the other (sole_height "
                 f"{1e3 * self.settings.sole_height:g} mm); a robot on one foot puts the other one "
                 f"down by the motion '{PUT_DOWN}', else check the joint offsets"
             )
-        return self._standing(joint_angles, foot_pose, Carrying.BOTH)
+        return self._standing(joint_angles, foot_pose, SupportPhase.BOTH)
 
-    def standing_on_one(self, joint_angles: FloatArray) -> Standing:
+    def standing_on_one(self, joint_angles: FloatArray) -> InitialStance:
         """What all joint angles (m,) [rad] of a robot that was stopped on one foot say.
 
         Raises:
             StartError: when it stands on both feet, or leans too far.
         """
         foot_pose = self._measured(joint_angles)
-        carrying, height = standing_foot(foot_pose)
+        support_phase, height = stance_foot(foot_pose)
         if height <= self.settings.sole_height:
             raise StartError(
                 f"both feet stand (one sole is {1e3 * height:.1f} mm above the other); there is "
                 "none to put down"
             )
-        return self._standing(joint_angles, foot_pose, carrying)
+        return self._standing(joint_angles, foot_pose, support_phase)
 
     def _measured(self, joint_angles: FloatArray) -> FootPose:
         """The pose between the soles, level to each other."""
@@ -212,10 +264,10 @@ class Planner:
         return pose
 
     def _standing(
-        self, joint_angles: FloatArray, foot_pose: FootPose, carrying: Carrying
-    ) -> Standing:
+        self, joint_angles: FloatArray, foot_pose: FootPose, support_phase: SupportPhase
+    ) -> InitialStance:
         robot = self.legs.robot
-        polygon = carrying.polygon(robot, foot_pose)
+        polygon = support_phase.polygon(robot, foot_pose)
         cop = self.legs.cop(joint_angles[None])[0]
         beyond = polygon.distance(shapely.Point(cop))
         if beyond > 0.0:
@@ -223,17 +275,17 @@ class Planner:
                 f"the CoM is {1e3 * beyond:.1f} mm outside the sensing polygon of the feet that "
                 "stand; let the robot stand upright first"
             )
-        scene = Scene.of(polygon, 0.0, foot_pose, joint_angles, carrying.share)
+        scene = Scene.of(polygon, 0.0, foot_pose, joint_angles, support_phase.share)
 
         def tasks(leg_angles: FloatArray) -> FloatArray:
             found: FloatArray = self.horizon.collocation.evaluate(leg_angles[None], scene).tasks[0]
             return found
 
-        def on_one(pose: FootPose, foot: Carrying) -> FloatArray:
+        def on_one(pose: FootPose, foot: SupportPhase) -> FloatArray:
             return tasks(self._stance.solve_on_one(pose, foot, joint_angles))
 
         now = tasks(joint_angles[robot.legs])
-        return Standing(robot, self.settings, foot_pose, now, on_one, carrying)
+        return InitialStance(robot, self.settings, foot_pose, now, on_one, support_phase)
 
 
 def plan_motion(

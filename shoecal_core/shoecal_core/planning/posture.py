@@ -11,9 +11,9 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.standing import feet_gap
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.legs import FootPose, LegExpressions, Legs
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.support_phase import SupportPhase
 
 FloatArray = NDArray[np.float64]
 
@@ -30,10 +30,16 @@ _RESIDUAL = 1e-7
 this is none. IPOPT relaxes bounds in proportion to them."""
 
 
+_ONE_FOOT_USED = 0.96
+"""Of the torque that is allowed on one foot."""
 _ASIDE = 0.008
 """m; on one foot the CoP may be so far from its middle where this spares the motors."""
 _ASIDE_WEIGHT = 100.0
 """1/m^2, of that against joint angles near the nominal ones."""
+
+
+TILT_USED = 0.95
+"""Of tilt_max by a planned posture; the rest is left for what lies between postures."""
 
 
 class UnreachableError(ShoecalError):
@@ -43,6 +49,7 @@ class UnreachableError(ShoecalError):
         support: the double support asked for, or that of the feet while one is in the air.
         miss: what is left between feet or CoP and where they should be [m, rad].
         overload: torque of a motor beyond its share [N m].
+        tilt: tilt of the torso beyond its bound, by the square of its sine.
     """
 
     def __init__(
@@ -51,17 +58,22 @@ class UnreachableError(ShoecalError):
         support: DoubleSupport,
         miss: float,
         overload: float,
-        carrying: Carrying = Carrying.BOTH,
+        tilt: float = 0.0,
+        support_phase: SupportPhase = SupportPhase.BOTH,
     ) -> None:
-        self.support = support
-        self.miss = miss
-        self.overload = overload
-        on = "" if carrying is Carrying.BOTH else f" on its {carrying.value} foot alone"
+        self.support, self.miss, self.overload, self.tilt = support, miss, overload, tilt
+        on = (
+            ""
+            if support_phase is SupportPhase.BOTH
+            else f" on its {support_phase.value} foot alone"
+        )
         super().__init__(
             f"robot '{robot}' cannot stand{on} with the right foot at dx {support.dx:g} m, "
             f"dy {support.dy:g} m, dtheta {support.dtheta:g} rad (misses by {miss:.2g} m or rad, "
-            f"torque too large by {max(0.0, overload):.2g} N m); choose feet nearer to the neutral "
-            "stance, or change joint_margin, stance_margin, knee_margin or torque_share"
+            f"torque too large by {max(0.0, overload):.2g} N m"
+            f"{', torso beyond tilt_max' if tilt > _RESIDUAL else ''}); choose feet nearer to the "
+            "neutral stance, or change joint_margin, stance_margin, knee_margin, torque_share or "
+            "tilt_max"
         )
 
 
@@ -69,7 +81,7 @@ class FeetOverlapError(UnreachableError):
     """A double support in which one foot would stand on the other."""
 
     def __init__(self, robot: str, support: DoubleSupport) -> None:
-        self.support, self.miss, self.overload = support, 0.0, 0.0
+        self.support, self.miss, self.overload, self.tilt = support, 0.0, 0.0, 0.0
         ShoecalError.__init__(
             self,
             f"robot '{robot}': the outlines of the feet overlap with the right foot at dx "
@@ -87,14 +99,20 @@ class StanceSolver:
         self._kept_from_edge = settings.one_foot_margin + settings.landmark_radius
         self._lower, self._upper = legs.bounds(settings, settings.stance_margin)
         robot = legs.robot
-        self._torque = robot.effort_limit[robot.legs] * settings.torque_share
+        most = robot.effort_limit[robot.legs]
+        self._torque = most * settings.torque_share
+        # The way to a posture on one foot ends near it.
+        self._one_foot_torque = most * settings.one_foot_torque_share * _ONE_FOOT_USED
+        self._tilt = np.sin(TILT_USED * settings.tilt_max) ** 2
         terms = LegExpressions(robot)
         target = ca.SX.sym("target", 2)
         cost = ca.sumsqr(terms.angles - legs.nominal)
         cost += settings.upright_weight * ca.sumsqr(terms.lean)
         cost += _ASIDE_WEIGHT * ca.sumsqr(terms.cop - target)
         parameters = ca.vertcat(terms.foot_pose, terms.share, target, terms.others)
-        constraints = ca.vertcat(terms.torques, terms.cop - target, terms.foot_error)
+        constraints = ca.vertcat(
+            terms.balance[4], terms.torques, terms.cop - target, terms.foot_error
+        )
         problem = {"x": terms.angles, "p": parameters, "f": cost, "g": constraints}
         self._solver = ca.nlpsol("stance", "ipopt", problem, _OPTIONS)
 
@@ -115,10 +133,10 @@ class StanceSolver:
         if not feet_gap(robot, support) > 0.0:
             raise FeetOverlapError(robot.name, support)
         target = middle(robot, support) if cop_target is None else cop_target
-        return self._solved(FootPose.of(support), Carrying.BOTH, target, 0.0, robot.posture)
+        return self._solved(FootPose.of(support), SupportPhase.BOTH, target, 0.0, robot.posture)
 
     def solve_on_one(
-        self, foot_pose: FootPose, carrying: Carrying, others: FloatArray
+        self, foot_pose: FootPose, support_phase: SupportPhase, others: FloatArray
     ) -> FloatArray:
         """Leg angles (k,) [rad] of standing on one foot, the other one anywhere in the air.
 
@@ -126,30 +144,32 @@ class StanceSolver:
 
         Args:
             foot_pose: of the right sole in the left sole's frame.
-            carrying: the foot.
+            support_phase: the foot.
             others: (m,) all joint angles, of which those beside the legs count [rad].
 
         Raises:
             UnreachableError: when no posture within the margins does it.
         """
-        polygon = carrying.polygon(self._legs.robot, foot_pose)
+        polygon = support_phase.polygon(self._legs.robot, foot_pose)
         centre = polygon.centroid
         room = (polygon.exterior.distance(centre) - self._kept_from_edge) / np.sqrt(2.0)
         target = np.array([centre.x, centre.y])
-        return self._solved(foot_pose, carrying, target, np.clip(room, 0.0, _ASIDE), others)
+        return self._solved(foot_pose, support_phase, target, np.clip(room, 0.0, _ASIDE), others)
 
     def _solved(
         self,
         foot_pose: FootPose,
-        carrying: Carrying,
+        support_phase: SupportPhase,
         target: FloatArray,
         aside: float,
         others: FloatArray,
     ) -> FloatArray:
-        bounds = np.concatenate([self._torque, [aside, aside], np.zeros(6)])
+        both = support_phase is SupportPhase.BOTH
+        torque = self._torque if both else self._one_foot_torque
+        bounds = np.concatenate([[self._tilt], torque, [aside, aside], np.zeros(6)])
         result = self._solver(
             x0=np.clip(self._legs.nominal, self._lower, self._upper),
-            p=np.concatenate([foot_pose.parameters, carrying.share, target, others]),
+            p=np.concatenate([foot_pose.parameters, support_phase.share, target, others]),
             lbx=self._lower,
             ubx=self._upper,
             lbg=-bounds,
@@ -159,10 +179,11 @@ class StanceSolver:
         angles: FloatArray = np.clip(np.array(result["x"]).ravel(), self._lower, self._upper)
         beyond = np.abs(np.array(result["g"]).ravel()) - bounds
         if not np.all(beyond < _RESIDUAL * np.maximum(bounds, 1.0)):
-            miss, overload = float(beyond[-8:].max()), float(beyond[:-8].max())
+            miss, overload = float(beyond[-8:].max()), float(beyond[1:-8].max())
             raise UnreachableError(
-                self._legs.robot.name, foot_pose.support, miss, overload, carrying
-            )
+                self._legs.robot.name, foot_pose.support, miss, overload, float(beyond[0]),
+                support_phase,
+            )  # fmt: skip
         return angles
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.menu import kind_named
+from shoecal_core.planning.motion_catalogue import motion_kind
 
 TRAIN, TEST = "train", "test"
 
@@ -17,7 +17,7 @@ class StandardMotion:
     """One run of the standard set.
 
     Attributes:
-        motion: name on the menu of motions.
+        motion: name in the motion catalogue.
         hint: whether the run is meant to train or to test.
     """
 
@@ -49,7 +49,7 @@ class PlannedRun:
 
     Attributes:
         support: where.
-        motion: name on the menu of motions.
+        motion: name in the motion catalogue.
         hint: what it is meant for: `train`, `test`, or empty.
     """
 
@@ -93,13 +93,13 @@ def listed_runs(
 
     Raises:
         ShoecalError: without supports or motions.
-        NameNotFoundError: for a motion that is not on the menu.
+        NameNotFoundError: for a motion that is not in the catalogue.
     """
     _require(supports)
     if not motions:
         raise ShoecalError("no motions are named; name at least one")
     for motion in motions:
-        kind_named(motion)
+        motion_kind(motion)
     return tuple(
         PlannedRun(supports[index % len(supports)], motion) for index, motion in enumerate(motions)
     )

@@ -6,22 +6,24 @@ back between both. Each step is planned from measured joint angles, so errors do
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.checking.check import GAP, HEIGHTS
 from shoecal_core.planning.checking.findings import CheckFailedError
-from shoecal_core.planning.course import in_standing
 from shoecal_core.planning.horizon.rolling import PlanningError, Progress
 from shoecal_core.planning.legs import FootPose
-from shoecal_core.planning.lifting import NoWayError, carried, in_the_air
-from shoecal_core.planning.menu import Standing
 from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.motion_catalogue import InitialStance
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.posture import UnreachableError
+from shoecal_core.planning.segment import MotionSegment, in_standing
+from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.planning.swing import NoSwingPathError, SwingPath, swing_path, swing_segment
 from shoecal_core.planning.timing import TimingError
 
 FloatArray = NDArray[np.float64]
@@ -32,7 +34,11 @@ STEPS_MAX = 12
 """Steps to one double support; who needs more goes astray."""
 _MUCH_LONGER = 1.4
 """Ways in the air whose numbers of states have this ratio."""
-_NO_STEP = (PlanningError, CheckFailedError, NoWayError, TimingError, UnreachableError)
+_TRIES = 4
+"""A foot that would be too low or too near is led higher and farther out."""
+_BEYOND = 1e-3
+"""m; by how much more than it lacks."""
+_NO_STEP = (PlanningError, CheckFailedError, NoSwingPathError, TimingError, UnreachableError)
 
 
 class StepError(PlanningError):
@@ -57,12 +63,12 @@ class Stepper:
 
     Attributes:
         planner: that plans all of a step's parts.
-        carrying: the foot that carried last; mostly the other one does next, so that motors cool.
+        support_phase: of the last step; mostly the other foot carries next, so that motors cool.
     """
 
     def __init__(self, planner: Planner) -> None:
         self.planner = planner
-        self.carrying = Carrying.RIGHT
+        self.support_phase = SupportPhase.RIGHT
 
     def step(
         self,
@@ -87,15 +93,15 @@ class Stepper:
         self._require_reach(goal)
         reasons: list[str] = []
         for via in self._ways(standing.foot_pose, goal):
-            for carrying in self._feet(standing.foot_pose, via):
+            for support_phase in self._feet(standing.foot_pose, via):
                 try:
                     motion = self._planned(
-                        joint_angles, standing, via, carrying, progress, canceled
+                        joint_angles, standing, via, support_phase, progress, canceled
                     )
                 except _NO_STEP as error:
                     reasons.append(str(error))
                 else:
-                    self.carrying = carrying
+                    self.support_phase = support_phase
                     return motion
         raise StepError(
             f"no step leads from {standing.foot_pose.support} to {goal} ({reasons[0]}); choose "
@@ -126,36 +132,75 @@ class Stepper:
         )
         return [via for via in (goal, half, neutral) if not self.arrived(foot_pose, via)]
 
-    def _feet(self, foot_pose: FootPose, via: DoubleSupport) -> tuple[Carrying, Carrying]:
+    def _feet(self, foot_pose: FootPose, via: DoubleSupport) -> tuple[SupportPhase, SupportPhase]:
         """Which foot may carry, best first: the one that has rested, if that is not much longer."""
-        last, rested = self.carrying, self.carrying.other
+        last, rested = self.support_phase, self.support_phase.other
         robot, settings = self.planner.legs.robot, self.planner.settings
         try:
             long, short = (
-                len(carried(robot, foot_pose, FootPose.of(via), carrying, settings))
-                for carrying in (rested, last)
+                len(swing_path(robot, foot_pose, FootPose.of(via), support_phase, settings).poses)
+                for support_phase in (rested, last)
             )
-        except NoWayError:
+        except NoSwingPathError:
             return rested, last
         return (last, rested) if long > _MUCH_LONGER * short else (rested, last)
 
     def _planned(
         self,
         joint_angles: FloatArray,
-        standing: Standing,
+        standing: InitialStance,
         goal: DoubleSupport,
-        carrying: Carrying,
+        support_phase: SupportPhase,
         progress: Callable[[Progress], None],
         canceled: Callable[[], bool],
     ) -> Motion:
+        planner, begin, end = self.planner, standing.foot_pose, FootPose.of(goal)
+        raised = planner.with_sag((begin, end), support_phase, joint_angles)
+        for tries_left in reversed(range(_TRIES)):
+            path = swing_path(planner.legs.robot, begin, end, support_phase, raised)
+            segments = self._segments(standing, goal, path, support_phase)
+            try:
+                return planner.follow(
+                    joint_angles, NAME, segments, progress=progress, canceled=canceled
+                )
+            except CheckFailedError as error:
+                low, near = _shortfall(error)
+                if not tries_left or not (low or near):
+                    raise
+                raised = dataclasses.replace(
+                    raised,
+                    step_lift=raised.step_lift + low,
+                    step_clearance=raised.step_clearance + near,
+                )
+        raise AssertionError("unreachable")
+
+    def _segments(
+        self, standing: InitialStance, goal: DoubleSupport, path: SwingPath, phase: SupportPhase
+    ) -> tuple[MotionSegment, ...]:
+        """The weight over one foot, the other one up, along and down, the weight back."""
         planner, settings = self.planner, self.planner.settings
-        robot, begin, end = planner.legs.robot, standing.foot_pose, FootPose.of(goal)
-        way = carried(robot, begin, end, carrying, settings)
+        begin, end = standing.foot_pose, FootPose.of(goal)
+        over_begin, over_end = standing.on_one(begin, phase), standing.on_one(end, phase)
+        lift_aim, aim = in_standing(over_begin, begin, phase), in_standing(over_end, end, phase)
         ended = planner.standing(planner.stance(goal))
-        aim = in_standing(standing.on_one(end, carrying), end, carrying)
-        courses = (
-            standing.pursuing("shift", standing.on_one(begin, carrying)[None]),
-            in_the_air("swing", aim, way, carrying, settings),
-            ended.pursuing("back", ended.tasks[None]),
+        slow, fast = settings.release_pace, settings.step_pace
+        return (
+            standing.pursuing("shift", over_begin[None], phase),
+            swing_segment("lift", lift_aim, path.lift, phase, settings, pace=slow),
+            swing_segment("swing", aim, path.swing, phase, settings, pace=fast),
+            swing_segment("lower", aim, path.lower, phase, settings, pace=slow),
+            ended.pursuing("back", ended.tasks[None], phase),
         )
-        return planner.follow(joint_angles, NAME, courses, progress=progress, canceled=canceled)
+
+
+def _shortfall(error: CheckFailedError) -> tuple[float, float]:
+    """Height and clearance that a carried foot lacks [m]; zeros where more is wrong than that."""
+    low = near = 0.0
+    for finding in error.findings:
+        if finding.constraint in HEIGHTS:
+            low = max(low, finding.excess + _BEYOND)
+        elif finding.constraint == GAP:
+            near = max(near, finding.excess + _BEYOND)
+        else:
+            return 0.0, 0.0
+    return low, near

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
@@ -13,28 +12,26 @@ from scipy.spatial.transform import Rotation
 
 from shoecal_core.errors import FieldError
 from shoecal_core.model.urdf import joint_names
-from shoecal_core.recording import messages, schemas
+from shoecal_core.recording import foreign
 from shoecal_core.recording.csv_mapping import (
     CsvMapping,
+    ImuColumns,
+    JointColumns,
     PoseColumns,
-    TableMapping,
     Trial,
-    WrenchColumns,
     load_mapping,
 )
 from shoecal_core.recording.csv_table import Column, Table
+from shoecal_core.recording.foreign import Floats, ImportedRun, StampedMessage, Stamps
+from shoecal_core.recording.join import in_order
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import AXES, FEET, Shoe, load_shoe
+from shoecal_core.sensing.shoe import Shoe, load_shoe
 
-_LATEST_NS = 2**31 * 1_000_000_000
-"""Stamps of ROS 2 end there."""
-
-
-@dataclass(frozen=True)
-class _Message:
-    stamp_ns: int
-    topic: str
-    data: bytes
+MAX_ODD_ROWS = 5
+MAX_ODD_ROWS_SHARE = 0.02
+"""Tables of one trial whose numbers of rows differ by more are not row by row of one clock."""
+MAX_REPEATED_SHARE = 0.1
+"""A time column in which more rows repeat or go back is no time column of rows in order."""
 
 
 def import_csv(mapping_path: Path, folder: Path, out: Path) -> Session:
@@ -45,21 +42,38 @@ def import_csv(mapping_path: Path, folder: Path, out: Path) -> Session:
         folder: where the recordings are.
         out: the session to make.
 
+    Returns:
+        The session. What was left out of a run is in the run's `info.notes`.
+
     Raises:
         FileError: for the first thing wrong in mapping or recordings, naming file, column and
             line; nothing is made then.
     """
-    mapping = load_mapping(Path(mapping_path))
     folder = Path(folder)
-    robot, urdf, shoe_path = (_find(mapping, key, folder) for key in ("robot", "urdf", "shoe"))
-    importer = _Importer(mapping, folder, joint_names(urdf), load_shoe(shoe_path))
-    recorded = [importer.messages(trial) for trial in mapping.trials]
-    session = Session.create(out, robot, urdf, shoe_path)
-    for trial, run in zip(mapping.trials, recorded, strict=True):
-        with session.new_run(trial.motion, trial.support, hint=trial.hint) as writer:
-            for message in run:
-                writer.write(message.topic, message.data, message.stamp_ns)
-    return session
+    mapping = load_mapping(Path(mapping_path), folder)
+    importer = _Importer(
+        mapping, folder, joint_names(mapping.files.urdf), load_shoe(mapping.files.shoe)
+    )
+    runs = [importer.run(trial) for trial in mapping.trials]
+    return foreign.write_session(out, mapping.files, runs)
+
+
+@dataclass
+class _Rows:
+    """The rows of one file that count.
+
+    Attributes:
+        stamps: (T,) [ns].
+        kept: (T,) their places in the file.
+    """
+
+    table: Table
+    stamps: Stamps
+    kept: NDArray[np.int64]
+
+    def read(self, columns: tuple[Column, ...]) -> Floats:
+        """(T, c) numbers."""
+        return self.table.read_all(columns)[self.kept]
 
 
 class _Importer:
@@ -72,74 +86,112 @@ class _Importer:
         self._shoe = shoe
         self._check_channels()
 
-    def messages(self, trial: Trial) -> list[_Message]:
-        """Messages of one trial, in the order of their stamps."""
-        mapping = self._mapping
+    def run(self, trial: Trial) -> ImportedRun:
+        """One trial."""
+        mapping, notes = self._mapping, list[str]()
         tables = {
             name: Table(self._folder / file, mapping.separator, mapping.decimal)
             for name, file in trial.files.items()
         }
-        stamps = self._stamps(tables)
-        found: list[_Message] = []
+        rows = self._rows(tables, trial.start_ns, notes)
+        found = self._joint_states(rows)
         for name, meaning in mapping.tables.items():
-            found += self._table(tables[name], meaning, stamps[name])
-        return sorted(found, key=attrgetter("stamp_ns"))
+            here = rows[name]
+            if meaning.base_pose is not None:
+                found += _poses(here, meaning.base_pose)
+            if (columns := meaning.wrench) is not None:
+                force, torque = here.read(columns.force), here.read(columns.torque)
+                found += foreign.wrenches(columns.foot, here.stamps, columns.frame, force, torque)
+            if meaning.imu is not None:
+                found += _imu(here, meaning.imu)
+            if meaning.cells:
+                values = here.read(tuple(meaning.cells.values()))
+                found += foreign.voltages(here.stamps, tuple(meaning.cells), values)
+        source = next(iter(tables.values())).path
+        return ImportedRun(source, trial.run, found, tuple(notes))
 
-    def _stamps(self, tables: dict[str, Table]) -> dict[str, NDArray[np.int64]]:
-        """(T,) of each table [ns]."""
-        stamps = {}
-        for name, meaning in self._mapping.tables.items():
-            if meaning.time is not None:
-                stamps[name] = _read_stamps(tables[name], meaning.time)
+    def _rows(
+        self, tables: Mapping[str, Table], start_ns: int, notes: list[str]
+    ) -> dict[str, _Rows]:
+        """Rows that count of each table, with their stamps."""
         clock = self._mapping.clock
         if clock is None:
-            return stamps
+            timed = {}
+            for name, meaning in self._mapping.tables.items():
+                assert meaning.time is not None
+                timed[name] = _timed(tables[name], meaning.time, start_ns, notes)
+            return timed
+        count = self._common_rows(tables, clock, notes)
+        time = self._mapping.tables[clock].time
+        assert time is not None
+        rows = _timed(tables[clock], time, start_ns, notes, count)
+        return {name: _Rows(table, rows.stamps, rows.kept) for name, table in tables.items()}
+
+    def _common_rows(self, tables: Mapping[str, Table], clock: str, notes: list[str]) -> int:
+        """Number of rows that all tables of one clock have."""
+        count = min(map(len, tables.values()))
         for table in tables.values():
-            if len(table) != len(tables[clock]):
+            more = len(table) - count
+            if more > max(MAX_ODD_ROWS, MAX_ODD_ROWS_SHARE * count):
                 raise FieldError(
                     table.path,
-                    f"has {len(table)} rows, {tables[clock].path.name} has {len(tables[clock])}; "
-                    "rows that were sampled together must be as many",
+                    f"has {len(table)} rows, another file of its trial {count}; rows of one clock "
+                    f"must be as many: give each table its own 'time' instead of 'clock: {clock}'",
                 )
-        return dict.fromkeys(tables, stamps[clock])
+            if more:
+                ends = f"the last {more} rows are" if more > 1 else "the last row is"
+                notes.append(
+                    f"{table.path.name}: {ends} left out, another file has only {count} rows"
+                )
+        return count
 
-    def _table(
-        self, table: Table, meaning: TableMapping, stamps: NDArray[np.int64]
-    ) -> Iterator[_Message]:
-        times = stamps.tolist()
-        joints = dict(meaning.joints)
-        if meaning.all_joints:
-            joints = {name: Column(name) for name in table.names if name in self._joints}
-            if not joints:
-                problem = "no column bears the name of one of the robot's joints"
-                raise FieldError(table.path, problem)
-        if joints:
-            position = table.read_all(tuple(joints.values()))
-            for stamp, row in zip(times, position, strict=True):
-                data = messages.joint_state(stamp, tuple(joints), row)
-                yield _Message(stamp, schemas.JOINT_STATES, data)
-        if meaning.base_pose is not None:
-            yield from _poses(table, meaning.base_pose, times)
-        if meaning.wrench is not None:
-            yield from _wrenches(table, meaning.wrench, times)
-        if meaning.cells:
-            yield from _voltages(table, meaning.cells, times)
+    def _joint_states(self, rows: Mapping[str, _Rows]) -> list[StampedMessage]:
+        """Angles, with the efforts at the same instants."""
+        effort_names: tuple[str, ...] = ()
+        for name, meaning in self._mapping.tables.items():
+            if meaning.efforts:
+                effort_names, columns = self._columns(rows[name].table, meaning.efforts)
+                effort_rows, efforts = rows[name], rows[name].read(columns)
+        found: list[StampedMessage] = []
+        for name, meaning in self._mapping.tables.items():
+            if not meaning.joints:
+                continue
+            here = rows[name]
+            names, columns = self._columns(here.table, meaning.joints)
+            effort = None
+            if effort_names:
+                effort = np.full((len(here.stamps), len(names)), np.nan)
+                for place, joint in enumerate(names):
+                    if joint in effort_names:
+                        own = efforts[:, effort_names.index(joint)]
+                        effort[:, place] = np.interp(here.stamps, effort_rows.stamps, own)
+            found += foreign.joint_states(here.stamps, names, here.read(columns), effort)
+        return found
+
+    def _columns(
+        self, table: Table, wanted: JointColumns
+    ) -> tuple[tuple[str, ...], tuple[Column, ...]]:
+        """Names of joints, and their columns."""
+        if not wanted.every:
+            return tuple(wanted.named), tuple(wanted.named.values())
+        names = tuple(name for name in table.names if name in self._joints)
+        if not names:
+            problem = "no column has the name of one of the robot's joints; name them in 'joints'"
+            raise FieldError(table.path, problem)
+        return names, tuple(Column(name) for name in names)
 
     def _check_channels(self) -> None:
         """Refuse joints and channels that robot and shoe do not have."""
         for name, meaning in self._mapping.tables.items():
-            for joint in meaning.joints:
-                self._check(f"tables.{name}.joints", joint, sorted(self._joints))
+            for key, columns in (("joints", meaning.joints), ("efforts", meaning.efforts)):
+                for joint in columns.named:
+                    self._check(f"tables.{name}.{key}", joint, sorted(self._joints))
             for cell in meaning.cells:
                 self._check(f"tables.{name}.cells", cell, self._shoe.names)
             if meaning.wrench is not None:
-                foot = meaning.wrench.foot
-                if not any(f"{foot}/{axis}" in self._shoe.names for axis in AXES):
-                    raise FieldError(
-                        self._mapping.path,
-                        f"'{self._shoe.name}' has no six-axis sensor on the {foot} foot",
-                        field=f"tables.{name}.wrench",
-                    )
+                foreign.check_six_axis(
+                    self._mapping.path, f"tables.{name}.wrench", self._shoe, meaning.wrench.foot
+                )
 
     def _check(self, field: str, name: str, known: list[str] | tuple[str, ...]) -> None:
         if name not in known:
@@ -148,50 +200,45 @@ class _Importer:
             )
 
 
-def _read_stamps(table: Table, time: Column) -> NDArray[np.int64]:
-    nanoseconds = table.read(time)
-    outside = (nanoseconds < 0.0) | (nanoseconds >= _LATEST_NS)
+def _timed(
+    table: Table, time: Column, start_ns: int, notes: list[str], count: int | None = None
+) -> _Rows:
+    """The first `count` rows of a table by its time column, those left out that repeat a time."""
+    nanoseconds = table.read(time)[:count]
+    outside = (nanoseconds + start_ns < 0.0) | (nanoseconds + start_ns >= foreign.LATEST_NS)
     if outside.any():
         place = int(np.flatnonzero(outside)[0])
         raise table.error(
             time.name, place, "time is negative or after 2038; shift it, check its unit"
         )
-    stamps = np.rint(nanoseconds).astype(np.int64)
-    back = np.flatnonzero(np.diff(stamps) <= 0)
+    stamps = np.rint(nanoseconds).astype(np.int64) + start_ns
+    forward = in_order(stamps)
+    back = np.flatnonzero(~forward)
+    if len(back) > MAX_REPEATED_SHARE * len(stamps):
+        raise table.error(time.name, int(back[0]), "time repeats or goes back; sort the rows")
     if len(back):
-        raise table.error(time.name, int(back[0]) + 1, "time repeats or goes back; sort the rows")
-    return stamps
+        notes.append(
+            f"{table.path.name}: {len(back)} of {len(stamps)} rows left out, "
+            f"their time repeats or goes back (first in line {table.line(int(back[0]))})"
+        )
+    return _Rows(table, stamps[forward], np.flatnonzero(forward))
 
 
-def _poses(table: Table, columns: PoseColumns, times: list[int]) -> Iterator[_Message]:
-    translation = table.read_all(columns.translation)
-    quaternions = Rotation.from_euler("ZYX", table.read_all(columns.zyx)).as_quat()
-    for stamp, position, quaternion in zip(times, translation, quaternions, strict=True):
-        data = messages.pose(stamp, columns.frame, position, quaternion)
-        yield _Message(stamp, schemas.BASE_POSE, data)
+def _poses(rows: _Rows, columns: PoseColumns) -> list[StampedMessage]:
+    if columns.zyx is not None:
+        quaternions = Rotation.from_euler("ZYX", rows.read(columns.zyx)).as_quat()
+    else:
+        assert columns.quaternion is not None
+        quaternions = rows.read(columns.quaternion)
+    translation = rows.read(columns.translation)
+    return foreign.base_poses(rows.stamps, columns.frame, translation, quaternions)
 
 
-def _wrenches(table: Table, columns: WrenchColumns, times: list[int]) -> Iterator[_Message]:
-    topic = schemas.FORCE_TORQUE[FEET.index(columns.foot)]
-    forces, torques = table.read_all(columns.force), table.read_all(columns.torque)
-    for stamp, force, torque in zip(times, forces, torques, strict=True):
-        yield _Message(stamp, topic, messages.wrench(stamp, columns.frame, force, torque))
-
-
-def _voltages(table: Table, cells: Mapping[str, Column], times: list[int]) -> Iterator[_Message]:
-    values = table.read_all(tuple(cells.values()))
-    good = np.full(len(cells), schemas.GOOD)
-    for sequence, (stamp, row) in enumerate(zip(times, values, strict=True)):
-        data = messages.shoe_voltages(stamp, sequence, tuple(cells), row, good)
-        yield _Message(stamp, schemas.VOLTAGES, data)
-
-
-def _find(mapping: CsvMapping, key: str, folder: Path) -> Path:
-    """A file that the mapping names: beside the mapping, else in the recordings' folder."""
-    name = str(getattr(mapping, key))
-    for place in (mapping.path.parent / name, folder / name):
-        if place.is_file():
-            return place
-    raise FieldError(
-        mapping.path, f"'{name}' is neither beside this file nor in {folder}", field=key
+def _imu(rows: _Rows, columns: ImuColumns) -> list[StampedMessage]:
+    return foreign.imu(
+        rows.stamps,
+        columns.frame,
+        None if columns.quaternion is None else rows.read(columns.quaternion),
+        rows.read(columns.angular_velocity),
+        rows.read(columns.linear_acceleration),
     )

@@ -3,13 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
+from datetime import date, datetime
 from pathlib import Path
 
 from shoecal_core.files import Fields, read_yaml
-from shoecal_core.model.double_support import DoubleSupport, read_support
 from shoecal_core.recording.csv_table import Column
-from shoecal_core.recording.listing import HINTS
+from shoecal_core.recording.foreign import (
+    RUN_KEYS,
+    MappedFiles,
+    RunToImport,
+    mapped_files,
+    read_run_to_import,
+)
 from shoecal_core.sensing.shoe import FEET
 
 FORMAT = 1
@@ -18,12 +25,34 @@ ALL_JOINTS = "all"
 
 
 @dataclass(frozen=True)
+class JointColumns:
+    """One quantity of the joints.
+
+    Attributes:
+        named: column by joint.
+        every: instead, every column with the name of one of the robot's joints.
+    """
+
+    named: Mapping[str, Column]
+    every: bool = False
+
+    def __bool__(self) -> bool:
+        return self.every or bool(self.named)
+
+
+@dataclass(frozen=True)
 class PoseColumns:
-    """The floating base: translation x y z [m], angles z y x [rad], intrinsic Z-Y-X."""
+    """The floating base: translation x y z [m], and one of two rotations.
+
+    Attributes:
+        zyx: angles z y x [rad], intrinsic Z-Y-X; None where `quaternion` is there.
+        quaternion: x y z w; None where `zyx` is there.
+    """
 
     frame: str
     translation: tuple[Column, ...]
-    zyx: tuple[Column, ...]
+    zyx: tuple[Column, ...] | None
+    quaternion: tuple[Column, ...] | None
 
 
 @dataclass(frozen=True)
@@ -37,31 +66,46 @@ class WrenchColumns:
 
 
 @dataclass(frozen=True)
+class ImuColumns:
+    """An IMU: rates [rad/s], accelerations [m/s^2], orientation x y z w where it has one."""
+
+    frame: str
+    angular_velocity: tuple[Column, ...]
+    linear_acceleration: tuple[Column, ...]
+    quaternion: tuple[Column, ...] | None
+
+
+@dataclass(frozen=True)
 class TableMapping:
-    """What one kind of file holds.
+    """What one kind of file holds; empty or None where it has none of it.
 
     Attributes:
         time: its time column, scaled to nanoseconds; None: the clock table's.
-        joints: column by joint; None: none here.
-        all_joints: every column that bears the name of one of the robot's joints.
+        joints, efforts: angles [rad] and efforts [N m] of the joints.
         cells: column by channel.
     """
 
     time: Column | None
-    joints: Mapping[str, Column]
-    all_joints: bool
+    joints: JointColumns
+    efforts: JointColumns
     base_pose: PoseColumns | None
     wrench: WrenchColumns | None
+    imu: ImuColumns | None
     cells: Mapping[str, Column]
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One run to import: its files by table, relative to the recordings' folder."""
+    """One run to import.
 
-    motion: str
-    support: DoubleSupport | None
-    hint: str
+    Attributes:
+        run: how it is listed.
+        start_ns: when it began; its time columns count from there [ns].
+        files: by table, relative to the recordings' folder.
+    """
+
+    run: RunToImport
+    start_ns: int
     files: Mapping[str, str]
 
 
@@ -71,14 +115,12 @@ class CsvMapping:
 
     Attributes:
         path: the file.
-        robot, urdf, shoe: as named there.
+        files: robot, URDF and shoe.
         clock: the table whose time column counts for all, row by row; None: each has its own.
     """
 
     path: Path
-    robot: str
-    urdf: str
-    shoe: str
+    files: MappedFiles
     separator: str
     decimal: str
     clock: str | None
@@ -86,8 +128,12 @@ class CsvMapping:
     trials: tuple[Trial, ...]
 
 
-def load_mapping(path: Path) -> CsvMapping:
+def load_mapping(path: Path, folder: Path) -> CsvMapping:
     """Read a mapping file.
+
+    Args:
+        path: of the mapping.
+        folder: of the recordings; the mapping may name files there.
 
     Raises:
         FileError: for anything missing, mistyped or contradictory.
@@ -104,15 +150,15 @@ def load_mapping(path: Path) -> CsvMapping:
     names = dict.fromkeys(tables_block.keys())
     clock = fields.choice("clock", names) if "clock" in fields else None
     tables = {name: _table(tables_block.mapping(name), name, clock) for name in names}
-    if not any(table.joints or table.all_joints for table in tables.values()):
+    if not any(table.joints for table in tables.values()):
         raise fields.error("tables", "no table gives 'joints'; a run needs them")
+    if sum(bool(table.efforts) for table in tables.values()) > 1:
+        raise fields.error("tables", "several tables give 'efforts'; keep one of them")
     if not any(table.wrench or table.cells for table in tables.values()):
         raise fields.error("tables", "no table gives 'cells' or 'wrench'; a run needs readings")
     return CsvMapping(
         path=Path(path),
-        robot=fields.text("robot"),
-        urdf=fields.text("urdf"),
-        shoe=fields.text("shoe"),
+        files=mapped_files(fields, folder),
         separator=separator,
         decimal=decimal,
         clock=clock,
@@ -122,16 +168,16 @@ def load_mapping(path: Path) -> CsvMapping:
 
 
 def _table(fields: Fields, name: str, clock: str | None) -> TableMapping:
-    fields.only("time", "joints", "base_pose", "wrench", "cells")
+    fields.only("time", "joints", "efforts", "base_pose", "wrench", "imu", "cells")
     if clock not in (None, name) and "time" in fields:
         raise fields.error("time", f"is not used, as the times of '{clock}' count; take it out")
-    all_joints = "joints" in fields and fields.value("joints") == ALL_JOINTS
     return TableMapping(
         time=_time(fields.mapping("time")) if clock in (None, name) else None,
-        joints={} if all_joints else _named(fields, "joints"),
-        all_joints=all_joints,
+        joints=_joints(fields, "joints"),
+        efforts=_joints(fields, "efforts"),
         base_pose=_pose(fields.mapping("base_pose")) if "base_pose" in fields else None,
         wrench=_wrench(fields.mapping("wrench")) if "wrench" in fields else None,
+        imu=_imu(fields.mapping("imu")) if "imu" in fields else None,
         cells=_named(fields, "cells"),
     )
 
@@ -141,9 +187,24 @@ def _time(fields: Fields) -> Column:
     return Column(fields.text("column"), UNITS_NS[fields.choice("unit", UNITS_NS)])
 
 
+def _joints(fields: Fields, key: str) -> JointColumns:
+    if key in fields and fields.value(key) == ALL_JOINTS:
+        return JointColumns({}, every=True)
+    return JointColumns(_named(fields, key))
+
+
 def _pose(fields: Fields) -> PoseColumns:
-    fields.only("frame", "translation", "zyx")
-    return PoseColumns(fields.text("frame"), _three(fields, "translation"), _three(fields, "zyx"))
+    fields.only("frame", "translation", "zyx", "quaternion")
+    if "zyx" in fields and "quaternion" in fields:
+        raise fields.error("zyx", "stands beside 'quaternion'; keep one of them")
+    if "zyx" not in fields and "quaternion" not in fields:
+        raise fields.error("zyx", "is missing; add it, or 'quaternion'")
+    return PoseColumns(
+        fields.text("frame"),
+        _columns(fields, "translation", 3),
+        zyx=_columns(fields, "zyx", 3) if "zyx" in fields else None,
+        quaternion=_columns(fields, "quaternion", 4) if "quaternion" in fields else None,
+    )
 
 
 def _wrench(fields: Fields) -> WrenchColumns:
@@ -151,8 +212,18 @@ def _wrench(fields: Fields) -> WrenchColumns:
     return WrenchColumns(
         foot=fields.choice("foot", dict.fromkeys(FEET)),
         frame=fields.text("frame"),
-        force=_three(fields, "force"),
-        torque=_three(fields, "torque"),
+        force=_columns(fields, "force", 3),
+        torque=_columns(fields, "torque", 3),
+    )
+
+
+def _imu(fields: Fields) -> ImuColumns:
+    fields.only("frame", "angular_velocity", "linear_acceleration", "quaternion")
+    return ImuColumns(
+        frame=fields.text("frame"),
+        angular_velocity=_columns(fields, "angular_velocity", 3),
+        linear_acceleration=_columns(fields, "linear_acceleration", 3),
+        quaternion=_columns(fields, "quaternion", 4) if "quaternion" in fields else None,
     )
 
 
@@ -165,10 +236,10 @@ def _named(fields: Fields, key: str) -> dict[str, Column]:
     return {name: _column(block, name, block.value(name)) for name in names}
 
 
-def _three(fields: Fields, key: str) -> tuple[Column, ...]:
+def _columns(fields: Fields, key: str, count: int) -> tuple[Column, ...]:
     value = fields.value(key)
-    if not isinstance(value, list) or len(value) != 3:
-        raise fields.error(key, "expected three columns")
+    if not isinstance(value, list) or len(value) != count:
+        raise fields.error(key, f"expected {'three' if count == 3 else 'four'} columns")
     return tuple(_column(fields, key, item) for item in value)
 
 
@@ -187,15 +258,29 @@ def _column(fields: Fields, key: str, value: object) -> Column:
 
 
 def _trial(fields: Fields, tables: tuple[str, ...]) -> Trial:
-    fields.only("motion", "support", "set", "files")
+    fields.only(*RUN_KEYS, "start", "files")
     files = fields.mapping("files")
     files.only(*tables)
     return Trial(
-        motion=fields.text("motion"),
-        support=read_support(fields),
-        hint=fields.choice("set", dict.fromkeys(HINTS)) if "set" in fields else "",
+        run=read_run_to_import(fields),
+        start_ns=_start(fields) if "start" in fields else 0,
         files={name: files.text(name) for name in tables},
     )
+
+
+def _start(fields: Fields) -> int:
+    """When a trial began [ns since 1970]: seconds, or a date with time and zone."""
+    value = fields.value("start")
+    if not isinstance(value, str | date):
+        return round(fields.number("start", minimum=0.0) * 1e9)
+    moment: datetime | None = None
+    with suppress(ValueError):
+        moment = datetime.fromisoformat(str(value))
+    if moment is None or moment.tzinfo is None:
+        raise fields.error(
+            "start", "expected seconds, or a time with its zone such as 2026-03-01T10:15:00+01:00"
+        )
+    return round(moment.timestamp() * 1e9)
 
 
 def _character(fields: Fields, key: str, default: str) -> str:

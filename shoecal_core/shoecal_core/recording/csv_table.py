@@ -73,10 +73,10 @@ class Table:
             FieldError: no such column, two of it, or something that is no finite number.
         """
         if self.names.count(column.name) != 1:
-            problem = "stands twice" if column.name in self.names else "is missing"
+            problem = "is there twice" if column.name in self.names else "is missing"
             raise FieldError(
                 self.path,
-                f"{problem} (there are: {', '.join(self.names)}); mend the mapping or the file",
+                f"{problem} (there are: {', '.join(self.names)}); correct the mapping or the file",
                 field=f"column '{column.name}'",
             )
         index = self.names.index(column.name)
@@ -95,6 +95,10 @@ class Table:
         """Numbers (T, c) of several columns."""
         return np.column_stack([self.read(column) for column in columns])
 
+    def line(self, place: int) -> int:
+        """Line of the file, from 1, by a row's place below the header."""
+        return self._lines[place]
+
     def error(self, column: str, place: int, problem: str) -> FieldError:
         """The error to raise for one value, by its place below the header."""
-        return FieldError(self.path, problem, field=f"column '{column}', line {self._lines[place]}")
+        return FieldError(self.path, problem, field=f"column '{column}', line {self.line(place)}")

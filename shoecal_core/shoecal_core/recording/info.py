@@ -28,6 +28,7 @@ class RunInfo:
         support: pose of the right sole in the left; None where there is none, as in walking.
         robot, shoe: names.
         robot_hash, shoe_hash, urdf_hash: SHA-256 of robot.yaml, shoe.yaml and robot.urdf.
+        notes: what an import changed or left out, a line each, for a person to read.
     """
 
     run: int
@@ -38,6 +39,7 @@ class RunInfo:
     robot_hash: str
     shoe_hash: str
     urdf_hash: str
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if self.run < 1:
@@ -57,6 +59,7 @@ class RunInfo:
             "robot_hash": self.robot_hash,
             "shoe_hash": self.shoe_hash,
             "urdf_hash": self.urdf_hash,
+            **({"notes": "\n".join(self.notes)} if self.notes else {}),
         }
         return {**fields, _CHECKSUM: _checksum(fields)}
 
@@ -84,6 +87,7 @@ class RunInfo:
                 robot_hash=fields["robot_hash"],
                 shoe_hash=fields["shoe_hash"],
                 urdf_hash=fields["urdf_hash"],
+                notes=tuple(fields.get("notes", "").splitlines()),
             )
         except (KeyError, ValueError, TypeError, ShoecalError) as error:
             raise RecordingError(

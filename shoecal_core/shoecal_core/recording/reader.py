@@ -70,7 +70,7 @@ def read_run(path: Path, shoe: Shoe) -> Run:
             block.frame_id: _temperature(block, start)
             for block in source.blocks(schemas.JOINT_TEMPERATURES)
         },
-        notes=tuple(source.notes),
+        notes=(*source.contents.info.notes, *source.notes),
     )
 
 

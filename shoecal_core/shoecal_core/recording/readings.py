@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import Block
 from shoecal_core.recording.join import Piece
+from shoecal_core.recording.resample import at_common_instants, sampled_apart
 from shoecal_core.recording.run import Floats, Readings
 from shoecal_core.recording.source import Source
 from shoecal_core.sensing.shoe import AXES, FEET, Shoe
@@ -19,6 +20,9 @@ _BACKWARDS_SHARE = 0.1
 
 def read_readings(source: Source, shoe: Shoe) -> tuple[NDArray[np.int64], dict[str, Floats]]:
     """Readings of every channel, joined by stamp.
+
+    Boards or sensors that sample at instants of their own are brought to common ones, by their
+    stamps; a note says so.
 
     Returns:
         Stamps (T,) [ns], and by quantity (T, n), NaN where none was given.
@@ -36,7 +40,14 @@ def read_readings(source: Source, shoe: Shoe) -> tuple[NDArray[np.int64], dict[s
     if not gathered.pieces:
         wanted = ", ".join((schemas.VOLTAGES, *schemas.FORCE_TORQUE))
         raise source.error("", f"holds no readings of '{shoe.name}' ({wanted}); record them")
-    return source.join(schemas.VOLTAGES, gathered.pieces, shoe.names, _QUANTITIES)
+    pieces = gathered.pieces
+    if sampled_apart(list(gathered.sources.values())):
+        pieces = at_common_instants(list(gathered.sources.values()), len(shoe.names), _QUANTITIES)
+        source.notes.append(
+            f"readings have stamps of their own by source ({'; '.join(gathered.sources)}): "
+            "interpolated to common ones"
+        )
+    return source.join(schemas.VOLTAGES, pieces, shoe.names, _QUANTITIES)
 
 
 def make_readings(source: Source, shoe: Shoe, time: Floats, joined: dict[str, Floats]) -> Readings:
@@ -62,13 +73,18 @@ def make_readings(source: Source, shoe: Shoe, time: Floats, joined: dict[str, Fl
 
 
 class _Gathered:
-    """Pieces of readings; every channel has one source."""
+    """Pieces of readings by their source; every channel has one source."""
 
     def __init__(self, source: Source, shoe: Shoe) -> None:
-        self.pieces: list[Piece] = []
+        self.sources: dict[str, list[Piece]] = {}
         self._source = source
         self._shoe = shoe
         self._origins: dict[str, str] = {}
+
+    @property
+    def pieces(self) -> list[Piece]:
+        """Of all sources."""
+        return [piece for pieces in self.sources.values() for piece in pieces]
 
     def add_voltages(self, block: Block) -> None:
         topic, cells, numbers = schemas.VOLTAGES, block.texts["cell"], block.numbers
@@ -106,7 +122,7 @@ class _Gathered:
                     topic, f"'{name}' comes from {first} and from {origin}; give it one source"
                 )
         columns = self._source.columns(topic, names, self._shoe.names)
-        self.pieces.append(Piece(block.stamp_ns, columns, values))
+        self.sources.setdefault(origin, []).append(Piece(block.stamp_ns, columns, values))
 
     def _check_counter(self, cells: tuple[str, ...], sequence: Floats) -> None:
         steps = np.diff(sequence)

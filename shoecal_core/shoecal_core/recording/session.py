@@ -203,7 +203,13 @@ class Session:
         return tuple(path for run, path in self._files(finished=False) if run not in finished)
 
     def new_run(
-        self, motion: str, support: DoubleSupport | None, *, hint: str = "", live: bool = True
+        self,
+        motion: str,
+        support: DoubleSupport | None,
+        *,
+        hint: str = "",
+        live: bool = True,
+        notes: tuple[str, ...] = (),
     ) -> RunWriter:
         """Start the next run.
 
@@ -212,6 +218,7 @@ class Session:
             support: pose of the right sole in the left; None where there is none.
             hint: what it is meant for: `train`, `test`, or empty.
             live: as for RunWriter.
+            notes: what an import changed or left out, a line each.
         """
         taken = [run for run, _ in self._files()] + [item.run for item in self._listed]
         listed = ListedRun(max(taken, default=0) + 1, motion, support, _known_hint(hint))
@@ -224,6 +231,7 @@ class Session:
             robot_hash=sha256(self.folder / ROBOT),
             shoe_hash=sha256(self.folder / SHOE),
             urdf_hash=sha256(self.folder / URDF),
+            notes=notes,
         )
         self._listed.append(listed)
         self._save(self.folder)

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.model.robot import Robot
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.checking.body_track import BodyTrack, track
 from shoecal_core.planning.checking.findings import Report
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.report.plan_targets import Mark, Target, marks_of
 from shoecal_core.sensing.shoe import FEET
 
@@ -63,7 +63,7 @@ class PlannedMotion:
         """What the body does, in the left sole's frame."""
         shares = np.zeros((len(self.motion.time), 2))
         for stand in self.stands:
-            shares[stand.begin : stand.end] = Carrying(stand.feet).share
+            shares[stand.begin : stand.end] = SupportPhase(stand.feet).share
         return track(self.robot, self.motion.positions, shares)
 
     @cached_property
@@ -73,9 +73,9 @@ class PlannedMotion:
         begins = np.searchsorted(self.motion.time, [phase.begin for phase in phases]).tolist()
         found: list[Stand] = []
         for phase, begin, end in zip(phases, begins, [*begins[1:], count], strict=True):
-            same = bool(found) and found[-1].feet == phase.carrying.value
+            same = bool(found) and found[-1].feet == phase.support_phase.value
             first = found.pop().begin if same else begin
-            found.append(Stand(phase.carrying.value, first, end))
+            found.append(Stand(phase.support_phase.value, first, end))
         return tuple(found)
 
     @cached_property

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -30,9 +31,12 @@ class DrawnBody:
         mass_factor: (L,) true mass over the model's, before all are scaled to `mass`.
         com_error: (L, 3) true CoM minus the model's, in the link's frame [m].
         payload: (L,) mass welded to a link where the model has the link's CoM [kg].
-        encoder_error: (m,) encoder reading minus motor angle [rad].
+        encoder_error: (m,) encoder reading minus motor angle, where that is zero [rad].
+        eccentricity: (m, 2) amplitude [rad] and phase [rad] of each encoder's error once a turn:
+            see `encoders.Encoders`. Followers of a shared motor have none of their own.
         play: (m,) whole width of the dead band between motor and link [rad].
         compliance: (m,) give between motor and link [rad/(N m)].
+        friction: (m, 2) of each joint's bearings and teeth: static, kinetic [N m].
         imu_mounting: (3,) rotation vector of the inertial sensor's frame in the root link's [rad].
         foot_placement: (2, 3) of left, right: the true sole frame in the model's, along x and y
             [m] and about z [rad]. Cells and plates go with the true one.
@@ -44,8 +48,10 @@ class DrawnBody:
     com_error: FloatArray
     payload: FloatArray
     encoder_error: FloatArray
+    eccentricity: FloatArray
     play: FloatArray
     compliance: FloatArray
+    friction: FloatArray
     imu_mounting: FloatArray
     foot_placement: FloatArray
 
@@ -125,8 +131,10 @@ class DrawnReality:
             "com_error_m": _by_name(body.links, body.com_error),
             "payload_kg": _by_name(body.links, body.payload),
             "encoder_error_rad": _by_name(body.joints, body.encoder_error),
+            "eccentricity_rad": _by_name(body.joints, body.eccentricity),
             "play_rad": _by_name(body.joints, body.play),
             "compliance_rad_per_nm": _by_name(body.joints, body.compliance),
+            "joint_friction_nm": _by_name(body.joints, body.friction),
             "imu_mounting_rad": body.imu_mounting.tolist(),
             "foot_placement": _by_name(FEET, body.foot_placement),
             "position_m": _by_name(shoes.channels, shoes.position),
@@ -167,12 +175,16 @@ def draw_body(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnBody:
     com = rng.normal(0.0, rules.body.com_error_std_m, (len(links), 3))
     encoder = rng.normal(0.0, rules.joints.encoder_error_std_rad, len(joints))
     mounting = rng.normal(0.0, rules.imu.mounting_error_std_rad, 3)
+    waves = rng.normal(0.0, rules.joints.eccentricity_std_rad, (len(joints), 2))
+    spread = math.sqrt(math.log1p(rules.joints.compliance_spread_fraction**2))
+    softness = rng.lognormal(-(spread**2) / 2.0, spread, len(joints))
     mass_error = _column(
         _of_links(rules.body.mass_error_fraction, links), links, mass - 1.0, "link"
     )
     encoder = _column(rules.joints.encoder_error_rad, joints, encoder, "joint")
     for motor in robot.shared:
         encoder[motor.joint] = motor.ratio * encoder[motor.leader]
+        waves[motor.joint] = 0.0
     body = DrawnBody(
         robot=robot,
         mass=robot.mass - shoe.mass + rules.body.weight_error_n / GRAVITY,
@@ -180,8 +192,10 @@ def draw_body(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnBody:
         com_error=_of_links(rules.body.com_error_m, links).resolve(links, com, "link"),
         payload=np.zeros(len(links)),
         encoder_error=encoder,
+        eccentricity=np.stack((np.hypot(*waves.T), np.arctan2(*waves.T)), axis=1),
         play=_of_legs(rules.joints.play_rad, robot),
-        compliance=_of_legs(rules.joints.compliance_rad_per_nm, robot),
+        compliance=_of_legs(rules.joints.compliance_rad_per_nm, robot) * softness,
+        friction=_friction(rules, robot),
         imu_mounting=mounting,
         foot_placement=np.zeros((len(FEET), 3)),
     )
@@ -249,6 +263,15 @@ def _of_legs(table: Table, robot: Robot) -> FloatArray:
     default = np.zeros(len(robot.joint_names))
     default[robot.moved] = common[0]
     return _column(Table(rows, table.path, table.key), robot.joint_names, default, "joint")
+
+
+def _friction(rules: Reality, robot: Robot) -> FloatArray:
+    """(m, 2) static and kinetic friction of the legs' joints [N m]."""
+    joints, limits = rules.joints, robot.effort_limit * rules.servo.torque_limit_factor
+    shares = np.array([joints.static_friction_fraction, joints.kinetic_friction_fraction])
+    friction = np.zeros((len(limits), 2))
+    friction[robot.moved] = limits[robot.moved, None] * shares
+    return friction
 
 
 def _half_span(channels: Sequence[Channel]) -> FloatArray:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.simulation.drawn import DrawnReality
+from shoecal_core.simulation.encoders import Encoders
 from shoecal_core.simulation.robot_physics import RobotPhysics
 from shoecal_core.simulation.snapshot import Snapshot
 
@@ -34,13 +35,13 @@ class JointSensors:
 
     def __init__(self, physics: RobotPhysics, drawn: DrawnReality) -> None:
         self._motor, self._ratio = physics.motor, physics.ratio
-        self._error = drawn.body.encoder_error
+        self._encoders = Encoders(drawn.body)
         self._resolution = drawn.rules.joints.encoder_resolution_rad
         self._ambient = drawn.rules.servo.ambient_degc
 
     def __call__(self, at: Snapshot) -> JointReadings:
         """Read all joints at one instant or many."""
-        angles = self._ratio * at.motor_angle[..., self._motor] + self._error
+        angles = self._encoders.shown(self._ratio * at.motor_angle[..., self._motor])
         if self._resolution > 0.0:
             angles = np.rint(angles / self._resolution) * self._resolution
         return JointReadings(

@@ -123,8 +123,13 @@ class JointRules:
     encoder_error_std_rad: NonNegative
     encoder_error_rad: Errors
     encoder_resolution_rad: NonNegative
+    eccentricity_std_rad: Annotated[float, Bounds(minimum=0.0, maximum=0.1)]
     play_rad: NonNegatives
     compliance_rad_per_nm: NonNegatives
+    compliance_spread_fraction: Annotated[float, Bounds(minimum=0.0, maximum=2.0)]
+    static_friction_fraction: Fraction
+    kinetic_friction_fraction: Fraction
+    stribeck_speed_rad_per_s: Positive
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,11 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.simulation import robot_physics
 from shoecal_core.simulation.converter import Converter, Readings
 from shoecal_core.simulation.drawn import DrawnReality
+from shoecal_core.simulation.encoders import Encoders
 from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError
 from shoecal_core.simulation.floor import FloorTruth, floor_truth, sideways_forces
 from shoecal_core.simulation.imu import Imu, ImuReadings, base_motion
+from shoecal_core.simulation.joint_friction import JointFriction
 from shoecal_core.simulation.joint_sensors import JointReadings, JointSensors
 from shoecal_core.simulation.posing import Posing
 from shoecal_core.simulation.sensor_chain import NO_SIDEWAYS, SensorChain
@@ -81,7 +83,14 @@ class SimulatedRobot:
         self.data = mujoco.MjData(self._model)
         self.strain = np.zeros(self._model.nu)
         self._posing = Posing(robot, self.physics)
+        self._encoders = Encoders(drawn.body)
         self._joints = JointSensors(self.physics, drawn)
+        self._friction = JointFriction(
+            self._model,
+            drawn.body.joints,
+            drawn.body.friction,
+            drawn.rules.joints.stribeck_speed_rad_per_s,
+        )
         self._outputs = ChannelOutputs(self._model, shoe)
         self._soles = SoleReader(self._model)
         self._converter = Converter(shoe, drawn.rules, drawn.shoes, noise)
@@ -146,13 +155,14 @@ class SimulatedRobot:
         still = still.full(self.robot, joint_angles)
         told = still.positions[0]
         self._posing.check(told)
-        self._posing.put(self.data, told - self.drawn.body.encoder_error)
+        self._posing.put(self.data, self._encoders.angles(told))
         self._before, self._steps = self.session_time, 0
         self._run_begin, self._acting = None, self._always
         self._set_points = SetPoints(still, self._steps, self.drawn.rules.step_s)
         self.data.act[:] = self._motor_angles(told)
         self._standing_height = float(self.data.xpos[self._base, 2])
         self._chain.lift()
+        self._friction.release(self.data)
         mujoco.mj_step(self._model, self.data)
         self._remember()
 
@@ -220,7 +230,7 @@ class SimulatedRobot:
                 end = self._motor_angles(self._set_points.at_period(period + 1)) + self.strain
                 self.data.ctrl[:] = (end - self.data.act) / (length * step)
             count = min(last - self._steps, length - done)
-            mujoco.mj_step(self._model, self.data, nstep=count)
+            self._step(count)
             self._steps += count
             self._warm(count * step)
             if done + count == length:
@@ -284,9 +294,18 @@ class SimulatedRobot:
 
     # Inside
 
+    def _step(self, count: int) -> None:
+        """Let the physics run for some steps; friction slips before each."""
+        if not self._friction.acts:
+            mujoco.mj_step(self._model, self.data, nstep=count)
+            return
+        for _ in range(count):
+            self._friction.slip(self.data)
+            mujoco.mj_step(self._model, self.data)
+
     def _motor_angles(self, told: FloatArray) -> FloatArray:
         """(a,) what the servos aim at so that their encoders show joint angles (m,)."""
-        angles: FloatArray = (told - self.drawn.body.encoder_error)[self._leaders]
+        angles: FloatArray = self._encoders.angles(told)[self._leaders]
         return angles
 
     def _posture(self) -> tuple[float, float]:

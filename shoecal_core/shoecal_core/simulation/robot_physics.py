@@ -13,6 +13,7 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.model.urdf import UrdfError
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.simulation.drawn import DrawnReality
+from shoecal_core.simulation.joint_friction import add_bristle
 from shoecal_core.simulation.shoe_physics import ShoeBuilder, add_floor
 
 FloatArray = NDArray[np.float64]
@@ -155,8 +156,11 @@ def _add_motors(spec: mujoco.MjSpec, robot: Robot, drawn: DrawnReality) -> None:
         joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
         joint.armature = servo.rotor_inertia_kgm2_per_nm * limit
         joint.frictionloss = servo.friction_fraction * limit
-        if body.play[index] > 0.0 or body.compliance[index] > 0.0:
+        gives = body.play[index] > 0.0 or body.compliance[index] > 0.0
+        if gives:
             _add_gear(spec, joint, limit, body.play[index], body.compliance[index])
+        if body.friction[index, 0] > 0.0:
+            add_bristle(spec, joint, body.friction[index, 0], gear_name(joint) if gives else None)
         if index in leaders:
             shared = leaders[index]
             spec.add_equality(
@@ -175,7 +179,7 @@ def _add_gear(
     spec: mujoco.MjSpec, motor: mujoco.MjsJoint, limit: float, play: float, compliance: float
 ) -> None:
     """A second joint about the same axis: free within the play, a spring beyond it."""
-    name = f"gear/{motor.name}"
+    name = gear_name(motor)
     motor.parent.add_joint(
         name=name,
         type=motor.type,
@@ -189,6 +193,11 @@ def _add_gear(
         springlength=[-play / 2.0, play / 2.0],
     )
     tendon.wrap_joint(name, 1.0)
+
+
+def gear_name(motor: mujoco.MjsJoint) -> str:
+    """Joint and tendon of a gear that gives."""
+    return f"gear/{motor.name}"
 
 
 def _add_servo(

@@ -15,11 +15,18 @@ from std_srvs.srv import Trigger
 from shoecal_core.calibration.calibration import Calibration, WrongShoeError
 from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.errors import FileError, ShoecalError
+from shoecal_ros.calibrator.active_calibration import UNCALIBRATED, ActiveCalibration
 from shoecal_ros.calibrator.calibration_store import CalibrationStore, NotApplicableError
-from shoecal_ros.calibrator.in_force import UNCALIBRATED, InForce
+from shoecal_ros.calibrator.force_samples import ForceSamples
 from shoecal_ros.common import qos
-from shoecal_ros.common.conversions import calibration_from_ros, calibration_to_ros, time_to_ros
+from shoecal_ros.common.conversions import (
+    calibration_from_ros,
+    calibration_to_ros,
+    origin_from_ros,
+    time_to_ros,
+)
 from shoecal_ros.common.health import Level
+from shoecal_ros.common.origin import Origin
 from shoecal_ros.common.refusal import RefusedError, faults_refused
 from shoecal_ros.common.waiting import aside, until
 
@@ -52,16 +59,17 @@ class CalibrationDesk:
         node.serve(Trigger, "shoe/rollback", self._rollback)
         node.mirror = MIRROR
         node.add_on_set_parameters_callback(self._guard)
-        if store.current is not None:
-            self._put_in_force(store.current)
+        if store.current is not None and store.origin is not None:
+            self._put_in_force(store.current, store.origin)
 
     @property
-    def in_force(self) -> InForce | None:
+    def in_force(self) -> ActiveCalibration | None:
         """What is in force, None while uncalibrated."""
-        current = self.store.current
-        if current is None:
+        store = self.store
+        if store.current is None or store.origin is None:
             return None
-        return InForce(current, self.store.since_ns, self._node.voltages.temperature)
+        temperature = self._node.voltages.temperature
+        return ActiveCalibration(store.current, store.origin, store.since_ns, temperature)
 
     @property
     def changing(self) -> bool:
@@ -79,7 +87,7 @@ class CalibrationDesk:
             RefusedError: NOT_APPLIED, with the reason.
         """
         try:
-            await self._apply(calibration, warned=warned)
+            await self._apply(calibration, self._node.origin, warned=warned)
         except ShoecalError as error:
             raise RefusedError(Calibrate.Result.NOT_APPLIED, f"not applied: {error}") from error
 
@@ -89,22 +97,27 @@ class CalibrationDesk:
         Raises:
             ShoecalError: with the cure.
         """
-        await self._apply(calibration, force=True)
+        await self._apply(calibration, self._node.origin, force=True)
 
     # Applying
 
     async def _apply(
-        self, calibration: Calibration, *, force: bool = False, warned: bool = False
+        self,
+        calibration: Calibration,
+        origin: Origin,
+        *,
+        force: bool = False,
+        warned: bool = False,
     ) -> None:
         """Check, save, put in force; else nothing has changed.
 
         Raises:
             ShoecalError: with the cure.
         """
-        self.store.check(calibration, force=force, warned=warned)
-        await self._change(calibration)
+        self.store.check(calibration, origin, force=force, warned=warned)
+        await self._change(calibration, origin)
 
-    async def _change(self, calibration: Calibration) -> None:
+    async def _change(self, calibration: Calibration, origin: Origin) -> None:
         """Save when it is this one's turn, and put in force.
 
         Raises:
@@ -115,12 +128,12 @@ class CalibrationDesk:
         try:
             # For a disk, however long: meanwhile the calibration before stays in force.
             await until(lambda: self._changes[0] is mine, math.inf)
-            if await aside(lambda: self.store.save(calibration, now_ns)):
-                self.store.take(calibration, now_ns)
+            if await aside(lambda: self.store.save(calibration, now_ns, origin)):
+                self.store.take(calibration, now_ns, origin)
         finally:
             self._changes.remove(mine)
         self.problem = None
-        self._put_in_force(calibration)
+        self._put_in_force(calibration, origin)
 
     def _require_free(self) -> None:
         if self.changing:
@@ -129,15 +142,18 @@ class CalibrationDesk:
                 "another calibration is just being put in force; call again",
             )
 
-    def _put_in_force(self, calibration: Calibration) -> None:
+    def _put_in_force(self, calibration: Calibration, origin: Origin) -> None:
         node = self._node
         node.live.sensing = calibration.sensing(node.shoe)
+        node.force_samples = ForceSamples(
+            calibration, node.shoe, node.frames.soles, node.node_settings.sum_frame
+        )
         node.drift.begin()
-        self._publisher.publish(calibration_to_ros(calibration))
-        self._mirror(calibration)
+        self._publisher.publish(calibration_to_ros(calibration, origin))
+        self._mirror(calibration, origin)
 
-    def _mirror(self, calibration: Calibration) -> None:
-        values: dict[str, str | float | list[str] | list[float]] = {
+    def _mirror(self, calibration: Calibration, origin: Origin) -> None:
+        values: dict[str, str | bool | float | list[str] | list[float]] = {
             "id": calibration.id,
             "source": calibration.source,
             "verdict": calibration.verdict,
@@ -146,6 +162,9 @@ class CalibrationDesk:
             "offsets": calibration.parameters.offset.tolist(),
             "weight": float(calibration.weight),
             "time_offset": float(calibration.time_offset),
+            "simulated_time": origin.simulated,
+            "host": origin.host,
+            "device": origin.device,
         }
         self._mirroring = True
         try:
@@ -184,7 +203,7 @@ class CalibrationDesk:
         response.message = UNCALIBRATED
         if found is not None:
             response.calibrated = True
-            response.calibration = calibration_to_ros(found.calibration)
+            response.calibration = calibration_to_ros(found.calibration, found.origin)
             response.since = time_to_ros(found.since_ns)
             response.message = found.sentence
         return response
@@ -196,7 +215,8 @@ class CalibrationDesk:
             with faults_refused(self._node, SetCalibration.Response.FAILED, ShoecalError):
                 self._require_free()
                 calibration = calibration_from_ros(request.calibration)
-                await self._apply(calibration, force=request.force)
+                origin = origin_from_ros(request.calibration)
+                await self._apply(calibration, origin, force=request.force)
         except ShoecalError as error:
             response.error_code, response.message = _code(error), self._refused(error)
         else:
@@ -210,7 +230,7 @@ class CalibrationDesk:
         try:
             with faults_refused(self._node, SetCalibration.Response.FAILED, ShoecalError):
                 self._require_free()
-                await self._change(self.store.one_before())
+                await self._change(*self.store.one_before())
         except ShoecalError as error:
             response.message = self._refused(error)
         else:

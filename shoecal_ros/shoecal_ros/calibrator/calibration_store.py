@@ -21,6 +21,7 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_ros.calibrator.calibration_record import Entry, read_record, write_record
 from shoecal_ros.common.codes import Problem, joined
+from shoecal_ros.common.origin import Origin
 
 CURRENT, BEFORE = "calibration.yaml", "calibration_before.yaml"
 NEXT, BEFORE_NEXT = "calibration_next.yaml", "calibration_before_next.yaml"
@@ -42,12 +43,23 @@ class CalibrationStore:
         current: in force, None while uncalibrated.
         before: to roll back to, None where there is none.
         since_ns: when the current one was put in force [ns].
+        origin, origin_before: where each was made, None where there is none.
     """
 
-    def __init__(self, folder: Path, robot: Robot, shoe: Shoe) -> None:
+    def __init__(self, folder: Path, robot: Robot, shoe: Shoe, *, simulated: bool = False) -> None:
+        """Nothing is loaded yet.
+
+        Args:
+            folder: of the files.
+            robot, shoe: in use.
+            simulated: whether time is simulated, and robot and shoe with it.
+        """
         self.current: Calibration | None = None
         self.before: Calibration | None = None
         self.since_ns = 0
+        self.origin: Origin | None = None
+        self.origin_before: Origin | None = None
+        self._simulated = simulated
         self._folder = folder
         self._robot = robot
         self._shoe = shoe
@@ -75,28 +87,37 @@ class CalibrationStore:
                     continue
                 calibration, digest = load_calibration(path), sha256(path)
                 known = self._record.get(digest)
-                accepted = known is not None and known == self._entry(known.since_ns)
-                self.check(calibration, force=accepted, warned=warned)
+                origin = _origin_of(calibration, known)
+                accepted = known is not None and (known.robot_hash, known.shoe_hash) == self._hashes
+                self.check(calibration, origin, force=accepted, warned=warned)
             except ShoecalError as error:
                 told = str(error) if isinstance(error, FileError) else f"{path}: {error}"
                 problems.append(Problem(error_code(type(error)), told))
                 continue
             if name == BEFORE:
-                self.before = calibration
+                self.before, self.origin_before = calibration, origin
                 continue
-            self.current = calibration
+            self.current, self.origin = calibration, origin
             self.since_ns = now_ns if known is None else known.since_ns
             if not accepted:
                 # A folder that cannot be written is told when something is to be kept in it.
                 with contextlib.suppress(FileError):
-                    self._note({**self._record, digest: self._entry(self.since_ns)})
+                    self._note({**self._record, digest: self._entry(self.since_ns, origin)})
         return joined(problems)
 
-    def check(self, calibration: Calibration, *, force: bool = False, warned: bool = False) -> None:
+    def check(
+        self,
+        calibration: Calibration,
+        origin: Origin | None = None,
+        *,
+        force: bool = False,
+        warned: bool = False,
+    ) -> None:
         """Whether a calibration may be applied to this robot and these shoes.
 
         Args:
             calibration: to be applied.
+            origin: where it was made; None: as its time stamp says.
             force: also one that was made with other versions of the robot or the shoe file, or
                 whose checks warn.
             warned: also one whose checks warn.
@@ -106,6 +127,12 @@ class CalibrationStore:
         """
         calibration.sensing(self._shoe)
         check_plausible(calibration, self._shoe, self._robot.weight)
+        origin = origin or Origin.of(calibration)
+        if origin.simulated and not self._simulated:
+            raise NotApplicableError(
+                f"calibration '{calibration.id}' was made {origin}, but this node runs in "
+                "wall-clock time; calibrate on the robot itself"
+            )
         reasons = tell_reasons(calibration.reasons)
         if calibration.verdict == "FAIL":
             raise NotApplicableError(
@@ -128,22 +155,26 @@ class CalibrationStore:
                 "calibrate anew, or set it with force"
             )
 
-    def save(self, calibration: Calibration, now_ns: int) -> bool:
+    def save(self, calibration: Calibration, now_ns: int, origin: Origin | None = None) -> bool:
         """Save a checked calibration so that it is loaded next, and the one in force before it.
 
         Args:
             calibration: to be put in force.
             now_ns: since when it will be [ns].
+            origin: where it was made; None: as its time stamp says.
 
         Returns:
             Whether it is to be taken; not where it is in force already, which then stays so.
 
         Raises:
             FileError: when it cannot be saved; then nothing has changed.
+            NotApplicableError: in simulated time where the folder is that of a real robot.
         """
         current, fresh, kept = (self._folder / name for name in (CURRENT, NEXT, BEFORE_NEXT))
         make_folder(self._folder, "correct state_dir")
         self._tidy()
+        if self._simulated:
+            self._require_no_real_one(current)
         with contextlib.ExitStack() as undo:
             undo.callback(self._give_up)
             save_calibration(calibration, fresh)
@@ -154,9 +185,9 @@ class CalibrationStore:
                 same = sha256(kept)
                 if digest == same and _is_there(current) and sha256(current) == digest:
                     return False
-                noted[same] = self._entry(self.since_ns)
+                noted[same] = self._entry(self.since_ns, self.origin)
             undo.callback(self._note_again, noted)
-            self._note({**noted, digest: self._entry(now_ns)})
+            self._note({**noted, digest: self._entry(now_ns, origin or Origin.of(calibration))})
             _rename(fresh, current)
             undo.callback(self._go_back)
             sync_folder(current)
@@ -166,35 +197,49 @@ class CalibrationStore:
             self._tidy()
         return True
 
-    def take(self, calibration: Calibration, now_ns: int) -> None:
+    def take(self, calibration: Calibration, now_ns: int, origin: Origin | None = None) -> None:
         """Have what was saved in force; the one in force is kept for rollback.
 
         Args:
-            calibration: as `save` took it.
-            now_ns: likewise.
+            calibration, now_ns, origin: as `save` took them.
         """
         if self.current is not None:
-            self.before = self.current
+            self.before, self.origin_before = self.current, self.origin
         self.current, self.since_ns = calibration, now_ns
+        self.origin = origin or Origin.of(calibration)
 
-    def apply(self, calibration: Calibration, now_ns: int) -> None:
+    def apply(self, calibration: Calibration, now_ns: int, origin: Origin | None = None) -> None:
         """Save a checked calibration and take it; arguments and errors as those of `save`."""
-        if self.save(calibration, now_ns):
-            self.take(calibration, now_ns)
+        if self.save(calibration, now_ns, origin):
+            self.take(calibration, now_ns, origin)
 
-    def one_before(self) -> Calibration:
-        """What to roll back to.
+    def one_before(self) -> tuple[Calibration, Origin]:
+        """What to roll back to, and where it was made.
 
         Raises:
             NotApplicableError: when there is none.
         """
-        if self.before is None:
+        if self.before is None or self.origin_before is None:
             raise NotApplicableError(
                 "there is no calibration before this one to go back to; set or make another"
             )
-        return self.before
+        return self.before, self.origin_before
 
     # Steps of a change
+
+    def _require_no_real_one(self, path: Path) -> None:
+        """A simulation does not displace the calibration of a real robot."""
+        if not _is_there(path):
+            return
+        try:
+            there = load_calibration(path)
+        except FileError:
+            return  # no calibration at all: nothing is lost
+        if not _origin_of(there, self._record.get(sha256(path))).simulated:
+            raise NotApplicableError(
+                f"{path} was made in wall-clock time and this node runs in simulated time; give "
+                "the simulation a state_dir of its own"
+            )
 
     def _tidy(self) -> None:
         """End a change that was interrupted: as if it had been made, or never begun."""
@@ -227,8 +272,12 @@ class CalibrationStore:
 
     # The record
 
-    def _entry(self, since_ns: int) -> Entry:
-        return Entry(since_ns, self._robot.digest, self._shoe.digest)
+    @property
+    def _hashes(self) -> tuple[str, str]:
+        return self._robot.digest, self._shoe.digest
+
+    def _entry(self, since_ns: int, origin: Origin | None) -> Entry:
+        return Entry(since_ns, *self._hashes, origin)
 
     def _note(self, record: Mapping[str, Entry]) -> None:
         """Note files that are in force, or were; forget those that are gone."""
@@ -247,6 +296,12 @@ class CalibrationStore:
         self._record = record
         with contextlib.suppress(FileError):
             self._note(record)
+
+
+def _origin_of(calibration: Calibration, known: Entry | None) -> Origin:
+    """Where a file's calibration was made: as noted, else as its time stamp says."""
+    noted = None if known is None else known.origin
+    return noted or Origin.of(calibration)
 
 
 def _require_readable(path: Path) -> None:

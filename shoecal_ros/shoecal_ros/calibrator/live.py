@@ -32,6 +32,7 @@ class Live:
         wrench: F [N], Mx, My [N m] of both feet; None where it is not known.
         cop: of both feet [m]; None where no foot carries load, or it is not known.
         loaded: which feet carry load.
+        readings: (n,) raw, filtered; NaN where they are not good.
     """
 
     stamp_ns: int
@@ -41,6 +42,7 @@ class Live:
     wrench: Wrench | None
     cop: Place | None
     loaded: tuple[bool, bool]
+    readings: FloatArray
 
 
 @dataclass(frozen=True)
@@ -152,7 +154,8 @@ class LiveSensing:
         if one.status.any():
             # A reading that is not good is none: a wrong number is worse than no number.
             readings = np.where(one.status == GOOD, readings, np.nan)
-        measured = instant.measure(self._low_pass(one.stamp_ns, readings).tolist())
+        readings = self._low_pass(one.stamp_ns, readings)
+        measured = instant.measure(readings.tolist())
         loaded = self._switch.update(measured[LEFT].force, measured[RIGHT].force)
         left, right = (
             foot if load else FootInstant(foot.force, None, extrapolating=False)
@@ -163,7 +166,7 @@ class LiveSensing:
         if wrench is not None and any(loaded):
             both = (-wrench[2] / wrench[0], wrench[1] / wrench[0])
         told, frame = self._told(one.new), self._switch.frame
-        return Live(one.stamp_ns, (left, right), told, frame, wrench, both, loaded)
+        return Live(one.stamp_ns, (left, right), told, frame, wrench, both, loaded, readings)
 
     def _told(self, new: NDArray[np.bool_]) -> tuple[bool, bool]:
         """Of which feet there is something new; nearly always of both."""

@@ -3,26 +3,32 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from geometry_msgs.msg import PointStamped, WrenchStamped
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from shoecal_msgs.msg import FootState, ShoeState
+from shoecal_msgs.msg import FootState, ShoeForces, ShoeState
 
+from shoecal_core.model.kinematics import BodyStates
 from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_ros.calibrator.force_samples import ForceSamples
 from shoecal_ros.calibrator.live import FootFlags, Live, wrench_of
 from shoecal_ros.common import qos
-from shoecal_ros.common.conversions import SOLES, header_to_ros, point_to_ros, wrench_to_ros
+from shoecal_ros.common.conversions import header_to_ros, point_to_ros, wrench_to_ros
 
 
 class LivePublishers:
     """Publishes forces, places and the state; what nobody listens to costs nothing."""
 
-    def __init__(self, node: Node, shoe: Shoe) -> None:
+    def __init__(self, node: Node, shoe: Shoe, soles: tuple[str, str]) -> None:
+        """Publishers of a node, in the frames of the soles."""
+        self._soles = soles
         self._cop, self._grf = _pair(node, "shoe")
         self._feet = [_pair(node, f"shoe/{foot}") for foot in FEET]
+        self._forces = node.create_publisher(ShoeForces, "shoe/forces", qos.LIVE)
         self._state = node.create_publisher(ShoeState, "shoe/state", qos.LATCHED)
         self._cells = [
             [shoe.names[index] for index in shoe.of_foot(foot)] for foot in range(len(FEET))
@@ -32,16 +38,18 @@ class LivePublishers:
     def topics(self) -> set[str]:
         """Resolved names of all that is published here."""
         pairs = [(self._cop, self._grf), *self._feet]
-        return {one.topic_name for one in (self._state, *(each for pair in pairs for each in pair))}
+        singles = (self._state, self._forces)
+        return {one.topic_name for one in (*singles, *(each for pair in pairs for each in pair))}
 
     def publish(self, lives: Sequence[Live]) -> None:
         """Publish instants in order."""
-        for publisher, each in (
-            (self._cop, _combined_cop),
-            (self._grf, _combined_grf),
-            *((cop, _foot_cop(foot)) for foot, (cop, _) in enumerate(self._feet)),
-            *((grf, _foot_grf(foot)) for foot, (_, grf) in enumerate(self._feet)),
-        ):
+        makers: list[tuple[Publisher, Callable[[Live], Any]]] = [
+            (self._cop, self._combined_cop),
+            (self._grf, self._combined_grf),
+        ]
+        for foot, (cop, grf) in enumerate(self._feet):
+            makers += [(cop, partial(self._foot_cop, foot)), (grf, partial(self._foot_grf, foot))]
+        for publisher, each in makers:
             if publisher.get_subscription_count():
                 for live in lives:
                     message = each(live)
@@ -79,40 +87,51 @@ class LivePublishers:
             )
         )
 
+    def _combined_cop(self, live: Live) -> Any:
+        if live.cop is None:
+            return None
+        return point_to_ros(live.stamp_ns, self._soles[live.frame], live.cop)
+
+    def _combined_grf(self, live: Live) -> Any:
+        if live.wrench is None:
+            return None
+        return wrench_to_ros(live.stamp_ns, self._soles[live.frame], live.wrench)
+
+    def _foot_cop(self, foot: int, live: Live) -> Any:
+        cop = live.feet[foot].cop
+        if cop is None or not live.told[foot]:
+            return None
+        return point_to_ros(live.stamp_ns, self._soles[foot], cop)
+
+    def _foot_grf(self, foot: int, live: Live) -> Any:
+        wrench = wrench_of(live.feet[foot])
+        # A force that is not known is nothing for a controller, nor is one it has been told.
+        if math.isnan(wrench[0]) or not live.told[foot]:
+            return None
+        return wrench_to_ros(live.stamp_ns, self._soles[foot], wrench)
+
+    def publish_forces(
+        self,
+        samples: ForceSamples,
+        lives: Sequence[Live],
+        flags: Sequence[FootFlags],
+        states: BodyStates | None,
+    ) -> None:
+        """Publish whole samples in order, where anybody listens.
+
+        Args:
+            samples: makes the messages.
+            lives: instants.
+            flags: of both feet now.
+            states: of the body; None where joint angles are stale.
+        """
+        if self._forces.get_subscription_count():
+            for live in lives:
+                self._forces.publish(samples.message(live, flags, states))
+
 
 def _pair(node: Node, prefix: str) -> tuple[Publisher, Publisher]:
     return (
         node.create_publisher(PointStamped, f"{prefix}/cop", qos.LIVE),
         node.create_publisher(WrenchStamped, f"{prefix}/grf", qos.LIVE),
     )
-
-
-def _combined_cop(live: Live) -> Any:
-    return None if live.cop is None else point_to_ros(live.stamp_ns, SOLES[live.frame], live.cop)
-
-
-def _combined_grf(live: Live) -> Any:
-    if live.wrench is None:
-        return None
-    return wrench_to_ros(live.stamp_ns, SOLES[live.frame], live.wrench)
-
-
-def _foot_cop(foot: int) -> Any:
-    def message(live: Live) -> Any:
-        cop = live.feet[foot].cop
-        if cop is None or not live.told[foot]:
-            return None
-        return point_to_ros(live.stamp_ns, SOLES[foot], cop)
-
-    return message
-
-
-def _foot_grf(foot: int) -> Any:
-    def message(live: Live) -> Any:
-        wrench = wrench_of(live.feet[foot])
-        # A force that is not known is nothing for a controller, nor is one it has been told.
-        if math.isnan(wrench[0]) or not live.told[foot]:
-            return None
-        return wrench_to_ros(live.stamp_ns, SOLES[foot], wrench)
-
-    return message

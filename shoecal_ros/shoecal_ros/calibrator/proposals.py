@@ -14,7 +14,7 @@ from shoecal_core.diagnosis.candidates import (
 )
 from shoecal_core.error_sources.effects.contact import TURNED
 from shoecal_core.errors import NameNotFoundError
-from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.samples.known_weight import WEIGHTED
 
 
@@ -57,10 +57,10 @@ def proposal(name: str) -> Proposal:
     Raises:
         NameNotFoundError: for another one.
     """
-    if name in MENU:
+    if name in MOTION_KINDS:
         return Proposal(name)
     if name not in BEYOND_MENU:
-        raise NameNotFoundError("motion", name, (*MENU, *BEYOND_MENU))
+        raise NameNotFoundError("motion", name, (*MOTION_KINDS, *BEYOND_MENU))
     return BEYOND_MENU[name]
 
 

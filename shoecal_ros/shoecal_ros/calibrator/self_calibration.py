@@ -95,7 +95,7 @@ class SelfCalibrationDesk:
             with faults_refused(node, Calibrate.Result.FAILED):
                 calibration = await job.run()
                 # Also one that is refused comes back whole, and stays in the session's folder.
-                result.calibration = calibration_to_ros(calibration)
+                result.calibration = calibration_to_ros(calibration, node.origin)
                 job.tell_applying()
                 await node.desk.apply_found(calibration, warned=node.job_settings.apply_warned)
             result.success = True

@@ -25,6 +25,8 @@ from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.sensing.correction import POLYNOMIAL, CopCorrection
 from shoecal_core.sensing.shoe import FEET
 from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_ros.common.names import short_name
+from shoecal_ros.common.origin import EPOCH_NS, Origin
 
 FloatArray = NDArray[np.float64]
 SECOND_NS = 1_000_000_000
@@ -259,9 +261,15 @@ def wrench_from_ros(message: WrenchStamped) -> FloatArray:
 # Calibrations
 
 
-def calibration_to_ros(calibration: Calibration) -> ShoeCalibration:
-    """A calibration as a message."""
+def calibration_to_ros(calibration: Calibration, origin: Origin | None = None) -> ShoeCalibration:
+    """A calibration as a message.
+
+    Args:
+        calibration: whole.
+        origin: where it was made; None: as its time stamp says.
+    """
     covariance = calibration.covariance
+    origin = origin or Origin.of(calibration)
     return ShoeCalibration(
         header=header_to_ros(calibration.made_ns),
         format=CALIBRATION_FORMAT,
@@ -282,7 +290,16 @@ def calibration_to_ros(calibration: Calibration) -> ShoeCalibration:
         verdict=calibration.verdict,
         reasons=[*calibration.reasons, *([] if calibration.columns is None else [COLUMNS_NOTE])],
         fitted_runs=list(calibration.fitted_runs),
+        simulated_time=origin.simulated,
+        host=origin.host,
+        device=origin.device,
     )
+
+
+def origin_from_ros(message: ShoeCalibration) -> Origin:
+    """Where a calibration was made, as its message says; a simulated stamp is believed before."""
+    simulated = message.simulated_time or time_from_ros(message.header.stamp) < EPOCH_NS
+    return Origin(simulated, short_name(message.host), short_name(message.device))
 
 
 def calibration_from_ros(message: ShoeCalibration) -> Calibration:

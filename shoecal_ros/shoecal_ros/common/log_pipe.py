@@ -21,12 +21,15 @@ _STEP_S = 0.002
 
 
 @contextlib.contextmanager
-def log_pipe() -> Iterator[None]:
+def log_pipe() -> Iterator[int]:
     """Within it, whatever is written to stderr waits in a pipe for who reads it.
 
     ROS writes log lines while it holds Python's lock: where nobody reads them (a paused terminal,
     a full pipe) or a disk is slow, no thread of the node would go on. Here they wait, and what the
     pipe cannot hold is lost. At the end what waits is written still, if somebody reads it.
+
+    Yields:
+        The descriptor of stderr itself.
     """
     sys.stderr.flush()
     shown = os.dup(2)
@@ -42,7 +45,7 @@ def log_pipe() -> Iterator[None]:
     copier = _Copier(held, shown)
     copier.start()
     try:
-        yield
+        yield shown
     finally:
         sys.stderr.flush()
         os.dup2(shown, 2)

@@ -29,6 +29,7 @@ from shoecal_core.settings import SettingError, Settings, describe, from_values
 from shoecal_ros.common import qos
 from shoecal_ros.common.health import Health, Level
 from shoecal_ros.common.names import short_name
+from shoecal_ros.common.parameter_files import ParameterFiles
 from shoecal_ros.common.peers import Peers
 from shoecal_ros.common.quick_thread import BATCH, QuickThread, drained
 from shoecal_ros.common.refusal import worded
@@ -76,6 +77,7 @@ class ShoecalNode(Node):
         self.quick = QuickThread(self, self.turn)
         self.mirror = ""
         self._run_id = ""
+        self._own_name = name
         self.peers = Peers(self)
         self._roll_call = RollCall(name)
         self.health.suppose("peers", self.peers.condition)
@@ -122,19 +124,31 @@ class ShoecalNode(Node):
             ).value
         return from_values(cls, values)
 
-    def check_overrides(self) -> None:
-        """Every parameter that was given is one of this node's.
+    def check_overrides(self, files: ParameterFiles) -> None:
+        """Every parameter file reaches this node, and every parameter in it is one of its own.
 
         ROS itself passes over the others in silence: a limit that is misspelt would not be in
-        force, and nobody would know.
+        force, and nobody would know. Only those for all nodes (`/**`) may be another node's; they
+        are logged.
+
+        Args:
+            files: that the node was given.
 
         Raises:
+            UnusedFileError: names the file, and the key it should have.
             SettingError: names the parameter, and those that look like it.
         """
+        full_name = self.get_fully_qualified_name()
+        files.check(full_name, self._own_name)
+        shared = files.shared(full_name)
         # No public attribute tells what was given to the node.
         given = [name for name in self._parameter_overrides if not name.startswith(_BY_ROS)]
         for name in given:
-            if not self.has_parameter(name):
+            if self.has_parameter(name):
+                continue
+            if name in shared:
+                self.log(Level.WARN, f"{name}: is given to all nodes, and no parameter of this one")
+            else:
                 known = sorted(self.list_parameters([], 0).names)
                 alike = [full for full in known if full.endswith(f".{name}")]
                 alike = alike or get_close_matches(name, known)
@@ -241,6 +255,11 @@ class ShoecalNode(Node):
     # Time
 
     @property
+    def simulated(self) -> bool:
+        """Whether the node's time is simulated (`use_sim_time`)."""
+        return bool(self.get_parameter("use_sim_time").value)
+
+    @property
     def now_ns(self) -> int:
         """The node's time, simulated or not [ns]."""
         return int(self.get_clock().now().nanoseconds)
@@ -261,11 +280,16 @@ class ShoecalNode(Node):
 
     # The process
 
-    def end(self) -> None:
-        """Hear no more, then close and destroy the node."""
+    def end(self, when_safe: Callable[[], None] = lambda: None) -> None:
+        """Hear no more, then close and destroy the node.
+
+        Args:
+            when_safe: called once the node has closed: what follows concerns no robot.
+        """
         self.quick.close()
         with self.turn:
             self.close()
+            when_safe()
             if self.context.ok():
                 self._diagnostics.publish(farewell(self.get_name()))
         with contextlib.suppress(rclpy_implementation.InvalidHandle):

@@ -71,6 +71,8 @@ class ImuInput:
     def _in_base(self, frame: str) -> FloatArray:
         """(3, 3) from a frame's axes to the base's; the same where the URDF does not know it."""
         model = self._robot.model
+        if not model.existFrame(frame):
+            frame = frame.rpartition("/")[2]  # behind a prefix
         if frame and model.existFrame(frame):
             known = model.frames[model.getFrameId(frame)]
             if known.parentJoint == _ROOT:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+
 MODULUS = 2**32
 
 
@@ -15,6 +17,11 @@ class LostFrames:
     def __init__(self) -> None:
         self.count = 0
         self._last: dict[str, int] = {}
+
+    @property
+    def sources(self) -> Collection[str]:
+        """Names of all that have sent frames."""
+        return self._last.keys()
 
     def note(self, source: str, sequence: int) -> None:
         """A source's frame has come; a counter that goes back began anew and tells of no loss."""

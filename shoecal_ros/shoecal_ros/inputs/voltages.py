@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -71,6 +71,11 @@ class VoltageInput:
     def lost(self) -> int:
         """Frames that never came, by the devices' counters."""
         return self._lost.count
+
+    @property
+    def sources(self) -> Collection[str]:
+        """Devices that have sent cells' readings, by the frame_id of their messages."""
+        return self._lost.sources
 
     @property
     def left_out(self) -> int:

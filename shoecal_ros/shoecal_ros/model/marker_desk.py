@@ -21,7 +21,7 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.recording.schemas import GOOD
 from shoecal_core.sensing.shoe import FEET, Shoe
 from shoecal_ros.common import qos
-from shoecal_ros.common.conversions import SOLES, point_from_ros
+from shoecal_ros.common.conversions import point_from_ros
 from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.model.scene_markers import FootSeen, SceneMarkers, Seen
 
@@ -47,9 +47,11 @@ class MarkerDesk:
         node: ShoecalNode,
         robot: Robot,
         shoe: Shoe,
+        soles: tuple[str, str],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._node, self._robot, self._shoe, self._clock = node, robot, shoe, clock
+        self._soles = soles
         self._scene: SceneMarkers | None = None
         self._publisher = node.create_publisher(MarkerArray, TOPIC, qos.MARKERS)
         self._subscriptions: list[Subscription] = []
@@ -65,7 +67,7 @@ class MarkerDesk:
         if batch is None:
             return
         if self._scene is None:
-            self._scene = SceneMarkers(self._robot, self._shoe)
+            self._scene = SceneMarkers(self._robot, self._shoe, self._soles)
         stamp_ns = int(batch.stamp_ns[-1])
         self._publisher.publish(self._scene.at(stamp_ns, batch.angles[-1], self._seen()))
 
@@ -101,9 +103,9 @@ class MarkerDesk:
         cop, state = self._fresh("shoe/cop"), self._fresh("shoe/state")
         told = {} if state is None else {one.foot: one for one in state.feet}
         left, right = (self._foot(foot, told.get(foot)) for foot in FEET)
-        if cop is None or cop.header.frame_id not in SOLES:
+        if cop is None or cop.header.frame_id not in self._soles:
             return Seen((left, right))
-        frame = SOLES.index(cop.header.frame_id)
+        frame = self._soles.index(cop.header.frame_id)
         return Seen((left, right), frame, np.array(point_from_ros(cop))[:2])
 
     def _foot(self, foot: str, state: Any | None) -> FootSeen:

@@ -32,7 +32,7 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.report.scene.body import CELL, Joints, body_shapes, joints_at
 from shoecal_core.report.scene.shapes import Rgba, Shape
 from shoecal_core.sensing.shoe import Shoe
-from shoecal_ros.common.conversions import SOLES, header_to_ros
+from shoecal_ros.common.conversions import header_to_ros
 
 FloatArray = NDArray[np.float64]
 
@@ -86,8 +86,9 @@ class Seen:
 class SceneMarkers:
     """Makes all markers of one robot; what never changes is worked out once."""
 
-    def __init__(self, robot: Robot, shoe: Shoe) -> None:
-        self._robot, self._shoe = robot, shoe
+    def __init__(self, robot: Robot, shoe: Shoe, soles: tuple[str, str]) -> None:
+        """Markers of a robot on shoes, in the frames of its soles."""
+        self._robot, self._shoe, self._soles = robot, shoe, soles
         at = joints_at(robot, robot.posture)
         self._length = FORCE_HEIGHT * float(at.com[2]) / robot.weight
         # Limbs are rigid: which corners make which triangle does not change as they move.
@@ -113,28 +114,29 @@ class SceneMarkers:
         # Cells are markers of their own, which change their colour.
         shapes = body_shapes(self._robot, self._shoe, at, cells=False)
         for shape, faces in zip(shapes, self._faces, strict=True):
-            yield from _solid(shape, faces)
+            yield from _solid(self._soles[0], shape, faces)
 
     def _foot(self, foot: int, seen: FootSeen) -> Iterator[Any]:
         shape = self._robot.feet[foot]
-        yield _line("sole", SOLES[foot], _ring(shape.outline), OUTLINE)
-        yield _line("sensing_polygon", SOLES[foot], self._polygons[foot], POLYGON)
+        yield _line("sole", self._soles[foot], _ring(shape.outline), OUTLINE)
+        yield _line("sensing_polygon", self._soles[foot], self._polygons[foot], POLYGON)
         for index in np.flatnonzero(self._shoe.foot == foot):
             bad = self._shoe.names[index] in seen.bad
-            yield _cell(SOLES[foot], self._shoe.positions[index], self._shoe.height,
+            yield _cell(self._soles[foot], self._shoe.positions[index], self._shoe.height,
                         BAD if bad else CELL)  # fmt: skip
         if seen.force is not None and seen.cop is not None and seen.force > 0.0:
             ground = np.array([*seen.cop, 0.0])
-            yield _arrow("force", SOLES[foot], ground, self._length * seen.force, MEASURED)
+            yield _arrow("force", self._soles[foot], ground, self._length * seen.force, MEASURED)
 
     def _centres(self, at: Joints, seen: Seen) -> Iterator[Any]:
-        left = SOLES[0]
+        left = self._soles[0]
         below = np.array([*at.com[:2], 0.0])
         yield _ball("com", left, at.com, COM)
         yield _line("com", left, np.vstack((at.com, below)), COM)
         yield _ball("cop_modelled", left, below, MODELLED)
         if seen.cop is not None:
-            yield _ball("cop_measured", SOLES[seen.frame], np.array([*seen.cop, 0.0]), MEASURED)
+            frame = self._soles[seen.frame]
+            yield _ball("cop_measured", frame, np.array([*seen.cop, 0.0]), MEASURED)
         if all(one.loaded for one in seen.feet):
             right = np.array([at.soles[1].act(corner) for corner in self._polygons[1]])
             corners = np.vstack((self._polygons[0], right))[:, :2]
@@ -166,8 +168,7 @@ def _grown(shape: Shape) -> FloatArray:
     return grown
 
 
-def _solid(shape: Shape, faces: NDArray[np.int64] | None) -> Iterator[Any]:
-    frame = SOLES[0]
+def _solid(frame: str, shape: Shape, faces: NDArray[np.int64] | None) -> Iterator[Any]:
     if faces is not None:
         marker = _marker("body", frame, Marker.TRIANGLE_LIST, shape.rgba, (1.0, 1.0, 1.0))
         marker.points = _points(_grown(shape)[faces.ravel()])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -21,21 +20,22 @@ from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.standstill import ModelTolerance
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording import schemas
 from shoecal_core.sensing.shoe import FEET
 from shoecal_core.settings import load_settings, setting
 from shoecal_core.workspace import config_dir
+from shoecal_ros.calibrator.active_calibration import UNCALIBRATED
 from shoecal_ros.calibrator.calibration_desk import CalibrationDesk
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
 from shoecal_ros.calibrator.diagnosis_desk import DiagnosisDesk
 from shoecal_ros.calibrator.drift_desk import DriftDesk
+from shoecal_ros.calibrator.force_samples import STANCE, SUM_FRAMES, ForceSamples
 from shoecal_ros.calibrator.halt import Halt
-from shoecal_ros.calibrator.in_force import UNCALIBRATED
 from shoecal_ros.calibrator.job import Codes
 from shoecal_ros.calibrator.job_settings import JobSettings
-from shoecal_ros.calibrator.live import LiveSensing, LowPass
+from shoecal_ros.calibrator.live import FootFlags, LiveSensing, LowPass
 from shoecal_ros.calibrator.live_publishers import LivePublishers
 from shoecal_ros.calibrator.load import LoadSwitch
 from shoecal_ros.calibrator.raw_topics import RAW_TOPICS, relative
@@ -45,8 +45,10 @@ from shoecal_ros.calibrator.run_series import PLAN_ACTION, REACH_ACTION
 from shoecal_ros.calibrator.self_calibration import SelfCalibrationDesk
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code, Problem
+from shoecal_ros.common.frames import FrameSettings
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.node import ShoecalNode
+from shoecal_ros.common.origin import Origin
 from shoecal_ros.common.process import run
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
@@ -90,6 +92,13 @@ class CalibratorSettings(JoinSettings):
     )
     low_pass_hz: float = setting(
         0.0, "Hz", "cut-off frequency of a low-pass of all readings; 0: none", minimum=0.0
+    )
+    sum_frame: str = setting(
+        STANCE,
+        "",
+        "frame of both feet's sum in shoe/forces: the sole's of the foot that carries (stance, as "
+        "shoe/cop), or always the left or the right one",
+        choices=SUM_FRAMES,
     )
     rezero_time: float = setting(
         2.0, "s", "of standing still, from which offsets are corrected", minimum=0.1
@@ -155,15 +164,19 @@ class Calibrator(ShoecalNode):
         self.live = LiveSensing(
             of_foot, LoadSwitch(settings.load_on_n, settings.load_off_n), self._low_pass
         )
-        self._out = LivePublishers(self, self.shoe)
+        self.frames = self.settings(FrameSettings).frames(self.robot)
+        self.force_samples: ForceSamples | None = None
+        self._out = LivePublishers(self, self.shoe, self.frames.soles)
         self.peers.alone |= self._out.topics
         self.tolerance = ModelTolerance.of(self.robot, self.fit_settings)
         self.drift = DriftDesk(self)
-        store = CalibrationStore(Path(settings.state_dir).expanduser(), self.robot, self.shoe)
+        state_dir = Path(settings.state_dir).expanduser()
+        store = CalibrationStore(state_dir, self.robot, self.shoe, simulated=self.simulated)
         self.desk = CalibrationDesk(self, store)
         self.rezeroing = RezeroDesk(self)
         self._recorded: list[Subscription] = []
         self._support: DoubleSupport | None = None
+        self._states: BodyStates | None = None
         self._subscribe()
         self.reach_client = ActionClient(self, ReachSupport, REACH_ACTION)
         self.plan_client = ActionClient(self, Plan, PLAN_ACTION)
@@ -197,6 +210,11 @@ class Calibrator(ShoecalNode):
         if self.calibrating:
             return "a self-calibration"
         return "a diagnosis" if self._diagnoses.busy else ""
+
+    @property
+    def origin(self) -> Origin:
+        """Of what is calibrated here and now."""
+        return Origin.here(simulated=self.simulated, devices=self.voltages.sources)
 
     @property
     def run_id(self) -> str:
@@ -235,7 +253,8 @@ class Calibrator(ShoecalNode):
 
     def _load_planning(self) -> PlannerSettings:
         file = self.job_settings.planner_file or config_dir() / "nodes" / "planner.yaml"
-        return load_settings(PlannerSettings, Path(file), "planner", "planning")
+        planner = f"{self.get_namespace().rstrip('/')}/planner"
+        return load_settings(PlannerSettings, Path(file), planner, "planning")
 
     def _subscribe(self) -> None:
         """Everything a run may hold comes serialised: it is recorded as it was sent."""
@@ -276,7 +295,8 @@ class Calibrator(ShoecalNode):
         self.rezeroing.take_joints(batch)
         self._halt.hear(batch)
         # Here, so that readings need not wait for it.
-        self._support = self.kinematics.states(batch.angles[-1:]).support()
+        self._states = self.kinematics.states(batch.angles[-1:])
+        self._support = self._states.support()
 
     def _hear_readings(
         self, topic: str, kind: type[Any], read: Callable[[Any], Any], serialised: list[bytes]
@@ -287,21 +307,29 @@ class Calibrator(ShoecalNode):
         joined = self.voltages.take(frames)
         # Where the right foot stands is known while angles come.
         support = None if self.joints.silent else self._support
-        self._out.publish(self.live.take(joined, support))
+        lives = self.live.take(joined, support)
+        self._out.publish(lives)
+        if self.force_samples is not None:
+            states = None if self.joints.silent else self._states
+            self._out.publish_forces(self.force_samples, lives, self._flags(), states)
         self.cells.learn()
         self.recorder.take(topic, serialised)
         self.rezeroing.take_readings(joined)
 
     # Telling
 
+    def _flags(self) -> tuple[FootFlags, FootFlags]:
+        left, right = self.voltages.feet
+        return self.live.flags((left.silent, right.silent))
+
     def _publish_state(self) -> None:
-        current, (left, right) = self.desk.store.current, self.voltages.feet
+        current = self.desk.store.current
         state = ShoeState.UNCALIBRATED if current is None else ShoeState.CALIBRATED
         self._out.publish_state(
             self.voltages.latest_ns or self.now_ns,
             ShoeState.CALIBRATING if self.calibrating else state,
             "" if current is None else current.id,
-            self.live.flags((left.silent, right.silent)),
+            self._flags(),
             joints_stale=self.joints.silent,
         )
 
@@ -322,7 +350,7 @@ class Calibrator(ShoecalNode):
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(Calibrator))
+    run(Calibrator)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 
 import numpy as np
@@ -124,7 +123,7 @@ class ControllerAdapter(Adapter):
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(ControllerAdapter))
+    run(ControllerAdapter)
 
 
 if __name__ == "__main__":

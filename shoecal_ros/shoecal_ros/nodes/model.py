@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,7 +12,8 @@ from sensor_msgs.msg import JointState
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.settings import Settings, setting
 from shoecal_ros.common import qos
-from shoecal_ros.common.conversions import BASE_LINK, SOLES, header_to_ros, point_to_ros
+from shoecal_ros.common.conversions import header_to_ros, point_to_ros
+from shoecal_ros.common.frames import Frames, FrameSettings
 from shoecal_ros.common.health import Condition
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
@@ -34,6 +34,9 @@ class ModelSettings(Settings):
     stale_s: float = setting(
         0.5, "s", "without joint angles for that long they are stale", minimum=0.01
     )
+    publish_tf: bool = setting(
+        True, "", "publishes the sole frames on /tf; false where another node does"
+    )
 
 
 class Model(ShoecalNode):
@@ -44,14 +47,17 @@ class Model(ShoecalNode):
         files = self.settings(RobotFiles)
         settings = self.settings(ModelSettings)
         robot = files.load_robot()
-        self._markers = MarkerDesk(self, robot, files.load_shoe())
+        self._frames = self.settings(FrameSettings).frames(robot)
+        self._markers = MarkerDesk(self, robot, files.load_shoe(), self._frames.soles)
         self._kinematics = Kinematics(robot)
         senders = self.peers.expect_one_sender("joint_states")
         self._joints = JointInput(robot, settings.stale_s, senders=senders)
         self._com = self.create_publisher(PointStamped, "shoe/model/com", qos.LIVE)
         self._cop = self.create_publisher(PointStamped, "shoe/model/cop", qos.LIVE)
         self.peers.alone |= {self._com.topic_name, self._cop.topic_name}
-        self._tf = TFMessage and self.create_publisher(TFMessage, "/tf", qos.TRANSFORMS)
+        self._tf = None
+        if TFMessage is not None and settings.publish_tf:
+            self._tf = self.create_publisher(TFMessage, "/tf", qos.TRANSFORMS)
         self.subscribe(JointState, "joint_states", self._hear, qos.RAW)
 
     def watch(self) -> None:
@@ -70,14 +76,14 @@ class Model(ShoecalNode):
         for stamp_ns, com, cop in zip(
             batch.stamp_ns.tolist(), states.com_in_base, states.cop[:, 0], strict=True
         ):
-            self._com.publish(point_to_ros(stamp_ns, BASE_LINK, com))
-            self._cop.publish(point_to_ros(stamp_ns, SOLES[0], cop))
+            self._com.publish(point_to_ros(stamp_ns, self._frames.base, com))
+            self._cop.publish(point_to_ros(stamp_ns, self._frames.soles[0], cop))
         if self._tf is not None:
             # The newest is enough: listeners interpolate.
-            self._tf.publish(_transforms(int(batch.stamp_ns[-1]), states))
+            self._tf.publish(_transforms(int(batch.stamp_ns[-1]), states, self._frames))
 
 
-def _transforms(stamp_ns: int, states: BodyStates) -> Any:
+def _transforms(stamp_ns: int, states: BodyStates, frames: Frames) -> Any:
     """Both soles in the base, as the last sample has them."""
     turn, place = states.left_rotation[-1], states.left_translation[-1]
     poses = (
@@ -85,9 +91,9 @@ def _transforms(stamp_ns: int, states: BodyStates) -> Any:
         (place + turn @ states.translation[-1], turn @ states.rotation[-1]),
     )
     transforms = []
-    for frame, (translation, rotation) in zip(SOLES, poses, strict=True):
+    for frame, (translation, rotation) in zip(frames.soles, poses, strict=True):
         transform = TransformStamped(
-            header=header_to_ros(stamp_ns, BASE_LINK), child_frame_id=frame
+            header=header_to_ros(stamp_ns, frames.base), child_frame_id=frame
         )
         where, how = transform.transform.translation, transform.transform.rotation
         where.x, where.y, where.z = translation.tolist()
@@ -98,7 +104,7 @@ def _transforms(stamp_ns: int, states: BodyStates) -> Any:
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(Model))
+    run(Model)
 
 
 if __name__ == "__main__":

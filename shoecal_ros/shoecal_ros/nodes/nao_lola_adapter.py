@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -72,7 +71,7 @@ class NaoLolaAdapter(StreamingAdapter):
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(NaoLolaAdapter))
+    run(NaoLolaAdapter)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -68,7 +67,7 @@ class NaoqiAdapter(StreamingAdapter):
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(NaoqiAdapter))
+    run(NaoqiAdapter)
 
 
 if __name__ == "__main__":

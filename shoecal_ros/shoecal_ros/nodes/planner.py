@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from typing import Any, TypeVar
 
@@ -207,7 +206,7 @@ class Planner(ShoecalNode):
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(Planner))
+    run(Planner)
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import threading
 import time
 from collections import deque
@@ -167,7 +166,7 @@ def _figures(status: DriverStatus) -> dict[str, str]:
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(ShoeDriver))
+    run(ShoeDriver)
 
 
 if __name__ == "__main__":

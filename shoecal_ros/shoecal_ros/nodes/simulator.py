@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -277,7 +276,7 @@ class Simulator(ShoecalNode):
 
 def main() -> None:
     """Run the node."""
-    sys.exit(run(Simulator))
+    run(Simulator)
 
 
 if __name__ == "__main__":

@@ -15,10 +15,10 @@ from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.checking.findings import CheckFailedError
 from shoecal_core.planning.horizon.rolling import PlanningCanceledError, PlanningError, Progress
 from shoecal_core.planning.legs import FootPose
-from shoecal_core.planning.lifting import standing_foot
-from shoecal_core.planning.menu import PUT_DOWN
 from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.motion_catalogue import PUT_DOWN
 from shoecal_core.planning.posture import UnreachableError
+from shoecal_core.planning.swing import stance_foot
 from shoecal_core.planning.timing import TimingError
 from shoecal_ros.common.actions import FEEDBACK_S
 from shoecal_ros.common.hold import hold
@@ -170,7 +170,7 @@ class Execution:
                 self._mover.kinematics,
                 moving,
                 seen.angles[0],
-                motion.phases[0].carrying,
+                motion.phases[0].support_phase,
             )
         self._watch.begin(motion)
         # Whoever records the motion begins before it does.
@@ -245,7 +245,7 @@ class Execution:
         """Hold the robot at joint angles (m,) [rad]; why, and what to do on one foot."""
         self.hold(angles)
         feet = self._mover.kinematics.states(angles[None])
-        foot, height = standing_foot(FootPose(feet.rotation[0], feet.translation[0]))
+        foot, height = stance_foot(FootPose(feet.rotation[0], feet.translation[0]))
         if height > self._mover.planning.sole_height:
             message += f"; the robot stands on its {foot} foot: arm and plan motion '{PUT_DOWN}'"
         return RefusedError(code, message)

@@ -11,7 +11,7 @@ from shoecal_msgs.action import Plan
 
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.planning.menu import MENU, kind_named
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS, motion_kind
 from shoecal_ros.common.actions import Pacing
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.names import short_name
@@ -63,14 +63,14 @@ class PlanJob:
     def _check_request(self) -> None:
         request = self._goal.request
         try:
-            kind = kind_named(request.motion)
+            kind = motion_kind(request.motion)
         except NameNotFoundError as error:
             raise RefusedError(Plan.Result.BAD_GOAL, str(error)) from error
         problem = ""
         if request.stream and not request.send:
             problem = "a motion is streamed to the robot: ask to send it"
         elif request.stream and not kind.streams:
-            told = ", ".join(name for name, kind in MENU.items() if kind.streams)
+            told = ", ".join(name for name, kind in MOTION_KINDS.items() if kind.streams)
             problem = (
                 f"motion '{request.motion}' is planned as a whole and cannot be streamed; "
                 f"ask without stream, or for one of: {told}"

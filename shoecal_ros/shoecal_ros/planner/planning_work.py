@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.course import cop_course
 from shoecal_core.planning.horizon.rolling import PlanningError
-from shoecal_core.planning.lifting import standing_foot
-from shoecal_core.planning.menu import PUT_DOWN, kind_named
 from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.motion_catalogue import PUT_DOWN, motion_kind
 from shoecal_core.planning.planner import Planner
+from shoecal_core.planning.segment import cop_segment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.steps import Stepper
+from shoecal_core.planning.swing import stance_foot
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link
 
@@ -76,19 +76,19 @@ def plan_chunk(
         files: robot and shoe.
         settings: of planning.
         joint_angles: measured, the robot stands on both feet.
-        motion: on the menu, one that streams.
+        motion: in the motion catalogue, one that streams.
         targets: (L, 2) still to pursue; None: the motion begins.
         states: most planned states of the part.
     """
     # The chunks follow each other: only the whole motion begins and ends with a hold.
     planner = _planner(files, dataclasses.replace(settings, steps_max=states, hold_time=0.0))
     standing = planner.standing(joint_angles)
-    (course,) = kind_named(motion).courses(standing)
+    (segment,) = motion_kind(motion).segments(standing)
     if targets is not None:
-        course = cop_course(motion, targets, standing.foot_pose, settings, pace=course.pace)
+        segment = cop_segment(motion, targets, standing.foot_pose, settings, pace=segment.pace)
     try:
         part = planner.follow(
-            joint_angles, motion, (course,), progress=link.progress, canceled=link.canceled
+            joint_angles, motion, (segment,), progress=link.progress, canceled=link.canceled
         )
     except PlanningError:
         if targets is None:
@@ -97,7 +97,7 @@ def plan_chunk(
         away = np.linalg.norm(targets - standing.cop, axis=1)
         return Chunk(None, targets[:0], len(targets), away)
     left = len(part.path.switches)
-    return Chunk(part, course.left_targets[left:], left, part.path.nearest[:left])
+    return Chunk(part, segment.left_targets[left:], left, part.path.nearest[:left])
 
 
 def step(
@@ -113,7 +113,7 @@ def step(
     first.
     """
     stepper = _stepper(files, settings)
-    _, height = standing_foot(stepper.planner.legs.foot_pose(joint_angles))
+    _, height = stance_foot(stepper.planner.legs.foot_pose(joint_angles))
     if height > settings.sole_height:
         return plan(link, files, settings, joint_angles, PUT_DOWN)
     return stepper.step(joint_angles, support, progress=link.progress, canceled=link.canceled)

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 from shoecal_msgs.action import Plan
 
 from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.motion import Motion, Phase
+from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.shoe_reports import ShoeReports
 from shoecal_ros.inputs.temperatures import TemperatureInput
@@ -56,7 +56,7 @@ class MotionWatch:
         kinematics: Kinematics,
         settings: MovingSettings,
         joint_angles: FloatArray,
-        carrying: Carrying = Carrying.BOTH,
+        support_phase: SupportPhase = SupportPhase.BOTH,
     ) -> None:
         """The robot stands.
 
@@ -65,7 +65,7 @@ class MotionWatch:
             kinematics: of the robot.
             settings: bounds.
             joint_angles: (m,) measured [rad].
-            carrying: the feet that stand.
+            support_phase: the feet that stand.
         """
         self._senses = senses
         self._kinematics = kinematics
@@ -74,7 +74,7 @@ class MotionWatch:
         self._motor_silence = Silence(senses.motor_ages, settings.heat_stale_s)
         self._phases: tuple[Phase, ...] = ()
         self._load: LoadWatch | None = None
-        tilt = tilt_now(senses, kinematics, settings, joint_angles, carrying)
+        tilt = tilt_now(senses, kinematics, settings, joint_angles, support_phase)
         self._tilt = tilt if tilt is not None and tilt.usable else None
 
     def begin(self, motion: Motion) -> None:
@@ -86,18 +86,18 @@ class MotionWatch:
             motion.time, needed, settings.load_needed, settings.follow_late, settings.load_lost_s
         )
 
-    def carrying(self, elapsed: float) -> Carrying:
+    def support_phase(self, elapsed: float) -> SupportPhase:
         """Which feet carry at a time since the part was sent [s]."""
         for phase in self._phases:
             if elapsed < phase.end:
-                return phase.carrying
-        return Carrying.BOTH
+                return phase.support_phase
+        return SupportPhase.BOTH
 
     def both_carry(self, elapsed: float) -> bool:
         """Whether both feet carry by then [s], even if the robot trails by `follow_late`."""
         earliest = elapsed - self._settings.follow_late
         return all(
-            phase.carrying is Carrying.BOTH
+            phase.support_phase is SupportPhase.BOTH
             for phase in self._phases
             if phase.begin <= elapsed and earliest < phase.end
         )
@@ -121,7 +121,7 @@ class MotionWatch:
         if self._tilt is None or up is None:
             return None
         body = self._kinematics.states(joint_angles[None])
-        meant = upward(body, self.carrying(elapsed).standing)
+        meant = upward(body, self.support_phase(elapsed).standing)
         error, bound = self._tilt.error(up, meant), self._settings.tilt_error
         if error <= bound:
             return None
@@ -157,13 +157,13 @@ def tilt_now(
     kinematics: Kinematics,
     settings: MovingSettings,
     joint_angles: FloatArray,
-    carrying: Carrying = Carrying.BOTH,
+    support_phase: SupportPhase = SupportPhase.BOTH,
 ) -> Tilt | None:
     """How the torso leans at joint angles (m,) [rad], feet flat; None where nobody tells."""
     up = senses.imu.up
     if up is None or senses.imu.age_s > settings.stale_s:
         return None
-    return Tilt(up, upward(kinematics.states(joint_angles[None]), carrying.standing))
+    return Tilt(up, upward(kinematics.states(joint_angles[None]), support_phase.standing))
 
 
 def hot(senses: Senses, limit: float) -> Concern | None:
@@ -178,8 +178,8 @@ def needed_loads(motion: Motion, kinematics: Kinematics) -> FloatArray:
     shares = np.zeros((len(motion.time), 2))
     for phase in motion.phases:
         during = (motion.time >= phase.begin) & (motion.time <= phase.end)
-        if phase.carrying is not Carrying.BOTH:
-            shares[during, phase.carrying.standing] = 1.0
+        if phase.support_phase is not SupportPhase.BOTH:
+            shares[during, phase.support_phase.standing] = 1.0
             continue
         left, right = (foot.outline for foot in robot.feet)
         right = phase.foot_poses[0].support.right_to_left(right)

@@ -116,12 +116,12 @@ def test_bad_joint_limits(name: str, folder: Path, shoecal: Run) -> None:
 
 def test_a_horizon_below_two(folder: Path, shoecal: Run) -> None:
     parameters = ROOT / "config/nodes/planner.yaml"
-    place: tuple[Key, ...] = ("planner", "ros__parameters", "planning", "horizon")
+    place: tuple[Key, ...] = ("/**/planner", "ros__parameters", "planning", "horizon")
     spoiled = mutations.write_edited(folder / "planner.yaml", parameters, (place, 1))
     line = planned(shoecal, folder / WREN.name, "--settings", spoiled)
     assert line.endswith(
-        "planner.yaml: planner.ros__parameters.planning.horizon: must be at least 2 and at most "
-        "100 states, got 1 states"
+        "planner.yaml: /**/planner.ros__parameters.planning.horizon: must be at least 2 and at "
+        "most 100 states, got 1 states"
     )
 
 

@@ -17,11 +17,11 @@ from core.simulation.worlds import DEFAULT, load_world
 from shoecal_core.commands.simulated_walk import take, walk
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.menu import PUT_DOWN
 from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.motion_catalogue import PUT_DOWN
 from shoecal_core.planning.planner import StartError
 from shoecal_core.planning.steps import Stepper
+from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.recording.session import Session
 from shoecal_core.simulation.robot import SimulatedRobot
 
@@ -45,7 +45,7 @@ class Seen:
     """One look at a stepping robot: where it is in its motion, and the truth."""
 
     phase: str
-    carrying: Carrying
+    support_phase: SupportPhase
     since: float
     force: FloatArray
     gap: float
@@ -72,7 +72,7 @@ def looking_on(sim: SimulatedRobot, seen: list[Seen]) -> Callable[[Motion, float
         )
         force = sim.truth(snap).foot_grf
         done = (now - phase.begin) / (phase.end - phase.begin)
-        seen.append(Seen(phase.name, phase.carrying, done, force, float(left.distance(right))))
+        seen.append(Seen(phase.name, phase.support_phase, done, force, float(left.distance(right))))
 
     return look
 
@@ -81,9 +81,9 @@ def lifted_force(seen: list[Seen]) -> FloatArray:
     """Forces on the feet that are in the air, away from the ends of their phases [N]."""
     return np.array(
         [
-            one.force[0 if one.carrying is Carrying.RIGHT else 1]
+            one.force[0 if one.support_phase is SupportPhase.RIGHT else 1]
             for one in seen
-            if one.carrying is not Carrying.BOTH and 0.4 < one.since < 0.6
+            if one.support_phase is not SupportPhase.BOTH and 0.4 < one.since < 0.6
         ]
     )
 
@@ -189,7 +189,7 @@ def test_stopped_in_the_air_the_foot_is_put_down(part: float) -> None:
     sim.command(JointTrajectory(step.joint_names, np.array([0.5]), held[None]))
     sim.step_to(sim.time + 5.0)
     sim.check_upright()
-    air = 1 if swing.carrying is Carrying.LEFT else 0
+    air = 1 if swing.support_phase is SupportPhase.LEFT else 0
     assert sim.truth().foot_grf[air] < 0.1 * sim.weight
     with pytest.raises(StartError, match="put_down"):
         planner.plan_from(sim.joints().angles)

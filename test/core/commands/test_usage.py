@@ -18,7 +18,7 @@ from shoecal_core.commands.parsers import COMMANDS
 from shoecal_core.commands.suggestions import nearest, nearest_file
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.errors import FileError, NameNotFoundError, ShoecalError, error_code
-from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.workspace import config_dir
 
 NAO = str(config_dir() / "robots" / "nao.yaml")
@@ -135,7 +135,7 @@ def test_help_tells_defaults(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.parametrize("shell", SHELLS)
 def test_completion_knows_commands_options_and_names(shell: str) -> None:
     script = completion_script(shell)
-    for name in (*COMMANDS, *MENU, "--train", "--report"):
+    for name in (*COMMANDS, *MOTION_KINDS, "--train", "--report"):
         assert name in script
     for effect in EFFECTS:
         assert effect.identifier in script

@@ -15,7 +15,7 @@ from shoecal_core.error_sources.effects.contact import TURNED, FloorTilt
 from shoecal_core.error_sources.scene import Scene
 from shoecal_core.error_sources.signals import AIR, COP, GRF, PARITY, TILT
 from shoecal_core.model.robot import GRAVITY
-from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.samples.known_weight import WEIGHTED
 
 
@@ -31,7 +31,7 @@ def of(scene: Scene, name: str) -> NDArray[np.bool_]:
 
 
 def test_the_whole_menu_can_be_run(runs: tuple[PossibleRun, ...]) -> None:
-    assert [run.name for run in runs] == [*MENU, *STANCES, *BY_HAND]
+    assert [run.name for run in runs] == [*MOTION_KINDS, *STANCES, *BY_HAND]
 
 
 def test_recorded_runs_stay_as_they_are(workspace: Workspace, scene: Scene) -> None:

@@ -169,7 +169,7 @@ BAD = {
     ),
     "a mesh that is not there": (
         "nao", r'<box size="0.15 0.089 0.035"/>', '<mesh filename="package://nao/foot.stl"/>',
-        "nao.urdf: collision: a shape of its legs cannot be read: ",
+        "nao.urdf: link l_ankle_link: its mesh package://nao/foot.stl is not there, so its sole",
     ),
     "knees that do not bend": (
         "wren", r'lower="-0.03" upper="2.2"', 'lower="-0.03" upper="0.2"',

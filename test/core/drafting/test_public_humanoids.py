@@ -1,4 +1,4 @@
-"""Drafts of humanoids whose descriptions are public; skipped where the package is not installed."""
+"""Drafts of humanoids whose descriptions are public (`make descriptions` installs them)."""
 
 from __future__ import annotations
 
@@ -8,17 +8,22 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from humanoids import HUMANOIDS, Humanoid, descriptions
+from humanoids import HUMANOIDS, Humanoid, descriptions, icubs
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.draft import draft_robot, prove
+from shoecal_core.drafting.soles import SoleSize
 from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileError
 
 FOLDER = descriptions()
+ICUBS = icubs()
 pytestmark = pytest.mark.skipif(
-    FOLDER is None, reason="example-robot-data is not installed (make robots)"
+    FOLDER is None or not ICUBS, reason="descriptions are not installed (make descriptions)"
 )
 
+TURNED = ("iCubGenova03", "iCubLisboa01", "iCubNancy01")
+"""Their feet's meshes are turned by a quarter against the links."""
+WITHOUT_SENSORS = "iCubLisboa01"
 SOLES = {"icub": "l_sole", "talos": "left_sole_link", "romeo": "l_sole"}
 """Links that makers put on the floor side of the left foot themselves."""
 REFUSED = {
@@ -54,6 +59,22 @@ def test_the_draft_loads(humanoid: Humanoid) -> None:
     sole = SOLES.get(humanoid.name)
     if sole is not None:
         assert abs(_height(draft.body, sole) - draft.soles[0].in_base.translation[2]) < 2e-3
+
+
+@pytest.mark.parametrize("urdf", ICUBS, ids=lambda urdf: urdf.parent.name)
+def test_every_icub(urdf: Path) -> None:
+    """Their bases look backwards, and a gyroscope in each foot has `ft` in its name, too."""
+    size = None
+    if urdf.parent.name in TURNED:
+        with pytest.raises(FileError, match="61 mm long and 156 mm wide and overlap in the zero"):
+            draft_robot(urdf, "icub")
+        size = SoleSize(back=0.05, front=0.11, inner=0.03, outer=0.04, height=0.043)
+    draft = draft_robot(urdf, "icub", sole=size)
+    prove(draft, robot_text(draft, str(urdf)), shoe_text(draft))
+    names = [] if urdf.parent.name == WITHOUT_SENSORS else ["l_foot_ft_sensor", "r_foot_ft_sensor"]
+    assert [sensor.name for sensor in draft.six_axis if sensor] == names
+    assert np.allclose(draft.legs.forward, [-1.0, 0.0, 0.0])
+    assert draft.other_sensors == ["l_leg_ft_sensor", "r_leg_ft_sensor"]
 
 
 def _height(body: Body, link: str) -> float:

@@ -507,9 +507,6 @@ BAD_URDF = {
     "no position limits": (
         'lower="-0.5" upper="0.8"', "", "joint waist_pitch", "missing or crossed"
     ),
-    "a joint without end": (
-        'type="revolute"', 'type="continuous"', "joint waist_pitch", "only revolute"
-    ),
     "a floating joint": (
         'type="revolute"', 'type="floating"', "joint waist_pitch", "only revolute"
     ),

@@ -6,11 +6,11 @@ from functools import cache
 
 from core.planning.bodies import load_body
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.steps import Stepper
+from shoecal_core.planning.support_phase import SupportPhase
 
 SETTINGS = PlannerSettings()
 SUPPORTS = (
@@ -26,14 +26,14 @@ def planner_of(name: str) -> Planner:
 
 
 @cache
-def step_of(name: str, carrying: Carrying) -> Motion:
+def step_of(name: str, support_phase: SupportPhase) -> Motion:
     """From the first double support to the second, on the foot asked for."""
     planner = planner_of(name)
     stepper = Stepper(planner)
-    stepper.carrying = carrying.other
+    stepper.support_phase = support_phase.other
     motion = stepper.step(planner.stance(SUPPORTS[0]), SUPPORTS[1])
     assert motion is not None
-    assert stepper.carrying is carrying
+    assert stepper.support_phase is support_phase
     return motion
 
 

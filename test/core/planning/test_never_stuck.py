@@ -20,7 +20,6 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
-from shoecal_core.planning.course import Course, cop_course
 from shoecal_core.planning.horizon.problem import HorizonProblem, Solution, Solver
 from shoecal_core.planning.horizon.rolling import PlanningError, RollingHorizon
 from shoecal_core.planning.horizon.sqp import SqpSolver
@@ -29,6 +28,7 @@ from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner, StartError
 from shoecal_core.planning.posture import StanceSolver, UnreachableError
+from shoecal_core.planning.segment import MotionSegment, cop_segment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.settings import SettingError
 
@@ -68,16 +68,16 @@ def motion_or_cure(
         return None
 
 
-def going(name: str, places: FloatArray) -> tuple[Course, ...]:
+def going(name: str, places: FloatArray) -> tuple[MotionSegment, ...]:
     """Places (L, 2) for the CoP from the neutral stance on [m]."""
-    return (cop_course("places", places, FootPose.of(neutral(name)), SETTINGS),)
+    return (cop_segment("places", places, FootPose.of(neutral(name)), SETTINGS),)
 
 
 # ---- where it starts --------------------------------------------------------------------------
 
 
 def straight(robot: Robot) -> FloatArray:
-    """Standing with straight legs: the zero pose of both robots."""
+    """InitialStance with straight legs: the zero pose of both robots."""
     angles = robot.posture.copy()
     angles[[*robot.legs, *(shared.joint for shared in robot.shared)]] = 0.0
     return angles

@@ -15,12 +15,12 @@ from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
 from shoecal_core.errors import NameNotFoundError, ShapeError
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
-from shoecal_core.planning.course import Course, cop_course
 from shoecal_core.planning.horizon.rolling import Path, PlanningCanceledError, Progress
 from shoecal_core.planning.landmarks import Contour, sensing_hull
 from shoecal_core.planning.legs import Legs
 from shoecal_core.planning.motion import Motion, timed
 from shoecal_core.planning.planner import Planner, StartError, plan_motion
+from shoecal_core.planning.segment import MotionSegment, cop_segment
 from shoecal_core.planning.settings import PlannerSettings
 
 CASES = [(name, index) for name in NAMES for index in range(len(SUPPORTS))]
@@ -152,8 +152,8 @@ def test_from_outside_the_margins() -> None:
 def test_standing_still_is_a_motion_too() -> None:
     planner, motion = planner_of("nao"), motion_of("nao")
     stay = dataclasses.replace(motion.path, states=motion.path.states[:1])
-    course = cop_course("hold", np.zeros((0, 2)), motion.foot_pose, SETTINGS)
-    still = timed(planner.legs, [(course, stay)], "hold", planner.stance(SUPPORTS[0]), SETTINGS)
+    segment = cop_segment("hold", np.zeros((0, 2)), motion.foot_pose, SETTINGS)
+    still = timed(planner.legs, [(segment, stay)], "hold", planner.stance(SUPPORTS[0]), SETTINGS)
     np.testing.assert_allclose(still.positions - still.positions[0], 0.0, atol=1e-12)
     assert still.duration > 2.0 * SETTINGS.hold_time
     assert check_motion(planner.legs, still, SETTINGS).kept
@@ -197,7 +197,7 @@ def test_what_is_too_fast_is_done_more_slowly(monkeypatch: pytest.MonkeyPatch) -
 
     def optimistic(
         legs: Legs,
-        parts: Sequence[tuple[Course, Path]],
+        parts: Sequence[tuple[MotionSegment, Path]],
         motion: str,
         others: np.ndarray,
         settings: PlannerSettings,

@@ -11,16 +11,16 @@ from scipy.spatial.transform import Rotation
 
 from core.planning.motions import SETTINGS, planner_of
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.legs import FootPose
-from shoecal_core.planning.lifting import air_height, standing_foot
-from shoecal_core.planning.menu import PUT_DOWN
 from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.motion_catalogue import PUT_DOWN
 from shoecal_core.planning.planner import StartError
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.steps import Stepper
+from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.planning.swing import stance_foot, swing_height
 from shoecal_core.settings import SettingError
 
 FloatArray = NDArray[np.float64]
@@ -38,9 +38,9 @@ def lifting(motion: str) -> Motion:
     return planner.plan(HERE, motion)
 
 
-def in_the_air(motion: Motion) -> tuple[FloatArray, FloatArray]:
+def swing_segment(motion: Motion) -> tuple[FloatArray, FloatArray]:
     """(n, m) joint angles while one foot carries, and (n,) how high the other one is [m]."""
-    spans = [phase for phase in motion.phases if phase.carrying is not Carrying.BOTH]
+    spans = [phase for phase in motion.phases if phase.support_phase is not SupportPhase.BOTH]
     within = (motion.time >= spans[0].begin) & (motion.time <= spans[-1].end)
     angles = motion.positions[within]
     return angles, np.abs(track(planner_of("nao").legs.robot, angles).right_translation[:, 2])
@@ -50,7 +50,7 @@ def in_the_air(motion: Motion) -> tuple[FloatArray, FloatArray]:
 def test_only_the_foot_in_the_air_moves_first(name: str) -> None:
     """Wherever a motion is stopped, it is either put down or stands already."""
     planner = planner_of("nao")
-    angles, heights = in_the_air(lifting(name))
+    angles, heights = swing_segment(lifting(name))
     assert heights.max() > 2.0 * SETTINGS.sole_height
     for index in range(0, len(angles), 7):
         if heights[index] <= SETTINGS.sole_height:
@@ -67,20 +67,20 @@ def test_only_the_foot_in_the_air_moves_first(name: str) -> None:
 def test_the_foot_comes_down_where_it_is(name: str) -> None:
     planner = planner_of("nao")
     robot = planner.legs.robot
-    angles, heights = in_the_air(lifting(name))
+    angles, heights = swing_segment(lifting(name))
     for start in (int(np.argmax(heights)), int(np.argmax(heights > 1.2 * SETTINGS.sole_height))):
         motion = planner.plan_from(angles[start], PUT_DOWN)
         assert check_motion(planner.legs, motion, SETTINGS).kept
         assert [phase.name for phase in motion.phases] == ["lower", "back"]
-        carrying = [phase.carrying for phase in lifting(name).phases]
-        one = next(foot for foot in carrying if foot is not Carrying.BOTH)
-        assert [phase.carrying for phase in motion.phases] == [one, Carrying.BOTH]
+        support_phase = [phase.support_phase for phase in lifting(name).phases]
+        one = next(foot for foot in support_phase if foot is not SupportPhase.BOTH)
+        assert [phase.support_phase for phase in motion.phases] == [one, SupportPhase.BOTH]
         body = track(robot, motion.positions)
         np.testing.assert_allclose(motion.positions[0], angles[start], atol=1e-12)
         np.testing.assert_allclose(body.right_translation[-1, 2], 0.0, atol=SETTINGS.foot_drift)
         standing = planner.standing(motion.positions[-1])
-        assert standing.carrying is Carrying.BOTH
-        if one is Carrying.LEFT:
+        assert standing.support_phase is SupportPhase.BOTH
+        if one is SupportPhase.LEFT:
             moved = body.right_translation[:, :2] - body.right_translation[0, :2]
             assert np.abs(moved).max() < 2e-4
 
@@ -103,7 +103,7 @@ def test_a_foot_that_hangs_tilted_comes_down_flat(name: str, joint: str) -> None
     """Gears give: the sole in the air is not level to the one that stands."""
     planner = planner_of("nao")
     robot = planner.legs.robot
-    angles, heights = in_the_air(lifting(name))
+    angles, heights = swing_segment(lifting(name))
     start = angles[int(np.argmax(heights))].copy()
     start[robot.joint(joint)] += 0.03
     body = track(robot, planner.plan_from(start, PUT_DOWN).positions)
@@ -114,12 +114,12 @@ def test_tilted_soles_are_judged_by_the_higher_look() -> None:
     """From the left sole the right one looks 4 mm up; from the right one the left one 6 mm."""
     tilt = Rotation.from_euler("x", 0.1).as_matrix()
     pose = FootPose(tilt, np.array([0.0, -0.1, 0.004]))
-    looks = [air_height(pose, foot) for foot in (Carrying.LEFT, Carrying.RIGHT)]
-    foot, height = standing_foot(pose)
+    looks = [swing_height(pose, foot) for foot in (SupportPhase.LEFT, SupportPhase.RIGHT)]
+    foot, height = stance_foot(pose)
     assert height == max(looks)
-    assert foot is (Carrying.LEFT, Carrying.RIGHT)[int(np.argmax(looks))]
+    assert foot is (SupportPhase.LEFT, SupportPhase.RIGHT)[int(np.argmax(looks))]
     level = FootPose(np.eye(3), np.array([0.0, -0.1, 0.012]))
-    for pose, foot in ((level, Carrying.LEFT), (level.inverse, Carrying.RIGHT)):
-        found, height = standing_foot(pose)
+    for pose, foot in ((level, SupportPhase.LEFT), (level.inverse, SupportPhase.RIGHT)):
+        found, height = stance_foot(pose)
         assert found is foot
         assert height == pytest.approx(0.012)

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.planning.standard import (
     STANDARD,
     STANDARD_SUPPORTS,
@@ -27,7 +27,7 @@ def at(yaw: float) -> DoubleSupport:
 def test_the_set_is_what_a_diagnosis_asks_for() -> None:
     wanted = Counter({"train": 6, "test": 2})
     assert Counter(one.hint for one in STANDARD) == wanted
-    assert {one.motion for one in STANDARD} <= set(MENU)
+    assert {one.motion for one in STANDARD} <= set(MOTION_KINDS)
     assert {one.motion for one in STANDARD if one.hint == "test"} == {"landmarks", "reversed"}
 
 

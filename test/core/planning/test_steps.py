@@ -11,27 +11,29 @@ import shapely
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS, SUPPORTS, planner_of, step_of
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.horizon.rolling import PlanningCanceledError, Progress
 from shoecal_core.planning.legs import FootPose
-from shoecal_core.planning.lifting import carried
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.steps import STEPS_MAX, StepError, Stepper, require_steps_left
+from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.planning.swing import swing_path
 
 HERE, THERE = SUPPORTS[0], SUPPORTS[1]
-FEET = (Carrying.LEFT, Carrying.RIGHT)
+FEET = (SupportPhase.LEFT, SupportPhase.RIGHT)
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("carrying", FEET)
-def test_one_step_leads_from_a_double_support_to_another(name: str, carrying: Carrying) -> None:
-    motion, planner = step_of(name, carrying), planner_of(name)
+@pytest.mark.parametrize("support_phase", FEET)
+def test_one_step_leads_from_a_double_support_to_another(
+    name: str, support_phase: SupportPhase
+) -> None:
+    motion, planner = step_of(name, support_phase), planner_of(name)
     assert motion.name == "step"
     assert [phase.name for phase in motion.phases] == ["shift", "swing", "back"]
-    both = Carrying.BOTH
-    assert [phase.carrying for phase in motion.phases] == [both, carrying, both]
+    both = SupportPhase.BOTH
+    assert [phase.support_phase for phase in motion.phases] == [both, support_phase, both]
     first, last = planner.standing(motion.positions[0]), planner.standing(motion.positions[-1])
     assert planner.legs.foot_pose(motion.positions[-1]).translation[2] == pytest.approx(0, abs=1e-4)
     np.testing.assert_allclose(first.foot_pose.translation[:2], HERE.translation, atol=1e-6)
@@ -45,27 +47,29 @@ def test_one_step_leads_from_a_double_support_to_another(name: str, carrying: Ca
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("carrying", FEET)
-def test_on_one_foot_every_planned_state_keeps_the_margin(name: str, carrying: Carrying) -> None:
+@pytest.mark.parametrize("support_phase", FEET)
+def test_on_one_foot_every_planned_state_keeps_the_margin(
+    name: str, support_phase: SupportPhase
+) -> None:
     """Also where the polygon moves from state to state, as the left sole does in the air."""
-    motion, robot = step_of(name, carrying), load_body(name).robot
+    motion, robot = step_of(name, support_phase), load_body(name).robot
     shift, swing, _ = motion.path.switches
     body = track(robot, robot.from_legs(motion.path.states[shift + 1 : swing + 1]))
     places, foot = body.com, robot.feet[0]
-    if carrying is Carrying.RIGHT:
+    if support_phase is SupportPhase.RIGHT:
         away = body.com - body.right_translation
         places, foot = np.einsum("tji,tj->ti", body.right_rotation, away), robot.feet[1]
     inner = shapely.Polygon(foot.sensing_polygon).buffer(-SETTINGS.one_foot_margin + 1e-5)
     assert np.all(shapely.contains_xy(inner, *places[:, :2].T))
 
 
-@pytest.mark.parametrize("carrying", FEET)
-def test_the_foot_goes_up_along_and_down(carrying: Carrying) -> None:
-    motion, robot = step_of("nao", carrying), load_body("nao").robot
+@pytest.mark.parametrize("support_phase", FEET)
+def test_the_foot_goes_up_along_and_down(support_phase: SupportPhase) -> None:
+    motion, robot = step_of("nao", support_phase), load_body("nao").robot
     swing = motion.phases[1]
     at = (motion.time >= swing.begin) & (motion.time <= swing.end)
     body = track(robot, motion.positions)
-    up = body.right_translation[:, 2] * (1.0 if carrying is Carrying.LEFT else -1.0)
+    up = body.right_translation[:, 2] * (1.0 if support_phase is SupportPhase.LEFT else -1.0)
     assert np.abs(up[~at]).max() < 1e-4
     assert up.max() == pytest.approx(SETTINGS.step_lift, abs=5e-4)
     # Most of its way along it is high enough.
@@ -77,13 +81,13 @@ def test_the_foot_goes_up_along_and_down(carrying: Carrying) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_the_feet_take_turns(name: str) -> None:
     planner = planner_of(name)
-    stepper, angles, carrying = Stepper(planner), planner.stance(HERE), []
+    stepper, angles, support_phase = Stepper(planner), planner.stance(HERE), []
     for goal in (THERE, HERE, THERE):
         motion = stepper.step(angles, goal)
         assert motion is not None
-        carrying.append(motion.phases[1].carrying)
+        support_phase.append(motion.phases[1].support_phase)
         angles = motion.positions[-1]
-    assert carrying == [Carrying.LEFT, Carrying.RIGHT, Carrying.LEFT]
+    assert support_phase == [SupportPhase.LEFT, SupportPhase.RIGHT, SupportPhase.LEFT]
 
 
 def test_a_foot_that_would_carry_much_longer_does_not() -> None:
@@ -91,16 +95,18 @@ def test_a_foot_that_would_carry_much_longer_does_not() -> None:
     planner = planner_of("nao")
     begin, goal = DoubleSupport(-0.02, -0.136, 0.468), DoubleSupport(0.07, -0.112, -0.156)
     long, short = (
-        carried(planner.legs.robot, FootPose.of(begin), FootPose.of(goal), carrying, SETTINGS)
-        for carrying in (Carrying.RIGHT, Carrying.LEFT)
+        swing_path(
+            planner.legs.robot, FootPose.of(begin), FootPose.of(goal), support_phase, SETTINGS
+        )
+        for support_phase in (SupportPhase.RIGHT, SupportPhase.LEFT)
     )
-    assert len(long) > 1.4 * len(short)
+    assert len(long.poses) > 1.4 * len(short.poses)
     for last in FEET:
         stepper = Stepper(planner)
-        stepper.carrying = last
+        stepper.support_phase = last
         motion = stepper.step(planner.stance(begin), goal)
         assert motion is not None
-        assert motion.phases[1].carrying is Carrying.LEFT
+        assert motion.phases[1].support_phase is SupportPhase.LEFT
 
 
 def test_too_far_for_one_step_is_gone_in_several() -> None:

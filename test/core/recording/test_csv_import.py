@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from core.recording import samples
 from shoecal_core.errors import FileError
+from shoecal_core.files import write_yaml
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.recording.csv_import import import_csv
 from shoecal_core.recording.session import Session
@@ -134,7 +135,7 @@ def test_cells_own_times_named_joints_and_commas(folder: Path) -> None:
     ("file", "old", "new", "problem"),
     [
         ("b/pos.csv", ";tx;", ";txx;", "b/pos.csv: column 'tx': is missing (there are: t, "),
-        ("b/pos.csv", ";other", ";tx", "b/pos.csv: column 'tx': stands twice"),
+        ("b/pos.csv", ";other", ";tx", "b/pos.csv: column 'tx': is there twice"),
         ("b/pos.csv", "0.3;-0.2;9", "0.3;-0.2", "b/pos.csv: line 3: 9 values for 10 columns"),
         ("b/pos.csv", "20;0.2", "20;x0.2", "column 'LKneePitch', line 3: 'x0.2' is not a number"),
         ("b/pos.csv", "20;0.2", "20;", "column 'LKneePitch', line 3: '' is not a number"),
@@ -143,10 +144,10 @@ def test_cells_own_times_named_joints_and_commas(folder: Path) -> None:
         ("b/pos.csv", "\n0;", "\n-1;", "column 't', line 2: time is negative"),
         ("b/pos.csv", "40.5;", "1e15;", "column 't', line 4: time is negative or after 2038"),
         ("b/pos.csv", POS, "", "b/pos.csv: has no rows"),
-        ("b/ft.csv", "1;2;-5;4;5;6\n", "", "b/ft.csv: has 2 rows, pos.csv has 3"),
+        ("b/ft.csv", FT, FT + 6 * "1;2;3;4;5;6\n", "has 9 rows, another file of its trial 3"),
         ("b/ft.csv", "1;2;-5;4;5;6\n", "1;2;é;4;5;6\n", "column 'fz', line 5: 'é' is not"),
         ("robot.urdf", "</robot>", "", "robot.urdf: not valid XML"),
-        ("robot.urdf", "revolute", "fixed", "no column bears the name of one of the robot's"),
+        ("robot.urdf", "revolute", "fixed", "no column has the name of one of the robot's"),
         ("mapping.yaml", "b/ft.csv", "b/no.csv", "b/no.csv: cannot be read"),
         ("mapping.yaml", "robot.urdf", "no.urdf", "urdf: 'no.urdf' is neither beside"),
         ("mapping.yaml", "format: 1", "format: 9", "version 9"),
@@ -161,6 +162,12 @@ def test_cells_own_times_named_joints_and_commas(folder: Path) -> None:
         ("mapping.yaml", "joints: all", "joints: {Neck: LHipRoll}", "joints: 'Neck' is not one of"),
         ("mapping.yaml", "joints: all", "{}", "not valid YAML"),
         ("mapping.yaml", "    joints: all\n", "", "tables: no table gives 'joints'"),
+        ("mapping.yaml", "zyx: [rz, ry, rx]", "quaternion: [rz]", "expected four columns"),
+        ("mapping.yaml", ", zyx: [rz, ry, rx]", "", "base_pose.zyx: is missing; add it, or 'quat"),
+        ("mapping.yaml", "zyx: [rz", "quaternion: [a, b, c, d], zyx: [rz", "keep one of them"),
+        ("mapping.yaml", "set: train", "start: 2026-03-01", "start: expected seconds, or a time"),
+        ("mapping.yaml", "set: train", "start: noon", "start: expected seconds, or a time"),
+        ("mapping.yaml", "set: train", "start: -1", "start: must be at least 0"),
         ("mapping.yaml", "foot: left", "foot: middle", "wrench.foot: 'middle' is not one of"),
         ("mapping.yaml", ", feet: b/ft.csv", "", "files.feet: is missing"),
         ("shoe.yaml", "unit: N", "unit: 3", "shoe.yaml: unit: expected text"),
@@ -178,6 +185,111 @@ def test_bad_input_is_one_error_that_names_its_place(
     assert problem in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not (folder.parent / "session").exists()
+
+
+def test_one_row_more_is_left_out_and_reported(folder: Path) -> None:
+    (folder / "b" / "ft.csv").write_text(FT + "9;9;9;9;9;9\n")
+    session = import_all(folder)
+    assert session.runs[0].info.notes == ()
+    run = session.read(2)
+    assert run.notes == (
+        "ft.csv: the last row is left out, another file has only 3 rows",
+        *session.read(1).notes,
+    )
+    assert len(run.joints.time) == len(run.readings.time) == 3
+
+
+def test_a_time_that_repeats_now_and_then_is_left_out_and_reported(folder: Path) -> None:
+    rows = [f"{20 * k};0.1;1;2;3;0.1;0.2;0.3;-0.1;9" for k in range(30)]
+    rows.insert(5, rows[4])
+    (folder / "a" / "pos.csv").write_text("\n".join([POS.splitlines()[0], *rows]))
+    (folder / "a" / "ft.csv").write_text("\n".join([FT.splitlines()[0], *31 * ["1;2;3;4;5;6"]]))
+    run = import_all(folder).read(1)
+    np.testing.assert_allclose(run.joints.time, 0.02 * np.arange(30), atol=1e-9)
+    assert run.notes[0] == (
+        "pos.csv: 1 of 31 rows left out, their time repeats or goes back (first in line 7)"
+    )
+
+
+def test_efforts_imu_quaternions_and_start(folder: Path) -> None:
+    """Each table with a time column; efforts sampled at other times than the angles."""
+    mapping = yaml.safe_load(MAPPING)
+    del mapping["clock"]
+    time = {"time": {"column": "t", "unit": "s"}}
+    mapping["tables"]["feet"] |= time
+    mapping["tables"]["joints"] = time | {
+        "joints": "all",
+        "base_pose": {
+            "frame": "world",
+            "translation": ["tx", "ty", "tz"],
+            "quaternion": ["qx", "qy", "qz", "qw"],
+        },
+        "imu": {
+            "frame": "torso",
+            "angular_velocity": ["gx", "gy", "gz"],
+            "linear_acceleration": ["ax", "ay", {"column": "az", "scale": 9.81}],
+        },
+    }
+    mapping["tables"]["motors"] = time | {"efforts": "all"}
+    mapping["trials"] = [
+        {
+            "motion": "walking",
+            "start": start,
+            "files": {"joints": "pos.csv", "feet": "ft.csv", "motors": "tau.csv"},
+        }
+        for start in (1000.5, "2026-03-01T10:00:00+01:00")
+    ]
+    write_yaml(folder / "mapping.yaml", mapping)
+    columns = "t;LKneePitch;LHipRoll;tx;ty;tz;qx;qy;qz;qw;gx;gy;gz;ax;ay;az\n"
+    rows = [f"{0.01 * k:.2f};0.1;0.2;1;2;3;0;0;0.6;0.8;1;2;3;4;5;1\n" for k in range(5)]
+    (folder / "pos.csv").write_text(columns + "".join(rows))
+    (folder / "ft.csv").write_text(
+        "t;fx;fy;fz;mx;my;mz\n" + "".join(f"{0.01 * k:.2f};1;2;3;4;5;6\n" for k in range(5))
+    )
+    (folder / "tau.csv").write_text("t;LKneePitch\n0;10\n0.03;40\n0.04;40\n")
+    session = import_all(folder)
+    run, dated = session.read(1), session.read(2)
+    assert (run.start_ns, dated.start_ns) == (1_000_500_000_000, 1_772_355_600_000_000_000)
+    assert run.joints.effort is not None
+    np.testing.assert_allclose(run.joints.effort[:, 0], [10, 20, 30, 40, 40])
+    assert np.isnan(run.joints.effort[:, 1]).all()
+    assert run.base_pose is not None
+    np.testing.assert_allclose(run.base_pose.quaternion, np.tile([0, 0, 0.6, 0.8], (5, 1)))
+    assert run.imu is not None
+    assert run.imu.frame == "torso"
+    assert np.isnan(run.imu.quaternion).all()
+    np.testing.assert_allclose(run.imu.angular_velocity[0], [1, 2, 3])
+    np.testing.assert_allclose(run.imu.linear_acceleration[0], [4, 5, 9.81])
+
+
+def test_feet_that_were_sampled_apart_share_instants(folder: Path) -> None:
+    """Two logs with jittered times of their own: interpolated by their times, row by row never."""
+    mapping = yaml.safe_load(MAPPING)
+    del mapping["clock"]
+    columns = {key: mapping["tables"]["feet"]["wrench"][key] for key in ("force", "torque")}
+    feet = {foot: {"foot": foot, "frame": foot, **columns} for foot in ("left", "right")}
+    time = {"time": {"column": "t", "unit": "s"}}
+    mapping["tables"] = {
+        "joints": {"time": {"column": "t", "unit": "ms"}, "joints": "all"},
+        **{foot: time | {"wrench": wrench} for foot, wrench in feet.items()},
+    }
+    files = {"joints": "a/pos.csv", "left": "left.csv", "right": "right.csv"}
+    mapping["trials"] = [{"motion": "walking", "files": files}]
+    write_yaml(folder / "mapping.yaml", mapping)
+    generator = np.random.default_rng(1)
+    for foot, count in (("left", 400), ("right", 300)):
+        times = np.linspace(0.0, 1.0, count) + generator.uniform(0.0, 1e-3, count)
+        table = np.column_stack([times, *6 * [np.sin(5.0 * times)]])
+        header = "t;fx;fy;fz;mx;my;mz"
+        np.savetxt(folder / f"{foot}.csv", table, delimiter=";", header=header, comments="")
+    run = import_all(folder).read(1)
+    assert any("interpolated to common ones" in note for note in run.notes)
+    whole = np.isfinite(run.readings.value).all(axis=1)
+    assert len(run.readings.time) == 300
+    assert whole.sum() >= 298
+    truth = np.sin(5.0 * (run.readings.time[whole] + 1e-9 * run.start_ns))
+    np.testing.assert_allclose(run.readings.value[whole, 0], truth, atol=1e-4)
+    np.testing.assert_allclose(run.readings.value[whole, -1], truth, atol=1e-4)
 
 
 def test_feet_without_that_sensor(folder: Path) -> None:
@@ -212,13 +324,15 @@ def test_real_recordings(real: Path, tmp_path: Path) -> None:
     mapping.write_bytes((CHECKOUT / "config" / "imports" / "reemc.yaml").read_bytes())
     session = import_csv(mapping, real, tmp_path / "session")
     runs = [session.read(entry.run) for entry in session.runs]
-    assert [len(run.readings.time) for run in runs] == [2919, 881, 1110]
-    for run, trial in zip(runs, ("stepping", "walk_a", "walk_b"), strict=True):
-        assert run.notes == ()
+    trials = ("stepping", *(f"walk_{letter}" for letter in "abcdefg"))
+    assert [len(run.readings.time) for run in runs] == [2919, 881, 1110, 875, 1009, 975, 993, 991]
+    for run, trial in zip(runs, trials, strict=True):
+        odd = ["ftl.csv", "ftr.csv"] if trial in ("walk_c", "walk_f") else []
+        assert [note.partition(":")[0] for note in run.notes] == odd
         assert len(run.joints.names) == 102
         np.testing.assert_array_equal(run.joints.time, run.readings.time)
         force = np.loadtxt(real / trial / "ftl.csv", delimiter=";", skiprows=1, usecols=3)
         fz = run.readings.value[:, run.readings.names.index("left/fz")]
-        np.testing.assert_array_equal(fz, force)
+        np.testing.assert_array_equal(fz, force[: len(fz)])
         assert run.base_pose is not None
         assert 0.5 < run.base_pose.position[:, 2].mean() < 1.0

@@ -19,6 +19,8 @@ PATH = Path("run_001.mcap")
 def test_metadata_round_trip(support: DoubleSupport | None) -> None:
     written = replace(samples.INFO, support=support)
     assert RunInfo.from_metadata(PATH, written.to_metadata()) == written
+    noted = replace(written, notes=("a.csv: the last row is left out", "b"))
+    assert RunInfo.from_metadata(PATH, noted.to_metadata()) == noted
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import pytest
 
 from core.report import diagnoses
 from shoecal_core.diagnosis.result import Candidate, Size, Where
-from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.report.diagnosis_words import (
     ALIKE,
     EFFECTS,
@@ -82,7 +82,7 @@ def test_why_it_cannot_be_told_apart() -> None:
 
 
 def test_every_motion_of_the_menu_has_words() -> None:
-    assert set(MENU) <= set(MOTIONS)
+    assert set(MOTION_KINDS) <= set(MOTIONS)
     assert motion_text("dance_slowly") == "dance slowly"
     assert "known weight" in motion_text("known_weight")
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from core.report import plans
-from shoecal_core.planning.carrying import Carrying
+from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.report.plan_body import moved, polygons
 from shoecal_core.report.plan_content import PlannedMotion
 
@@ -26,7 +26,7 @@ def test_the_phases_of_a_lifted_foot() -> None:
     assert [stand.feet for stand in planned.stands] == ["both", "right", "both"]
     assert planned.stands[0].begin == 0
     assert planned.stands[-1].end == len(planned.motion.time)
-    lifting = [one for one in planned.motion.phases if one.carrying is Carrying.RIGHT]
+    lifting = [one for one in planned.motion.phases if one.support_phase is SupportPhase.RIGHT]
     alone = planned.stands[1]
     assert planned.motion.time[alone.begin] == pytest.approx(lifting[0].begin, abs=0.03)
     assert planned.motion.time[alone.end] == pytest.approx(lifting[-1].end, abs=0.03)

@@ -74,6 +74,31 @@ def test_play_for_all_means_the_legs(nao: World) -> None:
     assert play["LElbowYaw"] == 0.0
 
 
+def test_gears_differ_from_joint_to_joint(nao: World) -> None:
+    spread = 0.5
+    rules = changed(DEFAULT, joints__compliance_spread_fraction=spread)
+    drawn = [draw(rules, nao.robot, nao.shoe, seed).body for seed in SEEDS]
+    factors = np.array([body.compliance[nao.robot.moved] for body in drawn]) / 0.0045
+    assert factors.min() > 0.0
+    assert factors.mean() == pytest.approx(1.0, abs=0.05)
+    assert factors.std() == pytest.approx(spread, abs=0.05)
+    # What else is drawn stays as it is.
+    plain = draw(DEFAULT, nao.robot, nao.shoe, SEEDS[0]).body
+    assert (plain.encoder_error == drawn[0].encoder_error).all()
+    assert (plain.com_error == drawn[0].com_error).all()
+    assert (plain.compliance[nao.robot.moved] == 0.0045).all()
+
+
+def test_friction_is_a_share_of_the_legs_torque_limits(nao: World) -> None:
+    rules = changed(
+        DEFAULT, joints__static_friction_fraction=0.1, joints__kinetic_friction_fraction=0.05
+    )
+    friction = draw(rules, nao.robot, nao.shoe, 1).body.friction
+    knee = nao.robot.joint("LKneePitch")
+    assert friction[knee] == pytest.approx([0.30226, 0.15113], abs=1e-4)
+    assert not friction[nao.robot.joint("HeadYaw")].any()
+
+
 def test_the_scale_is_off_by_what_is_asked(world: World) -> None:
     rules = changed(DEFAULT, body__weight_error_n=0.5)
     body = draw(rules, world.robot, world.shoe, 1).body

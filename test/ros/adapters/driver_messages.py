@@ -20,6 +20,7 @@ PACKAGES = {
     "hanging_action": ("control_msgs",),
     "stuck_action": ("control_msgs",),
     "topic": (),
+    "tf": ("tf2_msgs",),
 }
 
 

@@ -27,7 +27,7 @@ def change(folder: Path) -> None:
     store.load(T0)
     for count, name in enumerate(("one", "two", "three"), start=1):
         store.apply(calibration(nao(), nao_shoe(), name), T0 + count * SECOND)
-    store.apply(store.one_before(), T0 + 4 * SECOND)
+    store.apply(store.one_before()[0], T0 + 4 * SECOND)
 
 
 def kill_at(folder: Path, cut: int) -> None:

@@ -17,6 +17,7 @@ from shoecal_core.calibration.calibration import (
     save_calibration,
 )
 from shoecal_core.errors import FileError
+from shoecal_core.files import read_yaml, write_yaml
 from shoecal_ros.calibrator.calibration_store import (
     BEFORE,
     CURRENT,
@@ -25,6 +26,7 @@ from shoecal_ros.calibrator.calibration_store import (
     CalibrationStore,
     NotApplicableError,
 )
+from shoecal_ros.common.origin import Origin
 
 KILLED = Path(__file__).with_name("killed_store.py")
 
@@ -33,8 +35,8 @@ T0 = 10**18
 SECOND = 10**9
 
 
-def store(folder: Path) -> CalibrationStore:
-    return CalibrationStore(folder, nao(), nao_shoe())
+def store(folder: Path, *, simulated: bool = False) -> CalibrationStore:
+    return CalibrationStore(folder, nao(), nao_shoe(), simulated=simulated)
 
 
 def made(identity: str, **changes: object) -> Calibration:
@@ -64,7 +66,7 @@ def test_going_back_and_forth(tmp_path: Path) -> None:
     kept.apply(made("one"), T0)
     kept.apply(made("two"), T0)
     for name in ("one", "two"):
-        kept.apply(kept.one_before(), T0)
+        kept.apply(kept.one_before()[0], T0)
         assert identity(kept.current) == name
     again = store(tmp_path)
     again.load(T0)
@@ -144,7 +146,7 @@ def test_since_when_survives_restarts(tmp_path: Path) -> None:
     again = store(tmp_path)
     again.load(T0 + 50 * SECOND)
     assert again.since_ns == T0 + SECOND
-    again.apply(again.one_before(), T0 + 60 * SECOND)
+    again.apply(again.one_before()[0], T0 + 60 * SECOND)
     assert again.since_ns == T0 + 60 * SECOND
     last = store(tmp_path)
     last.load(T0 + 70 * SECOND)
@@ -157,6 +159,72 @@ def test_since_when_of_a_file_laid_there(tmp_path: Path) -> None:
         again = store(tmp_path)
         assert again.load(start) is None
         assert again.since_ns == T0
+
+
+SIMULATED_NS = 500 * SECOND
+"""Simulated clocks start at zero."""
+
+
+def test_a_simulated_calibration_is_refused_on_the_robot(tmp_path: Path) -> None:
+    demo = store(tmp_path, simulated=True)
+    demo.apply(made("demo", made_ns=SIMULATED_NS), SIMULATED_NS)
+    demo.apply(made("next", made_ns=SIMULATED_NS), SIMULATED_NS)
+    real = store(tmp_path)
+    told = str(real.load(T0))
+    assert told.count("was made in simulated time") == 2
+    assert (real.current, real.before) == (None, None)
+    for force in (False, True):
+        with pytest.raises(NotApplicableError, match="calibrate on the robot itself"):
+            real.check(made("demo", made_ns=SIMULATED_NS), force=force)
+    # Said by its origin alone, as a message does.
+    with pytest.raises(NotApplicableError, match="on host 'lab' with device 'shoe'"):
+        real.check(made("demo"), Origin(simulated=True, host="lab", device="shoe"), force=True)
+    # The next run of the demo goes on with its own.
+    again = store(tmp_path, simulated=True)
+    assert again.load(SIMULATED_NS) is None
+    assert identity(again.current) == "next"
+
+
+@pytest.mark.parametrize("noted", [True, False])
+def test_a_simulation_does_not_displace_a_real_calibration(tmp_path: Path, noted: bool) -> None:
+    store(tmp_path).apply(made("real"), T0)
+    if not noted:
+        (tmp_path / RECORD).unlink()
+    demo = store(tmp_path, simulated=True)
+    assert demo.load(SIMULATED_NS) is None
+    with pytest.raises(NotApplicableError, match="a state_dir of its own"):
+        demo.apply(made("demo", made_ns=SIMULATED_NS), SIMULATED_NS)
+    real = store(tmp_path)
+    assert real.load(T0) is None
+    assert (identity(real.current), real.before) == ("real", None)
+
+
+def test_the_origin_survives_a_restart_and_comes_back_with_a_rollback(tmp_path: Path) -> None:
+    first = Origin(simulated=False, host="one", device="shoe_driver")
+    # A robot without a battery for its clock lives in 1970, and is real all the same.
+    kept = store(tmp_path)
+    kept.apply(made("one", made_ns=SIMULATED_NS), T0, first)
+    kept.apply(made("two"), T0)
+    again = store(tmp_path)
+    assert again.load(T0) is None
+    assert again.origin == Origin(simulated=False)
+    before, origin = again.one_before()
+    assert (before.id, origin) == ("one", first)
+    again.apply(before, T0, origin)
+    assert again.origin == first
+
+
+def test_a_record_of_an_older_version_is_read(tmp_path: Path) -> None:
+    kept = store(tmp_path)
+    kept.apply(made("one", shoe_hash="0" * 64), T0)
+    record = tmp_path / RECORD
+    old = read_yaml(record)
+    (entry,) = old.items("calibrations")
+    lines = {key: entry.value(key) for key in entry.keys() if key != "origin"}
+    write_yaml(record, {"format": 1, "calibrations": [lines]})
+    again = store(tmp_path)
+    assert again.load(T0 + SECOND) is None
+    assert (again.since_ns, again.origin) == (T0, Origin(simulated=False))
 
 
 def test_what_is_in_force_already_changes_nothing(tmp_path: Path) -> None:

@@ -8,11 +8,12 @@ from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.settings import Settings, describe
 from shoecal_ros.calibrator.job_settings import JobSettings
+from shoecal_ros.common.frames import FrameSettings
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.nodes.calibrator import CalibratorSettings
 
 PATH = ROOT / "config/nodes/calibrator.yaml"
-NODE = (RobotFiles, CalibratorSettings, JobSettings)
+NODE = (RobotFiles, FrameSettings, CalibratorSettings, JobSettings)
 SECTIONS: dict[type[Settings], str] = {
     CalibrationSettings: "calibration",
     Tolerances: "tolerances",
@@ -20,7 +21,7 @@ SECTIONS: dict[type[Settings], str] = {
 
 
 def parameters() -> Fields:
-    return read_yaml(PATH).mapping("calibrator").mapping("ros__parameters")
+    return read_yaml(PATH).mapping("/**/calibrator").mapping("ros__parameters")
 
 
 def test_the_file_holds_every_parameter_and_no_other() -> None:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 from geometry_msgs.msg import PointStamped, WrenchStamped
 
 from ros.bodies import nao_shoe
@@ -14,7 +15,7 @@ from shoecal_ros.common.conversions import time_from_ros
 
 FOOT = FootInstant(25.0, (0.01, 0.0), extrapolating=False)
 BOTH = Live(
-    10**9, (FOOT, FOOT), (True, True), 0, (50.0, 1.0, -0.5), (0.01, 0.02), (True, True)
+    10**9, (FOOT, FOOT), (True, True), 0, (50.0, 1.0, -0.5), (0.01, 0.02), (True, True), np.zeros(8)
 )  # fmt: skip
 
 
@@ -26,7 +27,7 @@ def test_a_foot_is_told_only_what_is_new_of_it(world: World) -> None:
         for where in ("", "left/", "right/")
         for what, kind in (("cop", PointStamped), ("grf", WrenchStamped))
     ]
-    out = LivePublishers(world.node, nao_shoe())
+    out = LivePublishers(world.node, nao_shoe(), ("l_sole", "r_sole"))
     for topic, kind in topics:
         stamps = heard[topic] = []
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from shoecal_core.errors import NameNotFoundError
-from shoecal_core.planning.menu import MENU
+from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_ros.calibrator.proposals import (
     BEYOND_MENU,
     by_hand,
@@ -15,14 +15,14 @@ from shoecal_ros.calibrator.proposals import (
 )
 
 
-@pytest.mark.parametrize("name", [*MENU, *BEYOND_MENU])
+@pytest.mark.parametrize("name", [*MOTION_KINDS, *BEYOND_MENU])
 def test_whatever_is_proposed_ends_in_a_motion_of_the_menu(name: str) -> None:
     assert planned_as(name) == proposal(name).motion
-    assert planned_as(name) in MENU
+    assert planned_as(name) in MOTION_KINDS
 
 
 def test_motions_of_the_menu_need_nobody() -> None:
-    assert not any(by_hand(name) for name in MENU)
+    assert not any(by_hand(name) for name in MOTION_KINDS)
     assert not by_hand("yawed_stance")
     assert "for 10 minutes" in by_hand("warm_up")
     assert "fasten 0.5 kg" in by_hand("known_weight")

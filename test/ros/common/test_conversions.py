@@ -21,6 +21,7 @@ from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.sensing.correction import CopCorrection
 from shoecal_ros.common import conversions
 from shoecal_ros.common.conversions import JointSample, MessageError, VoltageFrame
+from shoecal_ros.common.origin import Origin
 
 FloatArray = NDArray[np.float64]
 STAMPS = st.integers(0, 2**31 * 10**9 - 1)
@@ -183,6 +184,21 @@ def test_calibrations_come_back(feet: tuple[int, ...], known: bool) -> None:
     for one, other in zip(found.corrections, original.corrections, strict=True):
         for part in ("x", "y", "cop_range", "output_range"):
             np.testing.assert_array_equal(getattr(one, part), getattr(other, part))
+
+
+def test_the_origin_of_a_calibration_comes_back() -> None:
+    made, origin = (
+        calibration(nao(), nao_shoe()),
+        Origin(simulated=False, host="lab", device="shoe_driver"),
+    )
+    message = sent(conversions.calibration_to_ros(made, origin))
+    assert conversions.origin_from_ros(message) == origin
+    assert not conversions.origin_from_ros(conversions.calibration_to_ros(made)).simulated
+    early = conversions.calibration_to_ros(calibration(nao(), nao_shoe(), made_ns=10**11))
+    assert early.simulated_time
+    # A sender that knows nothing of origins is not believed against the stamp.
+    early.simulated_time = False
+    assert conversions.origin_from_ros(early).simulated
 
 
 def test_a_calibration_of_another_layout_is_refused() -> None:

@@ -19,7 +19,7 @@ ROBOT, SHOE = nao(), shoes.shoe("nao_shoe")
 
 @pytest.fixture(scope="module")
 def scene() -> SceneMarkers:
-    return SceneMarkers(ROBOT, SHOE)
+    return SceneMarkers(ROBOT, SHOE, ("l_sole", "r_sole"))
 
 
 def of(found: MarkerArray, space: str) -> list[Any]:

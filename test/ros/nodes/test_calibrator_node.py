@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import socket
+import time
 from collections.abc import Callable
 from itertools import cycle
 from pathlib import Path
@@ -7,16 +9,16 @@ from typing import Any
 
 import numpy as np
 import pytest
-from geometry_msgs.msg import PointStamped, WrenchStamped
+from geometry_msgs.msg import PointStamped, Vector3Stamped, WrenchStamped
 from rcl_interfaces.srv import GetParameters, SetParameters
 from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Calibrate
-from shoecal_msgs.msg import ShoeCalibration, ShoeState, ShoeVoltages
+from shoecal_msgs.msg import ShoeCalibration, ShoeForces, ShoeState, ShoeVoltages
 from shoecal_msgs.srv import GetCalibration, Rezero, SelfCalibrate, SetCalibration
 from std_srvs.srv import Trigger
 
-from ros.bodies import calibration, nao, nao_shoe
+from ros.bodies import ROOT, calibration, nao, nao_shoe
 from ros.obliging_robot import ObligingRobot
 from ros.standing_robot import StandingRobot
 from ros.world import Goal, Heard, World
@@ -32,10 +34,12 @@ from shoecal_ros.common.conversions import (
     calibration_from_ros,
     calibration_to_ros,
     point_from_ros,
+    time_from_ros,
     wrench_from_ros,
 )
 from shoecal_ros.common.health import Level
 
+EXAMPLE = ROOT / "shoecal_ros/shoecal_ros/examples/controller.py"
 SUPPORT = DoubleSupport(0.0, -0.112, 0.0)
 PATIENT = {"stale_s": 3.0}
 LIVE = {
@@ -122,6 +126,52 @@ def test_forces_and_places_are_live(live: World, robot: StandingRobot) -> None:
     assert told.calibration_id == "made-1"
     assert [foot.loaded for foot in told.feet] == [True, True]
     assert tuple(told.feet[1].cell) == nao_shoe().names[4:]
+
+
+def test_a_whole_sample_comes_in_one_message(live: World, robot: StandingRobot) -> None:
+    forces = live.hear(ShoeForces, "shoe/forces", qos.LIVE)
+    found = fresh(live, forces)
+    assert (found.calibration, found.header.frame_id) == ("made-1", "l_sole")
+    for foot, one in enumerate((found.left, found.right)):
+        assert one.valid
+        assert one.wrench.force.z == pytest.approx(robot.forces[foot])
+        np.testing.assert_allclose([one.cop.x, one.cop.y], robot.places[foot], atol=1e-9)
+    assert found.both.valid
+    robot.tells_right = False
+    robot.apart = True
+    live.until(lambda: forces.last.right.stale)
+    assert not forces.last.right.valid
+    assert not forces.last.both.valid
+
+
+def test_the_sum_may_have_a_frame_that_stays(world: World, robot: StandingRobot) -> None:
+    start(world, sum_frame="left", frame_prefix="one/")
+    assert set_calibration(world).success
+    forces = world.hear(ShoeForces, "shoe/forces", qos.LIVE)
+    robot.forces = (0.5, nao().weight - 0.5)
+    world.until(lambda: len(forces) and not forces.last.left.loaded)
+    found = fresh(world, forces).both
+    assert found.frame_id == "one/l_sole"
+    right = Kinematics(nao()).states(robot.angles[None]).support().right_to_left(robot.places[1])
+    np.testing.assert_allclose([found.cop.x, found.cop.y], right, atol=1e-3)
+
+
+def test_the_example_controller_uses_what_it_may(live: World, robot: StandingRobot) -> None:
+    # Its clock is the computer's, and so are the stamps.
+    robot.stamp_ns = time.time_ns()
+    error = live.hear(Vector3Stamped, "example/cop_error", qos.LIVE)
+    live.start("example_controller", {"target_x": 0.01}, script=EXAMPLE)
+    cop = live.hear(PointStamped, "shoe/cop", qos.LIVE)
+    live.until(lambda: len(error) > 3)
+    stamps = {time_from_ros(one.header.stamp): one for one in cop.messages}
+    newest = error.last
+    measured = stamps[time_from_ros(newest.header.stamp)].point
+    assert newest.vector.x == pytest.approx(measured.x - 0.01, abs=1e-6)
+    robot.status = {nao_shoe().names[0]: ShoeVoltages.SATURATED}
+    fresh(live, live.hear(ShoeForces, "shoe/forces", qos.LIVE))
+    silent = len(error)
+    fresh(live, live.hear(ShoeForces, "shoe/forces", qos.LIVE))
+    assert len(error) <= silent + 1
 
 
 def test_on_the_right_foot_the_frame_changes_and_the_left_one_is_silent(
@@ -412,6 +462,13 @@ def got(world: World) -> Any:
     return world.call(GetCalibration, "shoe/get_calibration", GetCalibration.Request())
 
 
+def test_a_simulated_calibration_is_not_put_in_force_on_a_robot(live: World) -> None:
+    refused = set_calibration(live, identity="demo", made_ns=10**11, force=True)
+    assert refused.error_code == SetCalibration.Response.NOT_APPLICABLE
+    assert "was made in simulated time" in refused.message
+    assert in_force(live) == "made-1"
+
+
 def test_reasons_of_a_refusal_come_back(live: World) -> None:
     for verdict, told in (("WARN", "with force"), ("FAIL", "calibrate anew")):
         refused = set_calibration(live, identity="made-2", verdict=verdict, reasons=("a", "b"))
@@ -527,6 +584,11 @@ def test_a_refused_result_comes_back_whole(world: World) -> None:
     found = calibration_from_ros(result.calibration)
     assert found.verdict in {"WARN", "FAIL"}
     assert tell_reasons(found.reasons) in result.message
+    assert result.calibration.host == socket.gethostname()
+    assert (result.calibration.simulated_time, result.calibration.device) == (
+        False,
+        "standing_robot",
+    )
     kept = load_calibration(Path(result.session) / "calibration.yaml")
     assert (kept.id, kept.verdict, kept.reasons) == (found.id, found.verdict, found.reasons)
     np.testing.assert_array_equal(kept.parameters.gain, found.parameters.gain)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import re
 from dataclasses import fields
 from pathlib import Path
+from xml.etree import ElementTree as ET
 
 import shoecal_ros
 from core.sensing.shoes import ROOT
-from ros.policy import Rights, allowed, policy, used
+from ros.policy import POLICY, Rights, allowed, policy, used
 from ros.world import World
 from shoecal_core.recording import schemas
 from shoecal_ros.planner.settings import MovingSettings
@@ -49,6 +50,15 @@ ATTRIBUTES = {
     "services": {"reply", "request"},
     "actions": {"call", "execute"},
 }
+
+
+def test_nothing_but_elements_stands_where_sros2_goes_through_all() -> None:
+    """sros2 0.13 takes a comment between enclaves for an enclave, and gives up."""
+    builder = ET.TreeBuilder(insert_comments=True)
+    root = ET.parse(POLICY, ET.XMLParser(target=builder)).getroot()
+    for name in ("enclaves", "profiles", "profile", "topics", "services", "actions"):
+        for element in root.iter(name):
+            assert {child.tag for child in element} <= ELEMENTS[name]
 
 
 def test_it_has_the_form_of_a_policy() -> None:

@@ -13,12 +13,12 @@ from ros.clock import Clock
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.horizon.rolling import Path
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.posture import stance
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.inputs.imu import ImuInput
@@ -49,7 +49,7 @@ def standing() -> Motion:
     return Motion(
         "standing", SUPPORT, pose, nao().joint_names, time, positions, np.zeros_like(positions),
         np.tile([0.0, -0.055], (len(time), 1)), path,
-        (Phase("both", Carrying.BOTH, 0.0, 1.0, (pose, pose)),),
+        (Phase("both", SupportPhase.BOTH, 0.0, 1.0, (pose, pose)),),
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from shoecal_ros.planner.settings import MovingSettings
 
 def test_the_file_holds_every_parameter_of_the_node_at_its_default() -> None:
     path = ROOT / "config/nodes/planner.yaml"
-    block = read_yaml(path).mapping("planner").mapping("ros__parameters")
+    block = read_yaml(path).mapping("/**/planner").mapping("ros__parameters")
     entries = [*describe(RobotFiles), *describe(MovingSettings)]
     assert sorted(block.keys()) == sorted(["planning", *(entry.name for entry in entries)])
     lines = path.read_text().splitlines()

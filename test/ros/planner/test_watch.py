@@ -12,10 +12,10 @@ from ros.bodies import nao
 from ros.clock import Clock
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.planning.carrying import Carrying
 from shoecal_core.planning.horizon.rolling import Path
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.motion import Motion, Phase
+from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_ros.common.conversions import header_to_ros
 from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.shoe_reports import ShoeReports
@@ -35,7 +35,11 @@ def motion() -> Motion:
     time = np.linspace(0.0, 9.0, 451)
     over_left = np.clip(np.minimum(time, 9.0 - time) / 3.0, 0.0, 1.0)
     cop = np.column_stack([np.full(len(time), 0.02), -0.06 * (1.0 - over_left)])
-    spans = ((Carrying.BOTH, 0.0, 3.0), (Carrying.LEFT, 3.0, 6.0), (Carrying.BOTH, 6.0, 9.0))
+    spans = (
+        (SupportPhase.BOTH, 0.0, 3.0),
+        (SupportPhase.LEFT, 3.0, 6.0),
+        (SupportPhase.BOTH, 6.0, 9.0),
+    )
     positions = np.tile(ANGLES, (len(time), 1))
     return Motion(
         "made up", POSE.support, POSE, nao().joint_names, time, positions,
@@ -86,7 +90,7 @@ class Watched:
 
 def test_which_feet_carry() -> None:
     watch = Watched().watch
-    told = [watch.carrying(time).value for time in (0.0, 2.9, 3.1, 5.9, 6.1, 8.9, 99.0)]
+    told = [watch.support_phase(time).value for time in (0.0, 2.9, 3.1, 5.9, 6.1, 8.9, 99.0)]
     assert told == ["both", "both", "left", "left", "both", "both", "both"]
 
 

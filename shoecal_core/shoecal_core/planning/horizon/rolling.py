@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.planning.course import Course
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.problem import HorizonProblem, Scene, Solution, Solver
+from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
@@ -207,17 +207,17 @@ class RollingHorizon:
     def roll(
         self,
         start: FloatArray,
-        course: Course,
+        segment: MotionSegment,
         others: FloatArray,
         *,
         progress: Callable[[Progress], None] = lambda _: None,
         canceled: Callable[[], bool] = lambda: False,
     ) -> Path:
-        """Follow a course from rest at leg angles (k,) [rad].
+        """Follow a segment from rest at leg angles (k,) [rad].
 
         Args:
             start: where the robot stands.
-            course: what to pursue and to keep.
+            segment: what to pursue and to keep.
             others: (m,) all joint angles, of which those beside the legs count [rad].
             progress: told before every optimisation.
             canceled: asked before every optimisation.
@@ -227,7 +227,7 @@ class RollingHorizon:
             PlanningError: when nothing could be planned towards any target, or a foot on its
                 way cannot go on.
         """
-        roll = _Roll(self, start, course, others)
+        roll = _Roll(self, start, segment, others)
         while not roll.done:
             if canceled():
                 raise PlanningCanceledError
@@ -237,21 +237,21 @@ class RollingHorizon:
 
 
 class _Roll:
-    """One course while it is being planned."""
+    """One segment while it is being planned."""
 
     def __init__(
-        self, horizon: RollingHorizon, start: FloatArray, course: Course, others: FloatArray
+        self, horizon: RollingHorizon, start: FloatArray, segment: MotionSegment, others: FloatArray
     ) -> None:
         self._horizon = horizon
         self._collocation = horizon.collocation
         self._settings = horizon.collocation.settings
-        self._course = course
+        self._course = segment
         self._others = others
         self._begin = self._scene(0)
         self._states = [start]
         self._tasks = self._local(start[None], 0)[0]
-        arrival = course.weights if course.arrival is None else course.arrival
-        self._pursuit = Pursuit(course.targets, self._tasks, self._settings, arrival)
+        arrival = segment.weights if segment.arrival is None else segment.arrival
+        self._pursuit = Pursuit(segment.targets, self._tasks, self._settings, arrival)
         self._switches: list[int] = []
         self._statuses: list[str] = []
         self._times: list[float] = []
@@ -329,17 +329,17 @@ class _Roll:
         return self._course.scene(robot, self._settings, self._others, state)
 
     def path(self) -> Path:
-        course = self._course
-        if len(self._states) == 1 and len(course.targets):
+        segment = self._course
+        if len(self._states) == 1 and len(segment.targets):
             outside = self._collocation.outside(self._states[0], self._begin)
             begins = f"; it begins outside: {', '.join(outside)}" if outside else ""
             raise PlanningError(
-                f"no motion towards any of {len(course.targets)} landmarks was found (solver: "
+                f"no motion towards any of {len(segment.targets)} landmarks was found (solver: "
                 f"{self._statuses[-1]}{begins}); start from another posture or lower the margins"
             )
         return Path(
             states=np.array(self._states),
-            targets=course.left_targets,
+            targets=segment.left_targets,
             nearest=self._pursuit.nearest,
             switches=np.array(self._switches, dtype=np.int64),
             statuses=tuple(self._statuses),

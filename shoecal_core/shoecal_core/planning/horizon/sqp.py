@@ -24,8 +24,14 @@ from shoecal_core.planning.horizon.linearisation import (
     Linearisation,
     Linearised,
 )
-from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, Limits, Solution
-from shoecal_core.planning.horizon.programme import Programme, Step
+from shoecal_core.planning.horizon.problem import (
+    BALANCE,
+    TASKS,
+    HorizonProblem,
+    Limits,
+    Solution,
+)
+from shoecal_core.planning.horizon.quadratic_program import QuadraticProgram, Step
 
 FloatArray = NDArray[np.float64]
 
@@ -72,11 +78,11 @@ class SqpSolver:
         count, size = settings.horizon, len(collocation.lower)
         self._edges = collocation.edges
         self._applied = min(settings.applied_states, count)
-        rows = self._edges + len(collocation.legs.robot.collision_pairs) + 3 * size
+        rows = self._edges + len(collocation.legs.robot.collision_pairs) + BALANCE + 3 * size
         self._linearised = Linearisation(collocation)
         self._curvature = Curvature(collocation)
-        self._programme = Programme(count, size, rows, settings.transition_weight)
-        self._projection = Programme(self._applied, size, rows, settings.transition_weight)
+        self._program = QuadraticProgram(count, size, rows, settings.transition_weight)
+        self._projection = QuadraticProgram(self._applied, size, rows, settings.transition_weight)
 
     def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
         """See Solver."""
@@ -109,7 +115,7 @@ class SqpSolver:
                     return solution
         if descent.nearly:
             # Torques and distances have kinks, and steps may jump from one side to the other.
-            states = self._projected(problem, limits, descent.linear.states, self._programme)
+            states = self._projected(problem, limits, descent.linear.states, self._program)
             return certified(states, "Solved_Nearly", done=True)
         return certified(descent.linear.states, "No_Progress")
 
@@ -117,15 +123,19 @@ class SqpSolver:
         """The next step, with the Lagrangian's second derivatives where prices are known."""
         linear, inequalities, before = descent.linear, descent.inequalities, descent.step
         if before is None:
-            return self._programme.solve(problem, linear, inequalities)
-        prices = self._programme.multipliers(problem, inequalities, before)
+            return self._program.solve(problem, linear, inequalities)
+        prices = self._program.multipliers(problem, inequalities, before)
         aim = problem.aim
         prices[:, :TASKS] += 2.0 * aim.weights * (linear.values.tasks - aim.targets)
         curvature = self._curvature(linear.states, problem.scene, prices)
-        return self._programme.solve(problem, linear, inequalities, before, curvature)
+        return self._program.solve(problem, linear, inequalities, before, curvature)
 
     def _projected(
-        self, problem: HorizonProblem, limits: Limits, states: FloatArray, programme: Programme
+        self,
+        problem: HorizonProblem,
+        limits: Limits,
+        states: FloatArray,
+        programme: QuadraticProgram,
     ) -> FloatArray:
         """States (N, k) of which a programme's first ones are moved onto all constraints."""
         scene = problem.scene.head(programme.count)

@@ -158,11 +158,15 @@ def _draw(axes: Axes, one: ErrorMap, levels: FloatArray) -> None:
         axes.add_patch(Polygon(1e3 * foot.outline[:, ::-1], facecolor=SOLE.light, edgecolor="none"))
     if len(one.known):
         x, y, length = _raster(one.known)
-        drawn = axes.contourf(
+        before = len(axes.collections)
+        axes.contourf(
             y, x, np.clip(length, levels[0], levels[-1]), levels=levels, colors=_colours(levels)
         )
         around = shapely.MultiPoint(one.known[:, 1::-1]).convex_hull
-        drawn.set_clip_path(Polygon(shapely.get_coordinates(around), transform=axes.transData))
+        clip = Polygon(shapely.get_coordinates(around), transform=axes.transData)
+        # One artist since Matplotlib 3.8, one a level before.
+        for drawn in axes.collections[before:]:
+            drawn.set_clip_path(clip)
     for foot in one.feet:
         axes.add_patch(
             Polygon(1e3 * foot.sensing_polygon[:, ::-1], facecolor="none", edgecolor=MUTED.light,

@@ -216,7 +216,7 @@ def test_ipopt_agrees_with_a_second_method(nao: Body) -> None:
 
 
 def test_a_start_outside_a_margin_is_led_back(nao: Body) -> None:
-    """Standing with an ankle nearer to its limit than the margin."""
+    """InitialStance with an ankle nearer to its limit than the margin."""
     loose = dataclasses.replace(SETTINGS, joint_margin=0.005, stance_margin=0.0)
     support = DoubleSupport(0.0, -0.13, 0.1)
     target = Contour.of(nao.robot, support).midpoints[3]

@@ -8,8 +8,6 @@ from numpy.typing import NDArray
 
 from core.planning.bodies import Body
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.carrying import Carrying
-from shoecal_core.planning.course import Course, cop_course
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver
 from shoecal_core.planning.horizon.problem import HorizonProblem, Scene, Solution
@@ -23,9 +21,11 @@ from shoecal_core.planning.horizon.rolling import (
 )
 from shoecal_core.planning.landmarks import Contour, sensing_hull
 from shoecal_core.planning.legs import FootPose
-from shoecal_core.planning.lifting import lifted, way_between
 from shoecal_core.planning.posture import StanceSolver
+from shoecal_core.planning.segment import MotionSegment, cop_segment
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.planning.swing import interpolated_poses, lifted
 
 FloatArray = NDArray[np.float64]
 SETTINGS = PlannerSettings(
@@ -124,8 +124,8 @@ def ipopt(collocation: Collocation) -> IpoptSolver:
     return IpoptSolver(collocation)
 
 
-def course_of(places: FloatArray) -> Course:
-    return cop_course("landmarks", places, FootPose.of(SUPPORT), SETTINGS)
+def segment_of(places: FloatArray) -> MotionSegment:
+    return cop_segment("landmarks", places, FootPose.of(SUPPORT), SETTINGS)
 
 
 def two_targets(nao: Body) -> FloatArray:
@@ -139,7 +139,7 @@ def test_reaches_landmarks_in_turn(nao: Body, collocation: Collocation, ipopt: I
     targets = two_targets(nao)
     told: list[Progress] = []
     path = RollingHorizon(collocation, [ipopt]).roll(
-        start, course_of(targets), nao.robot.posture, progress=told.append
+        start, segment_of(targets), nao.robot.posture, progress=told.append
     )
     np.testing.assert_array_equal(path.states[0], start)
     assert np.all(path.nearest < SETTINGS.landmark_radius)
@@ -150,7 +150,7 @@ def test_reaches_landmarks_in_turn(nao: Body, collocation: Collocation, ipopt: I
     assert len(path.statuses) == len(path.solve_times) == len(told)
     assert [entry.landmark for entry in told] == sorted(entry.landmark for entry in told)
     assert told[-1].landmarks == 2
-    again = RollingHorizon(collocation, [ipopt]).roll(start, course_of(targets), nao.robot.posture)
+    again = RollingHorizon(collocation, [ipopt]).roll(start, segment_of(targets), nao.robot.posture)
     np.testing.assert_array_equal(path.states, again.states)
 
 
@@ -159,7 +159,7 @@ def test_an_unreachable_landmark_is_given_up(
 ) -> None:
     start, scene = scene_of(nao)
     targets = np.array([[0.3, -0.06], two_targets(nao)[0]])
-    path = RollingHorizon(collocation, [ipopt]).roll(start, course_of(targets), nao.robot.posture)
+    path = RollingHorizon(collocation, [ipopt]).roll(start, segment_of(targets), nao.robot.posture)
     assert path.nearest[0] > 0.2
     assert path.nearest[1] < SETTINGS.landmark_radius
     cops = collocation.evaluate(path.states, scene).cop
@@ -172,7 +172,7 @@ def test_cancelled(nao: Body, collocation: Collocation, ipopt: IpoptSolver) -> N
     horizon = RollingHorizon(collocation, [ipopt])
     with pytest.raises(PlanningCanceledError):
         horizon.roll(
-            start, course_of(two_targets(nao)), nao.robot.posture, canceled=lambda: next(answers)
+            start, segment_of(two_targets(nao)), nao.robot.posture, canceled=lambda: next(answers)
         )
 
 
@@ -194,7 +194,7 @@ def test_the_next_solver_steps_in(nao: Body, collocation: Collocation, ipopt: Ip
     start, _ = scene_of(nao)
     failing = Failing(collocation)
     path = RollingHorizon(collocation, [failing, ipopt]).roll(
-        start, course_of(two_targets(nao)[:1]), nao.robot.posture
+        start, segment_of(two_targets(nao)[:1]), nao.robot.posture
     )
     assert path.nearest[0] < SETTINGS.landmark_radius
     assert failing.calls == 2 * len(path.statuses)
@@ -213,8 +213,8 @@ def test_a_shorter_way_is_taken_where_the_whole_one_fails(
             return ipopt.solve(problem, guess)
 
     start, _ = scene_of(nao)
-    course = course_of(two_targets(nao))
-    path = RollingHorizon(collocation, [Timid()]).roll(start, course, nao.robot.posture)
+    segment = segment_of(two_targets(nao))
+    path = RollingHorizon(collocation, [Timid()]).roll(start, segment, nao.robot.posture)
     assert np.all(path.nearest < SETTINGS.landmark_radius)
     assert "Too_Far" in path.statuses
 
@@ -222,11 +222,11 @@ def test_a_shorter_way_is_taken_where_the_whole_one_fails(
 def test_a_foot_that_cannot_go_on_is_told(nao: Body, collocation: Collocation) -> None:
     start, _ = scene_of(nao)
     pose = FootPose.of(SUPPORT)
-    way = way_between(pose, lifted(pose, Carrying.LEFT, 0.01), Carrying.LEFT, 6)
+    way = interpolated_poses(pose, lifted(pose, SupportPhase.LEFT, 0.01), SupportPhase.LEFT, 6)
     target, weights = np.zeros((1, 5)), SETTINGS.task_weights
-    course = Course("lift", target, weights, way, Carrying.LEFT)
+    segment = MotionSegment("lift", target, weights, way, SupportPhase.LEFT)
     with pytest.raises(PlanningError, match="part 'lift': the foot cannot go on after state 0"):
-        RollingHorizon(collocation, [Failing(collocation)]).roll(start, course, nao.robot.posture)
+        RollingHorizon(collocation, [Failing(collocation)]).roll(start, segment, nao.robot.posture)
 
 
 def test_solvers_that_always_fail_end_with_an_error(nao: Body, collocation: Collocation) -> None:
@@ -234,7 +234,7 @@ def test_solvers_that_always_fail_end_with_an_error(nao: Body, collocation: Coll
     failing = Failing(collocation)
     with pytest.raises(PlanningError, match="no motion towards any of 2 landmarks"):
         RollingHorizon(collocation, [failing]).roll(
-            start, course_of(two_targets(nao)), nao.robot.posture
+            start, segment_of(two_targets(nao)), nao.robot.posture
         )
     # Both targets, in three lengths of the way, from two guesses.
     assert failing.calls == 12
@@ -246,7 +246,7 @@ def test_a_solver_that_stands_still_ends_by_no_progress(
     start, _ = scene_of(nao)
     standing = Failing(collocation, states=start)
     path = RollingHorizon(collocation, [standing]).roll(
-        start, course_of(two_targets(nao)), nao.robot.posture
+        start, segment_of(two_targets(nao)), nao.robot.posture
     )
     assert len(path.states) == 1 + 2 * SETTINGS.progress_patience
     np.testing.assert_array_equal(path.states, np.tile(start, (len(path.states), 1)))
@@ -257,7 +257,7 @@ def test_steps_are_bounded(nao: Body, ipopt: IpoptSolver) -> None:
     collocation = Collocation(nao.legs, bounded)
     start, _ = scene_of(nao)
     path = RollingHorizon(collocation, [ipopt]).roll(
-        start, course_of(two_targets(nao)), nao.robot.posture
+        start, segment_of(two_targets(nao)), nao.robot.posture
     )
     assert 4 <= len(path.states) - 1 <= 5
     assert np.isinf(path.nearest[-1]) or len(path.switches) < 2
@@ -266,7 +266,7 @@ def test_steps_are_bounded(nao: Body, ipopt: IpoptSolver) -> None:
 def test_nothing_to_pursue(nao: Body, collocation: Collocation, ipopt: IpoptSolver) -> None:
     start, _ = scene_of(nao)
     path = RollingHorizon(collocation, [ipopt]).roll(
-        start, course_of(np.zeros((0, 2))), nao.robot.posture
+        start, segment_of(np.zeros((0, 2))), nao.robot.posture
     )
     np.testing.assert_array_equal(path.states, start[None])
 

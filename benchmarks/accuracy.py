@@ -1,0 +1,55 @@
+"""How accurate a calibration is, and whether what it states holds: several realities, fresh seeds.
+
+    .venv/bin/python benchmarks/accuracy.py [--seeds 20] [--first 9] [--jobs 2] \\
+        [--realities default,other_laws,noisy,noisy_1n] [--motions paper,standard] [--no-page]
+
+Sessions are those of `accuracy_sessions.py`, made where they are missing; another run only
+calibrates them anew. Writes a section of docs/evidence/trust.md and the key `accuracy` of
+out/trust.json. Seeds 1 to 8 are there to develop with: by default none of them is in the table.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from accuracy_page import figures, section
+from accuracy_results import Result, measure
+from accuracy_sessions import MOTIONS, REALITIES, cases, make, names
+from pages import write_trust
+from shoecal_core.commands.many_jobs import over_cores
+
+
+def main() -> None:
+    """Make what is missing, calibrate, write."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--first", type=int, default=9)
+    parser.add_argument("--seeds", type=int, default=20)
+    parser.add_argument("--realities", type=names, default=REALITIES)
+    parser.add_argument("--motions", type=names, default=tuple(MOTIONS))
+    parser.add_argument("--jobs", type=int, default=2, help="processes at a time")
+    parser.add_argument("--no-page", action="store_true", help="print the section only")
+    args = parser.parse_args()
+    wanted = cases(args.realities, args.motions, range(args.first, args.first + args.seeds))
+    make(wanted, args.jobs)
+    recorded = [case for case in wanted if not case.failed and not case.quiet.failed]
+    results: dict[int, Result] = {}
+    for number, result in over_cores(measure, recorded, args.jobs):
+        results[number] = result
+        case = result.case
+        print(
+            f"{case.motions} {case.reality} {case.seed}: {result.verdict} {result.reason} "
+            f"({len(results)} of {len(recorded)})",
+            flush=True,
+        )
+    ordered = [results[number] for number in range(len(recorded))]
+    body = section(ordered, len(wanted) - len(recorded))
+    if args.no_page:
+        print(body)
+        print(json.dumps(figures(ordered), indent=1))
+    else:
+        write_trust("accuracy", body, figures(ordered))
+
+
+if __name__ == "__main__":
+    main()

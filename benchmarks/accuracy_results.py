@@ -1,0 +1,76 @@
+"""One session calibrated by default, against contact forces."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from accuracy_sessions import Case
+from held import Held, hold
+from shoecal_core.calibration.evaluate import Errors
+from shoecal_core.calibration.evaluation import MEASURED, TRUTH, compare_runs
+from shoecal_core.calibration.pipeline import calibrate_session
+from shoecal_core.calibration.run_errors import errors_by_set
+from shoecal_core.errors import ShoecalError
+from shoecal_core.recording.session import Session
+from true_sources import read_drawn
+
+FloatArray = NDArray[np.float64]
+FAILED = "FAIL"
+REFUSED = "refused"
+
+
+@dataclass(frozen=True)
+class Result:
+    """What came of one session.
+
+    Attributes:
+        case: which one.
+        verdict: of the calibration; REFUSED where there is none.
+        reason: of a verdict that lets nothing be written; else empty.
+        seconds: of processor time that calibrating took.
+        errors: on the test runs, as `shoecal evaluate` reports them.
+        gain_errors: (n,) found over true gain, minus 1.
+        held: stated uncertainties against the truth.
+    """
+
+    case: Case
+    verdict: str
+    reason: str = ""
+    seconds: float = float("nan")
+    errors: Errors | None = None
+    gain_errors: FloatArray | None = None
+    held: Held | None = None
+
+
+def measure(case: Case) -> Result:
+    """Calibrate a session that has been made.
+
+    Noise of single readings is no error of the calibration: where readings are noisy, the same
+    motions are judged as they are read without.
+    """
+    session = Session.open(case.folder)
+    train, test = case.sets(session)
+    begin = time.process_time()
+    try:
+        outcome = calibrate_session(session, train, test)
+    except ShoecalError as error:
+        return Result(case, REFUSED, str(error).replace(f"{case.folder}: ", ""))
+    seconds = time.process_time() - begin
+    calibration = outcome.calibration
+    judged = Session.open(case.quiet.folder)
+    runs = compare_runs(judged, calibration, train=train, test=test)
+    drawn = read_drawn(session)
+    true_gain = np.array([drawn["gain"][name] for name in calibration.channels])
+    return Result(
+        case=case,
+        verdict=calibration.verdict,
+        reason="; ".join(calibration.reasons) if calibration.verdict == FAILED else "",
+        seconds=seconds,
+        errors=errors_by_set(runs, MEASURED, TRUTH)["test"],
+        gain_errors=calibration.parameters.gain / true_gain - 1.0,
+        held=hold(judged, outcome, true_gain) if outcome.test else None,
+    )

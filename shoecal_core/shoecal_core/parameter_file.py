@@ -1,0 +1,107 @@
+"""ROS 2 parameter files: which of their sections are for which node.
+
+A section's key is a node's full name, in which `*` stands for one part and `**` for any number of
+parts, as in `/**/planner`. Its first slash may be left out, and namespaces may be nested.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from shoecal_core.files import Fields, read_yaml
+
+PARAMETERS = "ros__parameters"
+_WILD = {"*": r"/[^/]+", "**": r"(/[^/]+)*"}
+
+
+@dataclass(frozen=True)
+class Section:
+    """Parameters that a file holds for the nodes that its key matches.
+
+    Attributes:
+        key: full name, or pattern of names.
+        fields: the parameters.
+    """
+
+    key: str
+    fields: Fields
+
+    @property
+    def last(self) -> str:
+        """Last part of the key: a node's own name, or a wildcard."""
+        return self.key.rpartition("/")[2]
+
+    @property
+    def any_node(self) -> bool:
+        """Whether it names no node, as `/**`."""
+        return self.last in _WILD
+
+    def matches(self, full_name: str) -> bool:
+        """Whether it is for the node of a full name, as `/left_robot/planner`."""
+        parts = self.key.strip("/").split("/")
+        pattern = "".join(_WILD.get(part, "/" + re.escape(part)) for part in parts)
+        return re.fullmatch(pattern, full_name) is not None
+
+    def names(self) -> Iterator[str]:
+        """Full names of its parameters, as `planning.horizon`."""
+        yield from _names(self.fields, "")
+
+
+def read_sections(path: Path) -> list[Section]:
+    """All sections, in the order of the file.
+
+    Raises:
+        FileError: names the file, the key and the cure.
+    """
+    fields = read_yaml(path)
+    return [section for key in fields.keys() for section in _sections(fields, key, key)]
+
+
+def sections_of(path: Path, node: str) -> list[Section]:
+    """Sections for one node, in the order of the file: later ones go before.
+
+    Args:
+        path: of the file.
+        node: its full name, or without a slash its own name in whatever namespace.
+
+    Raises:
+        FileError: where there is none, too.
+    """
+    every = read_sections(path)
+    found = [one for one in every if _is_for(one, node)]
+    if not found:
+        own = node.rpartition("/")[2]
+        raise read_yaml(path).error(
+            f"/**/{own}",
+            f"is missing: the file sets nothing of node {node}, only of "
+            f"{', '.join(one.key for one in every) or 'none'}; add this key",
+        )
+    return found
+
+
+def _is_for(section: Section, node: str) -> bool:
+    if "/" in node:
+        return section.matches(node)
+    return section.any_node or section.last == node
+
+
+def _sections(fields: Fields, key: str, path: str) -> Iterator[Section]:
+    block = fields.mapping(key)
+    inner = block.keys()
+    if PARAMETERS in inner or not inner:
+        block.only(PARAMETERS)
+        yield Section(path, block.mapping(PARAMETERS))
+        return
+    for name in inner:
+        yield from _sections(block, name, f"{path}/{name}")
+
+
+def _names(fields: Fields, prefix: str) -> Iterator[str]:
+    for key in fields.keys():
+        if key in fields and isinstance(fields.value(key), dict):
+            yield from _names(fields.mapping(key), f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}"

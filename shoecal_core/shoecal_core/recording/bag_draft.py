@@ -1,0 +1,172 @@
+"""A mapping file drafted from bags and written as text, with what to check and to choose."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import yaml
+
+from shoecal_core.model.robot import Robot
+from shoecal_core.recording.bag import Bag
+from shoecal_core.recording.bag_import import WRENCH
+from shoecal_core.recording.bag_mapping import CHOOSE, FORMAT
+from shoecal_core.recording.bag_match import (
+    Match,
+    Seen,
+    look_into,
+    match_base_pose,
+    match_cells,
+    match_imu,
+    match_joints,
+    match_wrench,
+)
+from shoecal_core.recording.container import MAX_RECORDS
+from shoecal_core.recording.errors import RecordingError
+from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
+from shoecal_core.sensing.shoe import FEET, Shoe
+
+MAX_CLOCK_OFFSET_S = 1.0
+"""Between the stamps of two topics, seen from when their messages were received."""
+FULL = 0.9
+"""Of what a run may hold, so much a drafted trial takes."""
+
+
+@dataclass(frozen=True)
+class BagDraft:
+    """A mapping drafted from bags; a field that no topic fits is not there.
+
+    Attributes:
+        bags: the bags, one trial each unless they are too long, with spans (from_s, to_s).
+        fields: match by field: `joints`, `cells`, `wrenches.left`, `wrenches.right`, `imu`,
+            `base_pose`.
+        received: topics whose stamps are of another clock or missing.
+        notes: of the whole.
+    """
+
+    bags: tuple[tuple[Path, tuple[float, float] | None], ...]
+    fields: Mapping[str, Match]
+    received: tuple[str, ...]
+    notes: tuple[str, ...]
+
+
+def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
+    """Match the topics of bags to a robot and its shoe.
+
+    Args:
+        bags: of one robot, with the same topics; the first one is looked into.
+
+    Raises:
+        FileError: for a bag that cannot be read, without joint angles or readings.
+    """
+    with Bag(bags[0]) as bag:
+        seen = look_into(bag)
+    fields = {
+        "joints": match_joints(bags[0], seen, robot),
+        "cells": match_cells(seen, shoe),
+        **{f"wrenches.{foot}": match_wrench(seen, robot, shoe, foot) for foot in FEET},
+        "imu": match_imu(seen, robot),
+        "base_pose": match_base_pose(seen, robot),
+    }
+    found = {key: match for key, match in fields.items() if match is not None}
+    if not {"cells", "wrenches.left", "wrenches.right"} & set(found):
+        kinds = f"{WRENCH} or {SHOE_VOLTAGES_TYPE}"
+        raise RecordingError(
+            bags[0],
+            f"holds no readings of '{shoe.name}' (no fitting topic of {kinds}); record them",
+        )
+    used = [topic for match in found.values() for topic in match.topics]
+    received = _other_clocks({topic: seen[topic] for topic in used})
+    notes = [f"{topic}: its stamps are of another clock or missing" for topic in received]
+    if "base_pose" not in found:
+        notes.append(
+            "no base pose: give each trial, in which the feet must stand still, its 'support: "
+            "[dx, dy, dtheta]' of the right sole in the left"
+        )
+    return BagDraft(
+        tuple(part for bag in bags for part in _parts(bag, used)), found, received, tuple(notes)
+    )
+
+
+def _other_clocks(seen: Mapping[str, Seen]) -> tuple[str, ...]:
+    """Topics without stamps, or whose stamps are off those of most topics."""
+    delays = {name: one.offset_s for name, one in seen.items() if one.offset_s is not None}
+    usual = float(np.median(list(delays.values()))) if delays else 0.0
+    return tuple(
+        name
+        for name in seen
+        if name not in delays or abs(delays[name] - usual) > MAX_CLOCK_OFFSET_S
+    )
+
+
+def _parts(path: Path, topics: Sequence[str]) -> list[tuple[Path, tuple[float, float] | None]]:
+    """A bag, in parts that a run can hold."""
+    with Bag(path) as bag:
+        count = sum(bag.topics[topic].count for topic in topics if topic in bag.topics)
+        length = 1e-9 * (bag.end_ns - bag.start_ns)
+    parts = int(np.ceil(count / (FULL * MAX_RECORDS)))
+    if parts <= 1:
+        return [(path, None)]
+    ends = np.round(np.linspace(0.0, length, parts + 1), 3).tolist()
+    return [(path, (start, end)) for start, end in pairwise(ends)]
+
+
+def mapping_text(draft: BagDraft, folder: Path, robot: Path, urdf: Path, shoe: Path) -> str:
+    """The mapping file, each field below the comments that say what to check.
+
+    Args:
+        folder: in which the mapping will be.
+        robot, urdf, shoe: files as they are now; they are named relative to `folder`.
+    """
+    lines = [
+        "# Draft by `shoecal import draft`: which topics of the bags mean what.",
+        f"format: {FORMAT}",
+        *(
+            _line(key, os.path.relpath(path.resolve(), folder.resolve()))
+            for key, path in (("robot", robot), ("urdf", urdf), ("shoe", shoe))
+        ),
+        "",
+    ]
+    block = ""
+    for key, match in draft.fields.items():
+        outer, _, inner = key.rpartition(".")
+        if outer and outer != block:
+            lines.append(f"{outer}:")
+        block = outer
+        indent = "  " if outer else ""
+        lines += [f"{indent}# CHECK: {note}" for note in match.notes]
+        lines.append(f"{indent}{_line(inner, _value(key, match))}")
+    if draft.received:
+        lines.append("# CHECK: stamps of another clock, or none: the times of receipt count.")
+        lines.append(_line("received", list(draft.received)))
+    bags = draft.bags[0][0].parent
+    lines += ["", "trials:"]
+    for path, span in draft.bags:
+        trial: dict[str, object] = {"motion": "walking", "bag": os.path.relpath(path, bags)}
+        if span is not None:
+            trial |= {"from_s": span[0], "to_s": span[1]}
+        lines.append(f"  - {_flow(trial)}")
+    return "\n".join(lines) + "\n"
+
+
+def _value(key: str, match: Match) -> dict[str, object]:
+    """A field of the mapping."""
+    topics = list(match.topics)
+    several = key in ("joints", "cells")
+    named: dict[str, object] = {"topics": topics} if several else {"topic": topics[0]}
+    value = named if match.chosen else {CHOOSE: topics}
+    return {**value, **({"rename": dict(match.rename)} if match.rename else {}), **match.extra}
+
+
+def _line(key: str, value: object) -> str:
+    return f"{key}: {_flow(value)}"
+
+
+def _flow(value: object) -> str:
+    """One value on one line."""
+    text = yaml.safe_dump(value, default_flow_style=True, sort_keys=False, width=10**6)
+    return text.strip().removesuffix("\n...")

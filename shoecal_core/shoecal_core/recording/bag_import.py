@@ -1,0 +1,310 @@
+"""Bags of ROS 1 and ROS 2, made into a session."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from shoecal_core.errors import FieldError
+from shoecal_core.model.urdf import ROOT_JOINTS, joint_names, read_urdf
+from shoecal_core.recording import foreign, messages, schemas
+from shoecal_core.recording.bag import Bag, BagMessage
+from shoecal_core.recording.bag_mapping import BagMapping, BagTrial, load_bag_mapping
+from shoecal_core.recording.errors import RecordingError
+from shoecal_core.recording.foreign import Floats, ImportedRun, StampedMessage, Stamps
+from shoecal_core.recording.join import in_order
+from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
+from shoecal_core.recording.session import Session
+from shoecal_core.sensing.shoe import Shoe, load_shoe
+
+JOINT_STATE = "sensor_msgs/msg/JointState"
+WRENCH = "geometry_msgs/msg/WrenchStamped"
+IMU = "sensor_msgs/msg/Imu"
+
+
+def _pose(content: Any) -> list[float]:
+    return [*_xyz(content.position), *_xyzw(content.orientation)]
+
+
+POSE_TYPES: dict[str, Callable[[Any], list[float]]] = {
+    "nav_msgs/msg/Odometry": lambda content: _pose(content.pose.pose),
+    "geometry_msgs/msg/PoseStamped": lambda content: _pose(content.pose),
+    "geometry_msgs/msg/PoseWithCovarianceStamped": lambda content: _pose(content.pose.pose),
+    "geometry_msgs/msg/TransformStamped": lambda content: [
+        *_xyz(content.transform.translation), *_xyzw(content.transform.rotation)
+    ],
+}  # fmt: skip
+"""Types that a base pose is read from: position and quaternion x y z w of a message."""
+
+
+def import_bags(mapping_path: Path, folder: Path, out: Path) -> Session:
+    """Make a session of bags.
+
+    Args:
+        mapping_path: says which topics mean what.
+        folder: where the bags are.
+        out: the session to make.
+
+    Returns:
+        The session. What was left out of a run is in the run's `info.notes`.
+
+    Raises:
+        FileError: for the first thing wrong in mapping or bags, naming file and field; nothing is
+            made then.
+    """
+    folder = Path(folder)
+    mapping = load_bag_mapping(Path(mapping_path), folder)
+    shoe = load_shoe(mapping.files.shoe)
+    importer = _Importer(mapping, joint_names(mapping.files.urdf), shoe)
+    runs = [importer.run(folder / trial.bag, trial) for trial in mapping.trials]
+    return foreign.write_session(out, mapping.files, runs)
+
+
+@dataclass
+class _Samples:
+    """Messages of one topic and one set of names.
+
+    Attributes:
+        stamps: [ns].
+        rows: numbers of each message.
+        frame: of the first.
+    """
+
+    frame: str = ""
+    stamps: list[int] = field(default_factory=list)
+    rows: list[Sequence[float] | NDArray[np.float64]] = field(default_factory=list)
+
+    def ordered(self) -> tuple[Stamps, Floats]:
+        """Stamps (T,) that increase and rows (T, k)."""
+        stamps = np.array(self.stamps, dtype=np.int64)
+        kept = in_order(stamps)
+        return stamps[kept], np.array(self.rows, dtype=np.float64)[kept]
+
+
+class _Importer:
+    def __init__(self, mapping: BagMapping, joints: frozenset[str], shoe: Shoe) -> None:
+        self._mapping = mapping
+        self._joints = joints
+        for foot in mapping.wrenches:
+            foreign.check_six_axis(mapping.path, f"wrenches.{foot}", shoe, foot)
+        self._base_T_link = _base_T_link(mapping)
+
+    def run(self, path: Path, trial: BagTrial) -> ImportedRun:
+        """One trial.
+
+        Raises:
+            FileError: for a bag that cannot be read or does not hold what the mapping names.
+        """
+        with Bag(path) as bag:
+            self._check_topics(bag)
+            span = [
+                None if at is None else bag.start_ns + round(1e9 * at)
+                for at in (trial.from_s, trial.to_s)
+            ]
+            by_topic: dict[str, list[BagMessage]] = defaultdict(list)
+            for count, message in enumerate(bag.messages(self._mapping.topics, *span), 1):
+                foreign.check_length(path, count)
+                by_topic[message.topic].append(message)
+        notes: list[str] = []
+        found: list[StampedMessage] = []
+        for topic, received in by_topic.items():
+            stamps = self._stamps(path, topic, received)
+            late = int(np.sum(~in_order(np.array(stamps))))
+            if late:
+                notes.append(
+                    f"{topic}: {late} of {len(stamps)} messages have a stamp that repeats or goes "
+                    "back; they are left out"
+                )
+            found += self._convert(topic, stamps, received, notes)
+        missing = sorted(self._mapping.topics - set(by_topic))
+        if missing:
+            raise RecordingError(
+                path, f"has no message of {', '.join(missing)} in this trial; check from_s and to_s"
+            )
+        return ImportedRun(path, trial.run, found, tuple(notes))
+
+    def _check_topics(self, bag: Bag) -> None:
+        mapping = self._mapping
+        kinds: list[tuple[str, Iterable[str], Iterable[str]]] = [
+            ("joints.topics", mapping.joints.topics, [JOINT_STATE]),
+            ("cells.topics", mapping.cells.topics, [SHOE_VOLTAGES_TYPE]),
+            ("imu.topic", [mapping.imu] if mapping.imu else [], [IMU]),
+            ("base_pose.topic", [mapping.base_pose.topic] if mapping.base_pose else [], POSE_TYPES),
+        ]
+        kinds += [
+            (f"wrenches.{foot}.topic", [wrench.topic], [WRENCH])
+            for foot, wrench in mapping.wrenches.items()
+        ]
+        for key, topics, types in kinds:
+            for topic in topics:
+                fitting = [name for name, one in bag.topics.items() if one.type in types]
+                if topic not in fitting:
+                    kind = f"is {bag.topics[topic].type}" if topic in bag.topics else "is missing"
+                    raise FieldError(
+                        mapping.path,
+                        f"'{topic}' {kind} in {bag.path.name}; topics of {' or '.join(types)} "
+                        f"there: {', '.join(fitting) or 'none'}",
+                        field=key,
+                    )
+
+    def _stamps(self, path: Path, topic: str, received: Sequence[BagMessage]) -> list[int]:
+        if topic in self._mapping.received:
+            return [message.received_ns for message in received]
+        stamps = [stamp_ns(message.content) for message in received]
+        if not any(stamps):
+            raise RecordingError(
+                path,
+                "its messages carry no stamp; list it under 'received' of the mapping to take the "
+                "times they were received",
+                field=topic,
+            )
+        return stamps
+
+    def _convert(
+        self, topic: str, stamps: list[int], received: list[BagMessage], notes: list[str]
+    ) -> list[StampedMessage]:
+        """Messages of a run made of those of one topic of the bag."""
+        mapping = self._mapping
+        contents = [message.content for message in received]
+        if topic in mapping.joints.topics:
+            return self._joint_states(topic, stamps, contents, notes)
+        if topic in mapping.cells.topics:
+            return self._voltages(stamps, contents)
+        frame = str(contents[0].header.frame_id)
+        if topic == mapping.imu:
+            return _imu(frame, stamps, contents)
+        if mapping.base_pose is not None and topic == mapping.base_pose.topic:
+            return self._base_poses(frame, stamps, contents)
+        samples = _Samples(frame, stamps)
+        samples.rows = [[*_xyz(one.wrench.force), *_xyz(one.wrench.torque)] for one in contents]
+        kept, rows = samples.ordered()
+        found = []
+        for foot, wrench in mapping.wrenches.items():
+            if wrench.topic == topic:
+                force, torque = rows[:, :3] @ wrench.rotation.T, rows[:, 3:] @ wrench.rotation.T
+                found += foreign.wrenches(foot, kept, frame, force, torque)
+        return found
+
+    def _joint_states(
+        self, topic: str, stamps: list[int], contents: list[Any], notes: list[str]
+    ) -> list[StampedMessage]:
+        by_names: dict[tuple[tuple[str, ...], bool], _Samples] = defaultdict(_Samples)
+        without = 0
+        for stamp, one in zip(stamps, contents, strict=True):
+            if len(one.position) != len(one.name):
+                without += 1
+                continue
+            with_effort = len(one.effort) == len(one.name)
+            samples = by_names[tuple(one.name), with_effort]
+            samples.stamps.append(stamp)
+            samples.rows.append(
+                np.concatenate([one.position, one.effort]) if with_effort else one.position
+            )
+        if without:
+            notes.append(f"{topic}: {without} messages without joint angles left out")
+        unknown = set[str]()
+        found = []
+        for (names, with_effort), samples in by_names.items():
+            renamed = [self._mapping.joints.rename.get(name, name) for name in names]
+            own = [place for place, name in enumerate(renamed) if name in self._joints]
+            unknown |= set(renamed) - self._joints
+            if not own:
+                continue
+            kept, rows = samples.ordered()
+            effort = rows[:, len(names) :][:, own] if with_effort else None
+            position = rows[:, : len(names)][:, own]
+            found += foreign.joint_states(kept, [renamed[place] for place in own], position, effort)
+        if unknown:
+            notes.append(f"{topic}: joints that the robot lacks left out: {_few(unknown)}")
+        return found
+
+    def _voltages(self, stamps: list[int], contents: list[Any]) -> list[StampedMessage]:
+        rename = self._mapping.cells.rename
+        return [
+            StampedMessage(
+                stamp,
+                schemas.VOLTAGES,
+                messages.shoe_voltages(
+                    stamp,
+                    int(one.sequence),
+                    [rename.get(cell, cell) for cell in one.cell],
+                    one.voltage,
+                    one.status,
+                    temperature=float(one.temperature),
+                    frame_id=str(one.header.frame_id),
+                ),
+            )
+            for stamp, one in zip(stamps, contents, strict=True)
+        ]
+
+    def _base_poses(
+        self, frame: str, stamps: list[int], contents: list[Any]
+    ) -> list[StampedMessage]:
+        kind = POSE_TYPES[contents[0].__msgtype__]
+        samples = _Samples(frame, stamps)
+        samples.rows = [kind(one) for one in contents]
+        kept, rows = samples.ordered()
+        good = np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0) < 0.1
+        kept, rows = kept[good], rows[good]
+        rotation = Rotation.from_quat(rows[:, 3:])
+        link_R_base, link_p_base = self._base_T_link
+        position = rows[:, :3] + rotation.apply(link_p_base)
+        quaternion = (rotation * Rotation.from_matrix(link_R_base)).as_quat()
+        return foreign.base_poses(kept, frame, position, quaternion)
+
+
+def _base_T_link(mapping: BagMapping) -> tuple[Floats, Floats]:
+    """Rotation (3, 3) and place (3,) [m] of the URDF's root in the link that the poses are of."""
+    link = None if mapping.base_pose is None else mapping.base_pose.link
+    if link is None:
+        return np.eye(3), np.zeros(3)
+    model = read_urdf(mapping.files.urdf).model
+    fixed = [str(frame.name) for frame in model.frames if frame.parentJoint == ROOT_JOINTS - 1]
+    if link not in fixed:
+        raise FieldError(
+            mapping.path,
+            f"'{link}' is no link that is fixed to the robot's base; it must be one of: "
+            f"{', '.join(fixed)}",
+            field="base_pose.link",
+        )
+    base_in_link = model.frames[model.getFrameId(link)].placement.inverse()
+    return base_in_link.rotation, base_in_link.translation
+
+
+def _imu(frame: str, stamps: list[int], contents: list[Any]) -> list[StampedMessage]:
+    # By the message's definition -1 as first element says that there is no orientation.
+    oriented = contents[0].orientation_covariance[0] != -1.0
+    samples = _Samples(frame, stamps)
+    samples.rows = [
+        [*_xyz(one.angular_velocity), *_xyz(one.linear_acceleration), *_xyzw(one.orientation)]
+        for one in contents
+    ]
+    kept, rows = samples.ordered()
+    return foreign.imu(kept, frame, rows[:, 6:] if oriented else None, rows[:, :3], rows[:, 3:6])
+
+
+def stamp_ns(content: Any) -> int:
+    """Stamp of a message's header; 0 where its sender set none."""
+    stamp = content.header.stamp
+    return int(stamp.sec) * messages.SECOND_NS + int(stamp.nanosec)
+
+
+def _xyz(vector: Any) -> list[float]:
+    return [vector.x, vector.y, vector.z]
+
+
+def _xyzw(quaternion: Any) -> list[float]:
+    return [quaternion.x, quaternion.y, quaternion.z, quaternion.w]
+
+
+def _few(names: Iterable[str], most: int = 10) -> str:
+    ordered = sorted(names)
+    more = f" and {len(ordered) - most} more" if len(ordered) > most else ""
+    return ", ".join(ordered[:most]) + more

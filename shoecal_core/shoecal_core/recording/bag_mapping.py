@@ -1,0 +1,198 @@
+"""Which topics of a bag mean what: the mapping file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from shoecal_core.files import Fields, read_yaml
+from shoecal_core.recording.foreign import (
+    RUN_KEYS,
+    MappedFiles,
+    RunToImport,
+    mapped_files,
+    read_run_to_import,
+)
+from shoecal_core.sensing.shoe import FEET
+
+FORMAT = 1
+CHOOSE = "choose"
+"""Key of a draft under which several topics fit and one has to be chosen."""
+
+
+@dataclass(frozen=True)
+class NamedTopics:
+    """Topics, and other names for what their messages name.
+
+    Attributes:
+        topics: one or more.
+        rename: name in the robot file or shoe file by name in the bag.
+    """
+
+    topics: tuple[str, ...]
+    rename: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class WrenchTopic:
+    """A six-axis sensor.
+
+    Attributes:
+        topic: of geometry_msgs/WrenchStamped.
+        rotation: (3, 3) turns vectors of the sensor's frame to axes parallel to the sole's, or to
+            those that the shoe file's polarities are given for.
+    """
+
+    topic: str
+    rotation: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class BaseTopic:
+    """The floating base: a topic of poses, and the link they are of (None: the URDF's root)."""
+
+    topic: str
+    link: str | None
+
+
+@dataclass(frozen=True)
+class BagTrial:
+    """One run to import.
+
+    Attributes:
+        run: how it is listed.
+        bag: file or folder, relative to the recordings' folder.
+        from_s, to_s: span since the bag's first message [s]; None: from the start, to the end.
+    """
+
+    run: RunToImport
+    bag: str
+    from_s: float | None
+    to_s: float | None
+
+
+@dataclass(frozen=True)
+class BagMapping:
+    """A whole mapping file.
+
+    Attributes:
+        path: the file.
+        files: robot, URDF and shoe.
+        wrenches: by foot.
+        received: topics whose messages count at the time they were received, not at their stamp.
+    """
+
+    path: Path
+    files: MappedFiles
+    joints: NamedTopics
+    cells: NamedTopics
+    wrenches: Mapping[str, WrenchTopic]
+    imu: str | None
+    base_pose: BaseTopic | None
+    received: frozenset[str]
+    trials: tuple[BagTrial, ...]
+
+    @property
+    def topics(self) -> frozenset[str]:
+        """All that are imported."""
+        single = (self.imu, self.base_pose.topic if self.base_pose is not None else None)
+        return frozenset(
+            [
+                *self.joints.topics,
+                *self.cells.topics,
+                *(wrench.topic for wrench in self.wrenches.values()),
+                *(topic for topic in single if topic is not None),
+            ]
+        )
+
+
+def load_bag_mapping(path: Path, folder: Path) -> BagMapping:
+    """Read a mapping file.
+
+    Args:
+        path: of the mapping.
+        folder: of the recordings; the mapping may name files there.
+
+    Raises:
+        FileError: for anything missing, mistyped or contradictory, and for a topic that is still
+            to be chosen.
+    """
+    fields = read_yaml(path)
+    fields.format(FORMAT)
+    fields.only(
+        "format", "robot", "urdf", "shoe", "joints", "cells", "wrenches", "imu", "base_pose",
+        "received", "trials",
+    )  # fmt: skip
+    if "cells" not in fields and "wrenches" not in fields:
+        raise fields.error("wrenches", "is missing, and so is 'cells'; a run needs readings")
+    wrenches = fields.mapping("wrenches") if "wrenches" in fields else None
+    if wrenches is not None:
+        wrenches.only(*FEET)
+    mapping = BagMapping(
+        path=Path(path),
+        files=mapped_files(fields, folder),
+        joints=_named_topics(fields.mapping("joints")),
+        cells=_named_topics(fields.mapping("cells")) if "cells" in fields else NamedTopics((), {}),
+        wrenches={}
+        if wrenches is None
+        else {foot: _wrench(wrenches.mapping(foot)) for foot in FEET if foot in wrenches},
+        imu=_topic(fields.mapping("imu"), "topic") if "imu" in fields else None,
+        base_pose=_base(fields.mapping("base_pose")) if "base_pose" in fields else None,
+        received=frozenset(fields.texts("received") if "received" in fields else []),
+        trials=tuple(_trial(item) for item in fields.items("trials")),
+    )
+    for topic in mapping.received - mapping.topics:
+        raise fields.error("received", f"'{topic}' is not imported; name one that is")
+    return mapping
+
+
+def _named_topics(fields: Fields) -> NamedTopics:
+    fields.only("topics", "rename", CHOOSE)
+    _chosen(fields, "topics: [NAME]")
+    rename = fields.mapping("rename") if "rename" in fields else None
+    topics = tuple(fields.texts("topics"))
+    if not topics:
+        raise fields.error("topics", "is empty; name the topics")
+    return NamedTopics(
+        topics, {} if rename is None else {name: rename.text(name) for name in rename.keys()}
+    )
+
+
+def _wrench(fields: Fields) -> WrenchTopic:
+    topic = _topic(fields, "topic", "rotation_rpy_rad")
+    angles = fields.array("rotation_rpy_rad", (3,)) if "rotation_rpy_rad" in fields else np.zeros(3)
+    return WrenchTopic(topic, Rotation.from_euler("xyz", angles).as_matrix())
+
+
+def _base(fields: Fields) -> BaseTopic:
+    topic = _topic(fields, "topic", "link")
+    return BaseTopic(topic, fields.text("link") if "link" in fields else None)
+
+
+def _topic(fields: Fields, *keys: str) -> str:
+    fields.only(*keys, CHOOSE)
+    _chosen(fields, "topic: NAME")
+    return fields.text("topic")
+
+
+def _chosen(fields: Fields, instead: str) -> None:
+    """Refuse a topic that is still to be chosen."""
+    if CHOOSE in fields:
+        names = ", ".join(fields.texts(CHOOSE))
+        raise fields.error(CHOOSE, f"several topics fit ({names}); write '{instead}' instead")
+
+
+def _trial(fields: Fields) -> BagTrial:
+    fields.only(*RUN_KEYS, "bag", "from_s", "to_s")
+    from_s = fields.number("from_s", minimum=0.0) if "from_s" in fields else None
+    return BagTrial(
+        run=read_run_to_import(fields),
+        bag=fields.text("bag"),
+        from_s=from_s,
+        to_s=fields.number("to_s", above=from_s or 0.0) if "to_s" in fields else None,
+    )

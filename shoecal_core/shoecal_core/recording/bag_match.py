@@ -1,0 +1,314 @@
+"""Which topics of a bag fit which field of a mapping, by the robot file and the shoe file."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from shoecal_core.model.robot import Robot
+from shoecal_core.model.urdf import ROOT_JOINTS
+from shoecal_core.recording.bag import Bag
+from shoecal_core.recording.bag_import import IMU, JOINT_STATE, POSE_TYPES, WRENCH, stamp_ns
+from shoecal_core.recording.errors import RecordingError
+from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
+from shoecal_core.sensing.shoe import AXES, FEET, Shoe
+
+SAMPLE = 200
+"""Messages of a topic that are looked at."""
+BASE = ROOT_JOINTS - 1
+"""The free-flyer among the model's joints."""
+LOADED_SHARE = 0.1
+"""Of the robot's weight, that a foot carries on average."""
+PARALLEL = np.cos(np.radians(2.0))
+_WORDS = {
+    "left": re.compile(r"(^|[^a-z])(left|l)([^a-z]|$)"),
+    "right": re.compile(r"(^|[^a-z])(right|r)([^a-z]|$)"),
+}
+_HAND = re.compile(r"hand|wrist|arm|gripper")
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What the first messages of one topic show.
+
+    Attributes:
+        type: of the topic.
+        frames: of their headers, in order of appearance.
+        children: child frames that they name (odometry, transforms).
+        names: joints or cells that they name.
+        force: (3,) mean force of wrenches [N].
+        offset_s: how much later than stamped they were received, median [s]; None: no stamps.
+    """
+
+    type: str
+    frames: tuple[str, ...]
+    children: tuple[str, ...]
+    names: tuple[str, ...]
+    force: NDArray[np.float64]
+    offset_s: float | None
+
+
+@dataclass(frozen=True)
+class Match:
+    """What one field of the mapping is drafted as.
+
+    Attributes:
+        topics: the one that fits; several of which one has to be chosen; or, of joints, all.
+        chosen: nothing is left to choose.
+        rename: name of robot or shoe by name in the bag.
+        extra: further fields.
+        notes: what to check, a line each.
+    """
+
+    topics: tuple[str, ...]
+    chosen: bool = True
+    rename: Mapping[str, str] = field(default_factory=dict)
+    extra: Mapping[str, object] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def look_into(bag: Bag) -> dict[str, Seen]:
+    """The topics of known types."""
+    known = {JOINT_STATE, WRENCH, IMU, SHOE_VOLTAGES_TYPE, *POSE_TYPES}
+    wanted = {name: one for name, one in bag.topics.items() if one.type in known and one.count}
+    contents: dict[str, list[Any]] = {name: [] for name in wanted}
+    delays: dict[str, list[float]] = {name: [] for name in wanted}
+    open_topics = set(wanted)
+    for message in bag.messages(tuple(wanted)):
+        found = contents[message.topic]
+        if len(found) < SAMPLE:
+            found.append(message.content)
+            if stamp := stamp_ns(message.content):
+                delays[message.topic].append(1e-9 * (message.received_ns - stamp))
+        elif message.topic in open_topics:
+            open_topics.remove(message.topic)
+            if not open_topics:
+                break
+    return {
+        name: _seen(wanted[name].type, contents[name], delays[name])
+        for name in wanted
+        if contents[name]
+    }
+
+
+def _seen(kind: str, contents: Sequence[Any], delays: Sequence[float]) -> Seen:
+    names = [
+        name for one in contents for name in getattr(one, "name", getattr(one, "cell", []))
+    ]  # fmt: skip
+    forces = [
+        [one.wrench.force.x, one.wrench.force.y, one.wrench.force.z]
+        for one in contents
+        if kind == WRENCH
+    ]
+    return Seen(
+        type=kind,
+        frames=_distinct(str(one.header.frame_id) for one in contents),
+        children=_distinct(str(getattr(one, "child_frame_id", "")) for one in contents),
+        names=_distinct(names),
+        force=np.mean(forces, axis=0) if forces else np.zeros(3),
+        offset_s=float(np.median(delays)) if delays else None,
+    )
+
+
+def match_joints(path: Path, seen: Mapping[str, Seen], robot: Robot) -> Match:
+    """The topics that name the robot's joints: one that has all its legs, or several together."""
+    renames = {
+        name: matched_names(one.names, robot.joint_names)
+        for name, one in seen.items()
+        if one.type == JOINT_STATE
+    }
+    renames = {name: rename for name, rename in renames.items() if rename}
+    if not renames:
+        known = ", ".join(robot.joint_names[:5])
+        raise RecordingError(
+            path, f"no {JOINT_STATE} names joints of '{robot.name}' ({known}, …); check --robot"
+        )
+    topics, rivals = _apart(renames, set(robot.leg_names))
+    if rivals:
+        return Match(tuple(sorted({*topics, *rivals})), chosen=False)
+    rename = {old: new for name in topics for old, new in renames[name].items() if old != new}
+    given = {new for name in topics for new in renames[name].values()}
+    lacking = [name for name in robot.joint_names if name not in given | robot.optional]
+    notes = []
+    if lacking:
+        listed = ", ".join(lacking)
+        notes.append(
+            f"the bag lacks joints of the robot: {listed}; add a topic that has them, or list them "
+            "as optional_joints in the robot file where they stand still"
+        )
+    if rename:
+        notes.append("rename: check each pair")
+    return Match(tuple(topics), rename=rename, notes=tuple(notes))
+
+
+def _apart(renames: Mapping[str, Mapping[str, str]], legs: set[str]) -> tuple[list[str], list[str]]:
+    """Topics that together name most joints, each joint once, and others as good as one of them.
+
+    Legs and arms, or left and right, may have drivers of their own; but commanded and measured
+    angles name the same joints, and only `joint_states` says which are measured.
+    """
+
+    def rank(name: str) -> tuple[int, bool]:
+        usual = name.rpartition("/")[2] == "joint_states"
+        return len(legs & set(renames[name].values())), usual
+
+    topics: list[str] = []
+    rivals: list[str] = []
+    for name in sorted(renames, key=rank, reverse=True):
+        own = set(renames[name].values())
+        shared = [other for other in topics if not own.isdisjoint(renames[other].values())]
+        if not shared:
+            topics.append(name)
+        elif any(rank(name) >= rank(other) for other in shared):
+            rivals.append(name)
+    return topics, rivals
+
+
+def match_cells(seen: Mapping[str, Seen], shoe: Shoe) -> Match | None:
+    """The topics that name the shoe's cells."""
+    fitting = {
+        name: matched_names(one.names, shoe.names)
+        for name, one in seen.items()
+        if one.type == SHOE_VOLTAGES_TYPE
+    }
+    fitting = {name: rename for name, rename in fitting.items() if rename}
+    if not fitting:
+        return None
+    rename = {old: new for one in fitting.values() for old, new in one.items() if old != new}
+    return Match(tuple(fitting), rename=rename)
+
+
+def match_wrench(seen: Mapping[str, Seen], robot: Robot, shoe: Shoe, foot: str) -> Match | None:
+    """The topic whose frame turns with the foot, else those whose names say so."""
+    axes = [axis for axis in AXES if f"{foot}/{axis}" in shoe.names]
+    wrenches = {name: one for name, one in seen.items() if one.type == WRENCH}
+    if not axes or not wrenches:
+        return None
+    index = FEET.index(foot)
+    joint = robot.feet[index].joint
+    on_foot = [
+        name for name, one in wrenches.items() if _parent_joint(robot, one.frames[0]) == joint
+    ]
+    framed = [name for name in wrenches if name not in on_foot]
+    framed = [name for name in framed if _parent_joint(robot, wrenches[name].frames[0]) is None]
+    named = [
+        name
+        for name in framed
+        if _WORDS[foot].search(text := f"{name} {wrenches[name].frames[0]}".lower())
+        and not _HAND.search(text)
+    ]
+    fitting = on_foot or named or framed
+    if not fitting:
+        return None
+    if len(fitting) > 1:
+        return Match(tuple(fitting), chosen=False)
+    one = wrenches[fitting[0]]
+    frame, extra, notes, turn = one.frames[0], dict[str, object](), list[str](), np.eye(3)
+    rotation = _sole_R_sensor(robot, index, frame)
+    if rotation is None:
+        why = f"frame '{frame}' is not on the foot" if frame else "its messages name no frame"
+        notes.append(f"{why}: axes are taken as parallel to the sole's; else give rotation_rpy_rad")
+    elif np.abs(np.diag(rotation)).min() < PARALLEL:
+        # Axes along or against the sole's are left to the polarities of the shoe file.
+        turn = rotation
+        extra["rotation_rpy_rad"] = np.round(pin.rpy.matrixToRpy(rotation), 9).tolist()
+        notes.append(
+            f"rotation_rpy_rad turns frame '{frame}' of the URDF to axes parallel to the sole's"
+        )
+    if "fz" in axes:
+        force = float((turn @ one.force)[2])
+        polarity = int(shoe.polarity[shoe.names.index(f"{foot}/fz")])
+        if polarity * force < -LOADED_SHARE * robot.weight:
+            notes.append(
+                f"fz is {force:.0f} N on average, but the shoe file gives {foot}/fz the polarity "
+                f"{polarity:+d}: check it"
+            )
+    return Match((fitting[0],), extra=extra, notes=tuple(notes))
+
+
+def _sole_R_sensor(robot: Robot, foot: int, frame: str) -> NDArray[np.float64] | None:
+    """(3, 3) turns vectors of a sensor's frame into the sole's; None where not on the foot."""
+    if _parent_joint(robot, frame) != robot.feet[foot].joint:
+        return None
+    model = robot.model
+    placement = model.frames[model.getFrameId(frame.lstrip("/"))].placement
+    return np.asarray(robot.feet[foot].placement.rotation.T @ placement.rotation)
+
+
+def match_imu(seen: Mapping[str, Seen], robot: Robot) -> Match | None:
+    """The IMU on the base, where frames say so."""
+    names = [name for name, one in seen.items() if one.type == IMU]
+    on_base = [name for name in names if _parent_joint(robot, seen[name].frames[0]) == BASE]
+    fitting = _plain(on_base or names, "imu")
+    return Match(tuple(fitting), chosen=len(fitting) == 1) if fitting else None
+
+
+def match_base_pose(seen: Mapping[str, Seen], robot: Robot) -> Match | None:
+    """Odometry or poses of a link that is fixed to the base, else any."""
+    names = [name for name, one in seen.items() if one.type in POSE_TYPES]
+    framed = [name for name in names if _parent_joint(robot, _child(seen[name])) == BASE]
+    # A pose without a child frame may be anything's: a foot's, a ball's.
+    open_ended = [name for name in names if not _child(seen[name])]
+    fitting = framed or open_ended
+    if len(fitting) != 1:
+        return Match(tuple(fitting), chosen=False) if fitting else None
+    link = _child(seen[fitting[0]])
+    root = str(robot.model.frames[ROOT_JOINTS].name)
+    if link in ("", root):
+        note = () if link else (f"its poses are taken as those of '{root}'; else add 'link'",)
+        return Match(tuple(fitting), notes=note)
+    return Match(tuple(fitting), extra={"link": link})
+
+
+def matched_names(found: Iterable[str], known: Iterable[str]) -> dict[str, str]:
+    """Known name by found name: the same, or alike but for case, namespace, `_` and `joint`.
+
+    Names that are alike to several are left out.
+    """
+    exact = {name: name for name in found if name in set(known)}
+    alike: dict[str, list[str]] = {}
+    for name in known:
+        alike.setdefault(_bare(name), []).append(name)
+    rest = [name for name in found if name not in exact]
+    by_bare: dict[str, list[str]] = {}
+    for name in rest:
+        by_bare.setdefault(_bare(name), []).append(name)
+    renamed = {
+        names[0]: alike[bare][0]
+        for bare, names in by_bare.items()
+        if len(names) == 1 and len(alike.get(bare, [])) == 1
+    }
+    return exact | {old: new for old, new in renamed.items() if new not in exact}
+
+
+def _bare(name: str) -> str:
+    last = name.rpartition("/")[2].lower()
+    return re.sub(r"[^a-z0-9]|joint", "", last)
+
+
+def _plain(names: list[str], last: str) -> list[str]:
+    """The one of several topics whose last word is the usual one; all where it is not one."""
+    usual = [name for name in names if name.rpartition("/")[2] in (last, "data")]
+    return usual if len(usual) == 1 else names
+
+
+def _parent_joint(robot: Robot, frame: str) -> int | None:
+    """Joint that carries a link or fixed joint of the URDF; None where it has no such frame."""
+    model: pin.Model = robot.model
+    name = frame.lstrip("/")
+    return int(model.frames[model.getFrameId(name)].parentJoint) if model.existFrame(name) else None
+
+
+def _child(one: Seen) -> str:
+    return one.children[0].lstrip("/") if one.children else ""
+
+
+def _distinct(texts: Iterable[str]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(texts))

@@ -1,0 +1,225 @@
+"""One message a sample with all that a controller needs: `shoe/forces`.
+
+Wrenches are six numbers, force x, y, z [N] and torque x, y, z [N m] about a frame's origin. NaN
+stands for an axis that nothing measures.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from geometry_msgs.msg import Point, Vector3, Wrench
+from numpy.typing import NDArray
+from shoecal_msgs.msg import FootForce, ShoeForces
+
+from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.model.kinematics import BodyStates
+from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_ros.calibrator.live import FootFlags, Live, wrench_of
+from shoecal_ros.calibrator.load import LEFT, RIGHT
+from shoecal_ros.common.conversions import header_to_ros
+
+FloatArray = NDArray[np.float64]
+STANCE = "stance"
+SUM_FRAMES = (STANCE, *FEET)
+"""Frame of the sum: of the foot that carries, as `shoe/cop`; or always of one foot."""
+FLAT = 0.02
+"""rad; soles that are tilted further against each other share no floor."""
+VERTICAL = [2, 3, 4]
+"""Force z, torque x, torque y: what cells measure."""
+UNKNOWN: FloatArray = np.full((3, 3), np.nan)
+
+
+class ForceSamples:
+    """Makes the messages under one calibration."""
+
+    def __init__(
+        self, calibration: Calibration, shoe: Shoe, soles: tuple[str, str], sum_frame: str
+    ) -> None:
+        """Under a calibration.
+
+        Args:
+            calibration: in force.
+            shoe: with its channels.
+            soles: names of their frames.
+            sum_frame: one of SUM_FRAMES.
+        """
+        self._id = calibration.id
+        self._soles = soles
+        self._fixed = None if sum_frame == STANCE else FEET.index(sum_frame)
+        self._law = calibration.parameters
+        self._sideways = [_sideways(shoe, foot) for foot in range(len(FEET))]
+        self._covariance = calibration.covariance
+        columns = calibration.calibrated(shoe).columns
+        count = len(columns)
+        self._columns = np.zeros((6, count))
+        for foot in (LEFT, RIGHT):
+            own = shoe.of_foot(foot)
+            self._columns[3 * foot : 3 * foot + 3, own] = columns[own].T
+
+    def message(
+        self, live: Live, flags: Sequence[FootFlags], states: BodyStates | None
+    ) -> ShoeForces:
+        """One sample.
+
+        Args:
+            live: both feet.
+            flags: of each foot.
+            states: of the body, one sample; None where joint angles are stale.
+        """
+        covariance = self._output_covariance(live.readings)
+        forces = [self._sideways_force(foot, live.readings) for foot in (LEFT, RIGHT)]
+        feet = [
+            self._foot(foot, live, flags[foot], forces[foot], covariance) for foot in (LEFT, RIGHT)
+        ]
+        both = self._both(live, flags, states, forces, covariance)
+        return ShoeForces(
+            header=header_to_ros(live.stamp_ns, both.frame_id),
+            calibration=self._id,
+            left=feet[LEFT],
+            right=feet[RIGHT],
+            both=both,
+        )
+
+    # One foot, and both
+
+    def _foot(
+        self, foot: int, live: Live, flags: FootFlags, sideways: FloatArray, covariance: FloatArray
+    ) -> FootForce:
+        own = live.feet[foot]
+        wrench = np.full(6, np.nan)
+        wrench[:2] = sideways
+        wrench[2] = own.force
+        place = None
+        if own.cop is not None:
+            wrench[VERTICAL] = wrench_of(own)
+            place = (*own.cop, 0.0)
+        part = slice(3 * foot, 3 * foot + 3)
+        message = _message(self._soles[foot], wrench, place, covariance[part, part])
+        message.loaded, message.stale = flags.loaded, flags.stale
+        message.valid, message.extrapolating = flags.valid, flags.extrapolating
+        return message
+
+    def _both(
+        self,
+        live: Live,
+        flags: Sequence[FootFlags],
+        states: BodyStates | None,
+        sideways: Sequence[FloatArray],
+        covariance: FloatArray,
+    ) -> FootForce:
+        target = live.frame if self._fixed is None else self._fixed
+        wrench, place, spread = np.full(6, np.nan), None, UNKNOWN
+        flat = states is not None and _tilt(states) < FLAT
+        if states is not None and live.wrench is not None:
+            to_left = _to_left(states)
+            to_target = [to_left if foot == RIGHT else np.eye(3) for foot in (LEFT, RIGHT)]
+            if target == RIGHT:
+                to_target = [np.linalg.inv(to_left) @ one for one in to_target]
+            if flat or target == live.frame:
+                wrench[VERTICAL] = to_target[live.frame] @ np.array(live.wrench)
+                if not any(live.loaded):
+                    wrench[3:5] = np.nan
+            if flat:
+                across = np.hstack(to_target)
+                spread = across @ covariance @ across.T
+                turns = [one[1:, 1:] for one in to_target]
+                wrench[:2] = sum(turn @ one for turn, one in zip(turns, sideways, strict=True))
+            if live.cop is not None:
+                place = _moved(np.array([*live.cop, 0.0]), live.frame, target, states)
+        message = _message(self._soles[target], wrench, place, spread)
+        message.loaded = any(one.loaded for one in flags)
+        message.stale = any(one.stale for one in flags) or states is None
+        message.extrapolating = any(one.extrapolating for one in flags)
+        message.valid = all(one.valid for one in flags) and bool(message.measured[2])
+        return message
+
+    # Channels
+
+    def _sideways_force(self, foot: int, readings: FloatArray) -> FloatArray:
+        """(2,) force x, y [N] of a six-axis sensor; NaN where there is none."""
+        force = np.full(2, np.nan)
+        for axis, channel in self._sideways[foot]:
+            force[axis] = self._law.gain[channel] * readings[channel] + self._law.offset[channel]
+        return force
+
+    def _output_covariance(self, readings: FloatArray) -> FloatArray:
+        """(6, 6) of F, Mx, My of the left and the right foot; NaN where it is not known."""
+        if self._covariance is None:
+            return np.full((6, 6), np.nan)
+        # Of a foot with a bad reading nothing is known.
+        jacobian = np.hstack((self._columns * np.nan_to_num(readings), self._columns))
+        found: FloatArray = jacobian @ self._covariance @ jacobian.T
+        bad = (self._columns[:, np.isnan(readings)] != 0.0).any(axis=1)
+        found[bad] = found[:, bad] = np.nan
+        return found
+
+
+def _sideways(shoe: Shoe, foot: int) -> list[tuple[int, int]]:
+    """Axis (0: x, 1: y) and channel of what measures sideways forces of a foot."""
+    names = {f"{FEET[foot]}/fx": 0, f"{FEET[foot]}/fy": 1}
+    return [
+        (names[channel.name], index)
+        for index, channel in enumerate(shoe.channels)
+        # A cell may have any name; it adds to the vertical force.
+        if channel.name in names and not channel.torque and channel.column[0] == 0.0
+    ]
+
+
+def _message(
+    frame: str, wrench: FloatArray, place: Sequence[float] | None, covariance: FloatArray
+) -> FootForce:
+    force, torque = wrench[:3].tolist(), wrench[3:].tolist()
+    x, y, z = (math.nan,) * 3 if place is None else place
+    return FootForce(
+        frame_id=frame,
+        wrench=Wrench(
+            force=Vector3(x=force[0], y=force[1], z=force[2]),
+            torque=Vector3(x=torque[0], y=torque[1], z=torque[2]),
+        ),
+        measured=np.isfinite(wrench).tolist(),
+        covariance=covariance.ravel(),
+        has_cop=place is not None,
+        cop=Point(x=float(x), y=float(y), z=float(z)),
+        cop_covariance=_cop_covariance(wrench[VERTICAL], covariance).ravel()
+        if place is not None
+        else np.full(4, np.nan),
+    )
+
+
+def _cop_covariance(wrench: FloatArray, covariance: FloatArray) -> FloatArray:
+    """(2, 2) of x = -My/F and y = Mx/F, to first order [m^2]."""
+    force, about_x, about_y = wrench
+    slope = np.array(
+        [[about_y / force**2, 0.0, -1.0 / force], [-about_x / force**2, 1.0 / force, 0.0]]
+    )
+    spread: FloatArray = slope @ covariance @ slope.T
+    return spread
+
+
+def _tilt(states: BodyStates) -> float:
+    """Angle between the soles' normals [rad]."""
+    return math.acos(min(1.0, abs(float(states.rotation[-1, 2, 2]))))
+
+
+def _to_left(states: BodyStates) -> FloatArray:
+    """(3, 3) F, Mx, My in the right sole's frame -> the left one's, both on one floor."""
+    support = states.support()
+    matrix = np.eye(3)
+    matrix[1:, 1:] = support.rotation
+    matrix[1:, 0] = support.dy, -support.dx
+    return matrix
+
+
+def _moved(place: FloatArray, source: int, target: int, states: BodyStates) -> list[float]:
+    """A point [m] of one sole's frame in another's."""
+    turn, shift = states.rotation[-1], states.translation[-1]
+    moved = place
+    if (source, target) == (RIGHT, LEFT):
+        moved = turn @ place + shift
+    elif (source, target) == (LEFT, RIGHT):
+        moved = turn.T @ (place - shift)
+    found: list[float] = moved.tolist()
+    return found

@@ -1,0 +1,181 @@
+"""Features of published URDFs that no two makers write alike, each on a robot that is known."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from core.drafting.drafts import ROBOTS, draft, edited
+from shoecal_core.cli import main
+from shoecal_core.drafting.draft import Draft, draft_robot, prove
+from shoecal_core.drafting.notes import robot_notes, shoe_notes
+from shoecal_core.drafting.soles import SoleSize
+from shoecal_core.drafting.text import robot_text, shoe_text
+from shoecal_core.errors import FileError
+from shoecal_core.model.robot_file import load_robot
+
+FINGER = """<link name="{0}"><inertial><mass value="1e-6"/><inertia ixx="1e-9" ixy="0" ixz="0"
+    iyy="1e-9" iyz="0" izz="1e-9"/></inertial></link>
+    <joint name="{0}" type="continuous"><parent link="{1}"/><child link="{0}"/>
+    <axis xyz="0 0 1"/>{2}</joint>"""
+MOUNT = """<link name="{0}_body"/><joint name="{0}" type="fixed"><parent link="{1}"/>
+    <child link="{0}_body"/><origin xyz="{2}" rpy="0 -1.5707963267948966 0"/></joint>"""
+DECLARED = """<gazebo reference="{0}"><sensor name="s" type="force_torque"><pose>{1}</pose>
+    </sensor></gazebo><sensor name="s" type="force_torque"><parent joint="{0}"/>
+    <origin xyz="0 0 0" rpy="0 0 0"/></sensor>"""
+NO_SHAPES = r"<(visual|collision)>.*?</\1>"
+STILL = "0 0 0 0 0 0"
+
+
+def with_more(folder: Path, more: str) -> Path:
+    """The known robot with more links and joints."""
+    return edited(folder, "wren", "</robot>", f"{more}</robot>")
+
+
+def with_meshes(folder: Path, part: str) -> Path:
+    """The known robot with meshes that are not there for all shapes of one part of both legs."""
+    urdf = folder / "wren.urdf"
+    text = (ROBOTS / "wren.urdf").read_text()
+    for side in ("left", "right"):
+        mesh = f'<geometry><mesh filename="package://wren_meshes/{side}.stl"/></geometry>'
+        start = text.index(f'<link name="{side}_{part}">')
+        end = text.index("</link>", start)
+        link = re.sub("<geometry>.*?</geometry>", mesh, text[start:end], flags=re.DOTALL)
+        text = text[:start] + link + text[end:]
+    urdf.write_text(text)
+    return urdf
+
+
+def drafted(urdf: Path) -> Draft:
+    """A draft that loads."""
+    found = draft_robot(urdf, "wren")
+    prove(found, robot_text(found, urdf.name), shoe_text(found))
+    return found
+
+
+def told(found: Draft) -> str:
+    return " ".join(note.found for note in (*robot_notes(found), *shoe_notes(found)))
+
+
+def test_joints_without_limits_and_followers(tmp_path: Path) -> None:
+    """A hand that turns for ever, fingers without masses to speak of that follow it."""
+    mimic = '<mimic joint="hand" multiplier="0.9" offset="0"/>'
+    hand = FINGER.format("hand", "left_forearm", "")
+    urdf = with_more(tmp_path, hand + FINGER.format("finger", "hand", mimic))
+    found = drafted(urdf)
+    assert found.leg_names == draft("wren").leg_names
+    (tmp_path / "wren.yaml").write_text(robot_text(found, urdf.name))
+    robot = load_robot(tmp_path / "wren.yaml")
+    place = robot.joint_names.index("hand")
+    assert (robot.lower[place], robot.upper[place]) == (-np.pi, np.pi)
+    assert [robot.joint_names[motor.joint] for motor in robot.shared] == ["finger"]
+    assert "continuous" not in told(found)
+
+
+def test_a_leg_joint_without_limits_is_reported(tmp_path: Path) -> None:
+    urdf = edited(tmp_path, "wren", '"left_hip_turn" type="revolute"',
+                  '"left_hip_turn" type="continuous"')  # fmt: skip
+    assert "left_hip_turn: continuous in the URDF, so half a turn either way." in told(
+        drafted(urdf)
+    )
+
+
+def test_meshes_of_thighs_that_are_not_installed(tmp_path: Path) -> None:
+    """Only their capsules are lost."""
+    urdf = with_meshes(tmp_path, "thigh")
+    found = drafted(urdf)
+    assert "left_thigh" not in [capsule.name for capsule in found.capsules]
+    assert "left_shank" in [capsule.name for capsule in found.capsules]
+    assert "package://wren_meshes/left.stl and 1 more meshes are not there." in told(found)
+
+
+def test_meshes_of_feet_that_are_not_installed(tmp_path: Path) -> None:
+    """Sensors below the foot have shapes of their own: they are not its sole."""
+    pad = """<link name="{0}_pad"><collision><geometry><box size="0.01 0.01 0.005"/></geometry>
+        </collision></link><joint name="{0}_pad" type="fixed"><parent link="{0}_sole"/>
+        <child link="{0}_pad"/><origin xyz="0.03 0 0"/></joint>"""
+    urdf = with_meshes(tmp_path, "sole")
+    text = urdf.read_text().replace("</robot>", pad.format("left") + pad.format("right"))
+    urdf.write_text(f"{text}</robot>")
+    with pytest.raises(FileError) as caught:
+        draft_robot(urdf, "wren")
+    assert "link left_sole: its mesh package://wren_meshes/left.stl is not there, so its sole" in (
+        str(caught.value)
+    )
+    assert str(caught.value).endswith("or measure the sole and give --sole")
+
+
+def test_a_measured_sole(tmp_path: Path) -> None:
+    """Without any shape; the feet are each other's mirror image."""
+    urdf = edited(tmp_path, "wren", NO_SHAPES, "")
+    size = SoleSize(back=0.03, front=0.05, inner=0.02, outer=0.03, height=0.036)
+    found = draft_robot(urdf, "wren", sole=size)
+    prove(found, robot_text(found, urdf.name), shoe_text(found))
+    left, right = found.soles
+    np.testing.assert_allclose(left.outline.min(axis=0), [-0.03, -0.02])
+    np.testing.assert_allclose(left.outline.max(axis=0), [0.05, 0.03])
+    np.testing.assert_allclose(right.outline.min(axis=0), [-0.03, -0.03])
+    known = draft("wren").soles[0]
+    np.testing.assert_allclose(left.placement.homogeneous, known.placement.homogeneous, atol=1e-6)
+    assert "Measured soles of left_sole and right_sole" in told(found)
+
+
+def test_a_sole_in_millimetres_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    urdf = edited(tmp_path, "wren", NO_SHAPES, "")
+    words = ["new", "robot", str(urdf), "--sole", "30", "50", "20", "30", "36"]
+    assert main(words) == 1
+    assert "--sole: BACK is 30; give it in metres" in capsys.readouterr().err
+    metres = ["0.03", "0.05", "0.02", "0.03", "0.036"]
+    assert main(["new", "robot", str(urdf), "--sole", *metres]) == 0
+
+
+def test_the_declared_sensor_of_several_with_like_names(tmp_path: Path) -> None:
+    """A gyroscope beside it, higher up, has `ft` in its name, too."""
+    more = ""
+    for side in ("left", "right"):
+        more += MOUNT.format(f"{side}_foot_ft_gyro", f"{side}_sole", "-0.02 0 0")
+        more += MOUNT.format(f"{side}_foot_ft", f"{side}_sole", "0.01 0 0")
+        more += DECLARED.format(f"{side}_foot_ft", STILL)
+    found = drafted(with_more(tmp_path, more))
+    assert [one.name for one in found.six_axis if one] == ["left_foot_ft", "right_foot_ft"]
+    assert "each carry a part" not in told(found)
+
+
+def test_a_sensor_declared_on_the_ankle_joint_itself(tmp_path: Path) -> None:
+    """Its place is a pose in the foot."""
+    more = "".join(
+        DECLARED.format(f"{side}_ankle_sway", "0.01 0 0 0 -1.5707963267948966 0")
+        for side in ("left", "right")
+    )
+    found = drafted(with_more(tmp_path, more))
+    sensor = found.six_axis[0]
+    assert sensor is not None
+    assert sensor.signs == (1, 1, 1)
+    np.testing.assert_allclose(sensor.origin, [0.0, 0.0, 0.026], atol=1e-6)
+
+
+def test_two_sensors_a_foot_are_reported(tmp_path: Path) -> None:
+    more = ""
+    for side in ("left", "right"):
+        for end, place in (("front", "0 0 0.03"), ("rear", "0 0 -0.03")):
+            more += MOUNT.format(f"{side}_{end}_ft", f"{side}_sole", place)
+            more += DECLARED.format(f"{side}_{end}_ft", STILL)
+    note = "left_front_ft, left_rear_ft, right_front_ft, right_rear_ft each carry a part"
+    assert note in told(drafted(with_more(tmp_path, more)))
+
+
+def test_a_base_that_looks_backwards(tmp_path: Path) -> None:
+    """Names tell left from right; the robot looks along its base's -x."""
+    base = """<link name="base"/><joint name="turned" type="fixed"><parent link="base"/>
+        <child link="body"/><origin xyz="0 0 0" rpy="0 0 3.141592653589793"/></joint>"""
+    found = drafted(with_more(tmp_path, base))
+    np.testing.assert_allclose(found.legs.forward, [-1, 0, 0], atol=1e-9)
+    known = draft("wren")
+    for one, other in zip(found.soles, known.soles, strict=True):
+        np.testing.assert_allclose(one.outline, other.outline, atol=2e-4)
+    assert found.posture == pytest.approx(known.posture, abs=2e-3)

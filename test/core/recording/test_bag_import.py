@@ -1,0 +1,304 @@
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rosbags.typesys import get_types_from_msg
+
+from core.recording import bags, samples
+from shoecal_core.errors import FileError, FileTooLargeError
+from shoecal_core.files import read_yaml, write_yaml
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.recording import foreign, schemas
+from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
+from shoecal_core.recording.bag_import import import_bags
+from shoecal_core.recording.session import Session
+from shoecal_core.sensing.shoe import load_shoe
+
+PREFIX = "wren/"
+
+
+@dataclass(frozen=True)
+class Lab:
+    """A robot, its shoe file, and a bag of it."""
+
+    folder: Path
+    robot: Path
+    shoe: Path
+    joints: tuple[str, ...]
+
+    @property
+    def mapping(self) -> Path:
+        return self.folder / "mapping.yaml"
+
+    def values(self) -> dict[str, object]:
+        """Of the mapping."""
+        fields = read_yaml(self.mapping)
+        return {key: fields.value(key) for key in fields.keys()}
+
+    def draft(self, *recorded: Path) -> dict[str, object]:
+        """Draft the mapping, as the command does."""
+        shoe = load_shoe(self.shoe)
+        robot = load_robot(self.robot, shoe)
+        draft = draft_mapping(recorded, robot, shoe)
+        text = mapping_text(draft, self.folder, self.robot, robot.urdf, self.shoe)
+        self.mapping.write_text(text)
+        return self.values()
+
+    def edit(self, **changed: object) -> None:
+        """Other values in the mapping; None takes one out."""
+        values = {**self.values(), **changed}
+        write_yaml(self.mapping, {key: one for key, one in values.items() if one is not None})
+
+    def imported(self, folder: Path | None = None) -> Session:
+        return import_bags(self.mapping, self.folder, folder or self.folder / "session")
+
+
+@pytest.fixture
+def lab(tmp_path: Path) -> Lab:
+    robot, shoe = bags.robot_files(tmp_path)
+    return Lab(tmp_path, robot, shoe, load_robot(robot).joint_names)
+
+
+@pytest.mark.parametrize("kind", bags.FORMATS)
+def test_a_bag_is_drafted_and_imported(lab: Lab, kind: str) -> None:
+    """Every signal arrives: joints renamed, forces in the sole's axes, base in the world."""
+    recorded = bags.walk(lab.folder, "walk", kind, lab.joints, prefix=PREFIX).close()
+    mapping = lab.draft(recorded)
+    assert mapping["joints"] == {
+        "topics": ["/joint_states"],
+        "rename": {f"{PREFIX}{joint}": joint for joint in lab.joints},
+    }
+    assert mapping["wrenches"] == {
+        "left": {"topic": "/left_ankle/wrench", "rotation_rpy_rad": [0.0, 0.0, 1.570796327]},
+        "right": {"topic": "/right_ankle/wrench"},
+    }
+    assert (mapping["imu"], mapping["base_pose"]) == ({"topic": "/imu/data"}, {"topic": "/odom"})
+    assert "received" not in mapping
+    session = lab.imported()
+    run = Session.open(session.folder).read(1)
+    assert run.info.notes == ()
+    assert run.joints.names == lab.joints
+    times = run.joints.time + 1e-9 * run.start_ns - bags.START_S
+    assert len(times) == 200
+    for place in range(len(lab.joints)):
+        np.testing.assert_allclose(
+            run.joints.position[:, place], bags.angles(times, place), atol=1e-6
+        )
+    assert run.joints.effort is not None
+    np.testing.assert_array_equal(run.joints.effort[5], np.arange(len(lab.joints)))
+    whole = np.isfinite(run.readings.value).all(axis=1)
+    assert whole.sum() > 380
+    times = run.readings.time[whole] + 1e-9 * run.start_ns - bags.START_S
+    force = bags.force(times)
+    names = run.readings.names
+    left, right = names.index("left/fx"), names.index("right/fz")
+    found = run.readings.value[whole]
+    np.testing.assert_allclose(found[:, left : left + 3], force, atol=2e-2)
+    np.testing.assert_allclose(found[:, left + 3 : left + 5], 0.1 * force[:, :2], atol=2e-3)
+    # Its axis is against the sole's: that is left to the polarity in the shoe file.
+    np.testing.assert_allclose(found[:, right], -force[:, 2], atol=2e-2)
+    assert run.base_pose is not None
+    np.testing.assert_allclose(run.base_pose.position[:, 2], 0.8)
+    assert run.imu is not None
+    np.testing.assert_allclose(run.imu.linear_acceleration[0], [0, 0, 9.81])
+
+
+def test_what_is_unclear_is_asked_for(lab: Lab) -> None:
+    """Two topics of one kind without the usual name: the draft names both, the import asks."""
+    bag = bags.walk(lab.folder, "walk", "mcap", lab.joints)
+    for time in np.arange(0.0, 1.0, 0.01):
+        for topic in ("/a/pose", "/b/pose"):
+            bag.add(time, topic, bag.odometry(time, "body", [0, 0, 0.8], [0, 0, 0, 1]))
+    recorded = bag.close()
+    assert lab.draft(recorded)["base_pose"] == {"choose": ["/a/pose", "/b/pose", "/odom"]}
+    with pytest.raises(FileError) as caught:
+        lab.imported()
+    assert (
+        "mapping.yaml: base_pose.choose: several topics fit (/a/pose, /b/pose, /odom); write "
+        in (str(caught.value))
+    )
+    lab.edit(base_pose={"topic": "/b/pose"})
+    base = lab.imported().read(1).base_pose
+    assert base is not None
+    assert len(base.time) == 100
+
+
+def test_the_pose_of_another_link_of_the_base_is_carried_over(lab: Lab) -> None:
+    urdf = lab.folder / "wren.urdf"
+    marker = """<link name="marker"/><joint name="on" type="fixed"><parent link="body"/>
+        <child link="marker"/><origin xyz="0 0 0.5" rpy="0 0 3.141592653589793"/></joint></robot>"""
+    urdf.write_text(urdf.read_text().replace("</robot>", marker))
+    bag = bags.walk(lab.folder, "walk", "mcap", lab.joints)
+    for time in np.arange(0.0, 1.0, 0.01):
+        bag.add(time, "/vicon", bag.odometry(time, "marker", [1, 2, 1.3], [0, 0, 1, 0]))
+    lab.draft(bag.close())
+    lab.edit(base_pose={"topic": "/vicon", "link": "marker"})
+    base = lab.imported().read(1).base_pose
+    assert base is not None
+    np.testing.assert_allclose(base.position[0], [1, 2, 0.8], atol=1e-12)
+    np.testing.assert_allclose(np.abs(base.quaternion[0]), [0, 0, 0, 1], atol=1e-12)
+    lab.edit(base_pose={"topic": "/vicon", "link": "left_sole"})
+    with pytest.raises(
+        FileError, match=r"base_pose\.link: 'left_sole' is no link that is fixed to"
+    ):
+        lab.imported(lab.folder / "other")
+
+
+def test_topics_without_stamps_count_when_they_were_received(lab: Lab) -> None:
+    bag = bags.BagWriter(lab.folder, "walk", "ros1")
+    for time in np.arange(0.0, 1.0, 0.01):
+        names = list(lab.joints)
+        state = bag.joint_state(None, names, np.zeros(len(names)))
+        bag.add(time + 0.5, "/robot/joint_states", state)
+        for side in ("left", "right"):
+            # No frame of the URDF: the topics' names say which foot.
+            bag.add(time + 0.5, f"/{side}_foot_ft", bag.wrench(time, "ati", [0.0, 0.0, 50.0]))
+    mapping = lab.draft(bag.close())
+    assert mapping["received"] == ["/robot/joint_states"]
+    assert mapping["wrenches"] == {
+        "left": {"topic": "/left_foot_ft"}, "right": {"topic": "/right_foot_ft"},
+    }  # fmt: skip
+    run = lab.imported().read(1)
+    assert run.joints.time[0] - run.readings.time[0] == pytest.approx(0.5)
+    lab.edit(received=[])
+    with pytest.raises(FileError, match="/robot/joint_states: its messages carry no stamp; list"):
+        lab.imported(lab.folder / "other")
+
+
+def test_legs_and_arms_by_drivers_of_their_own(lab: Lab) -> None:
+    bag = bags.BagWriter(lab.folder, "walk", "sqlite3")
+    legs = [name for name in lab.joints if name.startswith("left")]
+    rest = [name for name in lab.joints if name not in legs]
+    for time in np.arange(0.0, 1.0, 0.01):
+        for topic, names in (("/a/states", legs), ("/b/states", rest)):
+            bag.add(time, topic, bag.joint_state(time, names, np.full(len(names), 0.1)))
+        for side in ("left", "right"):
+            bag.add(time, f"/{side}", bag.wrench(time, f"{side}_sensor", [0.0, 0.0, 50.0]))
+    mapping = lab.draft(bag.close())
+    assert mapping["joints"] == {"topics": ["/a/states", "/b/states"]}
+    run = lab.imported().read(1)
+    assert set(run.joints.names) == set(lab.joints)
+    assert np.isfinite(run.joints.position).all()
+
+
+def test_cells_of_the_projects_own_driver(lab: Lab) -> None:
+    lab.shoe.write_text(samples.SHOE_YAML)
+    cells = list(load_shoe(lab.shoe).names)
+    bag = bags.BagWriter(lab.folder, "walk", "mcap")
+    kind = schemas.SHOE_VOLTAGES_TYPE
+    bag.store.register(get_types_from_msg(schemas.SHOE_VOLTAGES_DEFINITION, kind))
+    for step in range(100):
+        time = 0.01 * step
+        bag.add(time, "/joint_states", bag.joint_state(time, list(lab.joints),
+                np.zeros(len(lab.joints))))  # fmt: skip
+        volts = bag.make(
+            kind, header=bag.header(time, "board"), sequence=step, cell=cells,
+            voltage=np.arange(6.0), status=np.zeros(6, dtype=np.uint8), temperature=21.0,
+        )  # fmt: skip
+        bag.add(time, "/shoe/voltages", volts)
+    assert lab.draft(bag.close())["cells"] == {"topics": ["/shoe/voltages"]}
+    run = lab.imported().read(1)
+    np.testing.assert_array_equal(run.readings.value[7], np.arange(6.0))
+    np.testing.assert_array_equal(run.readings.sequence[:, 0], np.arange(100))
+
+
+def test_spans_of_a_long_bag(lab: Lab, monkeypatch: pytest.MonkeyPatch) -> None:
+    recorded = bags.walk(lab.folder, "walk", "mcap", lab.joints).close()
+    lab.draft(recorded)
+    parts = [
+        {"motion": "walking", "bag": "walk", "from_s": 0.5, "to_s": 1.0, "set": "train"},
+        {"motion": "walking", "bag": "walk", "from_s": 1.0},
+    ]
+    lab.edit(trials=parts)
+    first, second = lab.imported().runs
+    assert (first.hint, second.hint) == ("train", "")
+    length = Session.open(lab.folder / "session").read(1).joints.time[-1]
+    assert length == pytest.approx(0.5, abs=0.03)
+    monkeypatch.setattr(foreign, "MAX_RECORDS", 300)
+    with pytest.raises(FileTooLargeError, match=r"walk: holds over 300 messages.* 'from_s' and"):
+        lab.imported(lab.folder / "other")
+
+
+@pytest.mark.parametrize(
+    ("changed", "problem"),
+    [
+        (
+            {"joints": {"topics": ["/joints"]}},
+            "joints.topics: '/joints' is missing in walk; topics",
+        ),
+        (
+            {"imu": {"topic": "/odom"}},
+            "imu.topic: '/odom' is nav_msgs/msg/Odometry in walk; topics",
+        ),
+        ({"joints": {"topics": []}}, "joints.topics: is empty"),
+        ({"wrenches": None}, "wrenches: is missing, and so is 'cells'"),
+        (
+            {"wrenches": {"both": {"topic": "/ft"}}},
+            "wrenches.both: unknown key; known: left, right",
+        ),
+        ({"received": ["/ft"]}, "received: '/ft' is not imported; name one that is"),
+        (
+            {"trials": [{"motion": "a", "bag": "walk", "from_s": 9}]},
+            "walk: has no message of /imu/data, /joint_states, /left_ankle/wrench",
+        ),
+        ({"trials": [{"motion": "a", "bag": "x"}]}, "x: does not exist; name a bag"),
+        ({"trials": [{"motion": "a", "bag": "wren.yaml"}]}, "wren.yaml: is no bag by its name"),
+        ({"trials": [{"motion": "a", "bag": "."}]}, "has no metadata.yaml; name the .mcap"),
+    ],
+)
+def test_a_wrong_mapping_is_one_line(lab: Lab, changed: dict[str, object], problem: str) -> None:
+    lab.draft(bags.walk(lab.folder, "walk", "mcap", lab.joints).close())
+    lab.edit(**changed)
+    with pytest.raises(FileError) as caught:
+        lab.imported()
+    assert problem in str(caught.value)
+    assert not (lab.folder / "session").exists()
+
+
+@pytest.mark.parametrize("kind", bags.FORMATS)
+def test_a_damaged_bag_is_one_line(lab: Lab, kind: str) -> None:
+    recorded = bags.walk(lab.folder, "walk", kind, lab.joints).close()
+    lab.draft(recorded)
+    file = recorded if recorded.is_file() else next(
+        path for path in recorded.iterdir() if path.suffix in (".mcap", ".db3")
+    )  # fmt: skip
+    content = file.read_bytes()
+    file.write_bytes(content[: len(content) // 2])
+    with pytest.raises(FileError) as caught:
+        lab.imported()
+    assert "cannot be read as a bag" in str(caught.value)
+
+
+def test_an_altered_byte_is_noticed(lab: Lab) -> None:
+    lab.draft(bags.walk(lab.folder, "walk", "mcap", lab.joints).close())
+    lab.edit(trials=[{"motion": "walking", "bag": "run.mcap"}])
+    file = samples.write_run(lab.folder / "run.mcap", samples.make_sample(500), lab.joints[:6])
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 1
+    file.write_bytes(content)
+    with pytest.raises(FileError, match=r"run\.mcap: cannot be read as a bag \(crc validation"):
+        lab.imported()
+
+
+def test_commanded_and_measured_joints_are_asked_for(lab: Lab) -> None:
+    bag = bags.walk(lab.folder, "walk", "mcap", lab.joints)
+    assert lab.draft(bag.close())["joints"] == {"topics": ["/joint_states"]}
+    bag = bags.BagWriter(lab.folder, "unusual", "mcap")
+    for topic in ("/desired", "/measured"):
+        bag.add(0.0, topic, bag.joint_state(0.0, list(lab.joints), np.zeros(len(lab.joints))))
+    for side in ("left", "right"):
+        bag.add(0.0, f"/{side}", bag.wrench(0.0, "", [0.0, 0.0, -50.0]))
+    assert lab.draft(bag.close())["joints"] == {"choose": ["/desired", "/measured"]}
+
+
+def test_a_bag_of_another_robot(lab: Lab) -> None:
+    recorded = bags.walk(lab.folder, "walk", "mcap", ("a", "b")).close()
+    with pytest.raises(FileError, match="names joints of 'wren'"):
+        lab.draft(recorded)
+    lab.shoe.write_text(samples.SHOE_YAML)
+    recorded = bags.walk(lab.folder, "other", "mcap", lab.joints).close()
+    with pytest.raises(FileError, match="holds no readings of 'test_shoe'"):
+        lab.draft(recorded)

@@ -1,0 +1,56 @@
+"""Sole frames on /tf, under the names that are asked for."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from sensor_msgs.msg import JointState
+
+from ros.adapters.driver_messages import NoMessagesError, messages_of
+from ros.bodies import nao
+from ros.world import World
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_ros.common.conversions import JointSample, joints_to_ros
+
+LISTENER = Path(__file__).with_name("tf_listener.py")
+
+
+@pytest.fixture
+def tf(world: World) -> Iterator[World]:
+    """A world in which somebody hears /tf."""
+    try:
+        with messages_of("tf"):
+            world.start("tf_listener", script=LISTENER)
+            world.until_said("tf_listener", "listening")
+            yield world
+            # It ends by Ctrl-C as it can.
+            world.processes.pop("tf_listener").kill()
+    except NoMessagesError as error:
+        pytest.skip(str(error))
+
+
+def tell_joints(world: World) -> None:
+    publisher = world.publisher(JointState, "joint_states")
+    world.until_known_to("model")
+    message = joints_to_ros(JointSample(10**9, nao().joint_names, nao().posture))
+    world.node.create_timer(0.05, lambda: publisher.publish(message))
+
+
+def test_names_and_prefix_are_those_asked_for(tf: World) -> None:
+    tf.start("model", {"frame_prefix": "left/", "left_sole_frame": "l_shoe"})
+    tell_joints(tf)
+    states = Kinematics(nao()).states(nao().posture[None])
+    height = states.left_translation[0, 2]
+    tf.until_said("tf_listener", f"left/base_link left/l_shoe {height:.3f}")
+    tf.until_said("tf_listener", "left/base_link left/r_sole")
+
+
+def test_it_can_be_switched_off(tf: World) -> None:
+    tf.start("model", {"publish_tf": False})
+    tell_joints(tf)
+    tf.until_told("model", "joints", "joint angles come")
+    names = [name for name, _ in tf.node.get_publisher_names_and_types_by_node("model", "/")]
+    assert "/shoe/model/com" in names
+    assert "/tf" not in names
