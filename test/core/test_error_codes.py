@@ -11,11 +11,11 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from shoecal_core.calibration.refinement.found_effects import load_found_effects
 
 from core.limits import file_size_limit, ordinary_user
 from core.recording import samples
 from shoecal_core.calibration.calibration import load_calibration
-from shoecal_core.calibration.refinement.found_effects import load_found_effects
 from shoecal_core.error_sources.effects.known import effects_from
 from shoecal_core.errors import ShoecalError, error_code
 from shoecal_core.files import (
