@@ -42,11 +42,11 @@ bench: override ARGS :=
 bench: solve-speed kinematics planner-speed planner-supports live-path demo-table paper  ## all measurements
 
 solve-speed: export OPENBLAS_NUM_THREADS := 1
-solve-speed: setup  ## the least squares beside scipy's, into docs/performance.md
+solve-speed: setup  ## least squares compared with scipy's, into docs/evidence/performance.md
 	$(BIN)/python benchmarks/solve_speed.py $(ARGS)
 
 kinematics: export OPENBLAS_NUM_THREADS := 1
-kinematics: setup  ## CoM and soles beside a loop over Pinocchio, into docs/performance.md
+kinematics: setup  ## CoM and soles compared with a loop over Pinocchio, into docs/evidence/performance.md
 	$(BIN)/python benchmarks/kinematics.py $(ARGS)
 
 planner-speed: export OPENBLAS_NUM_THREADS := 1
@@ -58,35 +58,35 @@ planner-supports: setup  ## motions in many double supports (ARGS="--nao 20 --wr
 	$(BIN)/python benchmarks/planner_supports.py $(ARGS)
 
 live-path: export OPENBLAS_NUM_THREADS := 1
-live-path: setup  ## from a frame to its CoP beside a bare chain (ARGS="--seconds 5")
+live-path: setup  ## latency from frame to CoP, compared with a bare chain (ARGS="--seconds 5")
 	$(BIN)/python benchmarks/live_path.py $(ARGS)
 
-demo-table: setup  ## the errors of the demo over ten seeds, into docs/demo.md (ARGS="--seeds 3")
+demo-table: setup  ## the errors of the demo over ten seeds, into docs/evidence/demo.md (ARGS="--seeds 3")
 	$(BIN)/python benchmarks/demo_seeds.py $(ARGS)
 
 blind: export OPENBLAS_NUM_THREADS := 1
-blind: setup  ## diagnosis of sets whose answers are sealed, into docs/diagnosis.md (ARGS="--seed 2")
+blind: setup  ## diagnosis of sets whose answers are sealed, into docs/evidence/diagnosis.md (ARGS="--seed 2")
 	$(BIN)/python benchmarks/blind_check.py $(ARGS)
 
 clean-sessions: export OPENBLAS_NUM_THREADS := 1
-clean-sessions: setup  ## no false alarm on another robot, into docs/diagnosis.md (ARGS="--seeds 5")
+clean-sessions: setup  ## no false alarm on another robot, into docs/evidence/diagnosis.md (ARGS="--seeds 5")
 	$(BIN)/python benchmarks/clean_sessions.py $(ARGS)
 
 effects-table: export OPENBLAS_NUM_THREADS := 1
-effects-table: setup  ## calibrating with effects over ten robots, into docs/diagnosis.md (ARGS="--seeds 3")
+effects-table: setup  ## calibrating with effects over ten robots, into docs/evidence/diagnosis.md (ARGS="--seeds 3")
 	$(BIN)/python benchmarks/effects_calibration.py $(ARGS)
 
 own-steps: export OPENBLAS_NUM_THREADS := 1
-own-steps: setup  ## walks by own steps in the physics, into docs/motions.md (ARGS="--seeds 2")
+own-steps: setup  ## walks by own steps in the physics, into docs/evidence/own-steps.md (ARGS="--seeds 2")
 	$(BIN)/python benchmarks/own_steps.py $(ARGS)
 
-motion-menu: setup  ## every motion of the menu and how long it takes, into docs/motions.md
+motion-menu: setup  ## every motion of the menu and how long it takes, into docs/reference/motions.md
 	$(BIN)/python benchmarks/motion_menu.py
 
-paper: setup  ## the paper's evaluation over ten robots, into docs/paper.md (ARGS="--seeds 20")
+paper: setup  ## the paper's evaluation over ten robots, into docs/evidence/paper.md (ARGS="--seeds 20")
 	$(BIN)/python benchmarks/paper.py $(ARGS)
 
-trust: chosen-supports accuracy repeats caught-faults  ## what trust in a calibration rests on, into docs/trust.md
+trust: chosen-supports accuracy repeats caught-faults  ## what trust in a calibration rests on, into docs/evidence/trust.md
 
 accuracy: export OPENBLAS_NUM_THREADS := 1
 accuracy: setup  ## errors of a calibration, and do stated ones hold? (ARGS="--seeds 2 --realities default")
@@ -105,7 +105,7 @@ caught-faults: setup  ## faults put into recordings, how many are caught (ARGS="
 	$(BIN)/python benchmarks/caught_faults.py $(ARGS)
 
 faults: export OPENBLAS_NUM_THREADS := 1
-faults: setup  ## every fault very often, into docs/reliability.md (ARGS="--share 0.1")
+faults: setup  ## every fault very often, into docs/evidence/reliability.md (ARGS="--share 0.1")
 	$(BIN)/python benchmarks/faults.py $(ARGS)
 
 figures: setup  ## the figures of README, conventions and motions, into docs/figures
@@ -129,7 +129,7 @@ firmware:  ## firmware of a shoe, and more (ARGS="flash PORT=/dev/ttyUSB0", ARGS
 	@$(MAKE) --no-print-directory -C firmware $(ARGS)
 
 robots: export OPENBLAS_NUM_THREADS := 1
-robots: setup descriptions  ## public humanoids drafted, planned and calibrated, into docs/robots.md (ARGS="--only g1")
+robots: setup descriptions  ## public humanoids drafted, planned and calibrated, into docs/evidence/robots.md (ARGS="--only g1")
 	$(BIN)/python benchmarks/public_robots.py $(ARGS)
 
 descriptions: setup .venv/.descriptions  ## descriptions of public humanoids, for tests and figures

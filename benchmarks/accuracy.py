@@ -4,8 +4,8 @@
         [--realities default,other_laws,noisy,noisy_1n] [--motions paper,standard] [--no-page]
 
 Sessions are those of `accuracy_sessions.py`, made where they are missing; another run only
-calibrates them anew. Writes a section of docs/trust.md and the key `accuracy` of out/trust.json.
-Seeds 1 to 8 are there to develop with: by default none of them is in the table.
+calibrates them anew. Writes a section of docs/evidence/trust.md and the key `accuracy` of
+out/trust.json. Seeds 1 to 8 are there to develop with: by default none of them is in the table.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The section of docs/trust.md and the figures that `accuracy.py` writes."""
+"""The section of docs/evidence/trust.md and the figures that `accuracy.py` writes."""
 
 from __future__ import annotations
 
@@ -107,9 +107,10 @@ def section(results: Sequence[Result], unrecorded: int) -> str:
     return f"""\
 ## Accuracy, and whether it is what is stated
 `make accuracy` (benchmarks/accuracy.py), simulated: {len(seeds)} robots, seeds {seeds[0]} to
-{seeds[-1]}, the same in every reality (`config/realities`, [simulation](simulation.md#realities)).
-Each is calibrated as `shoecal calibrate` does without options, from the {MOTIONS[PAPER]}
-(`{PAPER}`) and from the {MOTIONS[STANDARD]} (`{STANDARD}`).
+{seeds[-1]}, the same in every reality (`config/realities`,
+[simulation](../reference/simulation.md#realities)). Each is calibrated as `shoecal calibrate`
+does without options, from the {MOTIONS[PAPER]} (`{PAPER}`) and from the {MOTIONS[STANDARD]}
+(`{STANDARD}`).
 
 Errors against contact forces on the test runs (MAE, as `shoecal evaluate` reports them): the median
 of the robots, and in brackets the worst one.

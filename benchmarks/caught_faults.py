@@ -1,4 +1,4 @@
-"""How many faults of a recording are caught: docs/trust.md, section `faults`.
+"""How many faults of a recording are caught: docs/evidence/trust.md, section `faults`.
 
     .venv/bin/python benchmarks/caught_faults.py [--draws 50] [--clean 100] [--parity even]
 

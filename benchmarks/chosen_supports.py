@@ -4,9 +4,9 @@
 
 Every robot of the population calibrates itself in three double supports, chosen in each way, and
 each calibration is measured against the truth of the robot's own session in the population: the
-same runs for all ways, none of them fitted. What is random is drawn as in the paper; all other ways
-are the planner's. Writes its part of docs/trust.md and of out/trust.json. A session that stands
-already is not made again.
+same runs for all ways, none of them fitted. What is random is drawn as in the paper; all other
+ways are the planner's. Writes its part of docs/evidence/trust.md and of out/trust.json. A session
+that stands already is not made again.
 """
 
 from __future__ import annotations

@@ -47,18 +47,17 @@ BASES = ("random", "spread")
 PAGE = """\
 ## Double supports: chosen against random
 
-Made by `make chosen-supports`. {robots} robots, each with other masses, joints and cells; each
-calibrates itself from three double supports (all fitted), chosen in four ways: random as in the
-paper; `spread`, far from each other and drawn again until everything observable is fixed;
-`d_optimal` and `e_optimal`, the ones that promise the least uncertainty of all directions together
-and of the worst one. Every calibration of a robot is measured on the same five further runs against
-the truth of contact forces. Mean absolute errors; the mean over robots, and in brackets the worst
-robot. Gains: root mean square of their relative errors. A foot: the mean of both.
+`make chosen-supports`: {robots} robots, each calibrated from three double supports (all fitted),
+chosen in four ways: random as in the paper; `spread`, far apart and redrawn until all observable
+directions are identified; `d_optimal` and `e_optimal`, with the least predicted uncertainty of all
+directions together and of the worst one. Errors (MAE) are against contact forces on five further
+runs: mean over robots, in brackets the worst robot. Gains: RMS of relative errors. A foot: the
+mean of both.
 
 {errors}
 
-Compared robot by robot with random ones (Wilcoxon's signed-rank test, two-sided): the mean change
-of the error, in how many of {robots} robots it fell, and p.
+Compared with random, robot by robot (two-sided Wilcoxon signed-rank test): mean change of the
+error, number of {robots} robots in which it fell, and p.
 
 {against_random}
 
@@ -66,20 +65,18 @@ The same against `spread`:
 
 {against_spread}
 
-The planner's default is `spread`, which has the forecast's word that everything is fixed, too: the
-others (`support_choice`) find the gains better, but errors on other runs are no smaller.
+The default is `spread`: the others (`support_choice`) find better gains, but errors on other runs
+are not smaller.
 
 {reading}
 
-What was promised before anything moved, what the information in the recordings then stated by the
-same reckoning, and what came out (medians over robots). The promise holds errors of the model as
-independent every two seconds; it knows nothing of cells that are not where the shoe's file says.
+Predicted before moving, predicted from the recording, and actual (medians over robots). The
+prediction assumes model errors that are independent every two seconds, and correct cell positions.
 
 {promises}
 
-The promise takes the outputs of the cells as those of a rigid body on equal springs, give or take
-what the feet share otherwise (`uneven_share`). Against the true outputs, root mean square over all
-runs of these robots:
+The prediction models the cells as a rigid body on equal springs, with `uneven_share` between the
+feet. RMS against the true outputs over all runs:
 
 {sharing}
 """
@@ -213,7 +210,7 @@ def _sharing(found: FloatArray) -> dict[str, tuple[float, float, float]]:
 
 
 def page_body(summary: Summary) -> str:
-    """The section of docs/trust.md."""
+    """The section of docs/evidence/trust.md."""
     return PAGE.format(
         robots=summary.robots,
         errors=_errors(summary),
@@ -269,7 +266,7 @@ def _reading(summary: Summary) -> str:
 
 
 def _promises(summary: Summary) -> str:
-    rows = [["error", "chosen", "promised", "stated by the recording", "came out"]]
+    rows = [["error", "chosen", "predicted by the plan", "predicted by the recording", "actual"]]
     for name, promise in summary.promises.items():
         measure = MEASURES[name]
         rows += [
@@ -288,7 +285,8 @@ def _promises(summary: Summary) -> str:
         for name, promise in summary.promises.items()
     )
     return (
-        f"{table(rows)}\n\nRank correlation of promise and outcome over all trials: {correlations}."
+        f"{table(rows)}\n\n"
+        f"Rank correlation of prediction and outcome over all trials: {correlations}."
     )
 
 

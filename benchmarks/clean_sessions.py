@@ -4,7 +4,7 @@
 
 Wren is a made-up robot, its shoe has three cells a foot: nothing of the diagnosis was tried on it
 while it was made. Every seed draws supports, gains, offsets, noise and an engine; nothing else
-differs from the model. Writes a section of docs/diagnosis.md and out/clean.json.
+differs from the model. Writes a section of docs/evidence/diagnosis.md and out/clean.json.
 """
 
 from __future__ import annotations
@@ -101,10 +101,9 @@ def section(outcomes: list[Outcome], seeds: int) -> str:
     return f"""\
 ## Clean sessions of another robot
 
-Simulated, `make clean-sessions ARGS="--seeds {seeds}"` (benchmarks/clean_sessions.py): the made-up
-robot Wren with three cells a foot, {len(MOTIONS)} runs at {RATE_HZ:.0f} Hz that are not the
-standard set, nothing wrong in any. False alarms: {len(alarms)} of {len(outcomes)}
-(95 % interval {low:.0%} to {high:.0%}).
+`make clean-sessions ARGS="--seeds {seeds}"`: the made-up robot Wren with three cells per foot,
+{len(MOTIONS)} runs at {RATE_HZ:.0f} Hz other than the standard set, no fault. False alarms:
+{len(alarms)} of {len(outcomes)} (95 % interval {low:.0%} to {high:.0%}).
 
 {table(rows)}
 """
@@ -127,7 +126,7 @@ def main() -> None:
         "outcomes": [vars(one) for one in outcomes],
     }
     bench_json.record("clean_sessions", figures, ROOT / "out" / "clean.json")
-    page = ROOT / "docs" / "diagnosis.md"
+    page = ROOT / "docs" / "evidence" / "diagnosis.md"
     write_section("clean-sessions", section(outcomes, args.seeds), page, "# Diagnosis\n")
 
 

@@ -1,4 +1,4 @@
-"""Run the demo with several seeds and write docs/demo.md: the table of its errors.
+"""Run the demo with several seeds and write docs/evidence/demo.md: the table of its errors.
 
     .venv/bin/python benchmarks/demo_seeds.py [--seeds 10] [--out out/seeds]
 
@@ -34,7 +34,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "seeds")
-    parser.add_argument("--doc", type=Path, default=ROOT / "docs" / "demo.md")
+    parser.add_argument("--doc", type=Path, default=ROOT / "docs" / "evidence" / "demo.md")
     args = parser.parse_args()
     found = {
         seed: _result(seed, args.out / f"seed_{seed:02d}") for seed in range(1, args.seeds + 1)
@@ -86,19 +86,18 @@ COLUMNS: dict[str, tuple[str, ...]] = {
 
 
 PAGE = """\
-# The demo over several seeds
+# Demo over several seeds
 
-Made by `{command}`. Everything here is simulated: each seed draws another robot (masses, encoder
-offsets, play), other cells (gains, offsets, places) and other double supports. Errors are against
-the simulator's truth from contact forces; the MAE of the CoP is the mean Euclidean norm.
+Made by `{command}`, simulated. Each seed draws another robot (masses, encoder offsets, backlash),
+other cells and other double supports. Errors (MAE) are against contact forces.
 
 {rows}
 
 The paper's figures are those of a real NAO. Targets on test runs: median GRF at most 0.35 N and
 CoP at most 2.8 mm, no seed worse than {allowed} times that: {met}.
 
-A combined CoP that fits does not make each foot's right: in double support the shares of the feet
-are fixed weakly, by the yaw between them alone, and what is wrong in one foot cancels in the other.
+Single feet are less accurate: in double support only the yaw between the feet identifies their
+load sharing, and errors of one foot cancel in the other.
 """
 
 

@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/diagnosis_thresholds.py
 
-Writes a section of docs/diagnosis.md.
+Writes a section of docs/evidence/diagnosis.md.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pages import ROOT, table, write_section
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.settings import describe
 
-PAGE = ROOT / "docs" / "diagnosis.md"
+PAGE = ROOT / "docs" / "evidence" / "diagnosis.md"
 TIME = "computing time"
 ROBOTS = "robots as they are built"
 MEANT = "what the answer is to mean"
@@ -60,16 +60,13 @@ def section() -> str:
         rows.append([f"`{one.name}`", value, one.doc, ORIGINS[one.name]])
     return f"""\
 ## Thresholds
-Those of a whole diagnosis are in `shoecal_core/diagnosis/settings.py` (this table:
-`.venv/bin/python benchmarks/diagnosis_thresholds.py`); those of a single step stand at the head of
-its module, with what they mean beside them.
+Settings of the whole diagnosis, from `shoecal_core/diagnosis/settings.py`
+(`.venv/bin/python benchmarks/diagnosis_thresholds.py`). Those of a single step are at the top of
+its module.
 
-- *{TRIED.capitalize()}*: simulated by the generator of the blind check with the answers open,
-  under seeds that no table reports, and the sets of rounds that had been reported before. Such a
-  number was set by what was found, missed and wrongly named there. It is worth what a round says
-  that nobody had looked at.
-- *{ROBOTS.capitalize()}*: an estimate of how well robots and shoes are made. It is wide where the
-  data narrow it.
+- *{TRIED.capitalize()}*: tuned on sessions of the blind generator with known answers, under
+  seeds that no table reports, and on sets of earlier rounds. Only the held-out round validates it.
+- *{ROBOTS.capitalize()}*: an estimate of how well robots and shoes are built.
 - *{MEANT.capitalize()}*, *{TIME}*: a choice.
 
 {table(rows)}

@@ -1,4 +1,4 @@
-"""Calibrating with effects, over robots of the demo's reality: into docs/diagnosis.md.
+"""Calibrating with effects, over robots of the demo's reality: into docs/evidence/diagnosis.md.
 
     .venv/bin/python benchmarks/effects_calibration.py [--seeds 10] [--out out/effects]
 
@@ -173,7 +173,8 @@ def main() -> int:
     ordered = [results[number] for number in range(len(jobs))]
     median = _median(ordered, _judged(ordered), "cop")
     bench_json.record("effects", {"seeds": ordered, "median_cop_mm": median}, args.out / "all.json")
-    pages.write_section("effects", _section(ordered), ROOT / "docs" / "diagnosis.md", "")
+    page = ROOT / "docs" / "evidence" / "diagnosis.md"
+    pages.write_section("effects", _section(ordered), page, "")
     return 0 if median <= TARGET_MM else 1
 
 
@@ -201,19 +202,16 @@ def _judged(results: Sequence[Mapping[str, object]]) -> str:
 SECTION = """\
 ## Calibrating with effects, measured
 
-Made by `make effects-table` (benchmarks/effects_calibration.py): {count} robots of the demo's
-reality, seeds {first} to {last}, the standard set of motions, CoP errors against contact forces
-(MAE) on the two test runs. In it many things are a little wrong at once (masses, encoders, gears
-that give and have play, places of cells, plates that carry load past them), where a diagnosis looks
-for one or two causes (its verdicts: {verdicts}). What it finds is therefore fitted together with
-the tolerances of the files, and only where it is sure or the training runs bear it out ({chosen} of
-{found} found effects that can be fitted); `tolerances alone` shows what is theirs, `all found`
-what would come of it without that choice. Median over robots, and in brackets the worst one.
+`make effects-table`: {count} robots of the demo's reality, seeds {first} to {last}, standard set;
+CoP errors (MAE) against contact forces on the two test runs. Many small errors act at once, while a
+diagnosis searches for one or two causes (its verdicts: {verdicts}). Found effects are therefore
+fitted together with the tolerances, and only if sure or supported by the training runs ({chosen} of
+{found}). `tolerances alone` and `all found` are for comparison. Median over robots, in brackets
+the worst.
 
 {table}
 
-Forecast: root mean square over the sensing polygons, as the calibration states it.
-Robots whose standard set could not be recorded, or of which the screening left no test run:
+Forecast: expected error (RMS over the sensing polygons). Robots without a usable recording:
 {left_out}.
 
 Target, the CoP of both feet in the median at most {target} mm with unloading runs: {met}.

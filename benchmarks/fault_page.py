@@ -1,4 +1,4 @@
-"""The section `faults` of docs/trust.md: how many faults are caught, and false alarms."""
+"""The section `faults` of docs/evidence/trust.md: how many faults are caught, and false alarms."""
 
 from __future__ import annotations
 
@@ -159,31 +159,23 @@ PAGE = """\
 
     make caught-faults
 
-{draws} draws of each fault; a draw takes another robot, its cells and its five double supports
-(`benchmarks/population.py`), puts one fault into the recording before anything reads it, and
-calibrates. In a third of the draws the cells have a converter of 10 to 12 bits and up to 0.15 N of
-noise instead of 24 bits and 0.01 N. What befalls the robot (another weight, jolts, haste, a lifted
-or slipped foot) is simulated; the rest is put into the readings.
+{draws} draws of each fault, each with another robot, cells and five double supports
+(`benchmarks/population.py`). Faults of the robot (weight, jolts, haste, lifted or slipped foot) are
+simulated, the others put into the readings. In a third of the draws the converter has 10 to 12 bits
+and up to 0.15 N of noise instead of 24 bits and 0.01 N.
 
-A fault is *caught* when it is named (with the cell, the run or the moment) and the session is
-refused, or at least 95 % of the samples that it spoilt are left out of the fit. *Refused* counts
-the sessions of which no calibration came; *left out* is the share of the spoilt samples, of the
-others. *CoP* is the mean error of each foot's CoP against the truth over runs that the fault did
-not touch, median of the draws, and in brackets the same of the session without the fault: what is
-left out is missing, so it may be more.
+A fault is *caught* if it is named (with cell, run or time) and the session is refused, or at least
+95 % of its samples are excluded. *Refused*: sessions without a calibration. *Left out*: excluded
+share of the spoilt samples in the others. *CoP*: mean error of each foot's CoP on untouched runs,
+median of the draws; in brackets without the fault.
 
 {table}
 
 False alarms: {alarms} clean sessions ({rate}, 95 % interval {interval}; {coarse} of them with the
 poorer converter) have any warning or refusal of the screening.{cases}
 
-In the clean sessions {lost} of the samples are left out: gears with play strike, and for moments
-the simulated robots do not stand still. {met}
+In the clean sessions {lost} of the samples are excluded, because of backlash impacts. {met}
 
 Thresholds were set on the odd seeds of the population; these are the even ones. Intervals are
-exact (Clopper and Pearson).
-
-What cannot be told: all runs under the same wrong weight look like wrong gains
-(`calibration/checks.py` compares with data sheets where there are any); a slow change of a few
-millimetres of the feet; feet that move together in the world, which changes nothing.
+exact (Clopper and Pearson). [Not detectable](../reference/screening.md#not-detectable).
 """

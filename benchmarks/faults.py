@@ -2,10 +2,11 @@
 
     .venv/bin/python benchmarks/faults.py [--share 0.1] [--only ROW ...] [--earlier-counts]
 
-Every row runs in a process of its own. Finished steps are kept in docs/reliability/, so a run that
-was stopped or killed is taken up where it was, on another computer too. What was tried with other
-code than this is tried again; with --earlier-counts only what was never tried is. --table runs
-nothing. Writes out/faults.json and docs/reliability.md; ends with 0 only if nothing failed.
+Every row runs in a process of its own. Finished steps are kept in docs/evidence/reliability/, so
+a run that was stopped or killed is taken up where it was, on another computer too. What was tried
+with other code than this is tried again; with --earlier-counts only what was never tried is.
+--table runs nothing. Writes out/faults.json and docs/evidence/reliability.md; ends with 0 only if
+nothing failed.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from reliability.shown import Shown
 from shoecal_core.errors import ShoecalError
 
 OUT = ROOT / "out"
-PAGE = ROOT / "docs" / "reliability.md"
+PAGE = ROOT / "docs" / "evidence" / "reliability.md"
 KEPT = PAGE.with_suffix("")
 PROGRESS_S = 2.0
 

@@ -137,24 +137,17 @@ BODY = """\
 
 Made by `{command}`.
 
-A NAO in shoes, random joint angles; for each sample the CoM in both soles' frames, the right sole
-in the left one and the left sole in the base. {repetitions} repetitions (compiled: {often} each),
-in turns, in one process and one thread.
+NAO with random joint angles; CoM in both sole frames, right sole in the left, left sole in the
+base. {repetitions} alternating repetitions (compiled: {often} each), one process, one thread.
 
 {table}
 
-By the clock, compiled it is **{vs_pinocchio_loop:.0f} times** faster than the loop
-({vs_pinocchio_loop_cpu:.0f} times by the processor's time) and {vs_interpreted:.0f} times faster
-than interpreted. The difference is the largest from the loop. Where there is no C compiler, or with
-`SHOECAL_COMPILE=0`, everything runs interpreted.
-
-A call of fewer than {least} samples is interpreted anyhow. The first longer one of all writes the
-function out as C, has it compiled and compares it with its source: {first_call_ms:.0f} ms. The
-first of a later process finds the library in the cache, checks and compares it:
-{cached_call_ms:.0f} ms.
-
-As many samples are computed at a time as the processor's vectors hold (eight with AVX-512), with
-their sines and cosines, which libm computes singly.
+Compiled is **{vs_pinocchio_loop:.0f} times** faster than the loop by the clock
+({vs_pinocchio_loop_cpu:.0f} times in processor time) and {vs_interpreted:.0f} times faster than
+interpreted. *Difference*: largest deviation from the loop. Calls with fewer than {least} samples
+are interpreted. The first longer call compiles and verifies the function: {first_call_ms:.0f} ms;
+in later processes {cached_call_ms:.0f} ms from the cache. Sines and cosines are vectorised (eight
+samples with AVX-512).
 
 Measured on {cores} cores ({machine}), OPENBLAS_NUM_THREADS {threads}, with {compiler}, Python
 {python}, numpy {numpy}, casadi {casadi}, pinocchio {pinocchio}.
@@ -162,7 +155,7 @@ Measured on {cores} cores ({machine}), OPENBLAS_NUM_THREADS {threads}, with {com
 
 
 def body(figures: dict[str, float], repetitions: int) -> str:
-    """The section of docs/performance.md."""
+    """The section of docs/evidence/performance.md."""
     rows = [
         [
             label,

@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/live_path.py [--seconds 8] [--rates 100 1000]
 
-Writes the key `live` of out/bench.json and a section of docs/performance.md.
+Writes the key `live` of out/bench.json and a section of docs/evidence/performance.md.
 """
 
 from __future__ import annotations

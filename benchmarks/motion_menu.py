@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/motion_menu.py
 
-Each begins in the neutral double support. Writes a section of docs/motions.md.
+Each begins in the neutral double support. Writes a section of docs/reference/motions.md.
 """
 
 from __future__ import annotations
@@ -10,14 +10,16 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 
-from own_steps import PAGE, ROBOTS, robot_of
-from pages import table, write_section
+from own_steps import ROBOTS, robot_of
+from pages import ROOT, table, write_section
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.planning.supports.named import named_support
+
+PAGE = ROOT / "docs" / "reference" / "motions.md"
 
 
 def planned(name: str) -> dict[str, Motion]:

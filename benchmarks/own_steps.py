@@ -3,7 +3,7 @@
     .venv/bin/python benchmarks/own_steps.py [--supports 50] [--seeds 6] [--again]
 
 Each seed draws a robot of the default reality and double supports of its range. It is placed in
-the first one only, and steps to all others. Writes a section of docs/motions.md and the key
+the first one only, and steps to all others. Writes docs/evidence/own-steps.md and the key
 `own_steps` of out/bench.json. A seed whose result stands in `--out` is not run again, so an
 interrupted run goes on.
 """
@@ -48,7 +48,7 @@ from shoecal_core.workspace import config_dir
 FloatArray = NDArray[np.float64]
 ROBOTS = {"nao": "nao_shoe", "wren": "wren_shoe"}
 OUT = ROOT / "out" / "own_steps"
-PAGE = ROOT / "docs" / "motions.md"
+PAGE = ROOT / "docs" / "evidence" / "own-steps.md"
 PROCESSES = 2
 
 
@@ -254,7 +254,7 @@ def section(measured: dict[str, dict[str, float]]) -> str:
     rows = [["", *measured]]
     rows += [[what, *map(tell, measured.values())] for what, tell in ROWS.items()]
     return f"""\
-### Measured
+## Measured
 `make own-steps` (benchmarks/own_steps.py): each robot is placed once and then steps to random
 double supports of its range, one after another, on the default reality (gears that give, encoders,
 masses and plates that are off). Feet and gap are the simulator's truth.
@@ -279,7 +279,7 @@ def main() -> int:
         name: figures([walked for walked in walks if walked.robot == name]) for name in args.robots
     }
     bench_json.record("own_steps", measured)
-    write_section("own-steps", section(measured), PAGE, "# Motions\n")
+    write_section("own-steps", section(measured), PAGE, "# Walks by own steps\n")
     print(json.dumps(measured, indent=1))
     return 0 if all(walked.reached == walked.asked for walked in walks) else 1
 

@@ -1,4 +1,4 @@
-"""Pages that several benchmarks write: docs/performance.md, docs/trust.md with out/trust.json.
+"""Pages that several benchmarks write: performance.md and trust.md of docs/evidence.
 
 Each benchmark owns one section of a page, between `<!-- name -->` and `<!-- /name -->`, and one
 key of the file; it replaces its own and leaves the others' as they are.
@@ -13,19 +13,19 @@ import bench_json
 from shoecal_core.files import atomic_write
 
 ROOT = Path(__file__).resolve().parents[1]
-PERFORMANCE = ROOT / "docs" / "performance.md"
+PERFORMANCE = ROOT / "docs" / "evidence" / "performance.md"
 PERFORMANCE_HEAD = """\
-# How fast it is, and how much memory it takes
+# Speed and memory
 
-Every section is made by the command that it names; `make bench` runs them all. The figures are
-those of the machine they were last made on: what counts is how they compare.
+Each section names its command; `make bench` runs them all. The figures depend on the machine:
+compare ratios.
 """
-PAGE = ROOT / "docs" / "trust.md"
+PAGE = ROOT / "docs" / "evidence" / "trust.md"
 FIGURES = ROOT / "out" / "trust.json"
 HEAD = """\
-# How far a calibration can be trusted
+# Accuracy and uncertainty of a calibration
 
-Everything here is simulated, and measured by the commands that each section names.
+Everything here is simulated; each section names its command.
 """
 
 

@@ -1,4 +1,4 @@
-"""The paper's evaluation on simulated robots: docs/paper.md, its figures, out/paper.json.
+"""The paper's evaluation on simulated robots: docs/evidence/paper.md, its figures, out/paper.json.
 
     .venv/bin/python benchmarks/paper.py [--seeds 10] [--population out/population]
 
@@ -27,7 +27,7 @@ def main() -> int:
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--population", type=Path, default=OUT)
     parser.add_argument("--json", type=Path, default=ROOT / "out" / "paper.json")
-    parser.add_argument("--doc", type=Path, default=ROOT / "docs" / "paper.md")
+    parser.add_argument("--doc", type=Path, default=ROOT / "docs" / "evidence" / "paper.md")
     args = parser.parse_args()
     robots = []
     for member, session in sessions(different_robots(args.seeds, args.population)):
@@ -38,7 +38,7 @@ def main() -> int:
 
 def write(paper: Paper, figures: Path, doc: Path) -> int:
     """Write everything; 0 where every target is met."""
-    write_figures(paper, doc.parent / "figures")
+    write_figures(paper, doc.parent.parent / "figures")
     atomic_write(doc, page(paper))
     figures.parent.mkdir(parents=True, exist_ok=True)
     atomic_write(figures, json.dumps(to_json(paper), indent=1, allow_nan=False) + "\n")

@@ -1,4 +1,4 @@
-"""docs/paper.md: every table and figure of the paper beside the reproduction."""
+"""docs/evidence/paper.md: every table and figure of the paper beside the reproduction."""
 
 from __future__ import annotations
 
@@ -30,19 +30,15 @@ PAGE = """\
 # The paper reproduced
 
 Han, Jiang and Chirikjian, *Watch Me Calibrate My Force-Sensing Shoes!*, evaluate their method on
-one real NAO: shoes calibrated by hand, both assumptions checked, then the self-calibration held
-against the manual one. `make paper` does the same on simulated robots and writes this page, its
-figures (`docs/figures/paper-*.svg`) and `out/paper.json`.
+one real NAO: manual calibration, both assumptions, then the self-calibration against the manual
+one. `make paper` does the same on simulated robots and writes this page, its figures
+(`docs/figures/paper-*.svg`) and `out/paper.json`.
 
-**Everything here is simulated** (MuJoCo, `config/realities/default.yaml`; five double supports a
-robot, three drawn to train). Errors are against the manual calibration, as in the paper, unless a
-table says *truth*: that is what the simulator's floor felt, which no real experiment knows. MAE ±
-standard deviation of the absolute error; the CoP's is the mean Euclidean distance (the paper's
-equations 7 and 8).
-
-The paper has one robot. Robot 1 (seed {first}) stands for it in the tables and figures: the first
-seed, not a chosen one. Beside it stand the figures of all {count} robots (seeds {seeds}), each with
-other masses, encoder zeros, cells and double supports.
+**Everything here is simulated** (MuJoCo, `config/realities/default.yaml`; five double supports
+per robot, three to train). Errors (MAE ± standard deviation, the paper's equations 7 and 8) are
+against the manual calibration, as in the paper, or against the *truth* from contact forces where
+a table says so. Robot 1 (seed {first}) is compared with the paper's robot; it was not selected.
+All {count} robots (seeds {seeds}) differ in masses, encoder zeros, cells and double supports.
 
 ## In short
 
@@ -50,11 +46,10 @@ other masses, encoder zeros, cells and double supports.
 
 Targets (for robot 1 and for the median): {met}.
 
-The sizes of the simulated errors (plates that carry moments past the cells, cells off their
-places, a scale that is 0.19 N off, a torso whose centre of mass is off) were set so that the
-manual tables and the assumptions come out about as in the paper. **That these agree shows that the
-simulation is about as hard as the real robot was, not that the method is right.** What the
-self-calibration then makes of it is a result.
+The simulated errors (plates, cell positions, scale, torso CoM) were tuned so that the manual
+tables and the assumptions are similar to the paper's. **Their agreement shows that the simulation
+is about as hard as the real robot, not that the method is right.** The self-calibration's errors
+are a result.
 
 ## Manual calibration (Table I, Fig. 3)
 
@@ -62,11 +57,10 @@ self-calibration then makes of it is a result.
 
 {figure_manual}
 
-What differs: a simulated cell is linear, with neither creep nor hysteresis, and a reading is the
-mean of 50 samples, so the GRF is ten times as good as the paper's. What remains of the CoP is
-mostly where the person put the weight. The floor also bears the shoe itself, so the points are
-drawn around the holes with the shoe's own share taken off. The last column predicts each load by a
-correction fitted to the others; the paper does not give it.
+Differences: simulated cells have neither creep nor hysteresis, and readings average 50 samples,
+so the GRF is ten times as accurate. The remaining CoP error is mostly the placement of the
+weight. Points are drawn without the shoe's own weight. The last column (each load predicted by
+the others) is not in the paper.
 
 ## Both assumptions (Table II, Fig. 5)
 
@@ -74,10 +68,9 @@ correction fitted to the others; the paper does not give it.
 
 {figure_assumptions}
 
-What differs: the GRF's error is nearly the scale's alone and so the same in all runs, where the
-real robot's varied from run to run; what stands out are bursts at the start of a motion and where
-one foot carries little. The modelled CoP is off by masses and centres of links, encoder zeros,
-play and give of the gears, alike in size to the real robot's.
+Differences: the GRF error is mainly that of the scale and so the same in all runs, apart from
+bursts at the start of a motion and where one foot carries little; on the real robot it varied.
+The error of the modelled CoP is similar.
 
 ## Self-calibration (Figs. 6, 7 and 8)
 
@@ -93,19 +86,15 @@ All three stages against the manual calibration:
 
 {stages}
 
-What differs: the initial guess gives all cells one gain and one offset, so its error depends on
-the cells drawn (gains within 30 % of each other, zeros of a few newtons): by a factor of ten from
-robot to robot. The result does not depend on it. The CoP correction is damped, and kept for a foot
-only where it predicts runs better that it was not fitted to; elsewhere least squares stand.
+Differences: the initial guess (one gain and one offset for all) varies by a factor of ten with
+the cells drawn; the result does not depend on it. The CoP correction is kept only if it improves
+held-out runs.
 
 ### Training against test runs
 
-The paper finds no significant difference between training and test errors and names no test. Ours
-is a permutation test whose unit is the **run**: every way to draw a robot's training runs was as
-likely as the one drawn, so its runs change places, and p is the share of draws in which training
-and test differ at least as much. Samples of one run carry one common error for seconds: to count
-them as independent would make p as small as one likes. Five runs of one robot have ten such draws,
-so p of one robot is never below 0.1, and {count} robots are tested together.
+The paper finds no significant difference between training and test errors, without naming a test.
+Here it is a [permutation test](../guide/evaluation.md#training-against-test-runs) over **runs**,
+with {count} robots together.
 
 {difference}
 
@@ -115,29 +104,24 @@ so p of one robot is never below 0.1, and {count} robots are tested together.
 
 ## Against the truth
 
-What only a simulation can tell: how far the manual reference itself is off, and what the paper's
-evaluation does not look at, the error of each foot by itself.
+Known only in simulation: the error of the manual reference, and of each foot.
 
 {truth}
 
-A foot's CoP is the worse known the less it carries, in millimetres by the true force on it, all
-robots:
+CoP error of one foot by the true force on it, all robots:
 
 {by_load}
 
-The manual calibration is good enough to judge the others by; below the lightest weight that it was
-made with (1 kg) it extrapolates. The self-calibrated CoP of both feet is as good as the model that
-it was fitted to. A single foot's is worse: in double support the shares of the feet are fixed by
-the yaw between them alone, and what is wrong in one foot cancels in the other.
+The manual calibration is an adequate reference; below its lightest weight (1 kg) it extrapolates.
+The self-calibrated CoP of both feet is as accurate as the model. Single feet are worse: only the
+yaw between the feet identifies their load sharing, and errors of one foot cancel in the other.
 
-Samples in which a foot seems to carry less than 2 N have no CoP there. They are left out of that
-foot's CoP, and counted; of robot 1
+Samples with less than 2 N on a foot are excluded from its CoP; of robot 1
 {left_out}.
 
 ## Not reproduced
 
-Figs. 1 and 2 are drawings and photographs of the hardware. Fig. 4 sketches the planning, which is
-`shoecal_core/planning`; the paths that came of it are the model's in the figures above.
+Figs. 1 and 2 show the hardware, Fig. 4 sketches the planning (`shoecal_core/planning`).
 """
 
 FIGURES = {
@@ -150,8 +134,8 @@ FIGURES = {
 """What is to be seen in each."""
 
 MORE_ROBOTS = """\
-That a difference is not significant over so few robots does not show that there is none: with more
-(`make paper ARGS="--seeds 40"`) the same test finds smaller ones."""
+No significance over so few robots does not show that there is no difference: with more
+(`make paper ARGS="--seeds 40"`) the test finds smaller ones."""
 
 BANDS = ((2.0, 10.0), (10.0, 30.0), (30.0, math.inf))
 """N; forces on a foot that are told apart."""
@@ -176,7 +160,8 @@ def page(paper: Paper) -> str:
         by_load=_by_load(paper),
         left_out=_left_out(paper),
         **{
-            f"figure_{name}": f"![{alt}](figures/paper-{name}.svg)" for name, alt in FIGURES.items()
+            f"figure_{name}": f"![{alt}](../figures/paper-{name}.svg)"
+            for name, alt in FIGURES.items()
         },
     )
 

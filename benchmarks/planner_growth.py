@@ -29,13 +29,12 @@ BODY = """\
 
 Made by `{command}`.
 
-One double support planned in closed loop with N states a horizon; of its optimisations at most
-{problems}, evenly spaced, solved by both, in turns. Processor time; median (95th percentile) in ms,
-and the median over problems of the ratio.
+One double support planned in closed loop with N states per horizon; at most {problems} of its
+optimisations, solved by both. Processor time, median (95th percentile) in ms, and median ratio.
 
 {table}
 
-![Processor time of one optimisation against the number of states](figures/{figure})
+![Processor time of one optimisation against the number of states](../figures/{figure})
 """
 
 
@@ -65,8 +64,8 @@ def measure_growth(case: Case, problems: int, seed: int) -> list[Growth]:
 
 
 def write_growth(command: str, found: Sequence[Growth], page: Path = pages.PERFORMANCE) -> None:
-    """Its section of docs/performance.md, and its figure in a folder beside."""
-    figure = page.parent / "figures" / FIGURE
+    """Its section of docs/evidence/performance.md, and its figure in docs/figures."""
+    figure = page.parent.parent / "figures" / FIGURE
     rows = [["N", *LOOKS, "ratio"]]
     for growth in found:
         cells = [growth.times[name].summary for name in LOOKS]

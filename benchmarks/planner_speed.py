@@ -5,7 +5,7 @@
 A robot's motions are planned in double supports with the converged mode, and every optimisation is
 recorded. Then all solvers solve the same problems from the same guesses, in turns: problem by
 problem, not solver by solver, so that whatever else the machine does meets all of them. Writes the
-planner's sections of docs/performance.md and its key of out/bench.json.
+planner's sections of docs/evidence/performance.md and its key of out/bench.json.
 """
 
 from __future__ import annotations

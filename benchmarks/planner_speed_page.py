@@ -1,4 +1,4 @@
-"""The planner's sections of docs/performance.md."""
+"""The planner's sections of docs/evidence/performance.md."""
 
 from __future__ import annotations
 
@@ -43,39 +43,33 @@ BODY = """\
 Made by `{command}`.
 
 The motions of a simulated NAO in {supports} double supports, N = {horizon} states, planned in
-closed loop by the fast solver until it converges: {recorded} optimisations,
-{sampled}. The same problems from the same guesses go to all solvers in turns, problem by problem,
-in one run. Before its time is taken, each solver solves the problem before once more, so that it is
-as warm as in a closed loop. Times are processor time of all threads, which other programs on the
-machine hardly touch; by the clock beside it. A solution counts as converged when it keeps all
-constraints to {feasible:g} and its objective is within {converged:g} of the best known, as a share
-of it; the judge is IPOPT with a tolerance of 1e-10 and unrelaxed bounds, started at the best of all
-solutions.
+closed loop by the fast solver until it converges: {recorded} optimisations, {sampled}. All
+solvers get the same problems and guesses, alternating, after solving the previous problem once
+more (as warm as in closed loop). Times are processor time of all threads, and clock time.
+*Converged*: all constraints within {feasible:g} and the objective within a share of {converged:g}
+of the best known, judged by IPOPT with a tolerance of 1e-10 and unrelaxed bounds.
 
 {times}
 
-How many times faster than the references: the median over problems of the ratio, then ratios of
-the 95th and the 99th percentiles and of the totals.
+Speed-up over the references: median ratio over problems, then ratios of the 95th and 99th
+percentiles and of the totals.
 
 {ratios}
 
-Ratios to be reached are judged by the median of the processor's time; the 99th percentile of the
-bounded mode, {bound:g} ms at most, by the clock, since a robot must not wait: {clock:.2f} ms by the
-clock, {cpu:.2f} ms of the processor.
+Targets: median ratio of processor time; 99th percentile of the bounded mode at most {bound:g} ms
+by the clock: {clock:.2f} ms (processor {cpu:.2f} ms).
 
 {missed}
 
-IPOPT uses MUMPS and the planner's own tolerances and warm start throughout; its three variants find
-the same optimum (objectives differ by {spread:.0e} of them at most). Machine code is that of all
-functions of the MX problem, values and first and second derivatives, by the system's compiler with
--O3.
+IPOPT uses MUMPS and the planner's tolerances and warm start; its three variants find the same
+optimum (to {spread:.0e}). Machine code: all functions of the MX problem with first and second
+derivatives, -O3.
 
 {crocoddyl}
 
-What each mode does to the motion, planning with it alone (where it fails, IPOPT steps in): the
-largest violation is that of any constraint by an applied state, in m, rad or N m (so it is in the
-first table for the bounded and the real-time mode: later states are not applied); the last column
-is the check of the finished motion in its denser grid, by Pinocchio.
+Motions planned with each mode alone (IPOPT as fallback). Largest violation: of any constraint by an
+applied state, in m, rad or N m, also in the first table for the bounded and real-time mode. Last
+column: independent check of the motion on a denser grid, by Pinocchio.
 
 {loops}
 
@@ -84,14 +78,13 @@ Measured on {cores} cores ({machine}), OPENBLAS_NUM_THREADS {threads}, with Pyth
 """
 
 CROCODDYL_TEXT = """\
-crocoddyl ({version}) solves what is equivalent but for its constraints. State (q, u), control u,
-the state equation, the objective and the box of |u| are the same; foot transform, polygon,
-capsules, torques and joint limits are quadratic penalties, as in its examples, because the solver
-used here, {solver}, knows no constraints but that box (crocoddyl has others that take equalities,
-which were not measured). So it ends with violations of {median:.0e} (median) to {worst:.0e} (m, rad
-or N m) and an objective that is {below:.2%} below the true optimum (median), which its violations
-buy; {stopped:.0%} of its solves stop unconverged. Its models are written in Python over a compiled
-function of a state, the same one that the fast solver calls; its iterations are C++."""
+crocoddyl ({version}) solves the same problem except for the constraints: foot transform, polygon,
+capsules, torques and joint limits are quadratic penalties, as in its examples, because {solver}
+supports only a box on u (solvers with equalities were not measured). It ends with violations of
+{median:.0e} (median) to {worst:.0e} (m, rad or N m) and an objective {below:.2%} below the true
+optimum (median); {stopped:.0%} of its solves do not converge. Its models are Python over the fast
+solver's compiled
+function; its iterations are C++."""
 
 CERTIFIED = ("converged", SX, COMPILED, MX)
 """Those that claim an optimum which keeps all constraints."""

@@ -4,9 +4,10 @@
 
 Draws double supports of each robot's range, plans a motion in each that the robot can be asked to
 stand in, and checks it independently. A run that was stopped goes on where it was. Writes the
-planner's section on double supports in docs/performance.md. Then lets simulated robots follow some
-motions, and writes loads, friction and torques, planned and in the physics, into docs/motions.md.
-Fails where a motion failed, violates a constraint, or a figure is beyond its limit.
+planner's section on double supports in docs/evidence/performance.md. Then lets simulated robots
+follow some motions, and writes loads, friction and torques, planned and in the physics, into
+docs/evidence/own-steps.md. Fails where a motion failed, violates a constraint, or a figure is
+beyond its limit.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from planner_supports_page import supports_body
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 
 COMMAND = "make planner-supports"
-MOTIONS_PAGE = pages.ROOT / "docs" / "motions.md"
+MOTIONS_PAGE = pages.ROOT / "docs" / "evidence" / "own-steps.md"
 ROBOTS = ("nao", "wren", "odd_biped")
 
 

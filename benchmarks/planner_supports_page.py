@@ -1,4 +1,4 @@
-"""The section of docs/performance.md on motions in many double supports."""
+"""The section of docs/evidence/performance.md on motions in many double supports."""
 
 from __future__ import annotations
 
@@ -18,11 +18,9 @@ BODY = """\
 
 Made by `{command}`.
 
-Double supports drawn from all of each robot's range whose feet do not collide. Some are refused
-before anything is planned: the robot cannot stand there, or not above enough landmarks. In every
-other one a motion round the landmarks is planned and then checked independently; failed is what
-ends without one. Times are those of planning and checking one motion, median (95th percentile), by
-the clock and of the processor, with two processes at work.
+Random double supports without collision from each robot's range. *Refused*: the robot cannot stand
+there, or above too few landmarks. In the others a motion over the landmarks is planned and checked
+independently. Times of planning and checking one motion: median (95th percentile), two processes.
 
 {robots}
 

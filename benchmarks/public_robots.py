@@ -1,4 +1,4 @@
-"""Draft, plan, simulate and calibrate public humanoids; write the tables of docs/robots.md.
+"""Draft, plan, simulate and calibrate public humanoids; write docs/evidence/robots.md.
 
     make robots [ARGS="--only g1 --supports 5"]
 
@@ -27,7 +27,7 @@ from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import load_shoe
 
-PAGE = ROOT / "docs" / "robots.md"
+PAGE = ROOT / "docs" / "evidence" / "robots.md"
 TRAIN = 3
 PLANNING = {"cop_lean_weight": 100.0}
 """Otherwise iCub bends down by 1.2 rad to shift its CoP."""

@@ -1,4 +1,4 @@
-"""The tables of docs/robots.md."""
+"""The tables of docs/evidence/robots.md."""
 
 from __future__ import annotations
 
@@ -12,31 +12,25 @@ from shoecal_core.model.robot import GRAVITY
 HEAD = """\
 # Other robots
 
-Humanoids of other makers, from descriptions that are public: drafted, planned, calibrated.
-**Everything here is simulated.** How a robot is put to use, step by step:
-[your robot](how-to/your-robot.md); the robot of its examples is *wren*, a small humanoid of 3.6 kg
-with three cells a foot that nobody built.
+Public humanoid descriptions: drafted, planned, calibrated. **Everything here is simulated.** Step
+by step: [your robot](../how-to/your-robot.md).
 """
 
 TEXT = """\
 ## From a URDF to a calibration, nothing by hand
-Made by `make robots`: seed {seed}, {supports} double supports, of which the first {train} train.
-The descriptions are those of the package `{package}` {version}, which the command installs; none of
-them is part of this project. Robot file and shoe file of each are what `shoecal new robot` drafts,
-unchanged: soles from the feet's shapes, masses as published, a cell under each corner of the sole
-where the ankles have no six-axis sensor.
+`make robots`: seed {seed}, {supports} double supports, the first {train} to train. Descriptions
+come from the package `{package}` {version}, which the command installs. Robot and shoe files are
+the unchanged drafts of `shoecal new robot`: masses as published, and a cell under each corner of
+the sole if the ankles have no six-axis sensor.
 
 {robots}
 
-Named: the URDF tells of the sensors; where it does not, `--six-axis` says so. Time in motion is the
-robot's, all double supports together. Processor time is that of the commands `new robot`,
-`simulate` (finding double supports, planning, physics, recording) and `calibrate` on one core of
-the machine that [performance](performance.md) names.
+*Named*: the URDF has the sensors. *In motion*: all double supports. *Processor*: `new robot`,
+`simulate` and `calibrate` on one core of the machine in [performance](performance.md).
 
-Errors are of the test runs, against the simulator's truth from contact forces; MAE and its standard
-deviation. *Before* is the initial guess, against the model. *Expected* is the standard deviation
-that the calibration itself states. What the *model alone* is off by, masses and encoders being what
-they are, bounds what any calibration by moving can do; the scale's error is part of the GRF's.
+Errors (MAE ± standard deviation) of test runs against contact forces; the GRF's include the
+scale's. *Before*: initial guess against the model. *Expected*: as the calibration states. *Model
+alone* bounds any calibration by moving.
 
 {errors}
 
@@ -44,24 +38,21 @@ What the calibrations say of themselves:
 
 {told}
 
-A foot by itself is fixed weakly, as with the NAO ([trust](trust.md)).
+Single feet are less accurate, as with the NAO ([accuracy](trust.md)).
 
 ## How they are simulated
-As imperfect as the NAO of the other pages ([simulation](simulation.md)), in proportion: masses off
-by 2 % each, a battery off its drawing, encoder zeros off by 1.5 mrad, a scale that errs by 0.4 %,
-cells up to 30 % off with offsets; forces and stiffness grow with the weight. Six-axis sensors are
-off by 5 %, with offsets of 0.1 % of their range, and ten times stiffer. Joints are finer than a
-NAO's: 16 bits a turn instead of 12, 1 mrad of play instead of 4.5, a third of the give.
+As imperfect as the NAO ([simulation](../reference/simulation.md)) in proportion: masses 2 % off,
+battery misplaced, encoder zeros 1.5 mrad, scale 0.4 %, cells up to 30 % with offsets; forces and
+stiffness grow with the weight. Six-axis sensors: 5 %, offsets of 0.1 % of their range, ten times
+stiffer. Joints are finer than a NAO's: 16 bits per turn instead of 12, 1 mrad of backlash instead
+of 4.5, a third of the compliance.
 
-Motions are planned with the defaults but for `planning.cop_lean_weight`, 100 instead of none: the
-paper's cost knows the CoP alone, and where hips turn far enough the torso may lean by more than 1
-rad for it.
+Default planning, except `planning.cop_lean_weight` 100 instead of 0: otherwise the torso may lean
+by more than 1 rad.
 
 ## What was not tried
-None of these robots was there, and no maker's own calibration enters. One seed, so one simulated
-robot of each kind. The robot is put into each double support, it does not step there. Nodes,
-diagnosis and walking were not run on these robots. Drafted cells are guesses: whoever builds such
-shoes has others.
+No real robot and no manufacturer's calibration. One seed, so one simulated robot of each kind. The
+robot is placed in each double support. No nodes, diagnosis or walking. Drafted cells are guesses.
 """
 
 

@@ -1,4 +1,4 @@
-"""What `diagnose` says of the REEM-C's three trials: a section of docs/real-robots.md.
+"""What `diagnose` says of the REEM-C's three trials: a section of docs/evidence/real-robots.md.
 
 Each trial is held out once. The sensors' axes are not documented, so they are read in two ways:
 all parallel to the sole's, and with both sideways forces the other way round.
@@ -209,23 +209,22 @@ def _pushes(session: Session, trials: dict[int, str]) -> Iterator[str]:
 SECTION = """\
 ### Why they differ: the diagnosis
 
-One split by hand: `shoecal diagnose out/reemc --train 1,2 --test 3 --no-simulation`. A step counts
-as one sample; expected are m (g + a_z) and the zero-moment point of a single mass. What the
-diagnosis says of itself:
+One split by hand: `shoecal diagnose out/reemc --train 1,2 --test 3 --no-simulation`. Each step
+counts as one sample; expected are m (g + a_z) and the zero-moment point of a single mass. Notes
+of the diagnosis:
 
 {notes}
 
-**Zeros and gains, before any model.** A foot in the air shows its own weight below the sensor
-and the sensor's zero; one that stands alone shows, above that, the robot's weight
-(`fz`, means over all single supports, N):
+**Zeros and gains, without a model.** A foot in the air shows its weight below the sensor and the
+sensor's zero; a foot that stands alone shows the robot's weight in addition (`fz`, means over all
+single supports, N):
 
 | trial | left hangs | right hangs | left alone, above that | right alone, above that |
 |---|---|---|---|---|
 {zeros}
 
-The zeros moved between the trials by some tens of newtons, so no one set of offsets serves all
-three; and the right sensor shows more for the same robot than the left one. Both need no model of
-the body, nor any force plate.
+The zeros change between trials by some tens of newtons, so one set of offsets cannot fit all
+three; and the right sensor shows more than the left for the same robot.
 
 **Sideways forces.** On one foot the floor's sideways force is the mass times the CoM's
 acceleration. Slope of each sideways channel on it (1 for axes parallel to the sole's; r is the
@@ -235,13 +234,11 @@ correlation):
 |---|---|---|---|---|
 {pushes}
 
-In the walks `fy` runs against the push on both feet; `fx` alone decides nothing. So the axes are
-read in two ways: *parallel* to the sole's, as the shoe file takes them, and *reversed*, with the
-polarity of `fx` and `fy` set to -1.
+In the walks `fy` is opposite to the force on both feet; `fx` is inconclusive. So both readings are
+tested: axes *parallel* to the sole's, and *reversed* (polarity of `fx` and `fy` -1).
 
-**Held-out trials.** Mean errors over the steps of a trial that neither fit nor choice has seen,
-with nothing added → with what was found; excess is the mean square of GRF and CoP errors in units
-of the noise, less 1:
+**Held-out trials.** Mean errors over the steps of the held-out trial, without → with the found
+causes; excess is the mean square of GRF and CoP errors in units of the noise, less 1:
 
 | axes | held out | verdict | GRF (N) | CoP (mm) | CoP floor (mm) | excess |
 |---|---|---|---|---|---|---|
@@ -251,28 +248,21 @@ of the noise, less 1:
 |---|---|---|---|
 {causes}
 
-How we read this:
-- `inertia` (the angular momentum that a single mass lacks) is wanted at more than its full size, a
-  factor of 1, in the walks. No physics allows that: it stands in for something else that turns
-  with the steps, and its size is not to be believed.
-- With the sideways forces reversed the gap of the walks is smaller before anything is added, and
-  the forces' own slopes say the same of `fy`. So the sideways axes of these sensors most probably
-  point the other way: `polarity: -1` for `fx` and `fy` in the shoe file.
-- As a picture, what is left of the CoP in the walks is a comb: off to the left in every step on
-  the left foot, to the right in every step on the right foot, alike from the first step to the
-  last. Something fixed to the feet does that, not the dynamics. Which one the diagnosis leaves
-  open: a foot that stands elsewhere than its joints say, or a sensor that sits elsewhere than the
-  shoe file says; soles that are askew below the ankles, or encoders of the ankles' roll joints,
-  would look nearly the same in walking.
-- With both, the CoP of a walk that was never used comes down to about its floor.
-- GRF gains nothing: its error is the zeros' change from trial to trial, which no cause found in
-  two trials foretells in the third. A moment with each foot in the air at the start of every
-  trial would have measured it.
-- The stepping trial, foretold from the walks alone, stays in the dark. The likely reason: the walks
-  have hardly a double support, in which the two feet share the load and press against each other.
+Interpretation:
+- `inertia` (angular momentum that a single mass lacks) exceeds its physical size, a factor of 1. It
+  stands for another cause that alternates with the steps; do not trust its size.
+- With reversed sideways axes the residual of the walks is smaller from the start, and the slopes
+  of `fy` agree. So the axes are probably reversed: `polarity: -1` for `fx` and `fy`.
+- The remaining CoP residual alternates: left in every step on the left foot, right on the right,
+  constant over the trial. Its cause is fixed to the feet: a foot or sensor position, or, nearly
+  indistinguishable in walking, tilted soles or encoders of the ankle rolls.
+- With both, the CoP residual of a held-out walk falls to about its noise floor.
+- GRF does not improve: the zeros change from trial to trial. Lifting each foot at the start of
+  every trial would have measured them.
+- The stepping trial cannot be predicted from the walks, probably because they have almost no double
+  support with shared load.
 
-What is not blind here: that a step counts as one sample, and that both sideways axes are reversed
-together, was settled while looking at all three trials; there is no fourth to check it on. Within a
-row of the tables, fit and causes have seen the two training trials only.
+Not blind: one sample per step, and reversing both sideways axes together, were decided while
+looking at all three trials. Within a row, fit and causes have seen only the two training trials.
 
 """

@@ -1,4 +1,4 @@
-"""Calibrate and diagnose a real humanoid's ankle sensors; write docs/real-robots.md.
+"""Calibrate and diagnose a real humanoid's ankle sensors; write docs/evidence/real-robots.md.
 
     .venv/bin/python benchmarks/real_robots.py FOLDER
 
@@ -34,7 +34,7 @@ def main() -> int:
     """Import, calibrate every split, write the page."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--doc", type=Path, default=ROOT / "docs" / "real-robots.md")
+    parser.add_argument("--doc", type=Path, default=ROOT / "docs" / "evidence" / "real-robots.md")
     args = parser.parse_args()
     settings = load_settings(
         CalibrationSettings, IMPORTS / "reemc_calibrator.yaml", "calibrator", "calibration"
@@ -109,11 +109,11 @@ def _cells(found: Errors) -> list[str]:
 PAGE = """\
 # Real robots
 
-Everything on this page is computed from recordings of real hardware by
+Computed from recordings of real hardware by
 
     .venv/bin/python benchmarks/real_robots.py FOLDER
 
-where FOLDER holds the recordings; they are not part of this project. One split by hand:
+where FOLDER holds the recordings (not part of this project). One split by hand:
 
     .venv/bin/shoecal import csv config/imports/reemc.yaml FOLDER --out out/reemc
     .venv/bin/shoecal calibrate out/reemc --train 1,2 --test 3 \\
@@ -122,15 +122,14 @@ where FOLDER holds the recordings; they are not part of this project. One split 
 ## REEM-C: six-axis sensors in the ankles
 
 Three trials at 50 Hz of a humanoid of 1.65 m, published by eurobench/eb_hum_bench (BSD): slow
-stepping and two walks. Neither the axes nor the offsets of the sensors are documented; the axes
-are taken as parallel to the sole's. No force plate was there, so **the reference is the model**,
-not a truth: weight and CoM of the published URDF, the acceleration of the CoM from joint angles
-and the recorded pose of the base, CoP as zero-moment point.
+stepping and two walks. Axes and offsets of the sensors are not documented; the axes are assumed
+parallel to the sole's. There was no force plate, so **the reference is the model**, not a truth:
+weight and CoM of the URDF, accelerations from joint angles and recorded base pose, CoP as
+zero-moment point.
 
-Stances are found from the data: a foot stands where its vertical readings are loaded and it is
-flat and still, it hangs where they are at their lowest; a hanging foot's wrench is zero. Two
-trials are fitted, the third is only predicted. Errors over all samples of all stances of the
-held-out trial, MAE ± standard deviation:
+Stances are detected: a foot stands if its vertical readings are loaded and it is flat and still; it
+hangs where they are lowest, and then its wrench is zero. Two trials are fitted, the third is
+predicted. MAE ± standard deviation over all samples of the held-out trial's stances:
 
 | fitted on | held out | GRF before (N) | CoP before (mm) | GRF after (N) | CoP after (mm) |
 |---|---|---|---|---|---|
@@ -138,10 +137,9 @@ held-out trial, MAE ± standard deviation:
 
 *Before*: the published readings as they are (gain 1, offset 0).
 
-The vertical gains come out near {gain:.2f} in place of 1. A wrong mass looks exactly like a common
-gain error, and only a known weight separates them: if the sensors' own gains are right, the robot
-weighed about {implied:.0f} kg, not the {mass:.1f} kg of its URDF. Nothing in the recordings
-decides it.
+The vertical gains are near {gain:.2f} instead of 1. A wrong mass looks like a common gain: if the
+sensors' own gains are right, the robot weighed about {implied:.0f} kg, not the {mass:.1f} kg of
+its URDF. The recordings cannot decide it.
 
 The checks of the first split say: {reasons}.
 
@@ -153,12 +151,11 @@ Gains and offsets (fitted on {trained}):
 
 {diagnosis}### What stays open
 
-What the robot weighed; the sensors' axes and places, which a drawing of the ankle would settle;
-how its feet share the load in double support. The base pose is an estimate, and soles are taken as
-rigid and flat. Sample by sample (the first table) the CoP of walking stays centimetres off, since a
-model of accelerations misses much within a step; step by step it does not. The published readings'
-vertical sum is off the model by {bias} on average, which no single set of offsets can mend, so a
-held-out trial's GRF need not fall.
+The robot's weight; axes and positions of the sensors; load sharing in double support. The base
+pose is an estimate, and soles are assumed rigid and flat. Per sample (first table) the CoP of
+walking is centimetres off, because the model misses accelerations within a step; per step it is
+not. The readings' vertical sum is off the model by {bias} on average, which one set of offsets
+cannot correct, so a held-out trial's GRF need not improve.
 """
 
 

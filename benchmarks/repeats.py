@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/repeats.py [--repeats 10] [--robot 1]
 
-Writes a section of docs/trust.md and the key `repeats` of out/trust.json.
+Writes a section of docs/evidence/trust.md and the key `repeats` of out/trust.json.
 """
 
 from __future__ import annotations

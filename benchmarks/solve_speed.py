@@ -127,13 +127,11 @@ the clock and {vs_scipy_analytic_cpu:.0f} times by the processor's time, on mean
 finite differences), in turns, in one process. Costs differ by {cost_difference_scipy_analytic:.1e},
 {cost_difference_scipy_means:.1e} and {cost_difference_scipy_fd:.1e} of their size.
 
-The data take {data_mb:.0f} MB. The extra memory is the peak while solving, less what was held
-before, in a process that solves nothing else: {resident:.1f} MB resident as the kernel counts,
-{traced:.1f} MB allocated as Python counts; the larger one is given.
+The data take {data_mb:.0f} MB. Extra memory is the peak while solving in a process of its own:
+the larger of {resident:.1f} MB resident and {traced:.1f} MB allocated by Python.
 
-Normal equations are sums of weighted moments of the readings, taken in chunks, so that no Jacobian
-is ever written down; fits to a hundredth and a tenth of the samples leave two or three passes over
-all of them.
+The normal equations are sums of weighted moments, taken in chunks without a Jacobian; fits to a
+hundredth and a tenth of the samples leave two or three passes over all.
 
 Measured on {cores} cores ({machine}), OPENBLAS_NUM_THREADS {threads}, with Python {python}, numpy
 {numpy}, scipy {scipy_version}.
@@ -141,7 +139,7 @@ Measured on {cores} cores ({machine}), OPENBLAS_NUM_THREADS {threads}, with Pyth
 
 
 def body(figures: dict[str, float], memory: dict[str, float]) -> str:
-    """The section of docs/performance.md."""
+    """The section of docs/evidence/performance.md."""
     rows = [
         [told, *(f"{figures[name + field]:.2f}" for field in ("_seconds", "_cpu_seconds")), extra]
         for told, name, extra in (

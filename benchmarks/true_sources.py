@@ -1,7 +1,7 @@
 """What is truly wrong in a simulated session, by error source: for a budget of the CoP error.
 
-Names are those of docs/diagnosis.md where it has one; sizes are in SI units, and zero where nothing
-is wrong. Effects that a reality lists beside are not in here: they are in its file.
+Names are those of docs/reference/effects.md where it has one; sizes are in SI units, and zero
+where nothing is wrong. Effects that a reality lists beside are not in here: they are in its file.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ author = "The shoecal authors"
 _PACKAGE = (HERE.parent / "shoecal_core" / "package.xml").read_text(encoding="utf-8")
 release = "".join(re.findall(r"<version>(.*)</version>", _PACKAGE))
 extensions = ["myst_parser"]
-myst_enable_extensions = ["dollarmath"]
+myst_enable_extensions = ["dollarmath", "tasklist"]
 myst_fence_as_directive = ["math"]
 myst_heading_anchors = 4
 html_theme = "furo"
@@ -43,7 +43,7 @@ def _contents(app: Sphinx, page: str, source: list[str]) -> None:
     for section in source[0].split("\n## ")[1:]:
         title, _, body = section.partition("\n")
         pages = dict.fromkeys(name.removesuffix(".md") for name in _linked(body))
-        entries = "\n".join(name for name in pages if not _within_reference(name))
+        entries = "\n".join(name for name in pages if name not in _generated())
         trees.append(f"```{{toctree}}\n:hidden:\n:caption: {title}\n\n{entries}\n```")
     source[0] += "\n" + "\n\n".join(trees) + "\n"
 
@@ -59,8 +59,10 @@ def _linked(text: str) -> list[str]:
     return [plain or anchored for plain, anchored in _LINK.findall(text)]
 
 
-def _within_reference(name: str) -> bool:
-    return name.startswith("reference/") and name != "reference/index"
+def _generated() -> set[str]:
+    """Pages that the table of contents of the generated reference lists."""
+    index = (HERE / "reference" / "index.md").read_text(encoding="utf-8")
+    return {f"reference/{name.removesuffix('.md')}" for name in _linked(index)}
 
 
 def _inline_math(writer: HTML5Translator, node: nodes.math) -> None:

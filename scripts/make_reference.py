@@ -22,14 +22,14 @@ FOLDER = ROOT / "docs" / "reference"
 INDEX = """\
 # Reference
 
-Made by `make reference` from the code; a test holds that it is up to date.
+Generated from the code by `make reference`; a test checks that it is up to date.
 
 - [Topics, services and actions](topics.md), with types and quality of service
-- [Messages, services and actions](interfaces.md): their definitions
+- [Messages, services and actions](interfaces.md): definitions
 - [Parameters](parameters.md) of every node, with units, bounds and defaults
 - [Launch files](launch.md) and their arguments
 - [Commands](commands.md) and their arguments
-- [Files](files.md) of the configuration, key by key
+- [Files](files.md): configuration and results
 """
 
 

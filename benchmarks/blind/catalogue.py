@@ -1,4 +1,4 @@
-"""The effects of the table in docs/diagnosis.md, as the generator and the scorer know them.
+"""The effects of docs/reference/effects.md, as the generator and the scorer know them.
 
 Written from the table, not from the diagnosis' code: identifiers, classes, the kinds of places an
 effect can have, components with their units, and what looks exactly alike.

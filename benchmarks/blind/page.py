@@ -1,4 +1,4 @@
-"""The table: a section of docs/diagnosis.md, and out/blind.json."""
+"""The table: a section of docs/evidence/diagnosis.md, and out/blind.json."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from blind.figures import figures as measured
 from pages import table, write_section
 from shoecal_core.files import atomic_write
 
-PAGE = Path("docs/diagnosis.md")
+PAGE = Path("docs/evidence/diagnosis.md")
 FIGURE = Path("docs/figures/blind-detection.svg")
 JSON = Path("out/blind.json")
 """Within the project."""
@@ -28,33 +28,30 @@ COMPARED = (
 """Figures of which selections are compared."""
 
 BODY = """\
-Made by `{command}`: {sets}. Answers drawn and sealed before anything was
-simulated, SHA-256 `{seal}`; each set was diagnosed once, by processes that
-cannot read them. The floor, the median of clean sets after a plain calibration, is
-{floor}; a set's gap is the larger of CoP and GRF over it, measured by the
-generator's side on the test runs and where something happened once, every set's cells taken to be
-as noisy as those of a usual one. {failed}
+`{command}`: {sets}. Answers were drawn and sealed before the simulation, SHA-256
+`{seal}`; each set was diagnosed once, by processes that cannot read
+them. The noise floor (median of clean sets after a plain calibration) is {floor}; the
+*gap* of a set is its larger ratio of CoP or GRF residual to it, measured by the generator on the
+test runs with the noise of a usual cell. {failed}
 
 {table}
 
-Intervals are of 95 %: exact for shares, by resampling for the others. Right effect, place and set
-are those of single effects that were found, where the gap is at least 1.5 x the floor; exact twins
-(`crosstalk` and `cell_position` of its donor, a slip of either foot) count as one.
+Intervals of 95 %: exact for shares, else by resampling. Right effect, place and set refer to single
+effects that were found, with a gap of at least 1.5; exact twins (`crosstalk` and `cell_position` of
+its donor, a slip of either foot) count as one. A known weight is not part of the standard set.
 
-The standard set holds no known weight: what a reference weight adds is not measured here.
+![Share of single effects found, and named right, against their gap](../figures/{figure})
 
-![Share of single effects found, and named right, against their gap](figures/{figure})
-
-How often a gap was found, by the strength that was meant (the effect's own gap over the floor; some
-effects are swallowed by the calibration, or limited by what a robot can stand):
+Detection by intended strength (the calibration absorbs some effects, and some are limited by what a
+robot can stand):
 
 {strength}
 
-Which class was named first, of single effects whose gap is at least 1.5 x the floor (rows: true):
+Class named first, for single effects with a gap of at least 1.5 (rows: true):
 
 {classes}
 
-Effects that were taken for others, most often first; near twins are marked:
+Confused effects, most frequent first:
 
 {confused}
 

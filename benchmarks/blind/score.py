@@ -28,7 +28,7 @@ def score(
         command: that makes the round, for the page.
         ablations: single sets that are looked at with something switched off; 0: none, and
             neither true effects nor proposed motions are looked at.
-        project: whose docs/diagnosis.md and out/blind.json are written; None: nothing is.
+        project: whose docs/evidence/diagnosis.md and out/blind.json are written; None: nothing is.
     """
     cases, floor, failed = load_cases(place)
     found = figures(cases)

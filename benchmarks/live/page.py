@@ -1,4 +1,4 @@
-"""The section of docs/performance.md."""
+"""The section of docs/evidence/performance.md."""
 
 from __future__ import annotations
 
@@ -15,30 +15,24 @@ BODY = """\
 
 Made by `{command}`.
 
-From just before a frame of eight cells is written into a pseudo-terminal to when a subscriber's
-callback has `/shoe/cop`: the real driver, the real calibrator under a calibration in force, joint
-angles at {joints:g} Hz, Fast DDS, each node its own process. Beside it a bare chain of two nodes
-that relay messages of the same size over as many hops: the first publishes a ready message for
-every frame that comes on a pseudo-terminal of its own, the second answers each with a point. They
-are nodes of rclpy with rclpy's defaults: its executor with one thread, its events at every topic,
-its services for parameters. Both chains get frames in turns of {turn:g} s, {seconds:g} s a chain,
-rate and row, and end at one subscriber.
+Latency from before a frame of eight cells is written into a pseudo-terminal to a subscriber's
+callback of `/shoe/cop`: real driver and calibrator, joint angles at {joints:g} Hz, Fast DDS, one
+process per node. For comparison a bare chain of two default rclpy nodes relays messages of the
+same size over as many hops. Both get frames in turns of {turn:g} s, {seconds:g} s per chain, rate
+and row.
 
 {table}
 
-- *solving*: diagnoses of a session one after the other, by the calibrator's worker;
-  *recording*: a self-calibration that records a run; *planning*: plans of the planner one after
-  the other.
-- Ratio: shoecal's over the bare chain's. *With/without*: shoecal's median, and its 99 %, over its
-  own while nothing goes on. *Bare's with/without*: the bare chain's 99 % likewise. It grows with
-  what goes on, too, though its nodes take no part in that: all processes share {cores} cores. What
-  grows there as here comes from sharing the cores, not from the suite's nodes.
-- Asked for at most {allowed:g} as a ratio, and of a median with to one without. Above it: {above}.
+- *solving*: repeated diagnoses by the calibrator's worker; *recording*: a self-calibration
+  records a run; *planning*: repeated plans.
+- *Ratio*: shoecal over the bare chain. *With/without*: relative to shoecal without other work;
+  *bare's with/without* likewise. All processes share {cores} cores: what grows in both comes from
+  sharing.
+- Target at most {allowed:g}. Above it: {above}.
 - Frames lost of {frames}: shoecal {lost_shoecal:.0f}, bare {lost_bare:.0f}.
 
-Readings and joint angles have a thread of their own in the calibrator, which waits for nothing
-else; one instant is computed in plain numbers; a run is written by another thread; workers have
-the lowest priority (nice {nice}).
+In the calibrator a separate thread handles readings and joint angles, another one writes runs;
+workers have the lowest priority (nice {nice}).
 {priority}
 Measured on {cores} cores ({machine}) with a load of {load:.1f}, Python {python}.
 """

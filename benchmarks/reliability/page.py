@@ -1,4 +1,4 @@
-"""The table of faults: a section of docs/reliability.md, and out/faults.json."""
+"""The table of faults: a section of docs/evidence/reliability.md, and out/faults.json."""
 
 from __future__ import annotations
 
@@ -11,17 +11,19 @@ from reliability.shown import Shown, brief, counted, link, summary
 from shoecal_core.files import atomic_write
 
 SECTION = "faults"
-HEAD = "# Under load and faults\n"
+HEAD = "# Faults and load\n"
+SOURCES = "../../benchmarks/reliability"
+"""From the page to the rows' modules, whose docstrings say what is done and what is simulated."""
 
 BODY = """\
 Made by `make faults`. In short:
 
 {summary}
 
-*This code* are the very sources that stand beside this page: what a row can reach, its imports, the
-nodes it starts and theirs, configuration, messages and data. *Worst* is what came of the worst try;
-where it counts some out of a round number (4 of 500), they are those of one step of the row. Every
-row has a section below that says what is done, what of it is simulated, and the worst in full.
+*This code*: tries with the present sources, as far as the row can reach them (imports, nodes,
+configuration, messages, data). *Worst*: result of the worst try; counts such as 4 of 500 are
+those of one step. What each row does and what of it is simulated is in its module (*details*
+below).
 
 {table}
 
@@ -78,10 +80,14 @@ def _failed(one: Shown) -> str:
 
 
 def _section(key: str, one: Shown) -> str:
-    """What is done, and what is too long for the table."""
+    """Fault, where it is explained in full, and what is too long for the table."""
     told = {
         "Worst": one.result.told,
         "Failed before, with the same code": counted(one.before),
     }
     long = [f"{head}: {text}" for head, text in told.items() if brief(text) != text]
-    return "\n\n".join((f"### `{key}`", f"Fault: {one.found.row.fault}.", one.found.about, *long))
+    summary_line = one.found.about.partition("\n\n")[0]
+    details = f"[details]({SOURCES}/{one.found.module}.py)"
+    return "\n\n".join(
+        (f"### `{key}`", f"Fault: {one.found.row.fault}.", f"{summary_line} ({details})", *long)
+    )

@@ -2,7 +2,7 @@
 
 A module of this package that has a `ROW` is found by `faults.py`. Its docstring says in plain words
 what is done, what must hold and what of it is simulated: it goes onto the page,
-docs/reliability.md.
+docs/evidence/reliability.md.
 """
 
 from __future__ import annotations

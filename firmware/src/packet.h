@@ -1,4 +1,4 @@
-/* Packets of docs/protocol.md: layout, CRC-32, stuffing. */
+/* Packets of docs/reference/protocol.md: layout, CRC-32, stuffing. */
 #ifndef SHOE_PACKET_H
 #define SHOE_PACKET_H
 

@@ -1,6 +1,6 @@
 #include "request.h"
 
-/* The bytes of docs/protocol.md, delimiter before and after. */
+/* The bytes of docs/reference/protocol.md, delimiter before and after. */
 static const uint8_t REQUEST[] = {0x00, 0x07, 0x01, 0x03, 0x04, 0x72, 0xcb, 0xc1, 0x00};
 
 static uint8_t matched;

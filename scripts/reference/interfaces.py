@@ -21,7 +21,7 @@ def interfaces_page(root: Path) -> str:
         for file in sorted((root / "shoecal_msgs" / kind).glob(f"*.{kind}")):
             parts += [f"### {file.stem}", fenced(file.read_text())]
     lead = (
-        "As `ros2 interface show shoecal_msgs/KIND/NAME` tells them. What codes of refusals mean: "
-        "[codes](../diagnostics.md#codes)."
+        "As shown by `ros2 interface show shoecal_msgs/KIND/NAME`. Meaning of error codes: "
+        "[codes](diagnostics.md#codes)."
     )
     return page("Messages, services and actions", lead, parts)

@@ -8,15 +8,9 @@ from reference.made import Link, Made
 from reference.markdown import code, page, table
 from shoecal_core.recording.schemas import RUN_TOPICS
 
-_LEAD = (
-    "Names are under the empty namespace and relative in the code. What each is for, and how the "
-    "nodes behave: [nodes](../nodes.md)."
-)
+_LEAD = "Names are for the empty namespace and relative in the code. Behaviour: [nodes](nodes.md)."
 
-_WHO_HEARS = (
-    "A publisher and a subscriber hear each other where the subscriber asks for no more than the "
-    "publisher offers: nobody who subscribes *reliable* hears a *best effort* publisher."
-)
+_COMPATIBLE = "A *reliable* subscriber receives nothing from a *best effort* publisher."
 
 
 def topics_page(made: Sequence[Made]) -> str:
@@ -30,7 +24,7 @@ def topics_page(made: Sequence[Made]) -> str:
             "## Nodes",
             table(("node", "what it does"), ((code(node.node), node.doc) for node in made)),
             "## Topics",
-            _WHO_HEARS,
+            _COMPATIBLE,
             _topics(of["publishes, subscribes"]),
             _recorded(),
             "## Services",

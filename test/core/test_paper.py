@@ -68,8 +68,8 @@ def test_everything_promised_stands_in_the_json(robots: list[Reproduction]) -> N
 
 def test_page_and_figures(robots: list[Reproduction], tmp_path: Path) -> None:
     paper = Paper(robots)
-    doc, figures = tmp_path / "docs" / "paper.md", tmp_path / "out" / "paper.json"
-    doc.parent.mkdir()
+    doc, figures = tmp_path / "docs" / "evidence" / "paper.md", tmp_path / "out" / "paper.json"
+    doc.parent.mkdir(parents=True)
     # Cells of another seed read the runs: the assumptions cannot hold, and that is told.
     assert write(paper, figures, doc) == 1
     text = doc.read_text()
@@ -78,8 +78,8 @@ def test_page_and_figures(robots: list[Reproduction], tmp_path: Path) -> None:
     assert "missed: " in text
     names = ("manual", "assumptions", "train", "test", "errors")
     for name in names:
-        assert f"(figures/paper-{name}.svg)" in text
-        ElementTree.parse(doc.parent / "figures" / f"paper-{name}.svg")
+        assert f"(../figures/paper-{name}.svg)" in text
+        ElementTree.parse(doc.parent.parent / "figures" / f"paper-{name}.svg")
     assert json.loads(figures.read_text())["seed"] == 1
     assert "4.53 ± 1.89" in text
     assert "nan" not in text

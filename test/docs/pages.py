@@ -51,7 +51,7 @@ class Block:
 @cache
 def pages() -> tuple[Path, ...]:
     """README first, then the tutorial: what later pages name is made there."""
-    first = [ROOT / "README.md", ROOT / "docs" / "tutorial.md"]
+    first = [ROOT / "README.md", ROOT / "docs" / "guide" / "tutorial.md"]
     rest = [ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
     return tuple(first + [page for page in rest if page not in first])
 

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import pytest
 
+from docs.command_check import problem
 from docs.pages import ROOT, Block, blocks, make_calls
-from docs.told import problem
 
 SHELLS = ("sh", "bash", "console")
 TIMEOUT_S = 240.0
-ALLOWED = ("shoecal", ".venv/bin/shoecal", "cp", "mkdir", "cat")
+ALLOWED = ("shoecal", ".venv/bin/shoecal", ".venv/bin/python", "cp", "mkdir", "cat")
 """What a block that is run may start."""
 
 
@@ -78,14 +78,14 @@ def test_commands_run(checkout: Path) -> None:
         for command in new:
             program = command.split()[0]
             assert program in ALLOWED, f"{name_of(block)}: why is '{program}' to be run?"
-            told = subprocess.run(
+            result = subprocess.run(
                 command, shell=True, cwd=checkout, env=environment, capture_output=True, text=True,
                 timeout=TIMEOUT_S, check=False,
             )  # fmt: skip
             fails = bool(block.fails) and command == new[-1]
-            assert (told.returncode != 0) == fails, (
-                f"{name_of(block)}: {command}\n{told.stdout}{told.stderr}"
+            assert (result.returncode != 0) == fails, (
+                f"{name_of(block)}: {command}\n{result.stdout}{result.stderr}"
             )
-            assert "Traceback" not in told.stderr, told.stderr
+            assert "Traceback" not in result.stderr, result.stderr
             done.add(command)
     assert len(done) > 10

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -60,3 +61,16 @@ def test_every_picture_is_shown_and_made_by_a_command() -> None:
     makefile = (ROOT / "Makefile").read_text()
     for target in MADE:
         assert f"\n{target}: " in makefile, target
+
+
+def test_sources_that_are_named_exist() -> None:
+    """Modules are named by their path in the checkout or in one of the packages."""
+    packages = [ROOT / name for name in ("shoecal_core", "shoecal_ros")]
+    bases = [ROOT, *packages, *(package / package.name for package in packages)]
+    lost = [
+        f"{page.relative_to(ROOT)}: {name}"
+        for page in pages()
+        for name in re.findall(r"`([\w/]+/\w+\.py)`", page.read_text())
+        if not name.startswith("out/") and not any((base / name).exists() for base in bases)
+    ]
+    assert not lost, "\n".join(lost)

@@ -1,4 +1,4 @@
-"""Messages that docs/troubleshooting.md quotes are those that programs say."""
+"""Messages that docs/how-to/troubleshooting.md quotes are those that programs say."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 from docs.pages import ROOT
 
-PAGE = ROOT / "docs/troubleshooting.md"
+PAGE = ROOT / "docs/how-to/troubleshooting.md"
 _QUOTED = re.compile(r"(?<!\*)\*([^*]+)\*(?!\*)")
 _LEAST = 8
 """Letters of a piece between two `…` that is looked for."""
@@ -35,13 +35,13 @@ def _texts(file: Path) -> list[str]:
         if isinstance(node, ast.JoinedStr):
             parts = (p.value for p in node.values if isinstance(p, ast.Constant))
             texts.append("…".join(map(str, parts)))
-            texts.append("".join(_told(part) for part in node.values))
+            texts.append("".join(_shown(part) for part in node.values))
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             texts.append(node.value)
     return texts
 
 
-def _told(part: ast.expr) -> str:
+def _shown(part: ast.expr) -> str:
     return str(part.value) if isinstance(part, ast.Constant) else "…"
 
 

@@ -147,8 +147,8 @@ def test_wheel_holds_what_it_must(wheel: zipfile.Path) -> None:
     share = f"shoecal_core-{version}.data/data/share/shoecal_core"
     config = [file for file in (ROOT / "config").rglob("*") if file.is_file()]
     assert not {f"{share}/config/{file.relative_to(ROOT / 'config')}" for file in config} - names
-    told = {name.rpartition("/")[2] for name in names if ".dist-info/" in name}
-    assert {"LICENSE", "entry_points.txt"} <= told
+    metadata = {name.rpartition("/")[2] for name in names if ".dist-info/" in name}
+    assert {"LICENSE", "entry_points.txt"} <= metadata
     assert not [name for name in names if name.startswith(("test", "config")) or ".pyc" in name]
 
 
@@ -159,14 +159,14 @@ def test_colcon_test_finds_the_tests(tmp_path: Path) -> None:
     environment = os.environ | {
         "PATH": f"{sys.prefix}/bin:{os.environ['PATH']}", "COLCON_HOME": str(tmp_path),
     }  # fmt: skip
-    told = subprocess.run(
+    tested = subprocess.run(
         [colcon, "--log-base", tmp_path / "log", "test", "--merge-install", "--base-paths",
          ROOT / "shoecal_core", "--build-base", ROOT / "build", "--install-base", ROOT / "install",
          "--test-result-base", tmp_path, "--return-code-on-test-failure",
          "--pytest-args", "../test/core/test_settings.py"],
         cwd=ROOT, env=environment, capture_output=True, text=True, timeout=240, check=False,
     )  # fmt: skip
-    assert told.returncode == 0, told.stdout + told.stderr
+    assert tested.returncode == 0, tested.stdout + tested.stderr
     result = ET.parse(tmp_path / "shoecal_core" / "pytest.xml").getroot()
     suite = result if result.tag == "testsuite" else result[0]
     assert int(suite.attrib["tests"]) > 5

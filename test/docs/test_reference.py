@@ -10,8 +10,8 @@ from docs.pages import ROOT
 
 def test_it_is_up_to_date() -> None:
     # A process of its own: it starts every node.
-    told = subprocess.run(
+    result = subprocess.run(
         [sys.executable, ROOT / "scripts/make_reference.py", "--check"],
         capture_output=True, text=True, timeout=240, check=False,
     )  # fmt: skip
-    assert told.returncode == 0, told.stderr
+    assert result.returncode == 0, result.stderr

@@ -236,7 +236,7 @@ def test_pages_results_and_what_is_no_file_of_the_project_do_not_count(tmp_path:
     (tmp_path / "beside.yaml").touch()
     program = tmp_path / "names.py"
     program.write_text(
-        "f''\n'docs/reliability.md'\n'docs/reliability/soak.json'\n'/etc/passwd'\n"
+        "f''\n'docs/evidence/reliability.md'\n'docs/evidence/reliability/soak.json'\n'/etc/passwd'\n"
         "'test/data/robots'\n'beside.yaml'\n'test/data/shoes/odd_shoe.yaml'\n"
     )
     assert sources._reached(program) == {ROOT / "test" / "data" / "shoes" / "odd_shoe.yaml"}
@@ -347,7 +347,7 @@ def test_page(tmp_path: Path) -> None:
     once_more = "before, with the same code, 2 of 50: at 7"
     assert f"| [`again`](#again) | all even | 25 | all | 0; {once_more} | fine |" in text
     assert "| [`none`](#none) | all even | 0 of 25 |  |  | not tried |" in text
-    assert "### `odd`\n\nFault: odd | numbers.\n\nWhat it does.\n\n### `again`" in text
+    assert "### `odd`\n\nFault: odd | numbers.\n\nWhat it does. ([details](" in text
     assert text.count(long.strip()) == 1, "in its own section alone"
     some = "3 of [`odd`](#odd)"
     for line in (

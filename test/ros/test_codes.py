@@ -12,7 +12,7 @@ from shoecal_ros.common.codes import Code
 from shoecal_ros.inputs import joining, joints
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs/diagnostics.md").read_text()
+PAGE = (ROOT / "docs/reference/diagnostics.md").read_text()
 DEFINITIONS = [
     *sorted((ROOT / "shoecal_msgs/action").glob("*.action")),
     *sorted((ROOT / "shoecal_msgs/srv").glob("*.srv")),
@@ -44,7 +44,7 @@ def test_codes_are_distinct_and_documented(file: Path) -> None:
     assert len({number for _, number in refusals}) == len({name for name, _ in refusals})
     assert len(refusals) == len({number for _, number in refusals})
     row = re.search(rf"^\| \w+ `{file.stem}` \| (.*) \|$", PAGE, re.MULTILINE)
-    assert row is not None, f"{file.stem} is missing in docs/diagnostics.md"
+    assert row is not None, f"{file.stem} is missing in docs/reference/diagnostics.md"
     assert row[1] == ", ".join(f"{number} `{name}`" for name, number in refusals)
 
 

@@ -55,7 +55,7 @@ BY_HAND: Mapping[str, ByHand] = {
     WARM: ByHand("hold", later=600.0, warmer=3.0),
     WEIGHTED: ByHand("landmarks", mass=KNOWN_MASS),
 }
-"""Beside the menu; see docs/nodes.md for what a person does."""
+"""Beside the menu; see docs/reference/nodes.md for what a person does."""
 
 
 def possible_runs(

@@ -14,7 +14,7 @@ class Code(StrEnum):
     """Stand beside the messages of diagnostics, one for each thing that may be wrong.
 
     Where an error is told, its `error_code` stands there instead. What they mean and the cures are
-    in docs/diagnostics.md.
+    in docs/reference/diagnostics.md.
     """
 
     OK = "ok"

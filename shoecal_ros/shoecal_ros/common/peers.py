@@ -144,7 +144,7 @@ def _misfit(
     return Problem(
         Code.QOS_MISFIT,
         f"'{node_name(other)}' {verb} {topic} with another quality of service ({why}): "
-        "nothing gets through; give it that of docs/nodes.md",
+        "nothing gets through; give it that of docs/reference/topics.md",
     )
 
 

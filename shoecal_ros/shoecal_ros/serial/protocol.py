@@ -1,4 +1,4 @@
-"""The binary protocol, version 1, both ways; docs/protocol.md is its definition."""
+"""The binary protocol, version 1, both ways; docs/reference/protocol.md is its definition."""
 
 from __future__ import annotations
 

@@ -63,8 +63,8 @@ def test_a_small_round(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         assert "verdict" in json.loads(place.diagnosis(answer.number).read_text())
 
     project = tmp_path / "project"
-    (project / "docs").mkdir(parents=True)
-    shutil.copy(ROOT / "docs" / "diagnosis.md", project / "docs")
+    (project / "docs" / "evidence").mkdir(parents=True)
+    shutil.copy(ROOT / "docs" / "evidence" / "diagnosis.md", project / "docs" / "evidence")
     figures = score(place, 2, command="make blind", ablations=0, project=project)
     assert figures["errors"].value == 0.0
     told = json.loads((project / "out" / "blind.json").read_text())
@@ -73,6 +73,6 @@ def test_a_small_round(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         set(one) == {"value", "interval", "target", "met", "count"}
         for one in told["figures"].values()
     )
-    page = (project / "docs" / "diagnosis.md").read_text()
+    page = (project / "docs" / "evidence" / "diagnosis.md").read_text()
     assert digest in page
     assert (project / "docs" / "figures" / "blind-detection.svg").is_file()

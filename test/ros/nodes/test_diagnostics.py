@@ -17,7 +17,7 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.health import Level
 from shoecal_ros.nodes.simulator import SimulatorSettings
 
-PAGE = Path(__file__).parents[3] / "docs/diagnostics.md"
+PAGE = Path(__file__).parents[3] / "docs/reference/diagnostics.md"
 NODES = ("shoe_driver", "model", "planner", "calibrator", "simulator", "voltage_stream")
 STREAM = Path(shoecal_ros.__file__).parent / "voltage_stream.py"
 INPUTS = {

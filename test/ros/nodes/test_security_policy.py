@@ -17,7 +17,7 @@ from shoecal_ros.viewers.layouts import shown_by
 
 NODES = ("shoe_driver", "model", "planner", "calibrator", "simulator", "voltage_stream")
 SOURCES = Path(shoecal_ros.__file__).parent
-PAGE = " ".join((ROOT / "docs/security.md").read_text().split())
+PAGE = " ".join((ROOT / "docs/reference/security.md").read_text().split())
 NOT_ALWAYS = {
     "shoe_driver": {"/shoe/voltages"},  # heard while somebody else sends them, too
     "calibrator": set(schemas.RUN_TOPICS),  # heard while it records; it stops the robot

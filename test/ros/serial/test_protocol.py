@@ -23,7 +23,7 @@ from shoecal_ros.serial.protocol import (
     encode_info,
 )
 
-DOCUMENT = (Path(__file__).parents[3] / "docs/protocol.md").read_text()
+DOCUMENT = (Path(__file__).parents[3] / "docs/reference/protocol.md").read_text()
 EXAMPLE = Frame(258, 1_000_000, (0, 1), (0, 1), (-5, 8388607), 25.25)
 
 

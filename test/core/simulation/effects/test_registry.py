@@ -31,7 +31,7 @@ def test_the_default_file_has_an_example_of_every_effect_and_each_can_be_read(
 
 
 def test_every_effect_stands_in_the_table() -> None:
-    page = (ROOT / "docs" / "simulation.md").read_text()
+    page = (ROOT / "docs" / "reference" / "effects.md").read_text()
     for name in EFFECTS:
         assert f"\n| `{name}` | " in page, name
 

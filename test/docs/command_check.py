@@ -11,7 +11,7 @@ from functools import cache
 
 import yaml
 
-from docs.pages import ROOT, words
+from docs.pages import ROOT, blocks, words
 from reference.commands import command_parser
 from reference.launch_files import arguments
 from shoecal_core.commands.parsers import COMMANDS, command_line
@@ -38,12 +38,12 @@ def _shoecal(parts: list[str]) -> str:
     if parts[0] not in COMMANDS:
         return f"no command {parts[0]}"
     cut = next((i for i, part in enumerate(parts) if part in ("|", ">", "&&")), len(parts))
-    told = io.StringIO()
+    errors = io.StringIO()
     try:
-        with contextlib.redirect_stderr(told):
+        with contextlib.redirect_stderr(errors):
             command_line(parts[:1]).parse_args(parts[:cut])
     except SystemExit:
-        return told.getvalue()
+        return errors.getvalue()
     return ""
 
 
@@ -88,7 +88,9 @@ def _python(parts: list[str]) -> str:
             if (ROOT / package[0] / "/".join(package)).with_suffix(".py").exists()
             else (f"no module {parts[1]}")
         )
-    return "" if not script or (ROOT / script).exists() else f"no file {script}"
+    written = {block.title for block in blocks()}
+    known = not script or script in written or (ROOT / script).exists()
+    return "" if known else f"no file {script}"
 
 
 def _ros2(parts: list[str]) -> str:

@@ -1,0 +1,71 @@
+"""Figures that README and the pages for users quote are those of the generated tables."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from docs.pages import ROOT
+
+EVIDENCE = ROOT / "docs" / "evidence"
+README = (ROOT / "README.md").read_text()
+MOTIONS = ROOT / "docs" / "how-to" / "choose-motions.md"
+
+
+def cells(line: str) -> list[str]:
+    return [cell.strip(" *") for cell in line.strip("|").split("|")]
+
+
+def row(page: str, start: str) -> list[str]:
+    """The first row of a table that begins so."""
+    lines = (EVIDENCE / page).read_text().splitlines()
+    return cells(next(line for line in lines if line.startswith(f"| {start}")))
+
+
+def test_readme_quotes_the_demo() -> None:
+    head, values = row("demo.md", "seed")[1:], row("demo.md", "**median**")[1:]
+    median = dict(zip(head, map(float, values), strict=True))
+    before, after = median["guess CoP [mm]"], median["test CoP [mm]"]
+    assert f"CoP {before:.1f} → {after:.1f} mm" in README
+    before, after = median["guess GRF [N]"], median["test GRF [N]"]
+    assert f"GRF {before:.1f} → {after:.2f} N" in README
+    assert f"| {median['total [s]']:.0f} s (median of 10)" in README
+
+
+def test_readme_quotes_the_blind_test() -> None:
+    def share(figure: str) -> str:
+        return f"{float(row('diagnosis.md', figure)[2]):.0%}".replace("%", " %")
+
+    assert f"finds {share('found, where')} of effects" in README
+    assert f"the right one first in {share('right effect first')}" in README
+    assert f"both of two causes {share('both of two found')}" in README
+    assert f"unknown causes recognised {share('unknown effects called')}" in README
+    alarms = row("diagnosis.md", "false alarms")
+    assert float(alarms[2]) == 0.0
+    assert f"no false alarm in {alarms[4]} clean sets" in README
+
+
+def test_readme_quotes_the_real_recordings() -> None:
+    before, after = map(float, row("real-robots.md", "parallel | walking b")[4].split(" → "))
+    assert f"held-out walk {before:.0f} → {after:.0f} mm" in README
+
+
+def quoted() -> Iterator[tuple[str, Path]]:
+    """Each accuracy of the page on motions, with the page of its table."""
+    target = EVIDENCE
+    for line in MOTIONS.read_text().splitlines():
+        parts = cells(line)
+        if len(parts) == 4:
+            link = re.search(r"\((\.\./evidence/[\w-]+\.md)", parts[3])
+            target = (MOTIONS.parent / link[1]).resolve() if link else target
+            for figure in re.findall(r"\d+\.\d", parts[2]):
+                yield figure, target
+
+
+def test_accuracy_of_motions_is_in_the_tables() -> None:
+    found = list(quoted())
+    assert len(found) > 15
+    for figure, page in found:
+        numbers = {f"{float(number):.1f}" for number in re.findall(r"\d+\.\d+", page.read_text())}
+        assert figure in numbers, f"{figure} is not in {page.name}"
