@@ -46,7 +46,7 @@ class Tolerances(Settings):
         0.0008, "m", "where the right foot stands in each run, beyond what the joints explain",
         minimum=0.0,
     )  # fmt: skip
-    support_rad: float = setting(0.008, "rad", "the same of its yaw", minimum=0.0)
+    support_rad: float = setting(0.006, "rad", "the same of its yaw", minimum=0.0)
     sideways_share: float = setting(
         0.045, "", "sideways force between the feet as a share of the weight: at the cells' "
         "height it moves each foot's CoP, and no cell feels it", minimum=0.0,
