@@ -48,15 +48,16 @@ def assembled(
     shift = np.zeros(count)
     keep = np.eye(2 * count)
     noise = np.zeros(count)
-    for foot in (0, 1):
+    for foot in shoe.feet:
         bare = _bare(loads, foot)
         channels = shoe.of_foot(foot)
         readings = np.zeros(count)
         readings[channels] = bare.mean
-        columns = shoe.columns[channels].T
+        columns = _rows(shoe, foot)
         inverse = np.linalg.pinv(columns)
         found = foot_wrenches(shoe, parameters.outputs(readings))[foot]
-        shift[channels] = inverse @ (shoe_wrench(shoe, foot) - found)
+        missing = shoe_wrench(shoe, foot) - found
+        shift[channels] = inverse @ missing[: len(columns)]
         seen = inverse @ columns
         offsets = count + channels
         keep[np.ix_(offsets, offsets)] -= seen
@@ -67,6 +68,12 @@ def assembled(
     shifted = ChannelParameters(parameters.gain, parameters.offset + shift)
     known = covariance is not None and bool(np.isfinite(covariance).all())
     return shifted, covariance if known else None, shift
+
+
+def _rows(shoe: Shoe, foot: int) -> FloatArray:
+    """(3, k) force and moments by output of a foot's k channels; (1, k) where they give no CoP."""
+    columns = shoe.columns[shoe.of_foot(foot)].T
+    return columns if shoe.gives_cop[foot] else columns[:1]
 
 
 def _bare(loads: Measurements, foot: int) -> Entry:
@@ -83,9 +90,9 @@ def _of_noise(shoe: Shoe, noise: FloatArray) -> FloatArray:
     """(2n, 2n) what the noise (n,) of the bare readings [N] adds to the offsets' covariance."""
     count = len(noise)
     added = np.zeros((2 * count, 2 * count))
-    for foot in (0, 1):
+    for foot in shoe.feet:
         channels = shoe.of_foot(foot)
-        columns = shoe.columns[channels].T
+        columns = _rows(shoe, foot)
         seen = np.linalg.pinv(columns) @ columns
         offsets = count + channels
         added[np.ix_(offsets, offsets)] = seen @ np.diag(noise[channels] ** 2) @ seen.T

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.calibration.manual.calibrate import of_shoe
 from shoecal_core.calibration.manual.cells import wrong_response
 from shoecal_core.calibration.manual.guide import Check
 from shoecal_core.calibration.manual.measurements import Entry, Measurements
@@ -33,7 +34,8 @@ def shoe_check(cells: Calibration) -> Check:
         bare = [other for other in before.of_foot(load.foot) if not other.load.place]
         if not load.place or not bare:
             return ""
-        gain = cells.parameters.gain[before.shoe.of_foot(load.foot)]
+        one = before.shoe.of_one_foot(load.foot)
+        gain = of_shoe(cells, one).parameters.gain
         return wrong_weight(
             load, float(np.sum(gain * (entry.mean - bare[0].mean))), load.mass * GRAVITY
         )

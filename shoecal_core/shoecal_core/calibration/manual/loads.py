@@ -46,7 +46,7 @@ class Load:
 
 
 def planned_loads(
-    kind: str, shoe: Shoe, weights: Sequence[float], feet: Sequence[int] = (0, 1)
+    kind: str, shoe: Shoe, weights: Sequence[float], feet: Sequence[int] | None = None
 ) -> tuple[Load, ...]:
     """Every load of a manual calibration, in an order with little carrying.
 
@@ -57,11 +57,12 @@ def planned_loads(
         kind: CELLS or SHOE.
         shoe: to be loaded.
         weights: one or more [kg].
-        feet: of it.
+        feet: of it; None: all that have channels.
 
     Raises:
         FieldError: when the shoe has no holes, or no cells that could bear a weight alone.
     """
+    feet = shoe.feet if feet is None else feet
     if kind == CELLS:
         require_cells(shoe)
         return tuple(
