@@ -16,7 +16,7 @@ from shoecal_core.model.double_support import DoubleSupport, read_support
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.container import MAX_RECORDS
 from shoecal_core.recording.listing import HINTS
-from shoecal_core.recording.series import series
+from shoecal_core.recording.messages import series
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import AXES, FEET, Shoe
 

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import Block
-from shoecal_core.recording.join import Piece
-from shoecal_core.recording.resample import at_common_instants, sampled_apart
+from shoecal_core.recording.join import Piece, at_common_instants, sampled_apart
 from shoecal_core.recording.run import Floats, Readings
 from shoecal_core.recording.source import Source
 from shoecal_core.sensing.shoe import AXES, FEET, Shoe

@@ -16,9 +16,9 @@ from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.container import read_container
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.join import Piece
+from shoecal_core.recording.messages import series
 from shoecal_core.recording.reader import seconds
 from shoecal_core.recording.run import Floats
-from shoecal_core.recording.series import series
 from shoecal_core.recording.source import Source
 from shoecal_core.recording.writer import RunWriter
 
