@@ -82,7 +82,7 @@ def _bend(body: Body, knee: int, left: FloatArray) -> float:
         raise UrdfError(
             body.urdf,
             f"does not bend {LEAST_BEND:g} rad backwards as a knee must (limits {low:g} to "
-            f"{high:g} rad); mend its limits or its axis",
+            f"{high:g} rad); correct its limits or its axis",
             field=f"joint {body.model.names[knee]}",
         )
     return min(BEND, most)

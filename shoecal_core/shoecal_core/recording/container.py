@@ -184,7 +184,7 @@ def unfold(chunk: Chunk) -> list[McapRecord]:
     if chunk.uncompressed_size > MAX_CHUNK:
         raise McapError(f"a chunk of {chunk.uncompressed_size} bytes")
     if chunk.compression == _ZSTD and zstandard.frame_content_size(chunk.data) not in (
-        -1,  # not told; the decompressor keeps to the size below
+        -1,  # unknown; the decompressor keeps to the size below
         chunk.uncompressed_size,
     ):
         raise McapError("a chunk that is larger than it says")
@@ -225,7 +225,7 @@ class _Reader(StreamReader):
 
 
 class _Within:
-    """A file that gives nothing where more is asked for than it holds.
+    """A file that raises EndOfFile where more is asked for than it holds.
 
     A length gone wrong must not fill the memory.
     """

@@ -62,7 +62,7 @@ def join(
     """Put pieces together by equal stamps.
 
     Returns:
-        Stamps (T,), and each quantity (T, width), NaN where no piece gives it.
+        Stamps (T,), and each quantity (T, width), NaN where no piece has it.
 
     Raises:
         TwoSourcesError: when a column is given twice at one time.

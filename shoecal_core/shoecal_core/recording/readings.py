@@ -57,7 +57,7 @@ def make_readings(source: Source, shoe: Shoe, time: Floats, joined: dict[str, Fl
         missing & (joined["status"] != schemas.FAULT), schemas.NO_DATA, joined["status"]
     )
     never = missing.all(axis=0)
-    source.notes += [f"channel '{name}' was never given" for name in np.array(shoe.names)[never]]
+    source.notes += [f"channel '{name}' has no readings" for name in np.array(shoe.names)[never]]
     partial = int(missing[:, ~never].any(axis=1).sum())
     if partial:
         source.notes.append(f"{partial} of {len(time)} readings lack some channels")
@@ -91,8 +91,8 @@ class _Gathered:
             if numbers[name].shape[1] != len(cells):
                 raise self._source.error(
                     topic,
-                    f"gives {numbers[name].shape[1]} values of '{name}' for {len(cells)} cells; "
-                    "mend the driver",
+                    f"has {numbers[name].shape[1]} values of '{name}' for {len(cells)} cells; "
+                    "correct the driver",
                 )
         self._check_counter(cells, numbers["sequence"][:, 0])
         shape = (len(block.index), len(cells))

@@ -1,4 +1,4 @@
-"""What assembling the shoe did to the offsets: told by the bare shoe.
+"""What assembling the shoe did to the offsets, by the reading of the bare shoe.
 
 Screwing a cell in shifts its zero. Without a weight the foot's wrench must be that of the shoe
 alone: the top plate, which the cells feel, and the parts below, which `foot_wrenches` adds. The
@@ -81,7 +81,7 @@ def _bare(loads: Measurements, foot: int) -> Entry:
         if not entry.load.place:
             return entry
     raise loads.error(
-        f"the reading of the bare {FEET[foot]} shoe (0 kg) is missing; it tells what assembling "
+        f"the reading of the bare {FEET[foot]} shoe (0 kg) is missing; it shows what assembling "
         "has done to the offsets"
     )
 

@@ -265,8 +265,8 @@ def _carried(cells: Calibration, findings: Sequence[Finding]) -> list[Finding]:
     """Findings, and those of the first step that the second one does not make good."""
     known = {finding.reason for finding in findings} | {CELLS_ONLY}
     carried = []
-    for told in cells.reasons:
-        verdict, _, reason = told.partition(": ")
+    for line in cells.reasons:
+        verdict, _, reason = line.partition(": ")
         if verdict in ("WARN", "FAIL") and reason not in known:
             carried.append(Finding(verdict, reason))
     return [*findings, *carried]

@@ -59,7 +59,7 @@ class Guide:
             plan: one or more loads.
             measurements: of an earlier session, or none.
             settings: what a still reading is.
-            check: told what was read before and a new reading, says what is wrong with it.
+            check: of what was read before and a new reading: what is wrong with the new one.
         """
         self.plan = tuple(plan)
         self.measurements = measurements
@@ -94,7 +94,7 @@ class Guide:
         return 0 if self._reading is None else self._reading.gathered
 
     def news(self) -> str:
-        """What became of the last reading or key, told once; empty when there is nothing."""
+        """What became of the last reading or key, once; empty when there is nothing new."""
         said, self._said = self._said, ""
         return said
 
@@ -125,7 +125,7 @@ class Guide:
 
         Args:
             readings: NaN where a channel gave none.
-            stamp_ns: when they were sampled, 0 where nobody knows.
+            stamp_ns: when they were sampled, 0 where not known.
         """
         if self._reading is None:
             return

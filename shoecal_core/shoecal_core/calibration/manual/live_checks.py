@@ -1,4 +1,4 @@
-"""What can be said of a reading at once, while the weight still stands there."""
+"""What can be said of a reading at once, while the weight is still there."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def cell_check(before: Measurements, entry: Entry) -> str:
 
 
 def shoe_check(cells: Calibration) -> Check:
-    """Whether another weight stands there than was asked for.
+    """Whether another weight is there than was asked for.
 
     Args:
         cells: calibration of the single cells.

@@ -1,4 +1,4 @@
-"""Known loads: which weight stands where, and in which order a person puts it there."""
+"""Known loads: weights, places, and the order in which a person puts them there."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class Load:
 
     Attributes:
         foot: index into FEET.
-        place: name of the cell (`left/front_left`) that bears it alone, or of the hole it stands
-            in; empty for the bare shoe.
+        place: name of the cell (`left/front_left`) that bears it alone, or of the hole with
+            the weight; empty for the bare shoe.
         mass: of the weight [kg].
     """
 
@@ -51,7 +51,7 @@ def planned_loads(
     """Every load of a manual calibration, in an order with little carrying.
 
     A cell bears all weights before the next cell is taken; a weight walks through all holes,
-    from each to the one beside it, before the next weight is taken.
+    from each to the next one, before the next weight is taken.
 
     Args:
         kind: CELLS or SHOE.

@@ -97,7 +97,7 @@ def wrong_weight(load: Load, force: float, expected: float) -> str:
     if abs(force - expected) <= FORCE_ERROR + FORCE_SHARE * abs(expected):
         return ""
     weighs = load.mass + (force - expected) / GRAVITY
-    return f"{load}: weighs {weighs:.2f} kg; see which weight stands there and read it again"
+    return f"{load}: weighs {weighs:.2f} kg; see which weight is there and read it again"
 
 
 def _check_weights(loads: Measurements, found: ShoeLoads) -> None:
