@@ -24,8 +24,7 @@ from shoecal_core.calibration.manual.calibrate import (
     of_shoe,
 )
 from shoecal_core.calibration.manual.cells import CellFit
-from shoecal_core.calibration.manual.guide import Check, Guide
-from shoecal_core.calibration.manual.live_checks import cell_check, shoe_check
+from shoecal_core.calibration.manual.guide import Check, Guide, cell_check, shoe_check
 from shoecal_core.calibration.manual.loads import CELLS, SHOE, Load, planned_loads
 from shoecal_core.calibration.manual.measurements import Measurements
 from shoecal_core.calibration.manual.measurements_file import load_measurements, save_measurements

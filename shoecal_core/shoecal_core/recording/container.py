@@ -116,6 +116,12 @@ class _Collected:
         self._log_time: dict[str, list[int]] = defaultdict(list)
 
     def add(self, record: McapRecord) -> None:
+        """Take the next record.
+
+        Raises:
+            RecordingError: for a channel of another type.
+            DamagedError: for data without a checksum.
+        """
         if self._ended:  # only the index follows, which no checksum read here covers
             return
         if isinstance(record, Message):
@@ -136,6 +142,12 @@ class _Collected:
             self._ended = True
 
     def contents(self) -> Contents:
+        """All that was taken.
+
+        Raises:
+            DamagedError: where the data's end was not among it.
+            RecordingError: where the metadata record was not.
+        """
         if not self._ended:
             raise DamagedError(self._path, "its data has no end")
         if self._info is None:
@@ -146,7 +158,11 @@ class _Collected:
 def check_channel(
     path: Path, channel: Channel, schema: Schema | None, topics: Mapping[str, str]
 ) -> None:
-    """Refuse a known topic of another type, another version of it or another encoding."""
+    """Refuse a known topic of another type, another version of it or another encoding.
+
+    Raises:
+        RecordingError: naming file and topic.
+    """
     kind = topics.get(channel.topic)
     if kind is None:
         return

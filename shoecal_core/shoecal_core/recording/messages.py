@@ -127,7 +127,11 @@ def temperature(stamp_ns: int, frame_id: str, value: float) -> bytes:
 def joint_trajectory(
     stamp_ns: int, names: Sequence[str], time_from_start: ArrayLike, position: ArrayLike
 ) -> bytes:
-    """trajectory_msgs/JointTrajectory: times (K,) [s], angles (K, m) [rad]."""
+    """trajectory_msgs/JointTrajectory: times (K,) [s], angles (K, m) [rad].
+
+    Raises:
+        ShapeError: for angles of another shape.
+    """
     times = np.asarray(time_from_start, dtype=np.float64)
     angles = np.asarray(position, dtype=np.float64)
     if times.ndim != 1 or angles.shape != (len(times), len(names)):

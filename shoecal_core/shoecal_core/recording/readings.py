@@ -50,7 +50,14 @@ def read_readings(source: Source, shoe: Shoe) -> tuple[NDArray[np.int64], dict[s
 
 
 def make_readings(source: Source, shoe: Shoe, time: Floats, joined: dict[str, Floats]) -> Readings:
-    """Readings from joined quantities; what is missing is noted."""
+    """Readings from joined quantities; what is missing is noted in `source`.
+
+    Args:
+        source: of the run.
+        shoe: whose n channels they are of.
+        time: (T,) since the run's start [s].
+        joined: (T, n) by quantity, as `read_readings` returns them.
+    """
     value = np.where(np.isfinite(joined["value"]), joined["value"], np.nan)
     missing = np.isnan(value)
     status = np.where(
@@ -86,6 +93,11 @@ class _Gathered:
         return [piece for pieces in self.sources.values() for piece in pieces]
 
     def add_voltages(self, block: Block) -> None:
+        """Messages of a driver.
+
+        Raises:
+            RecordingError: for values that do not match the cells, and two devices on one topic.
+        """
         topic, cells, numbers = schemas.VOLTAGES, block.texts["cell"], block.numbers
         for name in ("voltage", "status"):
             if numbers[name].shape[1] != len(cells):
@@ -105,6 +117,7 @@ class _Gathered:
         self._add(topic, cells, block, values)
 
     def add_wrenches(self, topic: str, foot: str, axes: list[str], block: Block) -> None:
+        """Messages of a six-axis sensor, of which the shoe has these axes."""
         value = block.group(*(_WRENCH_FIELD[axis] for axis in axes))
         status = np.full(value.shape, float(schemas.GOOD))
         names = tuple(f"{foot}/{axis}" for axis in axes)

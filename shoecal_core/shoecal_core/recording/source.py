@@ -31,6 +31,9 @@ class Source:
         """Messages of a topic by layout, stamps increasing within each; empty: none recorded.
 
         Messages whose stamp repeats or goes back are dropped and noted.
+
+        Raises:
+            RecordingError: for bytes that are no such messages, and messages without stamps.
         """
         messages = self.contents.messages.get(topic, [])
         try:
@@ -49,7 +52,11 @@ class Source:
         return kept
 
     def single(self, topic: str) -> Block | None:
-        """Messages of a topic that may have one sender only; None: none recorded."""
+        """Messages of a topic that may have one sender only; None: none recorded.
+
+        Raises:
+            RecordingError: for several senders, and as `blocks`.
+        """
         blocks = self.blocks(topic)
         if len(blocks) > 1:
             frames = ", ".join(f"'{block.frame_id}'" for block in blocks)
@@ -59,7 +66,11 @@ class Source:
     def join(
         self, topic: str, pieces: Sequence[Piece], names: Sequence[str], quantities: Sequence[str]
     ) -> tuple[NDArray[np.int64], dict[str, NDArray[np.float64]]]:
-        """As `join.join`, with its error naming file, topic and column."""
+        """Stamps (T,) [ns] and quantities (T, n) of n names, as `join.join`.
+
+        Raises:
+            RecordingError: for a name that is recorded twice at one time.
+        """
         try:
             return join(pieces, len(names), quantities)
         except TwoSourcesError as error:
@@ -70,7 +81,7 @@ class Source:
             ) from error
 
     def columns(self, topic: str, found: Sequence[str], names: Sequence[str]) -> NDArray[np.int64]:
-        """Places of a message's names among all names.
+        """Places (k,) of a message's k names among all names.
 
         Raises:
             RecordingError: for an unknown name or one that is twice in a message.

@@ -146,7 +146,13 @@ def law(fits: tuple[CellFit, ...]) -> tuple[FloatArray, FloatArray, FloatArray |
 
 
 def unlike_gains(shoe: Shoe, gain: FloatArray, ratio: float) -> list[tuple[str, float, float]]:
-    """Cells whose gain is not within a ratio of the typical one: name, gain, typical size."""
+    """Cells whose gain is not within a ratio of the typical one: name, gain, typical size.
+
+    Args:
+        shoe: with n cells.
+        gain: (n,) [N/unit].
+        ratio: to the median of their sizes.
+    """
     typical = float(np.median(np.abs(gain)))
     return [
         (name, float(value), typical)

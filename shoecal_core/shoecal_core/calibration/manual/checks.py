@@ -26,7 +26,7 @@ FULL_SHARE = 0.5
 
 
 def check_cells(shoe: Shoe, gain: FloatArray) -> list[Finding]:
-    """Gains of the wrong sign or of a size unlike the others'."""
+    """Gains (n,) [N/unit] of the wrong sign or of a size unlike the others'."""
     findings = [
         Finding(
             "FAIL",
