@@ -85,8 +85,8 @@ def _manual(robot: Reproduction) -> list[list[Part]]:
                     cop_under_loads(shoe, corrected=corrected),
                 )
                 for label, mae, corrected in (
-                    ("as measured", foot.cop_before, False),
-                    ("corrected", foot.cop_after, True),
+                    ("as measured", foot.known_cop.before, False),
+                    ("corrected", foot.known_cop.after, True),
                 )
             ]
         )
@@ -106,7 +106,7 @@ def _loads(robot: Reproduction, foot: int) -> KnownLoads:
         expected_force=found.loads.expected_force,
         places=places,
         measured=places + found.loads.cop - found.loads.expected_cop,
-        corrected=places + found.corrected - found.loads.expected_cop,
+        corrected=places + found.known_cop.corrected - found.loads.expected_cop,
     )
 
 

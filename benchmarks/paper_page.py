@@ -201,7 +201,10 @@ def _manual(paper: Paper) -> str:
             str(published.cop_after), "",
         ])  # fmt: skip
         grf = f"{found.grf.mean:.3f} ± {found.grf.std:.3f}"
-        cop = [_mm(mae) for mae in (found.cop_before, found.cop_after, found.cop_held_out)]
+        cop = [
+            _mm(mae)
+            for mae in (found.known_cop.before, found.known_cop.after, found.known_cop.held_out)
+        ]
         rows.append(["", "robot 1", grf, *cop])
     return _table(rows)
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import statistics
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
+from operator import attrgetter
 
 from paper_published import ASSUMPTIONS, CALIBRATED, GUESS, MANUAL
 from paper_reproduction import STAGES, Paper, Reproduction
 from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.calibration.evaluation import MEASURED, MODELLED, REFERENCE, TRUTH
 from shoecal_core.calibration.manual.calibrate import FootResult
+from shoecal_core.calibration.metrics import Mae
 from shoecal_core.calibration.run_errors import differences_to_json, errors_by_set, errors_of
 from shoecal_core.calibration.significance import LEVEL
 from shoecal_core.sensing.shoe import FEET
@@ -60,12 +62,12 @@ def quantities() -> list[Quantity]:
     for foot, name in enumerate(FEET):
         row = MANUAL[name]
         found += [
-            Quantity(f"manual, {name}: GRF", "N", str(row.grf), _manual(foot, "grf", 1.0),
-                     most=0.03),
+            Quantity(f"manual, {name}: GRF", "N", str(row.grf),
+                     _manual(foot, attrgetter("grf"), 1.0), most=0.03),
             Quantity(f"manual, {name}: CoP as measured", "mm", str(row.cop_before),
-                     _manual(foot, "cop_before", 1e3), 3.0, 5.0),
+                     _manual(foot, attrgetter("known_cop.before"), 1e3), 3.0, 5.0),
             Quantity(f"manual, {name}: CoP corrected", "mm", str(row.cop_after),
-                     _manual(foot, "cop_after", 1e3), most=row.cop_after.mean),
+                     _manual(foot, attrgetter("known_cop.after"), 1e3), most=row.cop_after.mean),
         ]  # fmt: skip
     grf, cop = ([row[index].mean for row in ASSUMPTIONS] for index in (0, 1))
     found += [
@@ -89,8 +91,10 @@ def quantities() -> list[Quantity]:
     return found
 
 
-def _manual(foot: int, name: str, scale: float) -> Callable[[Reproduction], list[float]]:
-    return lambda robot: [scale * getattr(robot.manual.feet[foot], name).mean]
+def _manual(
+    foot: int, error: Callable[[FootResult], Mae], scale: float
+) -> Callable[[Reproduction], list[float]]:
+    return lambda robot: [scale * error(robot.manual.feet[foot]).mean]
 
 
 def _stage(
@@ -172,11 +176,11 @@ def _manual_json(robot: Reproduction) -> Mapping[str, Mapping[str, float]]:
         return {
             "grf_mae_n": foot.grf.mean,
             "grf_std_n": foot.grf.std,
-            "cop_before_mm": 1e3 * foot.cop_before.mean,
-            "cop_before_std_mm": 1e3 * foot.cop_before.std,
-            "cop_after_mm": 1e3 * foot.cop_after.mean,
-            "cop_after_std_mm": 1e3 * foot.cop_after.std,
-            "cop_held_out_mm": 1e3 * foot.cop_held_out.mean,
+            "cop_before_mm": 1e3 * foot.known_cop.before.mean,
+            "cop_before_std_mm": 1e3 * foot.known_cop.before.std,
+            "cop_after_mm": 1e3 * foot.known_cop.after.mean,
+            "cop_after_std_mm": 1e3 * foot.known_cop.after.std,
+            "cop_held_out_mm": 1e3 * foot.known_cop.held_out.mean,
             "loads": foot.grf.count,
         }
 

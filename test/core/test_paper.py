@@ -42,8 +42,8 @@ def robots(tmp_path_factory: pytest.TempPathFactory) -> list[Reproduction]:
 def test_manual_calibration_meets_the_papers(robots: list[Reproduction]) -> None:
     for foot, after in zip(robots[0].manual.feet, (1.07, 0.76), strict=True):
         assert foot.grf.mean <= 0.03
-        assert 3e-3 <= foot.cop_before.mean <= 5e-3
-        assert 1e3 * foot.cop_after.mean <= after
+        assert 3e-3 <= foot.known_cop.before.mean <= 5e-3
+        assert 1e3 * foot.known_cop.after.mean <= after
         assert foot.grf.count == 7 * 18
 
 

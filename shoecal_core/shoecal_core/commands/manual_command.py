@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -21,10 +21,10 @@ from shoecal_core.calibration.manual.calibrate import (
     ManualCalibration,
     calibrate_cells,
     calibrate_shoe,
+    of_shoe,
 )
 from shoecal_core.calibration.manual.cells import CellFit
-from shoecal_core.calibration.manual.guide import Check, Guide
-from shoecal_core.calibration.manual.live_checks import cell_check, shoe_check
+from shoecal_core.calibration.manual.guide import Check, Guide, cell_check, shoe_check
 from shoecal_core.calibration.manual.loads import CELLS, SHOE, Load, planned_loads
 from shoecal_core.calibration.manual.measurements import Measurements
 from shoecal_core.calibration.manual.measurements_file import load_measurements, save_measurements
@@ -106,7 +106,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             metavar="FILE",
             help="guide a person, with lines of readings (JSON or CSV) from a file or pipe",
         )
-        task.add_argument("--foot", choices=FEET, help="guide through one shoe only")
+        task.add_argument(
+            "--foot",
+            choices=FEET,
+            help="guide through one shoe only, and calibrate it alone where DATA has no other",
+        )
     shoe.add_argument(
         "--cells",
         type=Path,
@@ -145,7 +149,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Do one of the tasks."""
     config = config_dir()
     robot = args.robot or config / "robots" / "nao.yaml"
-    shoe = load_shoe(shoe_file(args, robot))
+    shoe = load_shoe(shoe_file(args, robot), partial=args.task != "simulate")
     bench = _Bench(
         shoe,
         load_robot(robot, shoe),
@@ -156,19 +160,36 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     if args.task == "simulate":
         return _simulate(args, bench, console)
     require_folder(args.out)
+    if args.foot is not None and FEET.index(args.foot) not in shoe.feet:
+        raise ShoecalError(f"--foot {args.foot}: {shoe.path} has no {args.foot} shoe")
     if args.task == CELLS:
         cells = _measured(args, bench, console, cell_check, partial(_shown_cell, shoe))
+        cells = _without_missing_foot(args, cells)
+        bench = replace(bench, shoe=cells.shoe)
         result = _solve_cells(bench, cells, console)
         _report(args.report, bench, result.calibration, result.cells, (), _read_from(args.data))
         _write(result.calibration, args.out, console)
         return cells_to_json(result)
     first = _first_step(args)
-    first.sensing(shoe)
+    asked = shoe if args.foot is None else shoe.of_one_foot(FEET.index(args.foot))
+    of_shoe(first, asked)  # before anybody is asked to carry a weight
     loads = _measured(args, bench, console, shoe_check(first), partial(_shown_force, shoe, first))
-    found = _solve_shoe(bench, first, loads, (), console)
+    loads = _without_missing_foot(args, loads)
+    bench = replace(bench, shoe=loads.shoe)
+    found = _solve_shoe(bench, of_shoe(first, loads.shoe), loads, (), console)
     _report(args.report, bench, found.calibration, (), found.feet, _read_from(args.data))
     _write(found.calibration, args.out, console)
     return manual_to_json(found)
+
+
+def _without_missing_foot(args: argparse.Namespace, read: Measurements) -> Measurements:
+    """With --foot, where no other foot was read: that foot's shoe alone."""
+    if args.foot is None:
+        return read
+    foot = FEET.index(args.foot)
+    if any(entry.load.foot != foot for entry in read.entries):
+        return read
+    return replace(read, shoe=read.shoe.of_one_foot(foot))
 
 
 def _measured(
@@ -185,7 +206,7 @@ def _measured(
         raise FileMissingError(
             path, "does not exist; --live (or --from FILE) guides through the readings and makes it"
         )
-    feet = (0, 1) if args.foot is None else (FEET.index(args.foot),)
+    feet = shoe.feet if args.foot is None else (FEET.index(args.foot),)
     plan = planned_loads(kind, shoe, bench.settings.weights(kind), feet)
     measurements = Measurements(kind, shoe)
     if path.exists():
@@ -287,5 +308,6 @@ def _shown_cell(shoe: Shoe, load: Load, readings: FloatArray) -> str:
 
 
 def _shown_force(shoe: Shoe, cells: Calibration, load: Load, readings: FloatArray) -> str:
-    wrench = foot_wrenches(shoe, cells.parameters.outputs(readings))[load.foot]
-    return f"{FEET[load.foot]} shoe {wrench[0]:.2f} N"
+    one = shoe.of_one_foot(load.foot)
+    outputs = of_shoe(cells, one).parameters.outputs(readings[shoe.of_foot(load.foot)])
+    return f"{FEET[load.foot]} shoe {foot_wrenches(one, outputs)[load.foot, 0]:.2f} N"

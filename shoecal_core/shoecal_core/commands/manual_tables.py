@@ -39,12 +39,14 @@ def manual_table(result: ManualCalibration) -> Table:
     table = new_table("Under known weights")
     for name in ("", "loads", "GRF (N)", "CoP before (mm)", "CoP after (mm)", "held out (mm)"):
         table.add_column(name, justify="right" if name else "left", no_wrap=True)
-    for side, foot in zip(FEET, result.feet, strict=True):
+    for foot in result.feet:
+        cop = foot.cop
+        errors = (None, None, None) if cop is None else (cop.before, cop.after, cop.held_out)
         table.add_row(
-            side,
+            FEET[foot.loads.foot],
             str(len(foot.loads.loads)),
             _mae(foot.grf, 1.0, 3),
-            *(_mae(mae, 1e3, 2) for mae in (foot.cop_before, foot.cop_after, foot.cop_held_out)),
+            *("no CoP" if mae is None else _mae(mae, 1e3, 2) for mae in errors),
         )
     return table
 
@@ -58,7 +60,7 @@ def cells_to_json(result: CellsCalibration) -> dict[str, object]:
 
 def manual_to_json(result: ManualCalibration) -> dict[str, object]:
     """Figures of a manual calibration."""
-    feet = {side: _foot(foot) for side, foot in zip(FEET, result.feet, strict=True)}
+    feet = {FEET[foot.loads.foot]: _foot(foot) for foot in result.feet}
     return {**_calibration(result.calibration), "manual": feet}
 
 
@@ -85,8 +87,11 @@ def _foot(foot: FootResult) -> dict[str, object]:
         "grf_std_n": foot.grf.std,
     }
     for name in ("before", "after", "held_out"):
-        mae = getattr(foot, f"cop_{name}")
-        figures |= {f"cop_{name}_mm": 1e3 * mae.mean, f"cop_{name}_std_mm": 1e3 * mae.std}
+        mae = None if foot.cop is None else getattr(foot.cop, name)
+        figures |= {
+            f"cop_{name}_mm": None if mae is None else 1e3 * mae.mean,
+            f"cop_{name}_std_mm": None if mae is None else 1e3 * mae.std,
+        }
     return figures
 
 

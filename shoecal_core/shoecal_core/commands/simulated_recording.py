@@ -11,7 +11,7 @@ from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.info import RunInfo
-from shoecal_core.recording.series import series
+from shoecal_core.recording.messages import series
 from shoecal_core.recording.session import Session
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import Samples

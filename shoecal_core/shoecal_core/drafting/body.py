@@ -58,7 +58,11 @@ class Body:
         return np.asarray(axis / np.linalg.norm(axis))
 
     def link(self, joint: int) -> tuple[str, pin.SE3]:
-        """The link that a joint turns, and its frame in the joint's frame."""
+        """The link that a joint turns, and its frame in the joint's frame.
+
+        Raises:
+            UrdfError: for a joint without a link.
+        """
         for frame in self.model.frames:
             if frame.type == pin.FrameType.BODY and frame.parentJoint == joint:
                 return str(frame.name), pin.SE3(frame.placement)

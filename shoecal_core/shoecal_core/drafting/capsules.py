@@ -66,7 +66,7 @@ def find_capsules(
 def _slim(
     body: Body, legs: Legs, capsule: DraftCapsule, others: Sequence[DraftCapsule]
 ) -> DraftCapsule:
-    """The same, not wider than the room that it has beside its counterpart."""
+    """The same, not wider than the room next to its counterpart."""
     if capsule.name.endswith("foot"):
         return capsule
     part = capsule.name.partition("_")[2]

@@ -49,7 +49,7 @@ CELL_INSET = 0.09
 
 @dataclass(frozen=True)
 class Draft:
-    """What a URDF tells of a robot.
+    """What was found in a robot's URDF.
 
     Attributes:
         name: of the robot.
@@ -103,7 +103,7 @@ class Draft:
 
     @property
     def unlimited(self) -> list[str]:
-        """Of the legs: continuous joints, which the URDF gives no limits."""
+        """Of the legs: continuous joints, which have no limits in the URDF."""
         continuous = {
             joint.get("name")
             for joint in self.body.root.iter("joint")
@@ -113,7 +113,7 @@ class Draft:
 
     @property
     def clipped(self) -> list[str]:
-        """Joints beside the legs that cannot stand at zero."""
+        """Joints other than the legs' that cannot be at zero."""
         legs = {joint for chain in self.legs.chains for joint in chain}
         return [
             str(self.body.model.names[joint])
@@ -227,7 +227,7 @@ def prove(draft: Draft, robot_text: str, shoe_text: str) -> None:
     """Load both files as every other command does, before they are written anywhere.
 
     Raises:
-        FileError: when they do not load, with what must be mended in the URDF.
+        FileError: when they do not load, with what must be corrected in the URDF.
     """
     with tempfile.TemporaryDirectory() as folder:
         robot, shoe = Path(folder, "robot.yaml"), Path(folder, "shoe.yaml")

@@ -34,7 +34,7 @@ class Legs:
         chains: left, right: joints of the model from the hip to the foot.
         left: (3,) unit vector from the right leg to the left, in the base.
         forward: (3,) where the robot looks, in the base.
-        named: the joints' names told which one is the left leg.
+        named: the joints' names say which one is the left leg.
     """
 
     chains: tuple[tuple[int, ...], tuple[int, ...]]
@@ -162,7 +162,7 @@ def _check_feet(
 
 
 def _left_first(names: Sequence[Sequence[str]]) -> bool | None:
-    """Whether the first of two chains is the left one by its joints' names; None: not told."""
+    """Whether the first of two chains is the left one by its joints' names; None: not clear."""
     for one, other in zip(*names, strict=True):
         for a, b in zip(one.lower(), other.lower(), strict=False):
             if a != b:

@@ -15,7 +15,7 @@ class Note:
 
     Attributes:
         field: of the robot file or the shoe file.
-        found: what stands there and where it comes from.
+        found: what is there and where it comes from.
         look: what to check.
     """
 
@@ -75,7 +75,7 @@ def robot_notes(draft: Draft) -> list[Note]:
             "capsules",
             f"{missing}Thighs and shanks: around their shapes, as far as there is room between "
             "the legs; feet: along their inner edges.",
-            "they cover covers and cables, and are apart in posture_rad: `shoecal plan` tells.",
+            "they cover covers and cables, and are apart in posture_rad: `shoecal plan` checks it.",
         )
     )
     return notes
@@ -83,7 +83,9 @@ def robot_notes(draft: Draft) -> list[Note]:
 
 def _feet(draft: Draft) -> list[Note]:
     forward = "".join(f"{value:+.0f} " for value in draft.legs.forward).strip()
-    told = "by the joints' names" if draft.legs.named else "by the base's x axis, as no name tells"
+    source_of_left = (
+        "by the joints' names" if draft.legs.named else "by the base's x axis, as no name says"
+    )
     left = draft.soles[0]
     length, width = np.ptp(left.outline, axis=0)
     source = "Measured soles" if draft.measured else "Lowest faces"
@@ -91,7 +93,7 @@ def _feet(draft: Draft) -> list[Note]:
         Note(
             "feet",
             f"{source} of {left.link} and {draft.soles[1].link}, below their last joints; left "
-            f"was told {told}, forward is ({forward}) of the base.",
+            f"was found {source_of_left}, forward is ({forward}) of the base.",
             f"the sole is {1e3 * length:.0f} mm long and {1e3 * width:.0f} mm wide, "
             f"{1e3 * left.height:.1f} mm below the ankle; outlines hold what touches the floor.",
         ),
@@ -137,7 +139,7 @@ def shoe_notes(draft: Draft) -> list[Note]:
             Note(
                 "cells",
                 "Under the soles' corners, for want of a shoe.",
-                "measure where each cell carries; polarity 0 means that nobody knows the sign.",
+                "measure where each cell carries; polarity 0 means that the sign is not known.",
             ),
         ]
     return [

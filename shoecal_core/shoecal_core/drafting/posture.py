@@ -82,7 +82,7 @@ def _bend(body: Body, knee: int, left: FloatArray) -> float:
         raise UrdfError(
             body.urdf,
             f"does not bend {LEAST_BEND:g} rad backwards as a knee must (limits {low:g} to "
-            f"{high:g} rad); mend its limits or its axis",
+            f"{high:g} rad); correct its limits or its axis",
             field=f"joint {body.model.names[knee]}",
         )
     return min(BEND, most)
@@ -129,7 +129,12 @@ def _com_ahead(body: Body, angles: FloatArray, legs: Legs, soles: Sequence[Sole]
 
 
 def configuration(body: Body, angles: FloatArray) -> FloatArray:
-    """Of Pinocchio's model, base at the origin, followers with their leaders."""
+    """Configuration (nq,) of Pinocchio's model, base at the origin, followers with their leaders.
+
+    Args:
+        body: of the robot.
+        angles: (njoints,) by joint of the model [rad].
+    """
     q = np.zeros(body.model.nq)
     q[6] = 1.0
     for joint in own_joints(body.model):

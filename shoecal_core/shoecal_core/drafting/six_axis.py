@@ -40,7 +40,7 @@ def find_six_axis(body: Body, legs: Legs, soles: tuple[Sole, Sole]) -> list[SixA
     """Left and right: the sensor that turns with the foot, the highest of several.
 
     Those that a `<sensor type="force_torque">` declares count before those that are sensors by
-    their names alone: names with `ft` in them are also those of gyroscopes beside a sensor.
+    their names alone: names with `ft` in them are also those of gyroscopes next to a sensor.
     """
     found = []
     for chain, sole in zip(legs.chains, soles, strict=True):
@@ -98,7 +98,7 @@ def _declared(body: Body) -> list[tuple[str, pin.SE3]]:
 
 
 def _pose(text: str) -> pin.SE3:
-    """From `x y z roll pitch yaw`; no displacement where that is not what stands there."""
+    """From `x y z roll pitch yaw`; no displacement where it is something else."""
     try:
         numbers = np.array([float(part) for part in text.split()])
     except ValueError:

@@ -22,7 +22,7 @@ COMMENT_WIDTH = 96
 WORDS = {"y", "n", "yes", "no", "on", "off", "true", "false", "null", "nan", "inf"}
 """What YAML takes for something else than text."""
 SHOE_HEIGHT = 0.02
-"""m; of a shoe that nobody has measured yet."""
+"""m; of a shoe that was not measured yet."""
 PLATE_SHARE = 0.009
 """Mass of one plate over the robot's, as in shoes that were built."""
 

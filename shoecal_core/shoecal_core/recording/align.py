@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,28 +44,54 @@ def interpolate_joints(
     samples = joints.position[:, [joints.names.index(name) for name in names]]
     wanted = np.asarray(times, dtype=np.float64) + late_s
     position = np.full((len(wanted), len(names)), np.nan)
-    # Joints that are told together share their sample times: one pass for each such set.
-    told, member = np.unique(np.isfinite(samples), axis=1, return_inverse=True)
-    for index in range(told.shape[1]):
-        rows, columns = told[:, index], np.flatnonzero(member.reshape(-1) == index)
-        position[:, columns] = _interpolate(
-            joints.time[rows], samples[np.ix_(rows, columns)], wanted, max_gap_s
-        )
+    # Joints that are sampled together share their times: one pass for each such set.
+    sampled, member = np.unique(np.isfinite(samples), axis=1, return_inverse=True)
+    for index in range(sampled.shape[1]):
+        rows, columns = sampled[:, index], np.flatnonzero(member.reshape(-1) == index)
+        if rows.any():
+            around = bracket(joints.time[rows], wanted, max_gap_s)
+            position[:, columns] = around.interpolate(samples[np.ix_(rows, columns)])
     valid = np.isfinite(position).all(axis=1)
     position[~valid] = np.nan
     return position, valid
 
 
-def _interpolate(time: Floats, values: Floats, wanted: Floats, max_gap_s: float) -> Floats:
-    """Values (k, c) of times (k,) at wanted times (T,): (T, c), NaN in gaps and outside."""
-    if len(time) == 0:
-        return np.full((len(wanted), values.shape[1]), np.nan)
-    left = np.clip(np.searchsorted(time, wanted, side="right") - 1, 0, len(time) - 1)
-    right = np.minimum(left + 1, len(time) - 1)
-    gap = time[right] - time[left]
-    exact = wanted == time[left]
-    inside = (wanted > time[0]) & (wanted < time[-1]) & (gap <= max_gap_s)
-    fraction = np.where(exact, 0.0, (wanted - time[left]) / np.where(gap > 0.0, gap, 1.0))
-    found = values[left] + fraction[:, None] * (values[right] - values[left])
-    found[~(exact | inside)] = np.nan
-    return found
+@dataclass(frozen=True)
+class Bracket:
+    """Where wanted times lie among samples.
+
+    Attributes:
+        before, after: (T,) places of the samples on either side; the same one where a sample is at
+            the wanted time itself.
+        fraction: (T,) of the way from `before` to `after`.
+        valid: (T,) False in gaps and outside the samples' time.
+    """
+
+    before: NDArray[np.int64]
+    after: NDArray[np.int64]
+    fraction: Floats
+    valid: NDArray[np.bool_]
+
+    def interpolate(self, values: Floats) -> Floats:
+        """Values (k, c) of the samples, linearly at the wanted times: (T, c), NaN where invalid."""
+        start = values[self.before]
+        found = start + self.fraction[:, None] * (values[self.after] - start)
+        found[~self.valid] = np.nan
+        return found
+
+
+def bracket(time: Floats, wanted: Floats, max_gap: float) -> Bracket:
+    """The samples around wanted times.
+
+    Args:
+        time: (k,) of the samples, increasing; one or more.
+        wanted: (T,) in the same unit.
+        max_gap: samples further apart have nothing between them.
+    """
+    before = np.clip(np.searchsorted(time, wanted, side="right") - 1, 0, len(time) - 1)
+    exact = wanted == time[before]
+    after = np.where(exact, before, np.minimum(before + 1, len(time) - 1))
+    gap = time[after] - time[before]
+    inside = (wanted > time[0]) & (wanted < time[-1]) & (gap <= max_gap)
+    fraction = np.where(exact, 0.0, (wanted - time[before]) / np.where(gap > 0.0, gap, 1.0))
+    return Bracket(before, after, fraction, exact | inside)

@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.recording.bag import Bag
 from shoecal_core.recording.bag_import import WRENCH
@@ -25,6 +26,7 @@ from shoecal_core.recording.bag_match import (
     match_joints,
     match_wrench,
 )
+from shoecal_core.recording.bag_support import standing_support
 from shoecal_core.recording.container import MAX_RECORDS
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
@@ -37,18 +39,33 @@ FULL = 0.9
 
 
 @dataclass(frozen=True)
+class DraftTrial:
+    """One run of a drafted mapping.
+
+    Attributes:
+        bag: file or folder.
+        span: part of it since its first message [s]; None: all of it.
+        support: of feet that stand still; None where they move, or a base pose is there.
+    """
+
+    bag: Path
+    span: tuple[float, float] | None
+    support: DoubleSupport | None
+
+
+@dataclass(frozen=True)
 class BagDraft:
     """A mapping drafted from bags; a field that no topic fits is not there.
 
     Attributes:
-        bags: the bags, one trial each unless they are too long, with spans (from_s, to_s).
+        trials: one a bag, several where it is longer than a run may be.
         fields: match by field: `joints`, `cells`, `wrenches.left`, `wrenches.right`, `imu`,
             `base_pose`.
         received: topics whose stamps are of another clock or missing.
         notes: of the whole.
     """
 
-    bags: tuple[tuple[Path, tuple[float, float] | None], ...]
+    trials: tuple[DraftTrial, ...]
     fields: Mapping[str, Match]
     received: tuple[str, ...]
     notes: tuple[str, ...]
@@ -82,14 +99,15 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
     used = [topic for match in found.values() for topic in match.topics]
     received = _other_clocks({topic: seen[topic] for topic in used})
     notes = [f"{topic}: its stamps are of another clock or missing" for topic in received]
-    if "base_pose" not in found:
-        notes.append(
-            "no base pose: give each trial, in which the feet must stand still, its 'support: "
-            "[dx, dy, dtheta]' of the right sole in the left"
-        )
-    return BagDraft(
-        tuple(part for bag in bags for part in _parts(bag, used)), found, received, tuple(notes)
-    )
+    standing = None if "base_pose" in found else found["joints"]
+    trials = [trial for bag in bags for trial in _trials(bag, used, robot, standing)]
+    notes += [
+        f"{trial.bag.name}: has no base pose, and its feet move: record one, or give 'from_s' and "
+        "'to_s' of a part in which they stand still, and its 'support'"
+        for trial in trials
+        if standing is not None and trial.support is None
+    ]
+    return BagDraft(tuple(trials), found, received, tuple(notes))
 
 
 def _other_clocks(seen: Mapping[str, Seen]) -> tuple[str, ...]:
@@ -103,16 +121,33 @@ def _other_clocks(seen: Mapping[str, Seen]) -> tuple[str, ...]:
     )
 
 
-def _parts(path: Path, topics: Sequence[str]) -> list[tuple[Path, tuple[float, float] | None]]:
-    """A bag, in parts that a run can hold."""
+def _trials(
+    path: Path, topics: Sequence[str], robot: Robot, standing: Match | None
+) -> list[DraftTrial]:
+    """A bag, in parts that a run can hold.
+
+    Args:
+        path: of the bag.
+        topics: that are imported.
+        robot: for the support of its feet.
+        standing: topics of the joint angles that the support is found by; None: not needed.
+    """
     with Bag(path) as bag:
         count = sum(bag.topics[topic].count for topic in topics if topic in bag.topics)
         length = 1e-9 * (bag.end_ns - bag.start_ns)
-    parts = int(np.ceil(count / (FULL * MAX_RECORDS)))
-    if parts <= 1:
-        return [(path, None)]
-    ends = np.round(np.linspace(0.0, length, parts + 1), 3).tolist()
-    return [(path, (start, end)) for start, end in pairwise(ends)]
+        parts = max(1, int(np.ceil(count / (FULL * MAX_RECORDS))))
+        ends = np.round(np.linspace(0.0, length, parts + 1), 3).tolist()
+        spans = [None] if parts == 1 else list(pairwise(ends))
+        return [
+            DraftTrial(
+                path,
+                span,
+                None
+                if standing is None or not standing.chosen
+                else standing_support(bag, standing, robot, span),
+            )
+            for span in spans
+        ]
 
 
 def mapping_text(draft: BagDraft, folder: Path, robot: Path, urdf: Path, shoe: Path) -> str:
@@ -141,14 +176,19 @@ def mapping_text(draft: BagDraft, folder: Path, robot: Path, urdf: Path, shoe: P
         lines += [f"{indent}# CHECK: {note}" for note in match.notes]
         lines.append(f"{indent}{_line(inner, _value(key, match))}")
     if draft.received:
-        lines.append("# CHECK: stamps of another clock, or none: the times of receipt count.")
         lines.append(_line("received", list(draft.received)))
-    bags = draft.bags[0][0].parent
-    lines += ["", "trials:"]
-    for path, span in draft.bags:
-        trial: dict[str, object] = {"motion": "walking", "bag": os.path.relpath(path, bags)}
-        if span is not None:
-            trial |= {"from_s": span[0], "to_s": span[1]}
+    lines += ["", *(f"# CHECK: {note}" for note in draft.notes), "trials:"]
+    folder_of_bags = draft.trials[0].bag.parent
+    for one in draft.trials:
+        trial: dict[str, object] = {
+            "motion": "walking" if one.support is None else "standing",
+            "bag": os.path.relpath(one.bag, folder_of_bags),
+        }
+        if one.support is not None:
+            place = (one.support.dx, one.support.dy, one.support.dtheta)
+            trial["support"] = [round(float(value), 5) for value in place]
+        if one.span is not None:
+            trial |= {"from_s": one.span[0], "to_s": one.span[1]}
         lines.append(f"  - {_flow(trial)}")
     return "\n".join(lines) + "\n"
 

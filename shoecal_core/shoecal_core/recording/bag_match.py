@@ -118,7 +118,11 @@ def _seen(kind: str, contents: Sequence[Any], delays: Sequence[float]) -> Seen:
 
 
 def match_joints(path: Path, seen: Mapping[str, Seen], robot: Robot) -> Match:
-    """The topics that name the robot's joints: one that has all its legs, or several together."""
+    """The topics that name the robot's joints: one that has all its legs, or several together.
+
+    Raises:
+        RecordingError: where no topic of the bag `path` names any of them.
+    """
     renames = {
         name: matched_names(one.names, robot.joint_names)
         for name, one in seen.items()

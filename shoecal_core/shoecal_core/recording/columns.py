@@ -54,7 +54,7 @@ class Block:
         return self.texts["header.frame_id"][0]
 
     def group(self, *paths: str) -> NDArray[np.float64]:
-        """(k, c) numbers of several fields beside each other."""
+        """(k, c) numbers of several fields, column by column."""
         return np.hstack([self.numbers[path] for path in paths])
 
     def take(self, rows: NDArray[np.bool_]) -> Block:

@@ -116,6 +116,12 @@ class _Collected:
         self._log_time: dict[str, list[int]] = defaultdict(list)
 
     def add(self, record: McapRecord) -> None:
+        """Take the next record.
+
+        Raises:
+            RecordingError: for a channel of another type.
+            DamagedError: for data without a checksum.
+        """
         if self._ended:  # only the index follows, which no checksum read here covers
             return
         if isinstance(record, Message):
@@ -136,6 +142,12 @@ class _Collected:
             self._ended = True
 
     def contents(self) -> Contents:
+        """All that was taken.
+
+        Raises:
+            DamagedError: where the data's end was not among it.
+            RecordingError: where the metadata record was not.
+        """
         if not self._ended:
             raise DamagedError(self._path, "its data has no end")
         if self._info is None:
@@ -146,7 +158,11 @@ class _Collected:
 def check_channel(
     path: Path, channel: Channel, schema: Schema | None, topics: Mapping[str, str]
 ) -> None:
-    """Refuse a known topic of another type, another version of it or another encoding."""
+    """Refuse a known topic of another type, another version of it or another encoding.
+
+    Raises:
+        RecordingError: naming file and topic.
+    """
     kind = topics.get(channel.topic)
     if kind is None:
         return
@@ -184,7 +200,7 @@ def unfold(chunk: Chunk) -> list[McapRecord]:
     if chunk.uncompressed_size > MAX_CHUNK:
         raise McapError(f"a chunk of {chunk.uncompressed_size} bytes")
     if chunk.compression == _ZSTD and zstandard.frame_content_size(chunk.data) not in (
-        -1,  # not told; the decompressor keeps to the size below
+        -1,  # unknown; the decompressor keeps to the size below
         chunk.uncompressed_size,
     ):
         raise McapError("a chunk that is larger than it says")
@@ -225,7 +241,7 @@ class _Reader(StreamReader):
 
 
 class _Within:
-    """A file that gives nothing where more is asked for than it holds.
+    """A file that raises EndOfFile where more is asked for than it holds.
 
     A length gone wrong must not fill the memory.
     """

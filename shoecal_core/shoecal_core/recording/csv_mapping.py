@@ -151,11 +151,11 @@ def load_mapping(path: Path, folder: Path) -> CsvMapping:
     clock = fields.choice("clock", names) if "clock" in fields else None
     tables = {name: _table(tables_block.mapping(name), name, clock) for name in names}
     if not any(table.joints for table in tables.values()):
-        raise fields.error("tables", "no table gives 'joints'; a run needs them")
+        raise fields.error("tables", "no table has 'joints'; a run needs them")
     if sum(bool(table.efforts) for table in tables.values()) > 1:
-        raise fields.error("tables", "several tables give 'efforts'; keep one of them")
+        raise fields.error("tables", "several tables have 'efforts'; keep one of them")
     if not any(table.wrench or table.cells for table in tables.values()):
-        raise fields.error("tables", "no table gives 'cells' or 'wrench'; a run needs readings")
+        raise fields.error("tables", "no table has 'cells' or 'wrench'; a run needs readings")
     return CsvMapping(
         path=Path(path),
         files=mapped_files(fields, folder),
@@ -196,7 +196,7 @@ def _joints(fields: Fields, key: str) -> JointColumns:
 def _pose(fields: Fields) -> PoseColumns:
     fields.only("frame", "translation", "zyx", "quaternion")
     if "zyx" in fields and "quaternion" in fields:
-        raise fields.error("zyx", "stands beside 'quaternion'; keep one of them")
+        raise fields.error("zyx", "and 'quaternion' are both there; keep one of them")
     if "zyx" not in fields and "quaternion" not in fields:
         raise fields.error("zyx", "is missing; add it, or 'quaternion'")
     return PoseColumns(

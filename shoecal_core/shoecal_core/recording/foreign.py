@@ -16,7 +16,7 @@ from shoecal_core.model.double_support import DoubleSupport, read_support
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.container import MAX_RECORDS
 from shoecal_core.recording.listing import HINTS
-from shoecal_core.recording.series import series
+from shoecal_core.recording.messages import series
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import AXES, FEET, Shoe
 
@@ -95,7 +95,7 @@ def mapped_files(fields: Fields, folder: Path) -> MappedFiles:
 
     Args:
         fields: of the mapping.
-        folder: of the recordings; a file is looked for beside the mapping first, then here.
+        folder: of the recordings; a file is looked for next to the mapping first, then here.
 
     Raises:
         FieldError: for one that is in neither place.
@@ -105,7 +105,7 @@ def mapped_files(fields: Fields, folder: Path) -> MappedFiles:
         name = fields.text(key)
         places = [place / name for place in (fields.path.parent, folder)]
         if not any(place.is_file() for place in places):
-            raise fields.error(key, f"'{name}' is neither beside this file nor in {folder}")
+            raise fields.error(key, f"'{name}' is neither next to this file nor in {folder}")
         found.append(next(place for place in places if place.is_file()))
     return MappedFiles(*found)
 

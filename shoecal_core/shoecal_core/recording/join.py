@@ -1,12 +1,24 @@
-"""Joining messages that carry different columns of one sampling time."""
+"""Joining samples of several sources: of one clock by their stamps, of several by interpolation."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from shoecal_core.recording.align import bracket
+
+Floats = NDArray[np.float64]
+
+
+LINEAR = ("value", "temperature")
+MAX_GAP_S = 0.1
+MAX_GAP_PERIODS = 2.5
+"""Readings are interpolated between samples that are no further apart than the larger of these."""
+COMMON_SHARE = 0.5
+"""Sources that share more of their stamps than this were sampled together."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +62,7 @@ def join(
     """Put pieces together by equal stamps.
 
     Returns:
-        Stamps (T,), and each quantity (T, width), NaN where no piece gives it.
+        Stamps (T,), and each quantity (T, width), NaN where no piece has it.
 
     Raises:
         TwoSourcesError: when a column is given twice at one time.
@@ -67,3 +79,56 @@ def join(
         for name, values in piece.values.items():
             joined[name][cells] = values
     return stamps, joined
+
+
+def sampled_apart(sources: Sequence[Sequence[Piece]]) -> bool:
+    """Whether the sources have their own sampling instants: most stamps of one are nowhere else."""
+    if len(sources) < 2:
+        return False
+    stamps = [np.concatenate([piece.stamp_ns for piece in pieces]) for pieces in sources]
+    fewest = min(stamps, key=len)
+    return any(
+        np.isin(fewest, other).mean() < COMMON_SHARE for other in stamps if other is not fewest
+    )
+
+
+def at_common_instants(
+    sources: Sequence[Sequence[Piece]], width: int, quantities: Sequence[str]
+) -> list[Piece]:
+    """Pieces of all sources at the stamps of the source with the fewest samples.
+
+    Between two samples values and temperatures are interpolated by their stamps, a status is the
+    larger of the two, a counter that of the sample before. All are NaN in gaps and outside a
+    source's own time.
+
+    Args:
+        sources: pieces by source.
+        width: n columns of the whole.
+        quantities: of the pieces, each (k, c).
+    """
+    joined = [join(pieces, width, quantities) for pieces in sources]
+    wanted = min((stamps for stamps, _ in joined), key=len)
+    pieces = []
+    for own, (stamps, values) in zip(sources, joined, strict=True):
+        columns = np.unique(np.concatenate([piece.columns for piece in own]))
+        numbers = {name: values[name][:, columns] for name in quantities}
+        pieces.append(Piece(wanted, columns, _resampled(stamps, numbers, wanted)))
+    return pieces
+
+
+def _resampled(
+    stamps: NDArray[np.int64], values: Mapping[str, Floats], wanted: NDArray[np.int64]
+) -> dict[str, Floats]:
+    """Values (k, c) of stamps (k,) [ns] at wanted stamps (T,) [ns]: (T, c)."""
+    time, times = 1e-9 * (stamps - stamps[0]), 1e-9 * (wanted - stamps[0])
+    period = float(np.median(np.diff(time))) if len(time) > 1 else 0.0
+    around = bracket(time, times, max(MAX_GAP_S, MAX_GAP_PERIODS * period))
+    found = {}
+    for name, numbers in values.items():
+        if name in LINEAR:
+            found[name] = around.interpolate(numbers)
+            continue
+        before, after = numbers[around.before], numbers[around.after]
+        held = np.maximum(before, after) if name == "status" else before
+        found[name] = np.where(around.valid[:, None], held, np.nan)
+    return found

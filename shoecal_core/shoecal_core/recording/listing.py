@@ -43,7 +43,11 @@ class ListedRun:
 
 
 def read_listed(item: Fields) -> ListedRun:
-    """Read one item of the list; FileError where it is wrong."""
+    """Read one item of the list.
+
+    Raises:
+        FieldError: for a file name or field that is wrong.
+    """
     item.only("file", "motion", "support", "set")
     match = RUN_FILE.fullmatch(item.text("file"))
     if match is None:

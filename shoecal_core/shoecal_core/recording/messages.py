@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+import struct
+from collections.abc import Callable, Iterable, Sequence
 from typing import ClassVar, Protocol
 
 import numpy as np
@@ -14,6 +15,8 @@ from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE, typestore
 
 SECOND_NS = 1_000_000_000
 _UNKNOWN_COVARIANCE = np.zeros(9)
+_SECONDS, _NANOSECONDS = 0x12345678, 0x1234567
+"""Of a stamp that marks its place in a message."""
 
 
 def joint_state(
@@ -124,7 +127,11 @@ def temperature(stamp_ns: int, frame_id: str, value: float) -> bytes:
 def joint_trajectory(
     stamp_ns: int, names: Sequence[str], time_from_start: ArrayLike, position: ArrayLike
 ) -> bytes:
-    """trajectory_msgs/JointTrajectory: times (K,) [s], angles (K, m) [rad]."""
+    """trajectory_msgs/JointTrajectory: times (K,) [s], angles (K, m) [rad].
+
+    Raises:
+        ShapeError: for angles of another shape.
+    """
     times = np.asarray(time_from_start, dtype=np.float64)
     angles = np.asarray(position, dtype=np.float64)
     if times.ndim != 1 or angles.shape != (len(times), len(names)):
@@ -147,6 +154,44 @@ def joint_trajectory(
             header=_header(stamp_ns, ""), joint_names=list(names), points=points
         )
     )
+
+
+def series(
+    one: Callable[[int, NDArray[np.float64]], bytes],
+    stamps: NDArray[np.int64],
+    values: NDArray[np.float64],
+) -> list[bytes]:
+    """Messages that differ in their stamp and in numbers alone.
+
+    One message is made with numbers that occur nowhere else; where they stand in its bytes, those
+    of all others stand too.
+
+    Args:
+        one: makes a message (CDR, little endian) of a stamp [ns] and numbers (k,), each of which
+            it writes once, as a float64.
+        stamps: (T,) [ns].
+        values: (T, k).
+
+    Raises:
+        ShapeError: when there are more or fewer rows than stamps.
+        ShoecalError: for a stamp that cannot be recorded, or a `one` that keeps to something else.
+    """
+    if values.ndim != 2 or len(values) != len(stamps):
+        raise ShapeError("values", f"({len(stamps)}, k)", values.shape)
+    if not len(stamps):
+        return []
+    if stamps.min() < 0 or stamps.max() >= 2**31 * SECOND_NS:
+        raise ShoecalError(f"stamps {stamps.min()} to {stamps.max()} ns: must be 0 to 2^31 s")
+    marks: NDArray[np.float64] = np.pi * 1e7 + np.arange(values.shape[1], dtype=np.float64)
+    template = one(_SECONDS * SECOND_NS + _NANOSECONDS, marks)
+    rows = np.tile(np.frombuffer(template, dtype=np.uint8), (len(stamps), 1))
+    seconds, nanoseconds = np.divmod(stamps, SECOND_NS)
+    place = _place(template, struct.pack("<iI", _SECONDS, _NANOSECONDS))
+    rows[:, place : place + 8] = _bytes(np.stack((seconds, nanoseconds), axis=1).astype("<u4"))
+    for mark, column in zip(marks.tolist(), values.T, strict=True):
+        place = _place(template, struct.pack("<d", mark))
+        rows[:, place : place + 8] = _bytes(column.astype("<f8"))
+    return [row.tobytes() for row in rows]
 
 
 class _Message(Protocol):
@@ -185,3 +230,15 @@ def _vector3(name: str, values: Iterable[float]) -> ros.geometry_msgs__msg__Vect
 
 def _quaternion(values: Iterable[float]) -> ros.geometry_msgs__msg__Quaternion:
     return ros.geometry_msgs__msg__Quaternion(*_floats("quaternion", values, 4))
+
+
+def _bytes(values: NDArray[np.generic]) -> NDArray[np.uint8]:
+    """(T, 8) bytes of eight-byte rows."""
+    return np.ascontiguousarray(values).view(np.uint8).reshape(len(values), 8)
+
+
+def _place(template: bytes, mark: bytes) -> int:
+    """Where the one occurrence of a mark begins."""
+    if template.count(mark) != 1:
+        raise ShoecalError("a message of a series must hold its stamp and each number once")
+    return template.index(mark)

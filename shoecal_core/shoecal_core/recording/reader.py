@@ -95,14 +95,14 @@ def _joints(source: Source) -> tuple[NDArray[np.int64], tuple[str, ...], dict[st
             if numbers.shape[1] != len(columns):
                 raise source.error(
                     topic,
-                    f"gives {numbers.shape[1]} values of '{quantity}' for {len(columns)} joints; "
-                    "mend its sender",
+                    f"has {numbers.shape[1]} values of '{quantity}' for {len(columns)} joints; "
+                    "correct its sender",
                 )
             numbers[~np.isfinite(numbers)] = np.nan
         pieces.append(Piece(block.stamp_ns, columns, values))
     stamps, joined = source.join(topic, pieces, names, ("position", "effort"))
     never = np.isnan(joined["position"]).all(axis=0)
-    source.notes += [f"joint '{name}' was never told" for name in np.array(names)[never]]
+    source.notes += [f"joint '{name}' was never recorded" for name in np.array(names)[never]]
     return stamps, names, joined
 
 
@@ -114,7 +114,7 @@ def _commanded(source: Source, start: int) -> tuple[CommandedTrajectory, ...]:
         try:
             message = schemas.typestore().deserialize_cdr(data, schemas.RUN_TOPICS[topic])
         except SerdeError as error:
-            raise source.error(topic, f"{error}; mend its sender") from error
+            raise source.error(topic, f"{error}; correct its sender") from error
         assert isinstance(message, JointTrajectory)
         try:
             commanded.append(_trajectory(message, log_time, start))
@@ -159,11 +159,11 @@ def _imu(source: Source, start: int) -> ImuSamples | None:
     if block is None:
         return None
     # By the message's definition -1 as first element says that there is no orientation.
-    told = block.numbers["orientation_covariance"][:, :1] != -1.0
+    oriented = block.numbers["orientation_covariance"][:, :1] != -1.0
     return ImuSamples(
         time=seconds(block.stamp_ns, start),
         frame=block.frame_id,
-        quaternion=np.where(told, block.group(*_QUATERNION), np.nan),
+        quaternion=np.where(oriented, block.group(*_QUATERNION), np.nan),
         angular_velocity=block.group(*(f"angular_velocity.{axis}" for axis in "xyz")),
         linear_acceleration=block.group(*(f"linear_acceleration.{axis}" for axis in "xyz")),
     )

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import Block
-from shoecal_core.recording.join import Piece
-from shoecal_core.recording.resample import at_common_instants, sampled_apart
+from shoecal_core.recording.join import Piece, at_common_instants, sampled_apart
 from shoecal_core.recording.run import Floats, Readings
 from shoecal_core.recording.source import Source
 from shoecal_core.sensing.shoe import AXES, FEET, Shoe
@@ -51,14 +50,21 @@ def read_readings(source: Source, shoe: Shoe) -> tuple[NDArray[np.int64], dict[s
 
 
 def make_readings(source: Source, shoe: Shoe, time: Floats, joined: dict[str, Floats]) -> Readings:
-    """Readings from joined quantities; what is missing is noted."""
+    """Readings from joined quantities; what is missing is noted in `source`.
+
+    Args:
+        source: of the run.
+        shoe: whose n channels they are of.
+        time: (T,) since the run's start [s].
+        joined: (T, n) by quantity, as `read_readings` returns them.
+    """
     value = np.where(np.isfinite(joined["value"]), joined["value"], np.nan)
     missing = np.isnan(value)
     status = np.where(
         missing & (joined["status"] != schemas.FAULT), schemas.NO_DATA, joined["status"]
     )
     never = missing.all(axis=0)
-    source.notes += [f"channel '{name}' was never given" for name in np.array(shoe.names)[never]]
+    source.notes += [f"channel '{name}' has no readings" for name in np.array(shoe.names)[never]]
     partial = int(missing[:, ~never].any(axis=1).sum())
     if partial:
         source.notes.append(f"{partial} of {len(time)} readings lack some channels")
@@ -87,13 +93,18 @@ class _Gathered:
         return [piece for pieces in self.sources.values() for piece in pieces]
 
     def add_voltages(self, block: Block) -> None:
+        """Messages of a driver.
+
+        Raises:
+            RecordingError: for values that do not match the cells, and two devices on one topic.
+        """
         topic, cells, numbers = schemas.VOLTAGES, block.texts["cell"], block.numbers
         for name in ("voltage", "status"):
             if numbers[name].shape[1] != len(cells):
                 raise self._source.error(
                     topic,
-                    f"gives {numbers[name].shape[1]} values of '{name}' for {len(cells)} cells; "
-                    "mend the driver",
+                    f"has {numbers[name].shape[1]} values of '{name}' for {len(cells)} cells; "
+                    "correct the driver",
                 )
         self._check_counter(cells, numbers["sequence"][:, 0])
         shape = (len(block.index), len(cells))
@@ -106,6 +117,7 @@ class _Gathered:
         self._add(topic, cells, block, values)
 
     def add_wrenches(self, topic: str, foot: str, axes: list[str], block: Block) -> None:
+        """Messages of a six-axis sensor, of which the shoe has these axes."""
         value = block.group(*(_WRENCH_FIELD[axis] for axis in axes))
         status = np.full(value.shape, float(schemas.GOOD))
         names = tuple(f"{foot}/{axis}" for axis in axes)

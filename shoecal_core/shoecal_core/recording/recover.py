@@ -93,7 +93,7 @@ class _Part:
 
 
 def recovered_path(path: Path) -> Path:
-    """Where to put what is rescued: an unfinished run under its own name, others beside."""
+    """Where to put what is rescued: an unfinished run under its own name, else beside it."""
     path = Path(path)
     whole = path.with_suffix("") if path.suffix == PART else path
     return whole if path != whole and not whole.exists() else whole.with_suffix(".recovered.mcap")
@@ -141,7 +141,7 @@ def recover(path: Path, out: Path) -> RecoveryReport:
 
 
 def _info(path: Path, data: bytes) -> RunInfo:
-    """The metadata record, found wherever it stands; its own checksum vouches for it."""
+    """The metadata record, found wherever it is; its own checksum vouches for it."""
     at = data.find(_METADATA)
     while at >= 0:
         with suppress(DamagedError, *DAMAGE):
@@ -179,7 +179,7 @@ def _chunk(data: bytes, start: int) -> _Part | None:
     except DAMAGE:
         return None
     if any(isinstance(record, Message) and record.log_time > MAX_TIME_NS for record in records):
-        return None  # no clock told that time
+        return None  # no clock has that time
     return _Part(start, stop, chunk.uncompressed_size, records)
 
 

@@ -17,13 +17,13 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class JointSamples:
-    """Joint angles as the robot told them.
+    """Joint angles as the robot reported them.
 
     Attributes:
         time: (T,) since the run's start, increasing [s].
         names: m joints.
-        position: (T, m) [rad]; NaN where a joint was not told.
-        effort: (T, m) [N m], NaN likewise; None where the robot tells none.
+        position: (T, m) [rad]; NaN where a joint was not reported.
+        effort: (T, m) [N m], NaN likewise; None where the robot reports none.
     """
 
     time: Floats
@@ -114,7 +114,7 @@ class ImuSamples:
     Attributes:
         time: (T,) since the run's start, increasing [s].
         frame: name of the sensor's frame.
-        quaternion: (T, 4) x y z w; NaN where the sensor tells none.
+        quaternion: (T, 4) x y z w; NaN where the sensor reports none.
         angular_velocity: (T, 3) [rad/s].
         linear_acceleration: (T, 3) [m/s^2].
     """

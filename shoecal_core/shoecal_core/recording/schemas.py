@@ -1,4 +1,4 @@
-"""Which message type stands on which recorded topic, its definition and its hash."""
+"""Type of each recorded topic, the type's definition and its hash."""
 
 from __future__ import annotations
 

@@ -299,7 +299,11 @@ class Session:
         return self.folder / TRUTH / run_file(run)
 
     def new_truth(self, info: RunInfo) -> TruthWriter:
-        """Start the truth file of the run with this info."""
+        """Start the truth file of the run with this info.
+
+        Raises:
+            FileError: when its folder or itself cannot be made.
+        """
         path = self.truth_path(info.run)
         try:
             path.parent.mkdir(exist_ok=True)

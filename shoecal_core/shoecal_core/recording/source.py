@@ -31,16 +31,19 @@ class Source:
         """Messages of a topic by layout, stamps increasing within each; empty: none recorded.
 
         Messages whose stamp repeats or goes back are dropped and noted.
+
+        Raises:
+            RecordingError: for bytes that are no such messages, and messages without stamps.
         """
         messages = self.contents.messages.get(topic, [])
         try:
             blocks = decode_columns(self._topics[topic], messages)
         except ShoecalError as error:
-            raise self.error(topic, f"{error}; mend its sender") from error
+            raise self.error(topic, f"{error}; correct its sender") from error
         kept = [block.take(in_order(block.stamp_ns)) for block in blocks]
         dropped = len(messages) - sum(len(block.index) for block in kept)
         if dropped and not any(block.stamp_ns.any() for block in kept):
-            raise self.error(topic, "its messages carry no stamp; mend its sender")
+            raise self.error(topic, "its messages carry no stamp; correct its sender")
         if dropped:
             self.notes.append(
                 f"{topic}: {dropped} of {len(messages)} messages dropped, "
@@ -49,7 +52,11 @@ class Source:
         return kept
 
     def single(self, topic: str) -> Block | None:
-        """Messages of a topic that may have one sender only; None: none recorded."""
+        """Messages of a topic that may have one sender only; None: none recorded.
+
+        Raises:
+            RecordingError: for several senders, and as `blocks`.
+        """
         blocks = self.blocks(topic)
         if len(blocks) > 1:
             frames = ", ".join(f"'{block.frame_id}'" for block in blocks)
@@ -59,28 +66,32 @@ class Source:
     def join(
         self, topic: str, pieces: Sequence[Piece], names: Sequence[str], quantities: Sequence[str]
     ) -> tuple[NDArray[np.int64], dict[str, NDArray[np.float64]]]:
-        """As `join.join`, with its error naming file, topic and column."""
+        """Stamps (T,) [ns] and quantities (T, n) of n names, as `join.join`.
+
+        Raises:
+            RecordingError: for a name that is recorded twice at one time.
+        """
         try:
             return join(pieces, len(names), quantities)
         except TwoSourcesError as error:
             raise self.error(
                 topic,
-                f"'{names[error.column]}' is given twice at {error.stamp_ns} ns; "
-                "give it one source",
+                f"'{names[error.column]}' is recorded twice at {error.stamp_ns} ns; "
+                "record it from one source",
             ) from error
 
     def columns(self, topic: str, found: Sequence[str], names: Sequence[str]) -> NDArray[np.int64]:
-        """Places of a message's names among all names.
+        """Places (k,) of a message's k names among all names.
 
         Raises:
-            RecordingError: for an unknown name or one that a message gives twice.
+            RecordingError: for an unknown name or one that is twice in a message.
         """
         place = {name: index for index, name in enumerate(names)}
         for name in found:
             if name not in place:
-                raise self.error(topic, f"gives '{name}', known are: {', '.join(names)}")
+                raise self.error(topic, f"names '{name}', known are: {', '.join(names)}")
         if len(set(found)) != len(found):
-            raise self.error(topic, f"gives a name twice: {', '.join(found)}; mend its sender")
+            raise self.error(topic, f"has a name twice: {', '.join(found)}; correct its sender")
         return np.array([place[name] for name in found], dtype=np.int64)
 
     def error(self, topic: str, problem: str) -> RecordingError:

@@ -16,9 +16,9 @@ from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.container import read_container
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.join import Piece
+from shoecal_core.recording.messages import series
 from shoecal_core.recording.reader import seconds
 from shoecal_core.recording.run import Floats
-from shoecal_core.recording.series import series
 from shoecal_core.recording.source import Source
 from shoecal_core.recording.writer import RunWriter
 
@@ -164,8 +164,8 @@ def _point(frame: str) -> Callable[[int, Floats], bytes]:
 
 def _wrench(frame: str) -> Callable[[int, Floats], bytes]:
     """Makes the message of a vertical force and its moments about x and y (3,)."""
-    return lambda stamp, told: messages.wrench(
-        stamp, frame, (0.0, 0.0, told[0]), (told[1], told[2], 0.0)
+    return lambda stamp, wrench: messages.wrench(
+        stamp, frame, (0.0, 0.0, wrench[0]), (wrench[1], wrench[2], 0.0)
     )
 
 
@@ -173,4 +173,4 @@ def _check(name: str, values: Floats, shape: tuple[int, ...]) -> None:
     if values.shape != shape:
         raise ShapeError(f"truth.{name}", str(shape), values.shape)
     if np.isinf(values).any():
-        raise ShoecalError(f"truth.{name}: infinite; an unloaded foot is told by NaN")
+        raise ShoecalError(f"truth.{name}: infinite; an unloaded foot is NaN")

@@ -210,7 +210,7 @@ class RunWriter:
                 self.part,
                 error,
                 "cannot be written",
-                "mend that and record again: `shoecal recover` saves what was written before",
+                "correct that and record again: `shoecal recover` saves what was written before",
             )
             with suppress(OSError):  # what is left in its buffer fails again
                 self._file.close()

@@ -28,21 +28,25 @@ def shoe_pictures(content: ManualReport, foot: FootResult) -> tuple[Picture, ...
             "GRF under known weights",
             forces_under_loads(loads),
             f"GRF {mean_error(foot.grf, 'mN', 1e3)} (MAE ± standard deviation).",
-        ),
+        )
+    ]
+    if foot.cop is None:
+        return tuple(pictures)
+    pictures.append(
         Picture(
             "CoP as measured",
             cop_under_loads(loads, corrected=False),
-            f"Before the correction: {mean_error(foot.cop_before, 'mm', 1e3)}.",
+            f"Before the correction: {mean_error(foot.cop.before, 'mm', 1e3)}.",
             tall=True,
-        ),
-    ]
+        )
+    )
     if any(one.foot == foot.loads.foot for one in content.calibration.corrections):
         pictures.append(
             Picture(
                 "CoP corrected",
                 cop_under_loads(loads, corrected=True),
-                f"After it: {mean_error(foot.cop_after, 'mm', 1e3)}; each load predicted from the "
-                f"others: {mean_error(foot.cop_held_out, 'mm', 1e3)}.",
+                f"After it: {mean_error(foot.cop.after, 'mm', 1e3)}; each load predicted from the "
+                f"others: {mean_error(foot.cop.held_out, 'mm', 1e3)}.",
                 tall=True,
             )
         )
@@ -55,6 +59,7 @@ def known_loads(content: ManualReport, foot: FootResult) -> KnownLoads:
     holes = content.shoe.holes[found.foot]
     assert holes is not None
     places = np.array([holes.position(load.place) for load in found.loads])
+    corrected = found.cop if foot.cop is None else foot.cop.corrected
     return KnownLoads(
         foot=foot_shape(content.robot, content.shoe, found.foot),
         masses=found.masses,
@@ -62,7 +67,7 @@ def known_loads(content: ManualReport, foot: FootResult) -> KnownLoads:
         expected_force=found.expected_force,
         places=places,
         measured=places + found.cop - found.expected_cop,
-        corrected=places + foot.corrected - found.expected_cop,
+        corrected=places + corrected - found.expected_cop,
     )
 
 

@@ -44,13 +44,16 @@ def _key_figures(content: ManualReport) -> tuple[KeyFigure, ...]:
     keys = []
     for foot in content.feet:
         side = FEET[foot.loads.foot]
-        keys += [
-            KeyFigure(f"CoP error, {side} shoe", mean_error(foot.cop_held_out, "mm", 1e3),
-                      "each load predicted from the others; uncorrected: "
-                      + mean_error(foot.cop_before, "mm", 1e3)),
+        if foot.cop is not None:
+            keys.append(
+                KeyFigure(f"CoP error, {side} shoe", mean_error(foot.cop.held_out, "mm", 1e3),
+                          "each load predicted from the others; uncorrected: "
+                          + mean_error(foot.cop.before, "mm", 1e3))
+            )  # fmt: skip
+        keys.append(
             KeyFigure(f"GRF error, {side} shoe", mean_error(foot.grf, "mN", 1e3),
-                      f"{len(foot.loads.loads)} loads"),
-        ]  # fmt: skip
+                      f"{len(foot.loads.loads)} loads")
+        )  # fmt: skip
     scatter = [fit.residual_std for fit in content.cells if np.isfinite(fit.residual_std)]
     if scatter:
         keys.append(

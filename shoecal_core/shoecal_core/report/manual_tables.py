@@ -22,8 +22,12 @@ def loads_table(content: ManualReport) -> Table:
             str(len(foot.loads.loads)),
             mean_error(foot.grf, "mN", 1e3),
             *(
-                mean_error(mae, "mm", 1e3)
-                for mae in (foot.cop_before, foot.cop_after, foot.cop_held_out)
+                ("no CoP",) * 3
+                if foot.cop is None
+                else (
+                    mean_error(mae, "mm", 1e3)
+                    for mae in (foot.cop.before, foot.cop.after, foot.cop.held_out)
+                )
             ),
         )
         for foot in content.feet
@@ -78,7 +82,10 @@ def corrections_table(content: ManualReport) -> Table | None:
     for foot in content.feet:
         side, one = FEET[foot.loads.foot], found.get(foot.loads.foot)
         if one is None:
-            rows.append((f"{side} shoe", "none: it did not help on loads held out", UNKNOWN))
+            force_alone = "none: its channels give a force alone"
+            useless = "none: it did not help on loads held out"
+            why = force_alone if foot.cop is None else useless
+            rows.append((f"{side} shoe", why, UNKNOWN))
             continue
         (x_low, y_low), (x_high, y_high) = 1e3 * one.cop_range
         rows.append(

@@ -22,7 +22,8 @@ class FootInstant:
 
     Attributes:
         force: vertical [N], NaN where a reading is.
-        cop: in its sole's frame [m]; None where it carries too little or is not known.
+        cop: in its sole's frame [m]; None where it carries too little or is not known, and where
+            the channels give a force alone.
         extrapolating: outside what the CoP correction was trained on.
     """
 
@@ -59,7 +60,7 @@ class _Foot:
             for index, column in zip(own, shoe.columns[own].tolist(), strict=True)
         ]
         self._below: tuple[float, ...] = tuple(weight_below(shoe)[foot].tolist())
-        self._minimum_force = sensing.minimum_force
+        self._minimum_force = sensing.minimum_force if shoe.gives_cop[foot] else math.inf
         self._correction: _Correction | None = None
         if correction is not None:
             felt = set(corrected_channels(shoe, foot).tolist())

@@ -31,7 +31,8 @@ class Measured:
 
     Attributes:
         grf: (..., 2) vertical force of each foot [N].
-        cop: (..., 2, 2) CoP of each foot in its sole frame, NaN where it is unloaded [m].
+        cop: (..., 2, 2) CoP of each foot in its sole frame [m]; NaN where it is unloaded, or its
+            channels give a force alone.
         extrapolating: (..., 2) outside what the correction was trained on.
     """
 
@@ -92,6 +93,9 @@ class Sensing:
         outputs = self.parameters.outputs(readings)
         wrenches = foot_wrenches(self.shoe, outputs)
         place = cop(wrenches, self.minimum_force)
+        for foot in (0, 1):
+            if not self.shoe.gives_cop[foot]:
+                place[..., foot, :] = np.nan
         extrapolating = np.zeros(place.shape[:-1], dtype=bool)
         for correction in self.corrections:
             foot = correction.foot

@@ -75,6 +75,10 @@ class Plates:
     com_below: NDArray[np.float64]
 
 
+NO_PLATES = Plates(0.0, np.zeros(3), 0.0, np.zeros(3))
+"""Of the foot that a single shoe's file does not have."""
+
+
 @dataclass(frozen=True)
 class Shoe:
     """A pair of shoes (or feet) with their channels.
@@ -128,6 +132,22 @@ class Shoe:
         """(n,) +1, -1, or 0 where unknown."""
         return np.array([channel.polarity for channel in self.channels])
 
+    @cached_property
+    def feet(self) -> tuple[int, ...]:
+        """Indices into FEET of the feet that have channels: both, or that of a single shoe."""
+        return tuple(sorted(set(self.foot.tolist())))
+
+    @cached_property
+    def gives_cop(self) -> tuple[bool, bool]:
+        """Left, right: the channels give both moments; without them there is a force alone."""
+        ranks = [np.linalg.matrix_rank(self.columns[self.of_foot(i)], tol=1e-6) for i in (0, 1)]
+        return bool(ranks[0] == 3), bool(ranks[1] == 3)
+
+    def of_one_foot(self, foot: int) -> Shoe:
+        """The same with the channels of one foot only."""
+        own = tuple(channel for channel in self.channels if channel.foot == foot)
+        return replace(self, channels=own)
+
     @property
     def mass(self) -> float:
         """Mass of both shoes [kg]."""
@@ -153,12 +173,17 @@ class Shoe:
         return np.flatnonzero(self.foot == foot)
 
 
-def load_shoe(path: Path) -> Shoe:
+def load_shoe(path: Path, *, partial: bool = False) -> Shoe:
     """Read a shoe file.
 
+    Args:
+        path: of the file.
+        partial: accept a single shoe, and feet whose channels give a force but no CoP. That is
+            enough for a manual calibration; a robot that calibrates itself needs all.
+
     Raises:
-        FileError: for anything missing, mistyped or physically impossible (cells on one
-            line, fewer than three channels a foot).
+        FileError: for anything missing, mistyped or physically impossible, and unless `partial`
+            for a missing foot, cells on one line and fewer than three channels a foot.
     """
     fields = read_yaml(path)
     fields.format(FORMAT)
@@ -174,13 +199,24 @@ def load_shoe(path: Path) -> Shoe:
     plates: list[Plates] = []
     holes: list[Holes | None] = []
     for index, foot in enumerate(FEET):
+        if partial and foot not in feet and FEET[1 - index] in feet:
+            plates.append(NO_PLATES)
+            holes.append(None)
+            continue
+        if foot not in feet:
+            raise feet.error(
+                foot,
+                "is missing; add it (a single shoe can be calibrated by `shoecal manual` only)",
+            )
         block = feet.mapping(foot)
         block.only("plates", "cells", "six_axis", "holes")
         plates.append(_plates(block.mapping("plates")))
         found = _cells(block, index, span) if "cells" in block else []
         if "six_axis" in block:
             found += _six_axis(block.mapping("six_axis"), index, span)
-        _check_foot(block, found)
+        if not partial:
+            _check_cop(block, found)
+        _check_names(block, found)
         channels += found
         places = np.array([channel.position for channel in found])
         holes.append(read_holes(block, places) if "holes" in block else None)
@@ -294,13 +330,23 @@ def _nominal_gain(fields: Fields) -> float | None:
     return gain
 
 
-def _check_foot(block: Fields, channels: list[Channel]) -> None:
+def _check_names(block: Fields, channels: list[Channel]) -> None:
+    if not channels:
+        raise block.error("cells", "is missing or empty; add cells, or a six_axis sensor")
     names = [channel.name for channel in channels]
     for name in names:
         if names.count(name) > 1:
             raise block.error("cells", f"'{name}' appears twice; every channel needs its own name")
+
+
+def _check_cop(block: Fields, channels: list[Channel]) -> None:
+    """Refuse channels that give no CoP."""
     if len(channels) < 3:
-        raise block.error("cells", f"{len(channels)} channels; a CoP needs at least three")
+        raise block.error(
+            "cells",
+            f"{len(channels)} channels; a CoP needs at least three (fewer give a force alone, "
+            "which `shoecal manual` can calibrate)",
+        )
     columns = np.array([channel.column for channel in channels])
     # The smaller singular value tells how far the cells lie off their common line.
     singular = np.linalg.svd(columns - columns.mean(axis=0), compute_uv=False)

@@ -165,3 +165,31 @@ def test_figures_are_asked_for_before_or_behind_the_task(
     words = (*asked, *task) if before else (*task, *asked)
     assert shoecal("manual", *words)[0] == 0
     assert json.loads(figures.read_text())["verdict"] == "WARN"
+
+
+def test_one_shoe_of_a_pair_without_the_other(
+    shoecal: Run, simulated_bench: Path, tmp_path: Path
+) -> None:
+    """Readings of the left shoe alone: with --foot they are enough."""
+    for name in ("cells_data.yaml", "shoe_data.yaml"):
+        lines = (simulated_bench / name).read_text().splitlines()
+        left = [line for line in lines if '"right' not in line]
+        (tmp_path / name).write_text("\n".join(left) + "\n")
+    words = ("manual", "cells", tmp_path / "cells_data.yaml", "--out", tmp_path / "cells.yaml")
+    code, _, error = shoecal(*words)
+    assert code == 1
+    assert "no readings of right/front_left" in error
+    code, _, error = shoecal(*words, "--foot", "left")
+    assert code == 0, error
+    code, told, error = shoecal(
+        "manual", "shoe", tmp_path / "shoe_data.yaml", "--foot", "left",
+        "--out", tmp_path / "left.yaml", "--json", tmp_path / "left.json",
+        "--report", tmp_path / "left.html",
+    )  # fmt: skip
+    assert code == 0, error
+    assert "right" not in told
+    found = load_calibration(tmp_path / "left.yaml")
+    whole = load_calibration(simulated_bench / "calibration.yaml")
+    assert (found.verdict, found.channels) == ("PASS", whole.channels[:4])
+    assert found.parameters.gain.tolist() == whole.parameters.gain[:4].tolist()
+    assert list(json.loads((tmp_path / "left.json").read_text())["manual"]) == ["left"]

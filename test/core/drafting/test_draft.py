@@ -143,7 +143,7 @@ def test_left_and_right_without_names(tmp_path: Path) -> None:
     file = edited(tmp_path, "wren", r"\b(left|right)_", lambda m: {"l": "a_", "r": "b_"}[m[0][0]])  # type: ignore[arg-type]
     found = draft_robot(file, "wren")
     assert found.leg_names[0] == "a_hip_turn"
-    assert "as no name tells" in " ".join(note.found for note in robot_notes(found))
+    assert "as no name says" in " ".join(note.found for note in robot_notes(found))
 
 
 BAD = {

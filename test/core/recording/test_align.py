@@ -52,7 +52,7 @@ def test_joints_told_apart_are_interpolated_apart() -> None:
     assert valid.tolist() == [True, True]
     np.testing.assert_allclose(position, [[1.0, 1.0], [1.5, 1.5]])
     _, valid = interpolate_joints(joints, np.array([0.1]), 0.25)
-    assert valid.tolist() == [False]  # c was never told
+    assert valid.tolist() == [False]  # c was never recorded
 
 
 def test_one_sample_is_met_only_at_its_time() -> None:

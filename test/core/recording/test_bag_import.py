@@ -10,6 +10,7 @@ from rosbags.typesys import get_types_from_msg
 from core.recording import bags, samples
 from shoecal_core.errors import FileError, FileTooLargeError
 from shoecal_core.files import read_yaml, write_yaml
+from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording import foreign, schemas
 from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
@@ -166,6 +167,31 @@ def test_topics_without_stamps_count_when_they_were_received(lab: Lab) -> None:
     lab.edit(received=[])
     with pytest.raises(FileError, match="/robot/joint_states: its messages carry no stamp; list"):
         lab.imported(lab.folder / "other")
+
+
+def test_feet_that_stand_still_need_no_base_pose(lab: Lab) -> None:
+    """Their double support follows from the joint angles."""
+    robot = load_robot(lab.robot, load_shoe(lab.shoe))
+    expected = Kinematics(robot).states(robot.posture[None]).support()
+    for name, sway in (("stands", 1e-4), ("steps", 0.2)):
+        bag = bags.BagWriter(lab.folder, name, "mcap")
+        for time in np.arange(0.0, 1.0, 0.01):
+            posture = robot.posture.copy()
+            posture[robot.joint("left_hip_swing")] += sway * np.sin(6.0 * time)
+            bag.add(time, "/joint_states", bag.joint_state(time, list(lab.joints), posture))
+            for side in ("left", "right"):
+                bag.add(time, f"/{side}", bag.wrench(time, f"{side}_sensor", [0.0, 0.0, 50.0]))
+        bag.close()
+    lab.draft(lab.folder / "stands", lab.folder / "steps")
+    stands, steps = read_yaml(lab.mapping).items("trials")
+    assert (steps.keys(), steps.text("motion")) == (["motion", "bag"], "walking")
+    assert "# CHECK: steps: has no base pose, and its feet move" in lab.mapping.read_text()
+    assert stands.text("motion") == "standing"
+    place = (expected.dx, expected.dy, expected.dtheta)
+    np.testing.assert_allclose(stands.array("support", (3,)), place, atol=1e-3)
+    found = lab.imported().runs[0].info.support
+    assert found is not None
+    np.testing.assert_allclose(found.translation, expected.translation, atol=1e-3)
 
 
 def test_legs_and_arms_by_drivers_of_their_own(lab: Lab) -> None:

@@ -120,7 +120,7 @@ def test_a_value_that_is_none_is_marked(record: Record, shoe: Shoe) -> None:
     run = record([joints(0), (schemas.VOLTAGES, data)])
     assert np.isnan(run.readings.value[0, :3]).all()
     np.testing.assert_array_equal(run.readings.status, [[2, 2, 3, 0, 1, 0]])
-    assert "channel 'left/front' was never given" in run.notes
+    assert "channel 'left/front' has no readings" in run.notes
 
 
 def test_repeated_and_backward_stamps_are_dropped_and_counted(record: Record, shoe: Shoe) -> None:
@@ -159,7 +159,7 @@ def test_joints_of_two_publishers_are_joined(record: Record, shoe: Shoe) -> None
     assert run.joints.names == ("a", "b", "c")
     np.testing.assert_array_equal(run.joints.position[:, :2], [[1.0, 1.0], [2.0, 2.0]])
     assert run.joints.effort is None
-    assert run.notes == ("joint 'c' was never told",)
+    assert run.notes == ("joint 'c' was never recorded",)
 
 
 @pytest.mark.parametrize(
@@ -167,12 +167,12 @@ def test_joints_of_two_publishers_are_joined(record: Record, shoe: Shoe) -> None
     [
         ([volts(0, ["left/front"])], "holds no joint angles"),
         ([joints(0)], "holds no readings of 'test_shoe'"),
-        ([joints(0), volts(0, ["left/toe"])], "gives 'left/toe', known are: left/front"),
-        ([joints(0), volts(0, ["left/front"] * 2)], "gives a name twice"),
-        ([joints(0, names=("a", "a")), volts(0, ["left/front"])], "gives a name twice"),
+        ([joints(0), volts(0, ["left/toe"])], "names 'left/toe', known are: left/front"),
+        ([joints(0), volts(0, ["left/front"] * 2)], "has a name twice"),
+        ([joints(0, names=("a", "a")), volts(0, ["left/front"])], "has a name twice"),
         (
             [joints(0), volts(0, ["left/front"]), volts(0, ["left/front", "right/front"])],
-            "'left/front' is given twice",
+            "'left/front' is recorded twice",
         ),
         (
             [

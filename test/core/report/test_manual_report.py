@@ -63,7 +63,7 @@ def test_a_whole_report(content: ManualReport, tmp_path: Path) -> None:
     assert not re.search(r"https?:", html)
     for foot in content.feet:
         assert spaced(mean_error(foot.grf, "mN", 1e3)) in document.text
-        for mae in (foot.cop_before, foot.cop_after, foot.cop_held_out):
+        for mae in (foot.known_cop.before, foot.known_cop.after, foot.known_cop.held_out):
             assert spaced(mean_error(mae, "mm", 1e3)) in document.text
     for name in content.shoe.names:
         assert name in document.text
@@ -107,9 +107,9 @@ def test_places_are_those_of_the_holes(content: ManualReport) -> None:
     foot = content.feet[0]
     drawn = known_loads(content, foot)
     error = np.linalg.norm(drawn.measured - drawn.places, axis=1)
-    assert error.mean() == pytest.approx(foot.cop_before.mean)
+    assert error.mean() == pytest.approx(foot.known_cop.before.mean)
     error = np.linalg.norm(drawn.corrected - drawn.places, axis=1)
-    assert error.mean() == pytest.approx(foot.cop_after.mean)
+    assert error.mean() == pytest.approx(foot.known_cop.after.mean)
 
 
 def test_cells_about_their_lines() -> None:

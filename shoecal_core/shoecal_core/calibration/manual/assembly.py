@@ -1,4 +1,4 @@
-"""What assembling the shoe did to the offsets: told by the bare shoe.
+"""What assembling the shoe did to the offsets, by the reading of the bare shoe.
 
 Screwing a cell in shifts its zero. Without a weight the foot's wrench must be that of the shoe
 alone: the top plate, which the cells feel, and the parts below, which `foot_wrenches` adds. The
@@ -48,15 +48,16 @@ def assembled(
     shift = np.zeros(count)
     keep = np.eye(2 * count)
     noise = np.zeros(count)
-    for foot in (0, 1):
+    for foot in shoe.feet:
         bare = _bare(loads, foot)
         channels = shoe.of_foot(foot)
         readings = np.zeros(count)
         readings[channels] = bare.mean
-        columns = shoe.columns[channels].T
+        columns = _rows(shoe, foot)
         inverse = np.linalg.pinv(columns)
         found = foot_wrenches(shoe, parameters.outputs(readings))[foot]
-        shift[channels] = inverse @ (shoe_wrench(shoe, foot) - found)
+        missing = shoe_wrench(shoe, foot) - found
+        shift[channels] = inverse @ missing[: len(columns)]
         seen = inverse @ columns
         offsets = count + channels
         keep[np.ix_(offsets, offsets)] -= seen
@@ -69,12 +70,18 @@ def assembled(
     return shifted, covariance if known else None, shift
 
 
+def _rows(shoe: Shoe, foot: int) -> FloatArray:
+    """(3, k) force and moments by output of a foot's k channels; (1, k) where they give no CoP."""
+    columns = shoe.columns[shoe.of_foot(foot)].T
+    return columns if shoe.gives_cop[foot] else columns[:1]
+
+
 def _bare(loads: Measurements, foot: int) -> Entry:
     for entry in loads.of_foot(foot):
         if not entry.load.place:
             return entry
     raise loads.error(
-        f"the reading of the bare {FEET[foot]} shoe (0 kg) is missing; it tells what assembling "
+        f"the reading of the bare {FEET[foot]} shoe (0 kg) is missing; it shows what assembling "
         "has done to the offsets"
     )
 
@@ -83,9 +90,9 @@ def _of_noise(shoe: Shoe, noise: FloatArray) -> FloatArray:
     """(2n, 2n) what the noise (n,) of the bare readings [N] adds to the offsets' covariance."""
     count = len(noise)
     added = np.zeros((2 * count, 2 * count))
-    for foot in (0, 1):
+    for foot in shoe.feet:
         channels = shoe.of_foot(foot)
-        columns = shoe.columns[channels].T
+        columns = _rows(shoe, foot)
         seen = np.linalg.pinv(columns) @ columns
         offsets = count + channels
         added[np.ix_(offsets, offsets)] = seen @ np.diag(noise[channels] ** 2) @ seen.T

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,27 +53,49 @@ class CellsCalibration:
 
 
 @dataclass(frozen=True)
+class CopResult:
+    """The CoP of one shoe under its weights.
+
+    Attributes:
+        corrected: (N, 2) with the correction; as measured where none is kept [m].
+        predicted: (N, 2) of each load by a correction fitted to the others [m].
+        before, after: error without and with the correction (eq. 8) [m].
+        held_out: the same of `predicted` [m].
+    """
+
+    corrected: FloatArray
+    predicted: FloatArray
+    before: Mae
+    after: Mae
+    held_out: Mae
+
+
+@dataclass(frozen=True)
 class FootResult:
     """One shoe under its weights.
 
     Attributes:
         loads: what stood where, what was expected and what was measured, uncorrected.
-        corrected: (N, 2) CoP with the correction; as measured where none is kept [m].
-        held_out: (N, 2) CoP of each load by a correction fitted to the others [m].
         shift: (k,) what assembling added to the offsets of the foot's cells [N].
         grf: error of the force (eq. 7) [N].
-        cop_before, cop_after: error of the CoP without and with the correction (eq. 8) [m].
-        cop_held_out: the same of `held_out` [m].
+        cop: None where the channels give a force alone.
     """
 
     loads: ShoeLoads
-    corrected: FloatArray
-    held_out: FloatArray
     shift: FloatArray
     grf: Mae
-    cop_before: Mae
-    cop_after: Mae
-    cop_held_out: Mae
+    cop: CopResult | None
+
+    @property
+    def known_cop(self) -> CopResult:
+        """The CoP of a shoe that has one.
+
+        Raises:
+            ShoecalError: for channels that give a force alone.
+        """
+        if self.cop is None:
+            raise ShoecalError("the channels of this shoe give a force alone, so no CoP")
+        return self.cop
 
 
 @dataclass(frozen=True)
@@ -83,12 +105,12 @@ class ManualCalibration:
     Attributes:
         calibration: to apply, verdict included.
         cells: fits of the single cells; empty where only their calibration is known.
-        feet: left, right.
+        feet: left, right; or that of a single shoe.
     """
 
     calibration: Calibration
     cells: tuple[CellFit, ...]
-    feet: tuple[FootResult, FootResult]
+    feet: tuple[FootResult, ...]
 
 
 def calibrate_manually(
@@ -178,38 +200,57 @@ def calibrate_shoe(
     feet = []
     corrections = []
     findings = _carried(cells, check_cells(shoe, parameters.gain))
-    for foot in (0, 1):
+    for foot in shoe.feet:
         found = loaded(loads, foot, parameters)
-        result, kept = _foot(found, fit_correction(loads, found), shift[shoe.of_foot(foot)])
-        feet.append(result)
-        corrections += kept
-        findings += check_foot(foot, result.grf, result.cop_after, result.shift)
+        grf, moved = grf_mae(found.force, found.expected_force), shift[shoe.of_foot(foot)]
+        place = None
+        if shoe.gives_cop[foot]:
+            place, kept = _cop(found, fit_correction(loads, found))
+            corrections += kept
+        feet.append(FootResult(found, moved, grf, place))
+        findings += check_foot(foot, grf, None if place is None else place.after, moved)
         if planned is not None:
             findings += check_plan(foot, len(found.loads), planned)
     calibration = _calibration(
         shoe, robot, parameters, covariance, tuple(corrections), findings, made_ns or loads.end_ns
     )
-    return ManualCalibration(calibration, fits, (feet[0], feet[1]))
+    return ManualCalibration(calibration, fits, tuple(feet))
 
 
-def _foot(
-    found: ShoeLoads, fit: CorrectionFit, shift: FloatArray
-) -> tuple[FootResult, list[CopCorrection]]:
+def of_shoe(cells: Calibration, shoe: Shoe) -> Calibration:
+    """A calibration of single cells, of the channels of a shoe only.
+
+    Args:
+        cells: of both shoes.
+        shoe: of one foot, of the same file.
+
+    Raises:
+        WrongShoeError: for cells of another shoe.
+    """
+    if set(shoe.names) < set(cells.channels):
+        places = np.array([cells.channels.index(name) for name in shoe.names])
+        both = np.concatenate([places, len(cells.channels) + places])
+        covariance = cells.covariance
+        cells = replace(
+            cells,
+            channels=shoe.names,
+            parameters=ChannelParameters(
+                cells.parameters.gain[places], cells.parameters.offset[places]
+            ),
+            covariance=None if covariance is None else covariance[np.ix_(both, both)],
+        )
+    cells.sensing(shoe)
+    return cells
+
+
+def _cop(found: ShoeLoads, fit: CorrectionFit) -> tuple[CopResult, list[CopCorrection]]:
+    """What a correction wins, and the correction where it is kept."""
     before = cop_mae(found.cop, found.expected_cop)
     others = cop_mae(fit.held_out, found.expected_cop)
-    helps = others.mean < (1.0 - MINIMUM_GAIN) * before.mean
-    corrected = fit.corrected if helps else found.cop
-    result = FootResult(
-        loads=found,
-        corrected=corrected,
-        held_out=fit.held_out if helps else found.cop,
-        shift=shift,
-        grf=grf_mae(found.force, found.expected_force),
-        cop_before=before,
-        cop_after=cop_mae(corrected, found.expected_cop),
-        cop_held_out=others if helps else before,
-    )
-    return result, [fit.correction] if helps else []
+    if others.mean < (1.0 - MINIMUM_GAIN) * before.mean:
+        after = cop_mae(fit.corrected, found.expected_cop)
+        return CopResult(fit.corrected, fit.held_out, before, after, others), [fit.correction]
+    return CopResult(found.cop, found.cop, before, before, before), []
 
 
 def _same_shoe(shoe: Shoe, measurements: Measurements) -> None:
@@ -224,8 +265,8 @@ def _carried(cells: Calibration, findings: Sequence[Finding]) -> list[Finding]:
     """Findings, and those of the first step that the second one does not make good."""
     known = {finding.reason for finding in findings} | {CELLS_ONLY}
     carried = []
-    for told in cells.reasons:
-        verdict, _, reason = told.partition(": ")
+    for line in cells.reasons:
+        verdict, _, reason = line.partition(": ")
         if verdict in ("WARN", "FAIL") and reason not in known:
             carried.append(Finding(verdict, reason))
     return [*findings, *carried]

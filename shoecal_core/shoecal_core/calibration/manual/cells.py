@@ -31,7 +31,7 @@ class CellFit:
         name: of the channel.
         gain: a [N/unit].
         offset: b [N].
-        covariance: (2, 2) of (gain, offset); NaN where nothing tells how the readings scatter.
+        covariance: (2, 2) of (gain, offset); NaN where the readings' scatter is not known.
         masses: (L,) [kg].
         readings: (L,) means [unit].
         residuals: (L,) force by this law minus the weight [N].
@@ -100,12 +100,12 @@ def _fit(cells: Measurements, name: str) -> CellFit:
 
 
 def _covariance(design: FloatArray, left: FloatArray, noise: FloatArray) -> FloatArray:
-    """(2, 2) of (S_0, sigma): by the noise told or by the scatter found, whichever is larger."""
-    told = float((noise**2).mean())
+    """(2, 2) of (S_0, sigma): by the larger of recorded noise and found scatter."""
+    recorded = float((noise**2).mean())
     free = len(left) - 2
     found = float(left @ left) / free if free else np.nan
     # fmax: the one that is known where the other is not.
-    variance = np.fmax(told, found)
+    variance = np.fmax(recorded, found)
     covariance: FloatArray = variance * np.linalg.inv(design.T @ design)
     return covariance
 
@@ -146,7 +146,13 @@ def law(fits: tuple[CellFit, ...]) -> tuple[FloatArray, FloatArray, FloatArray |
 
 
 def unlike_gains(shoe: Shoe, gain: FloatArray, ratio: float) -> list[tuple[str, float, float]]:
-    """Cells whose gain is not within a ratio of the typical one: name, gain, typical size."""
+    """Cells whose gain is not within a ratio of the typical one: name, gain, typical size.
+
+    Args:
+        shoe: with n cells.
+        gain: (n,) [N/unit].
+        ratio: to the median of their sizes.
+    """
     typical = float(np.median(np.abs(gain)))
     return [
         (name, float(value), typical)

@@ -26,7 +26,7 @@ FULL_SHARE = 0.5
 
 
 def check_cells(shoe: Shoe, gain: FloatArray) -> list[Finding]:
-    """Gains of the wrong sign or of a size unlike the others'."""
+    """Gains (n,) [N/unit] of the wrong sign or of a size unlike the others'."""
     findings = [
         Finding(
             "FAIL",
@@ -59,14 +59,24 @@ def check_lines(fits: Sequence[CellFit]) -> list[Finding]:
     ]
 
 
-def check_foot(foot: int, grf: Mae, cop: Mae, shift: FloatArray) -> list[Finding]:
-    """Errors of one shoe under its weights."""
+def check_foot(foot: int, grf: Mae, cop: Mae | None, shift: FloatArray) -> list[Finding]:
+    """Errors of one shoe under its weights.
+
+    Args:
+        foot: index into FEET.
+        grf: error of the force [N].
+        cop: error of the CoP [m]; None where the channels give a force alone.
+        shift: (k,) what assembling added to the offsets [N].
+    """
     findings = []
     side = FEET[foot]
-    for name, mae, limits, unit, scale in (
-        ("GRF", grf, GRF_LIMITS, "N", 1.0),
-        ("CoP", cop, COP_LIMITS, "mm", 1e3),
-    ):
+    if cop is None:
+        reason = f"the channels of the {side} shoe give a force alone: it has a GRF, but no CoP"
+        findings.append(Finding("WARN", reason))
+    judged = [("GRF", grf, GRF_LIMITS, "N", 1.0)]
+    if cop is not None:
+        judged.append(("CoP", cop, COP_LIMITS, "mm", 1e3))
+    for name, mae, limits, unit, scale in judged:
         for verdict, limit in (("FAIL", limits[1]), ("WARN", limits[0])):
             if not mae.mean <= limit:
                 findings.append(

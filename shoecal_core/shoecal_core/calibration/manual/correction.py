@@ -2,7 +2,7 @@
 
 The paper calls eq. 6 a nonlinear least squares; the corrected CoP is linear in all of its
 parameters, so one linear least squares gives the minimum. A hardly felt damping keeps
-directions that no load tells, such as a pattern of cell forces that a stiff plate never makes,
+directions that no load identifies, such as a pattern of cell forces that a stiff plate never makes,
 from being filled with noise.
 """
 

@@ -8,10 +8,15 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.calibration.manual.calibrate import of_shoe
+from shoecal_core.calibration.manual.cells import wrong_response
 from shoecal_core.calibration.manual.loads import Load
 from shoecal_core.calibration.manual.measurements import Entry, EntryError, Measurements
 from shoecal_core.calibration.manual.settings import ManualSettings
+from shoecal_core.calibration.manual.shoe_loads import wrong_weight
 from shoecal_core.calibration.manual.still import Last, Outcome, StillReading
+from shoecal_core.model.robot import GRAVITY
 
 FloatArray = NDArray[np.float64]
 Check = Callable[[Measurements, Entry], str]
@@ -59,7 +64,7 @@ class Guide:
             plan: one or more loads.
             measurements: of an earlier session, or none.
             settings: what a still reading is.
-            check: told what was read before and a new reading, says what is wrong with it.
+            check: of what was read before and a new reading: what is wrong with the new one.
         """
         self.plan = tuple(plan)
         self.measurements = measurements
@@ -94,7 +99,7 @@ class Guide:
         return 0 if self._reading is None else self._reading.gathered
 
     def news(self) -> str:
-        """What became of the last reading or key, told once; empty when there is nothing."""
+        """What became of the last reading or key, once; empty when there is nothing new."""
         said, self._said = self._said, ""
         return said
 
@@ -125,7 +130,7 @@ class Guide:
 
         Args:
             readings: NaN where a channel gave none.
-            stamp_ns: when they were sampled, 0 where nobody knows.
+            stamp_ns: when they were sampled, 0 where not known.
         """
         if self._reading is None:
             return
@@ -168,3 +173,33 @@ class Guide:
                 self._at = index
                 return
         self.phase = Phase.COMPLETE
+
+
+def cell_check(before: Measurements, entry: Entry) -> str:
+    """Whether another cell than the loaded one responded, or none; empty: all is well."""
+    name = entry.load.place
+    weights = {other.load.mass for other in before.of_cell(name) if other.load != entry.load}
+    if not weights:
+        return ""
+    return wrong_response(before.with_entry(entry), name)
+
+
+def shoe_check(cells: Calibration) -> Check:
+    """Whether another weight is there than was asked for.
+
+    Args:
+        cells: calibration of the single cells.
+    """
+
+    def check(before: Measurements, entry: Entry) -> str:
+        load = entry.load
+        bare = [other for other in before.of_foot(load.foot) if not other.load.place]
+        if not load.place or not bare:
+            return ""
+        one = before.shoe.of_one_foot(load.foot)
+        gain = of_shoe(cells, one).parameters.gain
+        return wrong_weight(
+            load, float(np.sum(gain * (entry.mean - bare[0].mean))), load.mass * GRAVITY
+        )
+
+    return check

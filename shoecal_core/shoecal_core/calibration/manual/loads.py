@@ -1,4 +1,4 @@
-"""Known loads: which weight stands where, and in which order a person puts it there."""
+"""Known loads: weights, places, and the order in which a person puts them there."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ class Load:
 
     Attributes:
         foot: index into FEET.
-        place: name of the cell (`left/front_left`) that bears it alone, or of the hole it stands
-            in; empty for the bare shoe.
+        place: name of the cell (`left/front_left`) that bears it alone, or of the hole with
+            the weight; empty for the bare shoe.
         mass: of the weight [kg].
     """
 
@@ -46,22 +46,23 @@ class Load:
 
 
 def planned_loads(
-    kind: str, shoe: Shoe, weights: Sequence[float], feet: Sequence[int] = (0, 1)
+    kind: str, shoe: Shoe, weights: Sequence[float], feet: Sequence[int] | None = None
 ) -> tuple[Load, ...]:
     """Every load of a manual calibration, in an order with little carrying.
 
     A cell bears all weights before the next cell is taken; a weight walks through all holes,
-    from each to the one beside it, before the next weight is taken.
+    from each to the next one, before the next weight is taken.
 
     Args:
         kind: CELLS or SHOE.
         shoe: to be loaded.
         weights: one or more [kg].
-        feet: of it.
+        feet: of it; None: all that have channels.
 
     Raises:
         FieldError: when the shoe has no holes, or no cells that could bear a weight alone.
     """
+    feet = shoe.feet if feet is None else feet
     if kind == CELLS:
         require_cells(shoe)
         return tuple(

@@ -44,9 +44,9 @@ class Entry:
     Attributes:
         load: known.
         mean: (k,) of the foot's channels [unit]; NaN where one gave none.
-        std: (k,) of one sample [unit]; NaN where nobody knows.
+        std: (k,) of one sample [unit]; NaN where not known.
         count: samples in the mean.
-        made_ns: when [ns since the epoch], 0 where nobody knows.
+        made_ns: when [ns since the epoch], 0 where not known.
     """
 
     load: Load
@@ -57,7 +57,7 @@ class Entry:
 
     @property
     def noise(self) -> FloatArray:
-        """(k,) standard deviation of the mean [unit]; NaN where nobody knows."""
+        """(k,) standard deviation of the mean [unit]; NaN where not known."""
         noise: FloatArray = self.std / math.sqrt(self.count)
         return noise
 
@@ -88,7 +88,7 @@ class Measurements:
             first = seen.setdefault(entry.load, index)
             if first != index:
                 raise EntryError(
-                    index, "mass_kg", f"{entry.load}: stands in entries[{first}] already; keep one"
+                    index, "mass_kg", f"{entry.load}: is in entries[{first}] already; keep one"
                 )
 
     def with_entry(self, entry: Entry) -> Measurements:
@@ -104,7 +104,7 @@ class Measurements:
 
     @property
     def end_ns(self) -> int:
-        """When the last one was read [ns since the epoch]; 0 where nobody knows."""
+        """When the last one was read [ns since the epoch]; 0 where not known."""
         return max((entry.made_ns for entry in self.entries), default=0)
 
     def of_foot(self, foot: int) -> tuple[Entry, ...]:

@@ -29,7 +29,8 @@ class ShoeLoads:
         foot: index into FEET.
         loads: weights and holes.
         outputs: (N, k) of the foot's cells [N].
-        force, cop: (N,) [N] and (N, 2) [m] measured, uncorrected; shoe included.
+        force, cop: (N,) [N] and (N, 2) [m] measured, uncorrected; shoe included. The CoP is NaN
+            where the channels give a force alone.
         expected_force, expected_cop: what the weight and the shoe's own weight make them.
     """
 
@@ -75,12 +76,15 @@ def loaded(loads: Measurements, foot: int, parameters: ChannelParameters) -> Sho
     measured = foot_wrenches(shoe, outputs)[:, foot]
     places = np.array([holes.position(entry.load.place) for entry in entries])
     expected = expected_wrenches(shoe, foot, masses, places)
+    place = cop(measured, MINIMUM_FORCE)
+    if not shoe.gives_cop[foot]:
+        place[:] = np.nan
     found = ShoeLoads(
         foot=foot,
         loads=tuple(entry.load for entry in entries),
         outputs=outputs[:, channels],
         force=measured[:, 0],
-        cop=cop(measured, MINIMUM_FORCE),
+        cop=place,
         expected_force=expected[:, 0],
         expected_cop=cop(expected, 0.0),
     )
@@ -93,7 +97,7 @@ def wrong_weight(load: Load, force: float, expected: float) -> str:
     if abs(force - expected) <= FORCE_ERROR + FORCE_SHARE * abs(expected):
         return ""
     weighs = load.mass + (force - expected) / GRAVITY
-    return f"{load}: weighs {weighs:.2f} kg; see which weight stands there and read it again"
+    return f"{load}: weighs {weighs:.2f} kg; see which weight is there and read it again"
 
 
 def _check_weights(loads: Measurements, found: ShoeLoads) -> None:
@@ -111,7 +115,7 @@ def _check_weights(loads: Measurements, found: ShoeLoads) -> None:
             "calibration is of other cells or of weights in another unit"
         )
     light = [load for load, place in zip(found.loads, found.cop, strict=True) if np.isnan(place[0])]
-    if light:
+    if light and loads.shoe.gives_cop[found.foot]:
         raise loads.error(
             f"{light[0]}: too light for a CoP, which needs {MINIMUM_FORCE:g} N on the foot; leave "
             "it out"

@@ -53,9 +53,13 @@ def test_the_papers_table_on_the_simulated_shoe(seed: int) -> None:
     for foot, after in zip(found.feet, (1.07e-3, 0.76e-3), strict=True):
         assert len(foot.loads.loads) == 126
         assert foot.grf.mean < 0.03
-        assert 3e-3 < foot.cop_before.mean < 5e-3
-        assert foot.cop_after.mean < after
-        assert foot.cop_after.mean < foot.cop_held_out.mean < 1.2 * foot.cop_after.mean
+        assert 3e-3 < foot.known_cop.before.mean < 5e-3
+        assert foot.known_cop.after.mean < after
+        assert (
+            foot.known_cop.after.mean
+            < foot.known_cop.held_out.mean
+            < 1.2 * foot.known_cop.after.mean
+        )
 
 
 def test_gains_and_offsets_are_those_that_were_drawn() -> None:
@@ -74,8 +78,8 @@ def test_a_perfect_shoe_needs_no_correction() -> None:
     found = simulated(PERFECT, 1)
     for foot in found.feet:
         assert foot.grf.mean < 1e-3
-        assert foot.cop_before.mean < 1e-4
-        assert foot.cop_after.mean <= foot.cop_before.mean
+        assert foot.known_cop.before.mean < 1e-4
+        assert foot.known_cop.after.mean <= foot.known_cop.before.mean
 
 
 def test_a_correction_that_does_not_help_is_not_kept() -> None:
@@ -83,8 +87,8 @@ def test_a_correction_that_does_not_help_is_not_kept() -> None:
     found = simulated(worlds.changed(PERFECT, rig__placement_error_std_m=6e-4), 1)
     assert found.calibration.corrections == ()
     for foot in found.feet:
-        assert foot.cop_after == foot.cop_held_out == foot.cop_before
-        np.testing.assert_array_equal(foot.corrected, foot.loads.cop)
+        assert foot.known_cop.after == foot.known_cop.held_out == foot.known_cop.before
+        np.testing.assert_array_equal(foot.known_cop.corrected, foot.loads.cop)
 
 
 def test_what_the_calibration_says_of_itself() -> None:
@@ -154,7 +158,7 @@ def test_three_cells_and_six(tmp_path: Path) -> None:
     assert [one.channels for one in found.calibration.corrections] == [3, 6]
     for foot in found.feet:
         assert foot.grf.mean < 0.03
-        assert foot.cop_after.mean < 1e-3 < foot.cop_before.mean
+        assert foot.known_cop.after.mean < 1e-3 < foot.known_cop.before.mean
 
 
 # ---- verdicts ---------------------------------------------------------------------------------

@@ -14,8 +14,7 @@ from core.calibration.manual.benches import (
     some_law,
 )
 from shoecal_core.calibration.manual.calibrate import calibrate_cells
-from shoecal_core.calibration.manual.guide import Check, Guide, Key, Phase
-from shoecal_core.calibration.manual.live_checks import cell_check, shoe_check
+from shoecal_core.calibration.manual.guide import Check, Guide, Key, Phase, cell_check, shoe_check
 from shoecal_core.calibration.manual.loads import CELLS, SHOE, Load, planned_loads
 from shoecal_core.calibration.manual.measurements import Entry, Measurements
 from shoecal_core.calibration.manual.still import Outcome

@@ -182,7 +182,7 @@ def test_a_load_twice(tmp_path: Path) -> None:
     twice: Callable[[list[object]], list[object]] = lambda entries: [*entries, entries[2]]  # noqa: E731
     mutations.write_edited(bad, good, (("entries",), twice))
     error = mutations.refused(bad, lambda: load_measurements(bad, SHOE, nao_shoe()))
-    assert "stands in entries[2] already" in error.problem
+    assert "is in entries[2] already" in error.problem
 
 
 def test_a_newer_format(tmp_path: Path) -> None:

@@ -1,0 +1,58 @@
+"""The double support of a bag in which the feet stand still, by its joint angles."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.model.robot import JointsMissingError, Robot
+from shoecal_core.recording.bag import Bag
+from shoecal_core.recording.bag_match import Match
+
+SAMPLES = 200
+"""Joint angles of a bag that are looked at, evenly over its messages."""
+STILL_M = 0.01
+"""Feet whose distance changes by less stand still."""
+
+
+def standing_support(
+    bag: Bag, joints: Match, robot: Robot, span: tuple[float, float] | None
+) -> DoubleSupport | None:
+    """Where the right sole is in the left one's frame, by forward kinematics.
+
+    Args:
+        bag: open.
+        joints: the topics of its joint angles.
+        robot: with its shoes on.
+        span: part of the bag since its first message [s]; None: all of it.
+
+    Returns:
+        None where the feet move against each other, or where no message has all joints.
+    """
+    ends = (None, None) if span is None else tuple(bag.start_ns + round(1e9 * at) for at in span)
+    names: list[str] = []
+    rows: list[NDArray[np.float64]] = []
+    for message in bag.messages(joints.topics, *ends):
+        found = [joints.rename.get(name, name) for name in message.content.name]
+        if len(message.content.position) != len(found):
+            continue
+        if len(found) > len(names):
+            names, rows = found, []
+        if found == names:
+            rows.append(message.content.position)
+    if not rows:
+        return None
+    chosen = np.unique(np.linspace(0, len(rows) - 1, SAMPLES).astype(np.int64))
+    own = [place for place, name in enumerate(names) if name in robot.joint_names]
+    measured = np.array([rows[place] for place in chosen], dtype=np.float64)[:, own]
+    try:
+        angles = robot.from_measured([names[place] for place in own], measured)
+    except JointsMissingError:
+        return None
+    states = Kinematics(robot).states(angles[np.isfinite(angles).all(axis=1)])
+    places = states.translation[:, :2]
+    if not len(places) or np.ptp(places, axis=0).max() > STILL_M:
+        return None
+    return states.support()
