@@ -14,6 +14,7 @@ from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.joint_fit import RATE_HZ, JointFit, fit_jointly
+from shoecal_core.estimation.known_shoe import KnownShoe
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.settings import SampleSettings
 from shoecal_core.samples.stance import Stance
@@ -31,6 +32,7 @@ def joint_calibration(
     stages: SelfCalibration,
     settings: CalibrationSettings,
     tolerances: Tolerances,
+    known: KnownShoe | None = None,
 ) -> JointFit:
     """Fit gains, offsets and all that robot and shoes may have wrong, from where the NLS ended.
 
@@ -39,6 +41,7 @@ def joint_calibration(
         train: runs to fit.
         stages: initial guess and nonlinear least squares.
         settings, tolerances: of the calibration.
+        known: of the shoe, by a manual calibration.
 
     Raises:
         ShoecalError: when it does not settle.
@@ -59,6 +62,7 @@ def joint_calibration(
         settings=signals,
         tolerances=tolerances,
         time_offset_std_s=settings.time_offset_std_s,
+        known=known,
     )
 
 

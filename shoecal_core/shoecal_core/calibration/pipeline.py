@@ -37,6 +37,7 @@ from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.joint_fit import JointFit
+from shoecal_core.estimation.known_shoe import known_shoe
 from shoecal_core.files import sha256
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import Robot
@@ -200,6 +201,7 @@ def calibrate_session(
     *,
     source: str = "self",
     made_ns: int = 0,
+    manual: Calibration | None = None,
 ) -> Outcome:
     """Self-calibration from a recording (paper, section VI).
 
@@ -210,6 +212,7 @@ def calibrate_session(
         tolerances: of what the files of robot and shoes say.
         source: kept in the calibration.
         made_ns: time stamp of the calibration [ns since the epoch]; 0: that of the last run.
+        manual: calibration of these shoes with known weights, as a prior.
 
     Raises:
         ShoecalError: when no calibration can be had from the session at all. A calibration
@@ -229,7 +232,11 @@ def calibrate_session(
     joint = None
     if data.samples is not None:
         fitting = _fitting(settings, data.screening)
-        joint = joint_calibration(data.samples, train, stages, fitting, tolerances)
+        known = None
+        if manual is not None:
+            sensing = manual.sensing(data.shoe)
+            known = known_shoe(data.shoe, sensing, manual.covariance, data.robot.weight)
+        joint = joint_calibration(data.samples, train, stages, fitting, tolerances, known)
         stages = with_joint(stages, joint)
         data = replace(data, shoe=joint.shoe, stances=corrected(data.stances, joint))
     training, testing = data.of(train), data.of(test)

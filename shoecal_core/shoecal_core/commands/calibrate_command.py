@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.calibration.calibration import save_calibration
+from shoecal_core.calibration.calibration import load_calibration, save_calibration
 from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
@@ -48,6 +48,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="parameter file of the calibrator node, for its weights and tolerances",
     )
+    parser.add_argument(
+        "--manual",
+        type=Path,
+        metavar="FILE",
+        help="calibration of these shoes by `shoecal manual shoe`: where cells and plates carry, "
+        "and the gains, are then known beforehand",
+    )
     add_sets(parser)
     add_force(parser)
 
@@ -61,7 +68,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     for path in filter(None, (args.out, args.report, args.json)):
         require_folder(path)
     session = Session.open(args.session, force=args.force)
-    outcome = calibrate_session(session, args.train, args.test, settings, tolerances)
+    manual = None if args.manual is None else load_calibration(args.manual)
+    outcome = calibrate_session(session, args.train, args.test, settings, tolerances, manual=manual)
     console.print(errors_table("Measured against modelled", stages_rows(outcome.modelled)))
     _print_channels(outcome, console)
     _print_deviations(outcome, console)

@@ -30,6 +30,7 @@ from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signals import COP
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.known_shoe import KnownShoe
 from shoecal_core.estimation.priors import parameter_std
 from shoecal_core.samples.samples import Samples, Track
 from shoecal_core.sensing.shoe import Shoe
@@ -148,6 +149,7 @@ def fit_jointly(
     settings: SignalSettings,
     tolerances: Tolerances,
     time_offset_std_s: float,
+    known: KnownShoe | None = None,
 ) -> JointFit:
     """Fit gains, offsets, time offset and deviations to the training runs.
 
@@ -159,6 +161,7 @@ def fit_jointly(
         settings: priors, and the size of the form error.
         tolerances: how far robot and shoes may be off their files.
         time_offset_std_s: how far joints and readings may be apart in time [s].
+        known: of the shoe, by a manual calibration; None: nothing.
 
     Raises:
         ShoecalError: when it does not settle.
@@ -182,7 +185,9 @@ def fit_jointly(
                     f"{moved:.1e} of the priors): check polarities and cell positions in the shoe "
                     "file, and that the robot file is this robot's"
                 )
-            system = _System.at(scene, fitted, guess, own_std, late, body, sample_std, tolerances)
+            system = _System.at(
+                scene, fitted, guess, own_std, late, body, sample_std, tolerances, known
+            )
             if initial_cost is None:
                 initial_cost = system.cost(np.zeros(len(system.std)))
             solution = system.solution()
@@ -253,6 +258,7 @@ class _System:
         body: Sequence[Deviation],
         sample_std: FloatArray,
         tolerances: Tolerances,
+        known: KnownShoe | None,
     ) -> _System:
         own = len(own_std) - 1
         deviations = (*body, *of_shoes(scene, tolerances))
@@ -274,6 +280,14 @@ class _System:
             (parameters.gain - guess.gain, parameters.offset - guess.offset)
         )
         there = scene.mask & fitted[:, None]
+        more_rows, more_target = np.zeros((len(std), 0)), np.zeros(0)
+        if known is not None:
+            by_gain, by_deviation, more_target = known.rows(
+                scene.samples.shoe, parameters, deviations
+            )
+            more_rows = np.zeros((len(std), len(more_target)))
+            more_rows[: by_gain.shape[1]] = by_gain.T
+            more_rows[own + 1 : own + 1 + len(deviations)] = by_deviation.T
         scale = 1.0 / np.broadcast_to(sample_std, there.shape)[there]
         return cls(
             scene=scene,
@@ -281,8 +295,8 @@ class _System:
             std=std,
             away=away,
             columns=columns,
-            rows=columns[:, there] * scale,
-            target=scene.residuals[there] * scale,
+            rows=np.concatenate((columns[:, there] * scale, more_rows), axis=1),
+            target=np.concatenate((scene.residuals[there] * scale, more_target)),
         )
 
     @cached_property
