@@ -62,6 +62,15 @@ class CalibrationJob:
         self._feedback = feedback
         self._pacing = Pacing()
 
+    def check(self) -> None:
+        """Whether it can begin: the robot is armed, and all that it needs comes.
+
+        Raises:
+            RefusedError: with a code of Calibrate.Result.
+        """
+        self._site.recorder.problem = ""
+        self._job.check()
+
     async def run(self) -> Calibration:
         """Do it all but apply the result.
 
@@ -69,8 +78,7 @@ class CalibrationJob:
             RefusedError: with a code of Calibrate.Result, when it ends otherwise.
         """
         site = self._site
-        site.recorder.problem = ""
-        self._job.check()
+        self.check()
         worker = Worker(site.wake)
         try:
             runs = await self._draw(worker)
