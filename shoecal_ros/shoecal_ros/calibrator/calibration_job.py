@@ -12,7 +12,7 @@ from shoecal_msgs.action import Calibrate
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.planning.standard import TEST, TRAIN, PlannedRun
 from shoecal_ros.calibrator import solving_work
-from shoecal_ros.calibrator.job import Job, Site
+from shoecal_ros.calibrator.job import Job, JobContext
 from shoecal_ros.calibrator.run_series import RunSeries, make_session
 from shoecal_ros.common.actions import Pacing
 from shoecal_ros.common.waiting import aside
@@ -49,7 +49,7 @@ class CalibrationJob:
 
     def __init__(
         self,
-        site: Site,
+        site: JobContext,
         request: Request,
         feedback: Callable[[Calibrate.Feedback], None],
         canceled: Callable[[], bool] | None,

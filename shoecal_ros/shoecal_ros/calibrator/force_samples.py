@@ -54,14 +54,16 @@ class _Soles:
     def of(cls, states: BodyStates) -> _Soles:
         """In the last sample."""
         turn, support = states.rotation[-1], states.support()
-        to_left, same = np.eye(3), np.eye(3)
+        to_left: FloatArray = np.eye(3)
+        same: FloatArray = np.eye(3)
         to_left[1:, 1:] = support.rotation
         to_left[1:, 0] = support.dy, -support.dx
+        to_right = np.asarray(np.linalg.inv(to_left), dtype=np.float64)
         return cls(
             turn=turn,
             shift=states.translation[-1],
             flat=math.acos(min(1.0, abs(float(turn[2, 2])))) < FLAT,
-            to=((same, to_left), (np.linalg.inv(to_left), same)),
+            to=((same, to_left), (to_right, same)),
         )
 
     def moved(self, place: FloatArray, source: int, target: int) -> FloatArray:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from shoecal_ros.nodes.calibrator import Calibrator
 
 
-class SelfCalibrationDesk:
+class SelfCalibrationServer:
     """Takes requests, runs the job, and has applied what it found where that may be applied."""
 
     def __init__(self, node: Calibrator) -> None:

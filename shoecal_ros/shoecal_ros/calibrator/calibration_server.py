@@ -44,7 +44,7 @@ MIRROR = "in_force."
 """Prefix of the parameters that mirror the calibration in force."""
 
 
-class CalibrationDesk:
+class CalibrationServer:
     """Applies calibrations whole or not at all, one at a time; a disk may take its time.
 
     Attributes:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from shoecal_ros.nodes.calibrator import Calibrator
 
 
-class DiagnosisDesk:
+class DiagnosisServer:
     """Takes goals, runs the job, and tells what it found."""
 
     def __init__(self, node: Calibrator) -> None:
