@@ -27,7 +27,7 @@ from shoecal_core.sensing.load_cases import double_support_outputs
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import JointSample, joints_to_ros, time_from_ros, time_to_ros
-from shoecal_ros.common.quick_thread import BATCH, drained
+from shoecal_ros.common.realtime_executor import BATCH, drained
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info
 

@@ -16,7 +16,8 @@ import shoecal_core
 ROOT = Path(shoecal_core.__file__).parent
 
 FOUNDATION = {
-    "batch", "batch_source", "compiled", "compiler", "errors", "files", "settings", "workspace",
+    "batch", "batch_source", "compiled", "compiler", "errors", "files", "parameter_file",
+    "settings", "workspace",
 }  # fmt: skip
 METHOD = {"sensing", "model"}
 ESTIMATION = {"samples", "error_sources"}
@@ -27,6 +28,7 @@ MAY_IMPORT = {
     "compiler": FOUNDATION,
     "errors": set[str](),
     "files": FOUNDATION,
+    "parameter_file": FOUNDATION,
     "settings": FOUNDATION,
     "workspace": FOUNDATION,
     "sensing": FOUNDATION | METHOD,

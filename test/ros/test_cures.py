@@ -24,12 +24,12 @@ PASSED_ON = {
         "missing",  # of a controller
         "str(self.joints.problem)",
     },
-    "calibrator/calibration_desk.py": {"f'not applied: {error}'"},
+    "calibrator/calibration_server.py": {"told"},  # of an error
     "calibrator/calibration_store.py": {
         "told",  # of an error
         "f'no whole calibration: {error.field} {error.problem}'",
     },
-    "calibrator/diagnosis_desk.py": {"told"},  # why it ended
+    "calibrator/diagnosis_server.py": {"told", "str(error)"},  # why it ended
     "calibrator/diagnosis_job.py": {"str(error)"},
     "calibrator/job.py": {"str(error)", "problem.message", "site.recorder.problem"},
     "calibrator/recorder.py": {"self.problem"},
@@ -42,7 +42,7 @@ PASSED_ON = {
     "calibrator/self_calibration.py": {"told"},  # why it ended
     "common/codes.py": {"'; '.join(map(str, told))"},
     "common/health.py": {"message"},
-    "common/peers.py": {"told.message"},
+    "common/graph_monitor.py": {"told.message"},
     "nodes/calibrator.py": {"UNCALIBRATED"},  # of another module
     "nodes/simulator.py": {"self._refused"},
     "planner/watched.py": {"concern.message"},
@@ -56,7 +56,7 @@ PASSED_ON = {
 def message(call: ast.Call, *, errors: bool) -> ast.expr | None:
     """What a call tells that is bad; None where it tells nothing, or nothing bad."""
     name, words = ast.unparse(call.func).rpartition(".")[2], call.args
-    if name in {"Problem", "Concern", "_told"} and len(words) > 1:
+    if name in {"Problem", "StopReason", "_told"} and len(words) > 1:
         return words[1] if name != "_told" or "code" in ast.unparse(words[0]).lower() else None
     if name == "Condition":
         return words[1] if ast.unparse(words[0]) != "Level.OK" else None

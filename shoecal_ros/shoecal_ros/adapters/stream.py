@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.model.robot import Robot
-from shoecal_ros.adapters.coast import Coast
+from shoecal_ros.adapters.deceleration_profile import DecelerationProfile
 
 FloatArray = NDArray[np.float64]
 
@@ -22,8 +22,8 @@ class Stream:
 
     Whatever happens, no joint's speed jumps. A stop is made on the trajectory itself, whose time
     runs out ever more slowly: that way has been checked, and a robot on it is in balance. A new
-    trajectory is blended in while joints still run out (`Coast`): both ways keep within limits, and
-    so does whatever lies between them.
+    trajectory is blended in while joints still run out (`DecelerationProfile`): both ways keep
+    within limits, and so does whatever lies between them.
 
     Attributes:
         names: joints that are told, in the order of set points.
@@ -66,7 +66,7 @@ class Stream:
             )
             # Those that the new one does not name come to rest, too.
             names += tuple(name for name in self.names if name not in names)
-        coast = Coast.within_limits(self._robot, angles, speeds, STOP_S)
+        coast = DecelerationProfile.within_limits(self._robot, angles, speeds, STOP_S)
         self._trajectory = trajectory.full(self._robot, coast.end)
         self._coast = coast
         self.names = names
@@ -121,5 +121,5 @@ class Stream:
         return self._stopped_s - self._begun_s + 0.5 * STOP_S * (1.0 - left**2), left
 
 
-def _at_rest(robot: Robot, angles: FloatArray) -> Coast:
-    return Coast.within_limits(robot, angles, np.zeros_like(angles), STOP_S)
+def _at_rest(robot: Robot, angles: FloatArray) -> DecelerationProfile:
+    return DecelerationProfile.within_limits(robot, angles, np.zeros_like(angles), STOP_S)

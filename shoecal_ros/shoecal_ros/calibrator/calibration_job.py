@@ -13,7 +13,7 @@ from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.standard import TEST, TRAIN, PlannedRun, calibration_runs
 from shoecal_ros.calibrator import solving_work
-from shoecal_ros.calibrator.job import Job, Site
+from shoecal_ros.calibrator.job import Job, JobContext
 from shoecal_ros.calibrator.job_settings import STANDARD_SET
 from shoecal_ros.calibrator.run_series import RunSeries, make_session
 from shoecal_ros.common.actions import Pacing
@@ -51,7 +51,7 @@ class CalibrationJob:
 
     def __init__(
         self,
-        site: Site,
+        site: JobContext,
         request: Request,
         feedback: Callable[[Calibrate.Feedback], None],
         canceled: Callable[[], bool] | None,
@@ -64,6 +64,15 @@ class CalibrationJob:
         self._feedback = feedback
         self._pacing = Pacing()
 
+    def check(self) -> None:
+        """Whether it can begin: the robot is armed, and all that it needs comes.
+
+        Raises:
+            RefusedError: with a code of Calibrate.Result.
+        """
+        self._site.recorder.problem = ""
+        self._job.check()
+
     async def run(self) -> Calibration:
         """Do it all but apply the result.
 
@@ -71,8 +80,7 @@ class CalibrationJob:
             RefusedError: with a code of Calibrate.Result, when it ends otherwise.
         """
         site = self._site
-        site.recorder.problem = ""
-        self._job.check()
+        self.check()
         worker = Worker(site.wake)
         try:
             runs = await self._draw(worker)

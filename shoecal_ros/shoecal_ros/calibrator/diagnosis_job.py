@@ -17,7 +17,7 @@ from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_ros.calibrator import diagnosis_work
 from shoecal_ros.calibrator.diagnosis_work import Diagnosed
-from shoecal_ros.calibrator.job import Job, Site
+from shoecal_ros.calibrator.job import Job, JobContext
 from shoecal_ros.calibrator.proposals import by_hand, how_to_go_on, proposal
 from shoecal_ros.calibrator.run_series import RunSeries, make_session
 from shoecal_ros.common.actions import Pacing
@@ -70,7 +70,7 @@ class DiagnosisJob:
 
     def __init__(
         self,
-        site: Site,
+        site: JobContext,
         request: Request,
         feedback: Callable[[Diagnose.Feedback], None],
         canceled: Callable[[], bool],

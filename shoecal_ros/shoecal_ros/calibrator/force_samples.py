@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from geometry_msgs.msg import Point, Vector3, Wrench
@@ -32,6 +33,48 @@ VERTICAL = [2, 3, 4]
 UNKNOWN: FloatArray = np.full((3, 3), np.nan)
 
 
+@dataclass(frozen=True)
+class _Soles:
+    """How the soles lie to each other.
+
+    Attributes:
+        turn: (3, 3) turns vectors of the right sole's frame into the left's.
+        shift: (3,) origin of the right sole in the left sole's frame [m].
+        flat: whether both lie on one floor.
+        to: for each target foot and each source foot (3, 3), which turns F, Mx, My in the source's
+            frame into the target's, both on one floor.
+    """
+
+    turn: FloatArray
+    shift: FloatArray
+    flat: bool
+    to: tuple[tuple[FloatArray, FloatArray], tuple[FloatArray, FloatArray]]
+
+    @classmethod
+    def of(cls, states: BodyStates) -> _Soles:
+        """In the last sample."""
+        turn, support = states.rotation[-1], states.support()
+        to_left: FloatArray = np.eye(3)
+        same: FloatArray = np.eye(3)
+        to_left[1:, 1:] = support.rotation
+        to_left[1:, 0] = support.dy, -support.dx
+        to_right = np.asarray(np.linalg.inv(to_left), dtype=np.float64)
+        return cls(
+            turn=turn,
+            shift=states.translation[-1],
+            flat=math.acos(min(1.0, abs(float(turn[2, 2])))) < FLAT,
+            to=((same, to_left), (to_right, same)),
+        )
+
+    def moved(self, place: FloatArray, source: int, target: int) -> FloatArray:
+        """A point (3,) [m] of one sole's frame in another's."""
+        if (source, target) == (RIGHT, LEFT):
+            place = self.turn @ place + self.shift
+        elif (source, target) == (LEFT, RIGHT):
+            place = self.turn.T @ (place - self.shift)
+        return place
+
+
 class ForceSamples:
     """Makes the messages under one calibration."""
 
@@ -52,6 +95,9 @@ class ForceSamples:
         self._law = calibration.parameters
         self._sideways = [_sideways(shoe, foot) for foot in range(len(FEET))]
         self._covariance = calibration.covariance
+        # Joint angles come seldom beside readings.
+        self._states: BodyStates | None = None
+        self._between: _Soles | None = None
         columns = calibration.calibrated(shoe).columns
         count = len(columns)
         self._columns = np.zeros((6, count))
@@ -69,12 +115,15 @@ class ForceSamples:
             flags: of each foot.
             states: of the body, one sample; None where joint angles are stale.
         """
+        if states is not self._states:
+            self._states = states
+            self._between = None if states is None else _Soles.of(states)
         covariance = self._output_covariance(live.readings)
         forces = [self._sideways_force(foot, live.readings) for foot in (LEFT, RIGHT)]
         feet = [
             self._foot(foot, live, flags[foot], forces[foot], covariance) for foot in (LEFT, RIGHT)
         ]
-        both = self._both(live, flags, states, forces, covariance)
+        both = self._both(live, flags, forces, covariance)
         return ShoeForces(
             header=header_to_ros(live.stamp_ns, both.frame_id),
             calibration=self._id,
@@ -106,32 +155,29 @@ class ForceSamples:
         self,
         live: Live,
         flags: Sequence[FootFlags],
-        states: BodyStates | None,
         sideways: Sequence[FloatArray],
         covariance: FloatArray,
     ) -> FootForce:
         target = live.frame if self._fixed is None else self._fixed
         wrench, place, spread = np.full(6, np.nan), None, UNKNOWN
-        flat = states is not None and _tilt(states) < FLAT
-        if states is not None and live.wrench is not None:
-            to_left = _to_left(states)
-            to_target = [to_left if foot == RIGHT else np.eye(3) for foot in (LEFT, RIGHT)]
-            if target == RIGHT:
-                to_target = [np.linalg.inv(to_left) @ one for one in to_target]
-            if flat or target == live.frame:
+        between = self._between
+        if between is not None and live.wrench is not None:
+            to_target = between.to[target]
+            if between.flat or target == live.frame:
                 wrench[VERTICAL] = to_target[live.frame] @ np.array(live.wrench)
                 if not any(live.loaded):
                     wrench[3:5] = np.nan
-            if flat:
+            if between.flat:
                 across = np.hstack(to_target)
                 spread = across @ covariance @ across.T
                 turns = [one[1:, 1:] for one in to_target]
                 wrench[:2] = sum(turn @ one for turn, one in zip(turns, sideways, strict=True))
             if live.cop is not None:
-                place = _moved(np.array([*live.cop, 0.0]), live.frame, target, states)
+                ground = np.array([*live.cop, 0.0])
+                place = between.moved(ground, live.frame, target).tolist()
         message = _message(self._soles[target], wrench, place, spread)
         message.loaded = any(one.loaded for one in flags)
-        message.stale = any(one.stale for one in flags) or states is None
+        message.stale = any(one.stale for one in flags) or between is None
         message.extrapolating = any(one.extrapolating for one in flags)
         message.valid = all(one.valid for one in flags) and bool(message.measured[2])
         return message
@@ -197,29 +243,3 @@ def _cop_covariance(wrench: FloatArray, covariance: FloatArray) -> FloatArray:
     )
     spread: FloatArray = slope @ covariance @ slope.T
     return spread
-
-
-def _tilt(states: BodyStates) -> float:
-    """Angle between the soles' normals [rad]."""
-    return math.acos(min(1.0, abs(float(states.rotation[-1, 2, 2]))))
-
-
-def _to_left(states: BodyStates) -> FloatArray:
-    """(3, 3) F, Mx, My in the right sole's frame -> the left one's, both on one floor."""
-    support = states.support()
-    matrix = np.eye(3)
-    matrix[1:, 1:] = support.rotation
-    matrix[1:, 0] = support.dy, -support.dx
-    return matrix
-
-
-def _moved(place: FloatArray, source: int, target: int, states: BodyStates) -> list[float]:
-    """A point [m] of one sole's frame in another's."""
-    turn, shift = states.rotation[-1], states.translation[-1]
-    moved = place
-    if (source, target) == (RIGHT, LEFT):
-        moved = turn @ place + shift
-    elif (source, target) == (LEFT, RIGHT):
-        moved = turn.T @ (place - shift)
-    found: list[float] = moved.tolist()
-    return found

@@ -23,7 +23,7 @@ HEARD = 5
 """Messages of joint angles whose median is held: two of them may be false."""
 
 
-class Site(Protocol):
+class HaltContext(Protocol):
     """What it needs of its node."""
 
     robot: Robot
@@ -49,7 +49,7 @@ class Halt:
     A planner that is there stops the robot itself, gently and knowing where it is to be.
     """
 
-    def __init__(self, site: Site, arming: ArmedInput) -> None:
+    def __init__(self, site: HaltContext, arming: ArmedInput) -> None:
         self._site = site
         self._arming = arming
         self._publisher: Publisher | None = None

@@ -38,7 +38,7 @@ def new_run_id() -> str:
     return datetime.now(UTC).strftime("%Y%m%dT%H%M%S%f")[:-3]
 
 
-class Site(Protocol):
+class JobContext(Protocol):
     """What a job needs of its node."""
 
     files: RobotFiles
@@ -87,7 +87,7 @@ class Job:
         site: its node.
     """
 
-    def __init__(self, site: Site, canceled: Callable[[], bool] | None) -> None:
+    def __init__(self, site: JobContext, canceled: Callable[[], bool] | None) -> None:
         """A job begins.
 
         Args:

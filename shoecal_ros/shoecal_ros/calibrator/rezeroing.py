@@ -27,7 +27,7 @@ STILL_PATIENCE = 15.0
 CURE = "lift each foot once and call shoe/rezero again, or calibrate anew"
 
 
-class RezeroDesk:
+class RezeroServer:
     """One correction at a time, applied by the desk that holds the calibration in force."""
 
     def __init__(self, node: Calibrator) -> None:

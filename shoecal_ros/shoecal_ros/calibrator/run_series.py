@@ -14,7 +14,7 @@ from shoecal_core.files import system_error
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.recording.session import Session
-from shoecal_ros.calibrator.job import Codes, Job, Site
+from shoecal_ros.calibrator.job import Codes, Job, JobContext
 from shoecal_ros.calibrator.proposals import planned_as
 from shoecal_ros.common.conversions import support_to_ros
 from shoecal_ros.common.refusal import RefusedError
@@ -29,7 +29,7 @@ Told = Callable[[str, int, float, str], None]
 (0 to 1), and a line for a person."""
 
 
-async def make_session(site: Site, name: str, seed: int) -> Session:
+async def make_session(site: JobContext, name: str, seed: int) -> Session:
     """A new session's folder in `sessions_dir`.
 
     Raises:

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from shoecal_ros.nodes.calibrator import Calibrator
 
 
-class SelfCalibrationDesk:
+class SelfCalibrationServer:
     """Takes requests, runs the job, and has applied what it found where that may be applied."""
 
     def __init__(self, node: Calibrator) -> None:
@@ -97,7 +97,9 @@ class SelfCalibrationDesk:
                 # Also one that is refused comes back whole, and stays in the session's folder.
                 result.calibration = calibration_to_ros(calibration, node.origin)
                 job.tell_applying()
-                await node.desk.apply_found(calibration, warned=node.job_settings.apply_warned)
+                await node.desk.apply_found(
+                    calibration, job.request.run_id, warned=node.job_settings.apply_warned
+                )
             result.success = True
             result.message = f"'{calibration.id}' in force: {tell_reasons(calibration.reasons)}"
         except RefusedError as refusal:
@@ -105,8 +107,11 @@ class SelfCalibrationDesk:
             raise
         finally:
             result.session = str(job.session or "")
-            self._job = None
-            node.listen_live()
+            self._end()
+
+    def _end(self) -> None:
+        self._job = None
+        self._node.listen_live()
 
     async def _execute(self, goal: ServerGoalHandle) -> Calibrate.Result:
         result = Calibrate.Result()
@@ -130,6 +135,11 @@ class SelfCalibrationDesk:
         try:
             with faults_refused(self._node, Calibrate.Result.FAILED):
                 job = self._begin(request, lambda _: None, None)
+                try:
+                    job.check()
+                except RefusedError:
+                    self._end()
+                    raise
         except RefusedError as refusal:
             response.error_code, response.message = refusal.code, str(refusal)
             return response

@@ -27,14 +27,14 @@ from rclpy.timer import Timer
 
 from shoecal_core.settings import SettingError, Settings, describe, from_values
 from shoecal_ros.common import qos
+from shoecal_ros.common.callback_lock import CallbackLock
+from shoecal_ros.common.graph_monitor import GraphMonitor
 from shoecal_ros.common.health import Health, Level
+from shoecal_ros.common.liveness_monitor import LivenessMonitor, end_notice
 from shoecal_ros.common.names import short_name
 from shoecal_ros.common.parameter_files import ParameterFiles
-from shoecal_ros.common.peers import Peers
-from shoecal_ros.common.quick_thread import BATCH, QuickThread, drained
+from shoecal_ros.common.realtime_executor import BATCH, RealtimeExecutor, drained
 from shoecal_ros.common.refusal import worded
-from shoecal_ros.common.roll_call import RollCall, farewell
-from shoecal_ros.common.turn import Turn
 
 S = TypeVar("S", bound=Settings)
 
@@ -73,17 +73,17 @@ class ShoecalNode(Node):
     def __init__(self, name: str) -> None:
         super().__init__(name)
         self.health = Health()
-        self.turn = Turn()
-        self.quick = QuickThread(self, self.turn)
+        self.turn = CallbackLock()
+        self.realtime = RealtimeExecutor(self, self.turn)
         self.mirror = ""
         self._run_id = ""
         self._own_name = name
-        self.peers = Peers(self)
-        self._roll_call = RollCall(name)
+        self.peers = GraphMonitor(self)
+        self._liveness = LivenessMonitor(name)
         self.health.suppose("peers", self.peers.condition)
-        self.health.suppose("nodes", self._roll_call.condition)
+        self.health.suppose("nodes", self._liveness.condition)
         self._diagnostics = self.create_publisher(DiagnosticArray, "diagnostics", qos.DIAGNOSTICS)
-        self.subscribe(DiagnosticArray, "diagnostics", self._roll_call.take, qos.DIAGNOSTICS)
+        self.subscribe(DiagnosticArray, "diagnostics", self._liveness.take, qos.DIAGNOSTICS)
         self.wall_timer(REPORT_S, self._report)
         self.wall_timer(WATCH_S, self.watch)
 
@@ -93,7 +93,7 @@ class ShoecalNode(Node):
         """Called every WATCH_S of wall-clock time, whatever simulated time does."""
         self.peers.watch()
         self.health.note("peers", self.peers.condition)
-        self.health.note("nodes", self._roll_call.condition)
+        self.health.note("nodes", self._liveness.condition)
         self._log_news()
 
     def close(self) -> None:
@@ -286,12 +286,12 @@ class ShoecalNode(Node):
         Args:
             when_safe: called once the node has closed: what follows concerns no robot.
         """
-        self.quick.close()
+        self.realtime.close()
         with self.turn:
             self.close()
             when_safe()
             if self.context.ok():
-                self._diagnostics.publish(farewell(self.get_name()))
+                self._diagnostics.publish(end_notice(self.get_name()))
         with contextlib.suppress(rclpy_implementation.InvalidHandle):
             self.destroy_node()
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from shoecal_core.errors import FileError
+from shoecal_core.errors import ShoecalError
 from shoecal_core.parameter_file import read_sections
 
 
-class UnusedFileError(FileError):
+class UnusedFileError(ShoecalError):
     """A parameter file that sets nothing of the node that it was given to, though it should."""
 
 
@@ -61,9 +61,8 @@ class ParameterFiles:
             own = full_name.rpartition("/")[2]
             keys = ", ".join(missed or (one.key for one in sections)) or "nothing"
             raise UnusedFileError(
-                path,
-                f"has parameters of {keys}, which do not reach this node, {full_name}; name their "
-                f"key /**/{own}, or do not give the file to this node",
+                f"{path}: has parameters of {keys}, which do not reach this node, {full_name}; "
+                f"name their key /**/{own}, or do not give the file to this node"
             )
 
     def shared(self, full_name: str) -> set[str]:

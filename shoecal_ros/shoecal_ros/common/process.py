@@ -85,14 +85,14 @@ def _live(make_node: Callable[[], ShoecalNode], args: Sequence[str], terminal: i
         executor.add_node(node)
         sys.setswitchinterval(SWITCH_S)
         freeze_objects()
-        node.quick.start()
+        node.realtime.start()
         while rclpy.ok() and not asked.to_end:
             handler, _, _ = executor.wait_for_ready_callbacks()
             with node.turn:
                 handler()
             handler.result()  # raises what it ended with
-            if node.quick.error is not None:
-                raise node.quick.error
+            if node.realtime.error is not None:
+                raise node.realtime.error
     finally:
         if node is None:
             limit_end()

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_ros.common.conversions import time_from_ros
-from shoecal_ros.inputs.last_heard import LastHeard
+from shoecal_ros.inputs.arrival_monitor import ArrivalMonitor
 
 FloatArray = NDArray[np.float64]
 
@@ -38,7 +38,7 @@ class ImuInput:
         """
         self.up: FloatArray | None = None
         self._robot = robot
-        self.heard = LastHeard(clock)
+        self.heard = ArrivalMonitor(clock)
         self._stamp_ns = 0
 
     @property

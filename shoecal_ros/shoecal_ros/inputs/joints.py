@@ -16,7 +16,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import Robot
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import time_from_ros
-from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard
+from shoecal_ros.inputs.arrival_monitor import SILENT_S, ArrivalMonitor
 from shoecal_ros.inputs.one_sender import OneSender
 
 FloatArray = NDArray[np.float64]
@@ -73,7 +73,7 @@ class JointInput:
         self.latest: JointBatch | None = None
         self._stale_s = stale_s
         self._clock = clock
-        self.heard = LastHeard(clock, silent_s)
+        self.heard = ArrivalMonitor(clock, silent_s)
         self._senders = senders
         self._sender = OneSender(robot)
         self._mismatch: Problem | None = None

@@ -11,7 +11,7 @@ import numpy as np
 from shoecal_msgs.msg import ShoeState
 
 from shoecal_core.sensing.shoe import FEET
-from shoecal_ros.inputs.last_heard import LastHeard
+from shoecal_ros.inputs.arrival_monitor import ArrivalMonitor
 
 BEATS, BEAT_S = 5, 0.5
 """So many states, each so soon after the one before, come at a rate."""
@@ -37,7 +37,7 @@ class ShoeReports:
         """
         self._reported = reported
         self._clock = clock
-        self.heard = LastHeard(clock)
+        self.heard = ArrivalMonitor(clock)
         self._state_times: deque[float] = deque(maxlen=BEATS)
         self._state: ShoeState | None = None
         self._useless_since: dict[str, float] = {}

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import VoltageFrame
+from shoecal_ros.inputs.arrival_monitor import SILENT_S, ArrivalMonitor
 from shoecal_ros.inputs.cell_watch import CellWatch
 from shoecal_ros.inputs.joining import BoardsApartError, FrameJoiner, Joined
-from shoecal_ros.inputs.last_heard import SILENT_S, LastHeard
 from shoecal_ros.inputs.lost_frames import LostFrames
 
 REMEMBER_S = 3.0
@@ -53,8 +53,8 @@ class VoltageInput:
         self._watch = watch
         self._clock = joiner.clock
         self._began = joiner.clock()
-        self.heard = LastHeard(joiner.clock, silent_s)
-        self.feet = tuple(LastHeard(joiner.clock, silent_s) for _ in of_foot)
+        self.heard = ArrivalMonitor(joiner.clock, silent_s)
+        self.feet = tuple(ArrivalMonitor(joiner.clock, silent_s) for _ in of_foot)
         self._of_foot = of_foot
         self._lost = LostFrames()
         self._trouble: Problem | None = None

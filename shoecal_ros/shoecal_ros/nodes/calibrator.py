@@ -27,10 +27,10 @@ from shoecal_core.sensing.shoe import FEET
 from shoecal_core.settings import load_settings, setting
 from shoecal_core.workspace import config_dir
 from shoecal_ros.calibrator.active_calibration import UNCALIBRATED
-from shoecal_ros.calibrator.calibration_desk import CalibrationDesk
+from shoecal_ros.calibrator.calibration_server import CalibrationServer
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
-from shoecal_ros.calibrator.diagnosis_desk import DiagnosisDesk
-from shoecal_ros.calibrator.drift_desk import DriftDesk
+from shoecal_ros.calibrator.diagnosis_server import DiagnosisServer
+from shoecal_ros.calibrator.drift_monitor import DriftMonitor
 from shoecal_ros.calibrator.force_samples import STANCE, SUM_FRAMES, ForceSamples
 from shoecal_ros.calibrator.halt import Halt
 from shoecal_ros.calibrator.job import Codes
@@ -40,9 +40,9 @@ from shoecal_ros.calibrator.live_publishers import LivePublishers
 from shoecal_ros.calibrator.load import LoadSwitch
 from shoecal_ros.calibrator.raw_topics import RAW_TOPICS, relative
 from shoecal_ros.calibrator.recorder import Recorder
-from shoecal_ros.calibrator.rezeroing import RezeroDesk
+from shoecal_ros.calibrator.rezeroing import RezeroServer
 from shoecal_ros.calibrator.run_series import PLAN_ACTION, REACH_ACTION
-from shoecal_ros.calibrator.self_calibration import SelfCalibrationDesk
+from shoecal_ros.calibrator.self_calibration import SelfCalibrationServer
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.frames import FrameSettings
@@ -53,12 +53,12 @@ from shoecal_ros.common.process import run
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.inputs.armed_input import ArmedInput
+from shoecal_ros.inputs.arrival_monitor import SILENT_PERIODS, SILENT_S
 from shoecal_ros.inputs.cell_watch import CellWatch
+from shoecal_ros.inputs.input_timeout import InputTimeout
 from shoecal_ros.inputs.joining import FrameJoiner, JoinSettings
 from shoecal_ros.inputs.joints import JointInput
-from shoecal_ros.inputs.last_heard import SILENT_PERIODS, SILENT_S
 from shoecal_ros.inputs.one_clock import OneClock
-from shoecal_ros.inputs.overdue import Overdue
 from shoecal_ros.inputs.sensor_frames import frame_reader
 from shoecal_ros.inputs.serialised import understood
 from shoecal_ros.inputs.stillness import Stillness
@@ -154,7 +154,7 @@ class Calibrator(ShoecalNode):
         )
         self._one_clock = OneClock(self.joints, self.voltages, settings.clock_gap)
         self._overdue = [
-            Overdue(self, heard, self._publish_state)
+            InputTimeout(self, heard, self._publish_state)
             for heard in (self.joints.heard, *self.voltages.feet)
         ]
         job = self.job_settings
@@ -169,19 +169,19 @@ class Calibrator(ShoecalNode):
         self._out = LivePublishers(self, self.shoe, self.frames.soles)
         self.peers.alone |= self._out.topics
         self.tolerance = ModelTolerance.of(self.robot, self.fit_settings)
-        self.drift = DriftDesk(self)
+        self.drift = DriftMonitor(self)
         state_dir = Path(settings.state_dir).expanduser()
         store = CalibrationStore(state_dir, self.robot, self.shoe, simulated=self.simulated)
-        self.desk = CalibrationDesk(self, store)
-        self.rezeroing = RezeroDesk(self)
+        self.desk = CalibrationServer(self, store)
+        self.rezeroing = RezeroServer(self)
         self._recorded: list[Subscription] = []
         self._support: DoubleSupport | None = None
         self._states: BodyStates | None = None
         self._subscribe()
         self.reach_client = ActionClient(self, ReachSupport, REACH_ACTION)
         self.plan_client = ActionClient(self, Plan, PLAN_ACTION)
-        self._self_calibration = SelfCalibrationDesk(self)
-        self._diagnoses = DiagnosisDesk(self)
+        self._self_calibration = SelfCalibrationServer(self)
+        self._diagnoses = DiagnosisServer(self)
         self._halt = Halt(self, self._arming)
 
     @property
@@ -262,9 +262,9 @@ class Calibrator(ShoecalNode):
         for topic, kind in RAW_TOPICS.items():
             if (read := frame_reader(topic, self.shoe)) is not None:
                 hear = partial(self._hear_readings, topic, kind, read)
-                self.quick.subscribe(kind, relative(topic), hear, qos.RAW, raw=True)
+                self.realtime.subscribe(kind, relative(topic), hear, qos.RAW, raw=True)
         joints = relative(schemas.JOINT_STATES)
-        self.quick.subscribe(JointState, joints, self._hear_joints, qos.RAW, raw=True)
+        self.realtime.subscribe(JointState, joints, self._hear_joints, qos.RAW, raw=True)
 
     def listen_for_recording(self) -> None:
         """Hear also what only a recording needs."""

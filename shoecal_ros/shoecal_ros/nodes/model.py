@@ -19,7 +19,7 @@ from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.process import run
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.inputs.joints import JointInput
-from shoecal_ros.model.marker_desk import MarkerDesk
+from shoecal_ros.model.marker_publisher import MarkerPublisher
 
 try:
     from tf2_msgs.msg import TFMessage
@@ -48,7 +48,7 @@ class Model(ShoecalNode):
         settings = self.settings(ModelSettings)
         robot = files.load_robot()
         self._frames = self.settings(FrameSettings).frames(robot)
-        self._markers = MarkerDesk(self, robot, files.load_shoe(), self._frames.soles)
+        self._markers = MarkerPublisher(self, robot, files.load_shoe(), self._frames.soles)
         self._kinematics = Kinematics(robot)
         senders = self.peers.expect_one_sender("joint_states")
         self._joints = JointInput(robot, settings.stale_s, senders=senders)

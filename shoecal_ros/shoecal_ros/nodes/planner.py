@@ -96,7 +96,7 @@ class Planner(ShoecalNode):
         self.subscribe(Temperature, "joint_temperatures", temperatures.take, qos.EITHER)
         self.subscribe(DiagnosticArray, "diagnostics", temperatures.take_diagnostics, qos.EITHER)
         # A thousand a second must not keep the rest of the node from its work.
-        self.quick.subscribe(
+        self.realtime.subscribe(
             ShoeVoltages, "shoe/voltages", shoes.take_readings, qos.NEWEST, raw=True
         )
         states = self.subscribe(ShoeState, "shoe/state", shoes.take_states, qos.LATCHED)

@@ -43,7 +43,7 @@ from shoecal_ros.common.refusal import RefusedError, faults_refused
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.waiting import until
 from shoecal_ros.inputs.armed_input import ArmedInput
-from shoecal_ros.inputs.last_heard import LastHeard
+from shoecal_ros.inputs.arrival_monitor import ArrivalMonitor
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info
 from shoecal_ros.simulator.body_publishers import BodyPublishers
@@ -108,7 +108,7 @@ class Simulator(ShoecalNode):
             Info("shoecal simulator", 1, channels, settings.rate),
             patience_s=PATIENCE_S,
         )
-        self._sampled = LastHeard(time.monotonic)
+        self._sampled = ArrivalMonitor(time.monotonic)
         self._sequence = 0
         self._arming = ArmedInput(self)
         self._reaching = self._moves = False

@@ -6,8 +6,8 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 
 from shoecal_ros.common.codes import Code
+from shoecal_ros.common.graph_monitor import node_name
 from shoecal_ros.common.health import Condition, Level
-from shoecal_ros.common.peers import node_name
 
 RECORDER = "calibrator"
 """Node that listens only to record what is sent."""

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.planning.motion import Motion
 from shoecal_ros.inputs.joints import JointBatch
-from shoecal_ros.planner.concern import Concern
 from shoecal_ros.planner.following import Follower
+from shoecal_ros.planner.stop_reason import StopReason
 
 FloatArray = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ class Part:
     motion: Motion
     follower: Follower
     seen: JointBatch
-    waiting: Concern | None = None
+    waiting: StopReason | None = None
 
     @property
     def stamp_ns(self) -> int:

@@ -14,11 +14,11 @@ from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.shoe_reports import ShoeReports
 from shoecal_ros.inputs.temperatures import TemperatureInput
-from shoecal_ros.planner.concern import Concern
 from shoecal_ros.planner.foot_load import LoadWatch, needed_shares
 from shoecal_ros.planner.heat import too_hot
 from shoecal_ros.planner.settings import MovingSettings
 from shoecal_ros.planner.silence import Silence
+from shoecal_ros.planner.stop_reason import StopReason
 from shoecal_ros.planner.tilt import Tilt, upward
 
 FloatArray = NDArray[np.float64]
@@ -102,7 +102,7 @@ class MotionWatch:
             if phase.begin <= elapsed and earliest < phase.end
         )
 
-    def look(self, elapsed: float, joint_angles: FloatArray) -> Concern | None:
+    def look(self, elapsed: float, joint_angles: FloatArray) -> StopReason | None:
         """What is wrong by now; what can wait comes last.
 
         Args:
@@ -116,7 +116,7 @@ class MotionWatch:
             or hot(self._senses, self._settings.hot_degc)
         )
 
-    def _tilted(self, elapsed: float, joint_angles: FloatArray) -> Concern | None:
+    def _tilted(self, elapsed: float, joint_angles: FloatArray) -> StopReason | None:
         up = self._senses.imu.up
         if self._tilt is None or up is None:
             return None
@@ -125,27 +125,27 @@ class MotionWatch:
         error, bound = self._tilt.error(up, meant), self._settings.tilt_error
         if error <= bound:
             return None
-        return Concern(
+        return StopReason(
             Plan.Result.TILTED,
             f"the torso leans {error:.2f} rad otherwise than its joints make it (tilt_error "
             f"{bound:g} rad); see that both feet are flat on even ground and nobody pushes",
         )
 
-    def _load_lost(self, elapsed: float) -> Concern | None:
+    def _load_lost(self, elapsed: float) -> StopReason | None:
         problem = self._load.look(elapsed, self._senses.shoes.loaded) if self._load else ""
         if not problem:
             return None
-        return Concern(
+        return StopReason(
             Plan.Result.LOAD_LOST,
             f"{problem}; see that nothing holds the robot and that its calibration is right",
         )
 
-    def _silent(self) -> Concern | None:
+    def _silent(self) -> StopReason | None:
         senses = self._senses
         gone = self._silence.look(senses.ages) or self._motor_silence.look(senses.motor_ages)
         if not gone:
             return None
-        return Concern(
+        return StopReason(
             Plan.Result.SENSORS_STALE,
             f"nothing comes any more from {gone}; check the driver and its cable",
             can_wait=True,
@@ -166,10 +166,12 @@ def tilt_now(
     return Tilt(up, upward(kinematics.states(joint_angles[None]), support_phase.standing))
 
 
-def hot(senses: Senses, limit: float) -> Concern | None:
+def hot(senses: Senses, limit: float) -> StopReason | None:
     """Motors at a limit or beyond [degC]."""
     problem = too_hot(senses.temperatures.degc, limit)
-    return Concern(Plan.Result.HOT_JOINTS, f"{problem}; {COOL}", can_wait=True) if problem else None
+    return (
+        StopReason(Plan.Result.HOT_JOINTS, f"{problem}; {COOL}", can_wait=True) if problem else None
+    )
 
 
 def needed_loads(motion: Motion, kinematics: Kinematics) -> FloatArray:

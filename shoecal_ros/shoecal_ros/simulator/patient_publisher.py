@@ -11,7 +11,7 @@ from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 
 from shoecal_ros.common.codes import Code, Problem
-from shoecal_ros.common.peers import node_name
+from shoecal_ros.common.graph_monitor import node_name
 
 PATIENCE_S = 5.0
 """Wall-clock time that the slowest listener may take."""

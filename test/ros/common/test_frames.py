@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import dataclasses
 
+import numpy as np
 import pinocchio as pin
 import pytest
 
@@ -17,9 +18,7 @@ def with_link(name: str, *, above: float) -> Robot:
     """A NAO whose own tree has a link on its left foot, so far above the shoe's floor side [m]."""
     robot = nao()
     model, foot = robot.model.copy(), robot.feet[0]
-    place = foot.placement * pin.SE3(
-        pin.SE3.Identity().rotation, pin.XAxis * 0.0 + above * pin.ZAxis
-    )
+    place = foot.placement * pin.SE3(np.eye(3), np.array([0.0, 0.0, above]))
     model.addFrame(pin.Frame(name, foot.joint, 0, place, pin.FrameType.BODY))
     return dataclasses.replace(robot, model=model)
 

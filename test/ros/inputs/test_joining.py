@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from ros.clock import Clock
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import VoltageFrame
+from shoecal_ros.inputs.arrival_monitor import SILENT_PERIODS
 from shoecal_ros.inputs.joining import (
     NO_DATA,
     FrameJoiner,
@@ -20,7 +21,6 @@ from shoecal_ros.inputs.joining import (
     UnknownCellError,
     UnsteadyCellsError,
 )
-from shoecal_ros.inputs.last_heard import SILENT_PERIODS
 from shoecal_ros.inputs.voltages import VoltageInput
 
 CELLS = ("left/a", "left/b", "right/a", "right/b")

@@ -25,8 +25,7 @@ def tf(world: World) -> Iterator[World]:
             world.start("tf_listener", script=LISTENER)
             world.until_said("tf_listener", "listening")
             yield world
-            # It ends by Ctrl-C as it can.
-            world.processes.pop("tf_listener").kill()
+            world.kill("tf_listener")
     except NoMessagesError as error:
         pytest.skip(str(error))
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+
 import rclpy
 from rclpy.node import Node
 from tf2_msgs.msg import TFMessage
@@ -26,7 +28,5 @@ class Listener(Node):
 
 if __name__ == "__main__":
     rclpy.init()
-    try:
+    with contextlib.suppress(KeyboardInterrupt):
         rclpy.spin(Listener())
-    except KeyboardInterrupt:
-        pass

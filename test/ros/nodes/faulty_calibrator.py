@@ -7,7 +7,7 @@ from typing import Any
 from shoecal_ros.calibrator.calibration_job import CalibrationJob
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
 from shoecal_ros.calibrator.diagnosis_job import DiagnosisJob
-from shoecal_ros.calibrator.rezeroing import RezeroDesk
+from shoecal_ros.calibrator.rezeroing import RezeroServer
 from shoecal_ros.nodes.calibrator import main
 
 
@@ -27,7 +27,7 @@ if __name__ == "__main__":
         (CalibrationJob, "_draw"),
         (DiagnosisJob, "_check_goal"),
         (CalibrationStore, "save"),
-        (RezeroDesk, "_observe"),
+        (RezeroServer, "_observe"),
     ):
         fails_once(owner, name, ZeroDivisionError("made up,\nof two lines"))
     main()

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_ros.nodes.planner import main
-from shoecal_ros.planner.concern import Concern
+from shoecal_ros.planner.stop_reason import StopReason
 from shoecal_ros.planner.watch import MotionWatch
 
 FloatArray = NDArray[np.float64]
@@ -16,7 +16,7 @@ AFTER_S = 2.0
 _look = MotionWatch.look
 
 
-def _fail_once(self: MotionWatch, elapsed: float, joint_angles: FloatArray) -> Concern | None:
+def _fail_once(self: MotionWatch, elapsed: float, joint_angles: FloatArray) -> StopReason | None:
     if elapsed > AFTER_S:
         MotionWatch.look = _look  # type: ignore[method-assign]
         raise ZeroDivisionError("made up,\nof two lines")

@@ -15,14 +15,14 @@ from rclpy.parameter import Parameter
 from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Calibrate
 from shoecal_msgs.msg import ShoeCalibration, ShoeForces, ShoeState, ShoeVoltages
-from shoecal_msgs.srv import GetCalibration, Rezero, SelfCalibrate, SetCalibration
+from shoecal_msgs.srv import Apply, GetCalibration, Rezero, SelfCalibrate, SetCalibration
 from std_srvs.srv import Trigger
 
 from ros.bodies import ROOT, calibration, nao, nao_shoe
 from ros.obliging_robot import ObligingRobot
 from ros.standing_robot import StandingRobot
 from ros.world import Goal, Heard, World
-from shoecal_core.calibration.calibration import load_calibration
+from shoecal_core.calibration.calibration import load_calibration, save_calibration
 from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
@@ -431,6 +431,45 @@ def test_a_job_is_cancelled_at_once(world: World, robot: StandingRobot) -> None:
     assert values["error_code"] == str(Calibrate.Result.STALE_INPUT)
 
 
+def test_it_answers_at_once_that_it_is_not_armed(world: World, robot: StandingRobot) -> None:
+    start(world)
+    world.until_told("calibrator", "voltages", "come")
+    world.until_told("calibrator", "joints", "come")
+    request = SelfCalibrate.Request(seed=-1)
+    answer = world.call(SelfCalibrate, "shoe/self_calibrate", request)
+    assert (answer.accepted, answer.run_id) == (False, "")
+    assert answer.error_code == Calibrate.Result.NOT_ARMED
+    assert "call the service shoe/arm" in answer.message
+    world.arm("calibrator")
+    robot.tells_joints = False
+    world.until_told("calibrator", "joints", "no joint angles")
+    answer = world.call(SelfCalibrate, "shoe/self_calibrate", request)
+    assert answer.error_code == Calibrate.Result.STALE_INPUT
+    assert state(world, lambda one: one.state == ShoeState.UNCALIBRATED)
+
+
+def test_a_warning_can_be_accepted_afterwards(live: World) -> None:
+    for run_id, verdict in (("run-1", "WARN"), ("run-2", "FAIL")):
+        folder = live.folder / "sessions" / run_id
+        folder.mkdir(parents=True)
+        made = calibration(nao(), nao_shoe(), run_id, verdict=verdict, reasons=("odd",))
+        save_calibration(made, folder / "calibration.yaml")
+    for run_id, code in (
+        ("run-2", Apply.Response.NOT_APPLICABLE),
+        ("run-3", Apply.Response.NOT_FOUND),
+        ("../sessions/run-1", Apply.Response.NOT_FOUND),
+        ("", Apply.Response.NOT_FOUND),
+    ):
+        refused = live.call(Apply, "shoe/apply", Apply.Request(run_id=run_id))
+        assert (refused.success, refused.error_code) == (False, code), refused.message
+        assert in_force(live) == "made-1"
+    accepted = live.call(Apply, "shoe/apply", Apply.Request(run_id="run-1"))
+    assert accepted.success, accepted.message
+    assert in_force(live) == "run-1"
+    status = live.until_told("calibrator", "calibration", "'run-1' in force (WARN): odd")
+    assert status.level == bytes([Level.WARN])
+
+
 def test_two_clocks_are_told(world: World, robot: StandingRobot) -> None:
     robot.ahead_ns = 5_000_000_000
     start(world)
@@ -584,6 +623,8 @@ def test_a_refused_result_comes_back_whole(world: World) -> None:
     found = calibration_from_ros(result.calibration)
     assert found.verdict in {"WARN", "FAIL"}
     assert tell_reasons(found.reasons) in result.message
+    told_how = f"shoe/apply shoecal_msgs/srv/Apply \"{{run_id: '{result.run_id}'}}\""
+    assert (told_how in result.message) == (found.verdict == "WARN")
     assert result.calibration.host == socket.gethostname()
     assert (result.calibration.simulated_time, result.calibration.device) == (
         False,

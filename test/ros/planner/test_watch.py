@@ -20,8 +20,8 @@ from shoecal_ros.common.conversions import header_to_ros
 from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.shoe_reports import ShoeReports
 from shoecal_ros.inputs.temperatures import TemperatureInput
-from shoecal_ros.planner.concern import Concern
 from shoecal_ros.planner.settings import MovingSettings
+from shoecal_ros.planner.stop_reason import StopReason
 from shoecal_ros.planner.watch import MotionWatch, Senses, needed_loads
 
 KINEMATICS = Kinematics(nao())
@@ -84,7 +84,7 @@ class Watched:
         header = header_to_ros(0, "LKneePitch")
         self.senses.temperatures.take([Temperature(header=header, temperature=degc)])
 
-    def look(self, elapsed: float) -> Concern | None:
+    def look(self, elapsed: float) -> StopReason | None:
         return self.watch.look(elapsed, ANGLES)
 
 

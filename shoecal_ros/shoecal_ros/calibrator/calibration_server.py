@@ -9,15 +9,21 @@ from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.parameter import Parameter
 from shoecal_msgs.action import Calibrate
 from shoecal_msgs.msg import ShoeCalibration
-from shoecal_msgs.srv import GetCalibration, SetCalibration
+from shoecal_msgs.srv import Apply, GetCalibration, SetCalibration
 from std_srvs.srv import Trigger
 
-from shoecal_core.calibration.calibration import Calibration, WrongShoeError
+from shoecal_core.calibration.calibration import (
+    Calibration,
+    WrongShoeError,
+    load_calibration,
+)
 from shoecal_core.calibration.checks import tell_reasons
-from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.errors import FileError, FileMissingError, ShoecalError
 from shoecal_ros.calibrator.active_calibration import UNCALIBRATED, ActiveCalibration
 from shoecal_ros.calibrator.calibration_store import CalibrationStore, NotApplicableError
 from shoecal_ros.calibrator.force_samples import ForceSamples
+from shoecal_ros.calibrator.session_folder import NoSessionNameError, session_folder
+from shoecal_ros.calibrator.solving_work import CALIBRATION
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import (
     calibration_from_ros,
@@ -33,11 +39,12 @@ from shoecal_ros.common.waiting import aside, until
 if TYPE_CHECKING:
     from shoecal_ros.nodes.calibrator import Calibrator
 
+APPLY = "shoe/apply"
 MIRROR = "in_force."
 """Prefix of the parameters that mirror the calibration in force."""
 
 
-class CalibrationDesk:
+class CalibrationServer:
     """Applies calibrations whole or not at all, one at a time; a disk may take its time.
 
     Attributes:
@@ -51,12 +58,15 @@ class CalibrationDesk:
         self.problem = store.load(node.now_ns, warned=node.job_settings.apply_warned)
         self._node = node
         self._mirroring = False
+        # Of the self-calibrations since this node was started, by their run.
+        self._origins: dict[str, Origin] = {}
         # Changes under way and waiting, in their order.
         self._changes: list[object] = []
         self._publisher = node.create_publisher(ShoeCalibration, "shoe/calibration", qos.LATCHED)
         node.serve(GetCalibration, "shoe/get_calibration", self._get)
         node.serve(SetCalibration, "shoe/set_calibration", self._set)
         node.serve(Trigger, "shoe/rollback", self._rollback)
+        node.serve(Apply, APPLY, self._apply_run)
         node.mirror = MIRROR
         node.add_on_set_parameters_callback(self._guard)
         if store.current is not None and store.origin is not None:
@@ -76,20 +86,29 @@ class CalibrationDesk:
         """Whether a calibration is just being put in force."""
         return bool(self._changes)
 
-    async def apply_found(self, calibration: Calibration, *, warned: bool) -> None:
+    async def apply_found(self, calibration: Calibration, run_id: str, *, warned: bool) -> None:
         """Apply what a self-calibration found, after whatever else is being put in force.
 
         Args:
             calibration: found.
+            run_id: of the self-calibration.
             warned: also one with warnings.
 
         Raises:
             RefusedError: NOT_APPLIED, with the reason.
         """
+        origin = self._origins[run_id] = self._node.origin
         try:
-            await self._apply(calibration, self._node.origin, warned=warned)
+            await self._apply(calibration, origin, warned=warned)
         except ShoecalError as error:
-            raise RefusedError(Calibrate.Result.NOT_APPLIED, f"not applied: {error}") from error
+            told = f"not applied: {error}"
+            if calibration.verdict == "WARN":
+                told += (
+                    "; to accept it as it is: ros2 service call "
+                    f"{self._node.resolve_service_name(APPLY)} shoecal_msgs/srv/Apply "
+                    f"\"{{run_id: '{run_id}'}}\""
+                )
+            raise RefusedError(Calibrate.Result.NOT_APPLIED, told) from error
 
     async def apply_corrected(self, calibration: Calibration) -> None:
         """Apply the one in force with corrected offsets, whatever its checks said.
@@ -223,6 +242,23 @@ class CalibrationDesk:
             response.success, response.message = True, self._accepted()
         return response
 
+    async def _apply_run(self, request: Apply.Request, response: Apply.Response) -> Apply.Response:
+        node, run_id = self._node, request.run_id
+        try:
+            with faults_refused(node, Apply.Response.FAILED, ShoecalError):
+                if told := node.job_under_way:
+                    raise RefusedError(Apply.Response.BUSY, f"{told} is under way; wait for it")
+                self._require_free()
+                folder = session_folder(node.job_settings.sessions_dir, run_id)
+                calibration = await aside(lambda: load_calibration(folder / CALIBRATION))
+                origin = self._origins.get(run_id) or Origin.of(calibration)
+                await self._apply(calibration, origin, warned=True)
+        except ShoecalError as error:
+            response.error_code, response.message = _apply_code(error), self._refused(error)
+        else:
+            response.success, response.message = True, self._accepted()
+        return response
+
     async def _rollback(
         self, request: Trigger.Request, response: Trigger.Response
     ) -> Trigger.Response:
@@ -249,6 +285,15 @@ class CalibrationDesk:
         if not isinstance(error, RefusedError):
             self._node.log(Level.WARN, f"not in force: {error}")
         return str(error)
+
+
+def _apply_code(error: ShoecalError) -> int:
+    """Of `Apply.Response`, whose other codes are those of `SetCalibration.Response`."""
+    if isinstance(error, FileMissingError | NoSessionNameError):
+        found: int = Apply.Response.NOT_FOUND
+        return found
+    code = _code(error)
+    return Apply.Response.FAILED if code == SetCalibration.Response.BAD_CALIBRATION else code
 
 
 def _code(error: ShoecalError) -> int:

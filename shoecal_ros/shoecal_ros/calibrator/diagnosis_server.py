@@ -11,19 +11,19 @@ from shoecal_msgs.action import Diagnose
 
 from shoecal_ros.calibrator.diagnosis_job import DiagnosisJob, Request
 from shoecal_ros.calibrator.job import new_run_id
+from shoecal_ros.calibrator.session_folder import NoSessionNameError, session_folder
 from shoecal_ros.common.actions import finish, logged
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.refusal import RefusedError, faults_refused
 
-LONGEST_NAME = 255
 MOST_MOTIONS = 100
 
 if TYPE_CHECKING:
     from shoecal_ros.nodes.calibrator import Calibrator
 
 
-class DiagnosisDesk:
+class DiagnosisServer:
     """Takes goals, runs the job, and tells what it found."""
 
     def __init__(self, node: Calibrator) -> None:
@@ -121,20 +121,11 @@ class DiagnosisDesk:
         )
 
     def _folder(self, session: str) -> Path:
-        """Of a session in `sessions_dir`, by its name: no request names a file.
-
-        Raises:
-            RefusedError: BAD_GOAL, for anything but a plain name.
-        """
-        sessions = Path(self._node.job_settings.sessions_dir).expanduser()
-        plain = session.isprintable() and len(session) <= LONGEST_NAME and "/" not in session
-        if not plain or session in {".", ".."}:
-            raise RefusedError(
-                Diagnose.Result.BAD_GOAL,
-                f"a session is named by its folder's name in {sessions}, without any path; put it "
-                "there (a link does), or diagnose it with 'shoecal diagnose'",
-            )
-        return sessions / session
+        """Of a session in `sessions_dir`; RefusedError for anything but a plain name."""
+        try:
+            return session_folder(self._node.job_settings.sessions_dir, session)
+        except NoSessionNameError as error:
+            raise RefusedError(Diagnose.Result.BAD_GOAL, str(error)) from error
 
 
 def _fill(result: Diagnose.Result, job: DiagnosisJob) -> None:

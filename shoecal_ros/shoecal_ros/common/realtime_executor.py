@@ -19,7 +19,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
-from shoecal_ros.common.turn import Turn
+from shoecal_ros.common.callback_lock import CallbackLock
 
 WAIT_NS = 100_000_000
 """Longest wait for a message: bounds how long closing takes."""
@@ -60,14 +60,14 @@ class _Listening:
         return drained(self.subscription, self.kind, BATCH, raw=self.raw)
 
 
-class QuickThread:
+class RealtimeExecutor:
     """Takes messages in batches where they come faster than they are dealt with.
 
     Attributes:
         error: what a callback has ended with, and the thread with it; None while all is well.
     """
 
-    def __init__(self, node: Node, turn: Turn) -> None:
+    def __init__(self, node: Node, turn: CallbackLock) -> None:
         """Nothing is heard yet.
 
         Args:

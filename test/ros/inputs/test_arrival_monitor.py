@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ros.clock import Clock
-from shoecal_ros.inputs.last_heard import LOOK_S, LastHeard
+from shoecal_ros.inputs.arrival_monitor import LOOK_S, ArrivalMonitor
 
 
 @pytest.mark.parametrize(("period", "silent"), [(0.001, 0.08), (0.01, 0.08), (0.1, 0.26)])
@@ -13,7 +13,7 @@ def test_silence_is_told_within_a_tenth_of_a_second_or_three_periods(
     period: float, silent: float
 ) -> None:
     clock = Clock()
-    heard = LastHeard(clock)
+    heard = ArrivalMonitor(clock)
     assert heard.silent
     for _ in range(20):
         clock.now += period
@@ -27,7 +27,7 @@ def test_silence_is_told_within_a_tenth_of_a_second_or_three_periods(
 
 def test_one_gap_makes_nobody_patient() -> None:
     clock = Clock()
-    heard = LastHeard(clock)
+    heard = ArrivalMonitor(clock)
     for gap in (0.02, 0.02, 5.0, 0.02, 0.02):
         clock.now += gap
         heard.note()
@@ -36,7 +36,7 @@ def test_one_gap_makes_nobody_patient() -> None:
 
 def test_rate_and_age_are_told() -> None:
     clock = Clock()
-    heard = LastHeard(clock)
+    heard = ArrivalMonitor(clock)
     assert heard.figures() == {"rate_hz": "0.0", "age_s": "never"}
     for _ in range(30):
         clock.now += 0.1
@@ -57,7 +57,7 @@ def test_who_looks_when_told_to_misses_no_silence_when_the_period_changes(
 ) -> None:
     """What comes every 0.1 s is waited for longer; once it comes every 5 ms, no longer."""
     clock = Clock()
-    heard = LastHeard(clock)
+    heard = ArrivalMonitor(clock)
     look = clock.now + heard.next_look_s
     for period in periods:
         news = clock.now + period

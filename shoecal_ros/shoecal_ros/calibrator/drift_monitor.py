@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from shoecal_ros.nodes.calibrator import Calibrator
 
 
-class DriftDesk:
+class DriftMonitor:
     """Tells the node's `drift`; it looks at the rate of the watch, the live forces do not wait."""
 
     def __init__(self, node: Calibrator) -> None:

@@ -22,7 +22,7 @@ _NO_NAME = "_NODE_NAME_UNKNOWN_"
 """What the middleware says of an end of a topic whose node it does not know."""
 
 
-class Peers:
+class GraphMonitor:
     """Looks at one topic at a time: at a high rate that would hold messages up.
 
     Attributes:

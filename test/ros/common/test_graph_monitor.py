@@ -10,22 +10,22 @@ from ros.cures import names_a_cure
 from ros.world import World
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code
+from shoecal_ros.common.graph_monitor import GraphMonitor
 from shoecal_ros.common.health import Level
-from shoecal_ros.common.peers import Peers
 
 TOPIC = "shoe/cop"
 OWN = "tester"
 
 
 @pytest.fixture
-def peers(world: World) -> Peers:
+def peers(world: World) -> GraphMonitor:
     """Of the client, which alone should publish the CoP."""
-    peers = Peers(world.node)
+    peers = GraphMonitor(world.node)
     peers.alone.add(world.node.create_publisher(PointStamped, TOPIC, qos.LIVE).topic_name)
     return peers
 
 
-def until_told(world: World, peers: Peers, code: Code, text: str) -> None:
+def until_told(world: World, peers: GraphMonitor, code: Code, text: str) -> None:
     """Wait for what is said of somebody; a name is known a little later than what bears it."""
 
     def told() -> bool:
@@ -51,7 +51,7 @@ def until_told(world: World, peers: Peers, code: Code, text: str) -> None:
     ],
 )
 def test_a_second_sender_is_told_until_it_is_gone(
-    world: World, peers: Peers, name: str, text: str
+    world: World, peers: GraphMonitor, name: str, text: str
 ) -> None:
     rival = world.companion(name)
     rival.create_publisher(PointStamped, TOPIC, qos.LIVE)
@@ -60,13 +60,15 @@ def test_a_second_sender_is_told_until_it_is_gone(
     until_told(world, peers, Code.OK, "nobody")
 
 
-def test_another_type_is_told_with_both(world: World, peers: Peers) -> None:
+def test_another_type_is_told_with_both(world: World, peers: GraphMonitor) -> None:
     world.companion("reader").create_subscription(String, TOPIC, lambda _: None, 1)
     text = "'/reader' listens to /shoe/cop as std_msgs/msg/String; it is geometry_msgs/msg/Point"
     until_told(world, peers, Code.TYPE_MISFIT, text)
 
 
-def test_another_quality_of_service_is_told_with_the_reason(world: World, peers: Peers) -> None:
+def test_another_quality_of_service_is_told_with_the_reason(
+    world: World, peers: GraphMonitor
+) -> None:
     reader = world.companion("reader")
     reader.create_subscription(PointStamped, TOPIC, lambda _: None, qos.LATCHED)
     text = "'/reader' listens to /shoe/cop with another quality of service ("

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ros.bodies import nao
-from shoecal_ros.adapters.coast import Coast
+from shoecal_ros.adapters.deceleration_profile import DecelerationProfile
 
 TIME_S = 0.4
 SHARES = st.floats(0.0, 1.0)
@@ -20,7 +20,7 @@ def test_joints_slow_down_evenly_within_their_limits(
 ) -> None:
     robot = nao()
     begun = robot.lower + place * (robot.upper - robot.lower)
-    coast = Coast.within_limits(robot, begun, np.full_like(begun, speed), TIME_S)
+    coast = DecelerationProfile.within_limits(robot, begun, np.full_like(begun, speed), TIME_S)
     angles, speeds = coast.at(elapsed)
     assert (angles >= robot.lower - 1e-8).all()
     assert (angles <= robot.upper + 1e-8).all()
@@ -38,8 +38,12 @@ def test_joints_slow_down_evenly_within_their_limits(
 def test_a_joint_at_its_limit_goes_no_farther() -> None:
     """Encoders show angles a little beyond one."""
     robot = nao()
-    coast = Coast.within_limits(robot, robot.upper + 0.01, np.ones(len(robot.upper)), TIME_S)
+    coast = DecelerationProfile.within_limits(
+        robot, robot.upper + 0.01, np.ones(len(robot.upper)), TIME_S
+    )
     assert coast.at(0.0)[0] == pytest.approx(robot.upper, abs=1e-8)
     assert coast.end == pytest.approx(robot.upper, abs=1e-8)
-    back = Coast.within_limits(robot, robot.upper + 0.01, np.full(len(robot.upper), -1.0), TIME_S)
+    back = DecelerationProfile.within_limits(
+        robot, robot.upper + 0.01, np.full(len(robot.upper), -1.0), TIME_S
+    )
     assert (back.end < robot.upper).all()

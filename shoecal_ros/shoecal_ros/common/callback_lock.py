@@ -6,7 +6,7 @@ import threading
 from types import TracebackType
 
 
-class Turn:
+class CallbackLock:
     """A lock that goes to who waits, not to who had it just now.
 
     A thread with always more to do would otherwise take a plain lock back before another one that

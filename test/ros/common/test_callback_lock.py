@@ -2,11 +2,11 @@ from __future__ import annotations
 
 import threading
 
-from shoecal_ros.common.turn import Turn
+from shoecal_ros.common.callback_lock import CallbackLock
 
 
 def test_who_has_always_more_to_do_lets_others_in() -> None:
-    turn, done = Turn(), threading.Event()
+    turn, done = CallbackLock(), threading.Event()
     served = 0
 
     def be_quick() -> None:

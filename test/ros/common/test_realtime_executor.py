@@ -13,8 +13,8 @@ from rclpy.parameter import Parameter
 from std_msgs.msg import String
 
 from shoecal_ros.common import qos
-from shoecal_ros.common.quick_thread import QuickThread
-from shoecal_ros.common.turn import Turn
+from shoecal_ros.common.callback_lock import CallbackLock
+from shoecal_ros.common.realtime_executor import RealtimeExecutor
 
 TIMEOUT_S = 120.0
 
@@ -38,7 +38,7 @@ def node() -> Iterator[Node]:
     rclpy.shutdown(context=context)
 
 
-def talk(node: Node, quick: QuickThread, heard: list[Any], count: int) -> None:
+def talk(node: Node, quick: RealtimeExecutor, heard: list[Any], count: int) -> None:
     publisher = node.create_publisher(String, "words", qos.RAW)
     until(lambda: publisher.get_subscription_count() > 0)
     for index in range(count):
@@ -47,7 +47,7 @@ def talk(node: Node, quick: QuickThread, heard: list[Any], count: int) -> None:
 
 
 def test_everything_is_heard_in_order_without_an_executor(node: Node) -> None:
-    quick, heard = QuickThread(node, Turn()), list[Any]()
+    quick, heard = RealtimeExecutor(node, CallbackLock()), list[Any]()
     quick.subscribe(String, "words", heard.extend, qos.RAW)
     quick.start()
     talk(node, quick, heard, 500)
@@ -56,8 +56,8 @@ def test_everything_is_heard_in_order_without_an_executor(node: Node) -> None:
 
 
 def test_nothing_is_handed_over_out_of_turn(node: Node) -> None:
-    turn, heard = Turn(), list[bool]()
-    quick = QuickThread(node, turn)
+    turn, heard = CallbackLock(), list[bool]()
+    quick = RealtimeExecutor(node, turn)
     quick.subscribe(
         String, "words", lambda batch: heard.extend(turn._held.locked() for _ in batch), qos.RAW
     )
@@ -75,7 +75,7 @@ def test_nothing_is_handed_over_out_of_turn(node: Node) -> None:
 
 
 def test_the_executor_leaves_them_alone(node: Node) -> None:
-    quick, heard = QuickThread(node, Turn()), list[Any]()
+    quick, heard = RealtimeExecutor(node, CallbackLock()), list[Any]()
     quick.subscribe(String, "words", heard.extend, qos.RAW)
     executor = SingleThreadedExecutor(context=node.context)
     executor.add_node(node)
@@ -95,7 +95,7 @@ def test_what_a_callback_fails_with_is_kept(node: Node) -> None:
     def fail(batch: list[Any]) -> None:
         raise ValueError(batch[0].data)
 
-    quick = QuickThread(node, Turn())
+    quick = RealtimeExecutor(node, CallbackLock())
     quick.subscribe(String, "words", fail, qos.RAW)
     quick.start()
     talk(node, quick, [], 1)
@@ -105,7 +105,7 @@ def test_what_a_callback_fails_with_is_kept(node: Node) -> None:
 
 def test_with_nothing_to_hear_there_is_no_thread(node: Node) -> None:
     before = threading.active_count()
-    quick = QuickThread(node, Turn())
+    quick = RealtimeExecutor(node, CallbackLock())
     quick.start()
     assert threading.active_count() == before
     quick.close()

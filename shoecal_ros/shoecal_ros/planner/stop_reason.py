@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Concern:
+class StopReason:
     """A reason to stop.
 
     Attributes:

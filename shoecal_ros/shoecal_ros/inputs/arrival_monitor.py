@@ -18,7 +18,7 @@ RATE_S = 2.0
 """Rates are told over so long a time."""
 
 
-class LastHeard:
+class ArrivalMonitor:
     """When something usable last came, by the wall clock.
 
     Attributes:

@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from shoecal_ros.common.node import ShoecalNode
-from shoecal_ros.inputs.last_heard import LastHeard
+from shoecal_ros.inputs.arrival_monitor import ArrivalMonitor
 
 LEAST_S = 1e-3
 """From one look to the next."""
 
 
-class Overdue:
+class InputTimeout:
     """A timer for the moment at which news may be overdue."""
 
-    def __init__(self, node: ShoecalNode, heard: LastHeard, tell: Callable[[], None]) -> None:
+    def __init__(self, node: ShoecalNode, heard: ArrivalMonitor, tell: Callable[[], None]) -> None:
         """Wait from now on.
 
         Args:

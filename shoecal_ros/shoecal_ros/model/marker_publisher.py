@@ -39,7 +39,7 @@ class _Heard:
     at: float
 
 
-class MarkerDesk:
+class MarkerPublisher:
     """Call `watch` at the rate at which markers shall come."""
 
     def __init__(

@@ -18,7 +18,7 @@ SILENT_S = 3.5
 ENDED = "ended"
 
 
-class RollCall:
+class LivenessMonitor:
     """Hears diagnostics of the other nodes."""
 
     def __init__(self, own: str, clock: Callable[[], float] = time.monotonic) -> None:
@@ -58,7 +58,7 @@ class RollCall:
         return Condition(Level.OK, "no node has fallen silent", {"heard": ", ".join(self._heard)})
 
 
-def farewell(name: str) -> DiagnosticArray:
+def end_notice(name: str) -> DiagnosticArray:
     """Last words of a node that ends as it should."""
     status = DiagnosticStatus(
         level=bytes([Level.STALE]), name=f"{name}: {ENDED}", message=ENDED, hardware_id=name,

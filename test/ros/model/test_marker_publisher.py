@@ -13,7 +13,7 @@ from ros.bodies import nao
 from ros.world import World
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import JointSample, joints_to_ros, point_to_ros, wrench_to_ros
-from shoecal_ros.model.marker_desk import TOPIC
+from shoecal_ros.model.marker_publisher import TOPIC
 
 
 def spaces(message: MarkerArray) -> set[str]:

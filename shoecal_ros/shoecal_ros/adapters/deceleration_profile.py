@@ -17,7 +17,7 @@ _AT_ONCE_S = 1e-9
 
 
 @dataclass(frozen=True)
-class Coast:
+class DecelerationProfile:
     """Joints that slow down evenly until they rest.
 
     Attributes:

@@ -6,20 +6,20 @@ from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 
 from ros.clock import Clock
 from shoecal_ros.common.health import Level
-from shoecal_ros.common.roll_call import ADAPTERS, RollCall, farewell
+from shoecal_ros.common.liveness_monitor import ADAPTERS, LivenessMonitor, end_notice
 
 
 def told(name: str, subject: str = "joints") -> DiagnosticArray:
     return DiagnosticArray(status=[DiagnosticStatus(name=f"{name}: {subject}", hardware_id=name)])
 
 
-def level(call: RollCall) -> Level:
+def level(call: LivenessMonitor) -> Level:
     return call.condition.level
 
 
 def test_who_falls_silent_is_named_until_he_is_back() -> None:
     clock = Clock()
-    call = RollCall("calibrator", clock)
+    call = LivenessMonitor("calibrator", clock)
     call.take([told("planner"), told("model"), told("calibrator"), told("camera")])
     assert level(call) is Level.OK
     clock.now += 3.0
@@ -33,7 +33,7 @@ def test_who_falls_silent_is_named_until_he_is_back() -> None:
 
 def test_who_moves_a_real_robot_is_missed_too() -> None:
     clock = Clock()
-    call = RollCall("planner", clock)
+    call = LivenessMonitor("planner", clock)
     for name in ADAPTERS:
         importlib.import_module(f"shoecal_ros.nodes.{name}")
     call.take([told(name, "robot") for name in ADAPTERS])
@@ -43,7 +43,7 @@ def test_who_moves_a_real_robot_is_missed_too() -> None:
 
 def test_who_says_that_he_ends_is_not_missed() -> None:
     clock = Clock()
-    call = RollCall("calibrator", clock)
-    call.take([told("planner"), farewell("planner")])
+    call = LivenessMonitor("calibrator", clock)
+    call.take([told("planner"), end_notice("planner")])
     clock.now += 10.0
     assert level(call) is Level.OK
