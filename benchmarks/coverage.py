@@ -25,8 +25,6 @@ from population import Member, different_robots, one_robot, sessions
 from shoecal_core.calibration.assessment import NORMAL_95
 from shoecal_core.calibration.evaluate import truth_series
 from shoecal_core.calibration.pipeline import calibrate_session
-from shoecal_core.error_sources.tolerances import ModelTolerances, Tolerances
-from shoecal_core.estimation.expected import ErrorModel
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
 from shoecal_core.sensing.sensing import Sensing
@@ -60,7 +58,7 @@ def hold(member: Member) -> Held:
     """Calibrate one session and hold it against its truth; CoP corrections are left out."""
     session = Session.open(member.folder)
     outcome = calibrate_session(session, member.train, member.test)
-    stages, found, data = outcome.stages, outcome.assessment.uncertainty, outcome.data
+    stages, found, data = outcome.stages, outcome.assessment, outcome.data
     parameters = stages.parameters
     drawn = yaml.safe_load((session.truth_path(1).parent / "reality.yaml").read_text())
     true_gain = np.array([drawn["gain"][name] for name in data.shoe.names])
@@ -69,7 +67,7 @@ def hold(member: Member) -> Held:
     ratios: dict[str, list[FloatArray]] = {name: [] for name in WHAT}
     ratios["gain"].append((parameters.gain - true_gain) / std[:count])
     ratios["time offset"].append(np.array([stages.time_offset / std[-1]]))
-    errors = ErrorModel(parameters, found, ModelTolerances(data.robot, data.shoe, Tolerances()))
+    errors = found.error_model
     sensing = Sensing(data.shoe, parameters)
     lengths: list[list[tuple[FloatArray, FloatArray]]] = [[], [], []]
     for stance in data.of(outcome.test):

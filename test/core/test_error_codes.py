@@ -15,7 +15,6 @@ import pytest
 from core.limits import file_size_limit, ordinary_user
 from core.recording import samples
 from shoecal_core.calibration.calibration import load_calibration
-from shoecal_core.calibration.refinement.found_effects import load_found_effects
 from shoecal_core.error_sources.effects.known import effects_from
 from shoecal_core.errors import ShoecalError, error_code
 from shoecal_core.files import (
@@ -64,7 +63,6 @@ READERS: dict[str, Read] = {
     "shoe": load_shoe,
     "urdf": read_urdf,
     "calibration": load_calibration,
-    "diagnosis": load_found_effects,
     "run": read_info,
     "csv": lambda path: Table(path, ",", "."),
     "effects": effects_from,
@@ -214,8 +212,6 @@ def test_a_folder_that_is_not_there(tmp_path: Path) -> None:
         ("calibration", "x.yaml", CALIBRATION.replace("robot: nao\n", ""), "field"),
         ("calibration", "x.yaml", CALIBRATION.replace("gain: 1.0", "gain: .nan"), "field"),
         ("calibration", "x.yaml", CALIBRATION.replace("gain: 1", "gain: 0"), "calibration-file"),
-        ("diagnosis", "x.json", "{", "file-syntax"),
-        ("diagnosis", "x.json", '{"causes": []}', "field"),
         ("csv", "x.csv", "a,b", "file-syntax"),
         ("csv", "x.csv", "a,b\n1", "file-syntax"),
         ("effects", "x.py", "def (:", "file-syntax"),

@@ -19,7 +19,7 @@ FOUNDATION = {
     "batch", "batch_source", "compiled", "compiler", "errors", "files", "settings", "workspace",
 }  # fmt: skip
 METHOD = {"sensing", "model"}
-ESTIMATION = {"samples", "error_sources"}
+ESTIMATION = {"samples", "error_sources", "estimation"}
 MAY_IMPORT = {
     "batch": FOUNDATION,
     "batch_source": FOUNDATION,
@@ -35,6 +35,7 @@ MAY_IMPORT = {
     "recording": FOUNDATION | METHOD,
     "samples": FOUNDATION | METHOD | {"recording"},
     "error_sources": FOUNDATION | METHOD | {"samples"},
+    "estimation": FOUNDATION | METHOD | ESTIMATION | {"planning"},
     "calibration": FOUNDATION | METHOD | ESTIMATION | {"planning", "recording"},
     "diagnosis": FOUNDATION | METHOD | ESTIMATION | {"planning", "recording", "calibration"},
     "simulation": FOUNDATION | METHOD,
