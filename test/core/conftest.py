@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from core.calibration import synthetic
+from core.diagnosis.drawn import Urn
 from core.sensing import shoes
 from shoecal_core import cli, compiled
 from shoecal_core.diagnosis.baseline import first_parameters
@@ -80,3 +81,9 @@ def workspace(standard_session: Session) -> Workspace:
     train, test = range(1, 7), (7, 8)
     scene = make_scene(samples, first_parameters(samples, train), settings)
     return make_workspace(scene, EFFECTS, train, test, settings)
+
+
+@pytest.fixture(scope="session")
+def urn(workspace: Workspace) -> Urn:
+    """Draws sessions with that layout."""
+    return Urn.of(workspace)
