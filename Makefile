@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust accuracy repeats chosen-supports caught-faults faults blind effects-table own-steps motion-menu pictures figures reference docs wheel lock clean
+.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust accuracy repeats chosen-supports caught-faults faults blind own-steps motion-menu pictures figures reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -71,10 +71,6 @@ blind: setup  ## diagnosis of sets whose answers are sealed, into docs/evidence/
 clean-sessions: export OPENBLAS_NUM_THREADS := 1
 clean-sessions: setup  ## no false alarm on another robot, into docs/evidence/diagnosis.md (ARGS="--seeds 5")
 	$(BIN)/python benchmarks/clean_sessions.py $(ARGS)
-
-effects-table: export OPENBLAS_NUM_THREADS := 1
-effects-table: setup  ## calibrating with effects over ten robots, into docs/evidence/diagnosis.md (ARGS="--seeds 3")
-	$(BIN)/python benchmarks/effects_calibration.py $(ARGS)
 
 own-steps: export OPENBLAS_NUM_THREADS := 1
 own-steps: setup  ## walks by own steps in the physics, into docs/evidence/own-steps.md (ARGS="--seeds 2")

@@ -84,7 +84,7 @@ def calibrated(folder: Path) -> CalibrationReport:
     session = Session.open(folder)
     settings, tolerances = CalibrationSettings(), Tolerances()
     outcome = calibrate_session(session, TRAIN, TEST, settings, tolerances)
-    return session_content(session, outcome, settings=settings, tolerances=tolerances)
+    return session_content(session, outcome, settings=settings)
 
 
 def write_run(path: Path, content: CalibrationReport) -> None:

@@ -4,9 +4,31 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from shoecal_core import compiled
+from core.calibration import synthetic
+from core.diagnosis.drawn import Urn
+from core.sensing import shoes
+from shoecal_core import cli, compiled
+from shoecal_core.diagnosis.baseline import first_parameters
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.workspace import Workspace, make_workspace
+from shoecal_core.error_sources.effects.known import EFFECTS
+from shoecal_core.error_sources.scene import make_scene
+from shoecal_core.recording.session import Session
+from shoecal_core.samples.sampling import load_samples
+from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.sensing.wrench import ChannelParameters
+
+CONFIG = Path(__file__).resolve().parents[2] / "config"
+CLEAN = """format: 1
+name: clean
+body: {weight_error_n: 0.0, mass_error_std_fraction: 0.0, com_error_std_m: 0.0, com_error_m: {}}
+joints: {encoder_error_std_rad: 0.0, play_rad: {}, compliance_rad_per_nm: {}}
+cells: {position_error_std_m: 0.0}
+shoes: {clamp_share: {}}
+"""
 
 
 @pytest.fixture
@@ -18,3 +40,50 @@ def library_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr(compiled, "_interpreted", {})
     monkeypatch.setattr(compiled, "_compiled", set())
     return tmp_path / "cache" / "shoecal"
+
+
+@pytest.fixture(params=shoes.NAMES)
+def shoe(request: pytest.FixtureRequest) -> Shoe:
+    """Both shoes."""
+    return shoes.shoe(request.param)
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    return np.random.default_rng(20)
+
+
+@pytest.fixture
+def truth(shoe: Shoe, rng: np.random.Generator) -> ChannelParameters:
+    return synthetic.truth(shoe, rng)
+
+
+@pytest.fixture(scope="session")
+def standard_session(tmp_path_factory: pytest.TempPathFactory) -> Session:
+    """NAO as its model says on cells that are affine: runs 1 to 6 train, 7 and 8 test."""
+    folder = tmp_path_factory.mktemp("diagnosis")
+    reality = folder / "clean.yaml"
+    reality.write_text(CLEAN)
+    words = [
+        "simulate", CONFIG / "robots" / "nao.yaml", CONFIG / "shoes" / "nao_shoe.yaml",
+        "--reality", reality, "--motions", "standard", "--rate", "50", "--seed", "4",
+        "--out", folder / "session",
+    ]  # fmt: skip
+    assert cli.main([str(word) for word in words]) == 0
+    return Session.open(folder / "session")
+
+
+@pytest.fixture(scope="session")
+def workspace(standard_session: Session) -> Workspace:
+    """Every effect laid out in that session."""
+    settings = DiagnosisSettings()
+    samples = load_samples(standard_session, range(1, 9), settings)
+    train, test = range(1, 7), (7, 8)
+    scene = make_scene(samples, first_parameters(samples, train), settings)
+    return make_workspace(scene, EFFECTS, train, test, settings)
+
+
+@pytest.fixture(scope="session")
+def urn(workspace: Workspace) -> Urn:
+    """Draws sessions with that layout."""
+    return Urn.of(workspace)

@@ -11,7 +11,6 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from shoecal_core.calibration.refinement.found_effects import load_found_effects
 
 from core.limits import file_size_limit, ordinary_user
 from core.recording import samples
@@ -64,7 +63,6 @@ READERS: dict[str, Read] = {
     "shoe": load_shoe,
     "urdf": read_urdf,
     "calibration": load_calibration,
-    "diagnosis": load_found_effects,
     "run": read_info,
     "csv": lambda path: Table(path, ",", "."),
     "effects": effects_from,
@@ -214,8 +212,6 @@ def test_a_folder_that_is_not_there(tmp_path: Path) -> None:
         ("calibration", "x.yaml", CALIBRATION.replace("robot: nao\n", ""), "field"),
         ("calibration", "x.yaml", CALIBRATION.replace("gain: 1.0", "gain: .nan"), "field"),
         ("calibration", "x.yaml", CALIBRATION.replace("gain: 1", "gain: 0"), "calibration-file"),
-        ("diagnosis", "x.json", "{", "file-syntax"),
-        ("diagnosis", "x.json", '{"causes": []}', "field"),
         ("csv", "x.csv", "a,b", "file-syntax"),
         ("csv", "x.csv", "a,b\n1", "file-syntax"),
         ("effects", "x.py", "def (:", "file-syntax"),
@@ -293,7 +289,7 @@ def test_none_is_told_by_the_code_of_all() -> None:
 
 
 def test_the_page_on_codes_names_them_all() -> None:
-    page = (SOURCES / "docs/reference/diagnostics.md").read_text()
+    page = (SOURCES / "docs/diagnostics.md").read_text()
     table = page.split("What is wrong with a file", 1)[1]
     listed = [
         code

@@ -20,7 +20,7 @@ FOUNDATION = {
     "settings", "workspace",
 }  # fmt: skip
 METHOD = {"sensing", "model"}
-ESTIMATION = {"samples", "error_sources"}
+ESTIMATION = {"samples", "error_sources", "estimation"}
 MAY_IMPORT = {
     "batch": FOUNDATION,
     "batch_source": FOUNDATION,
@@ -37,6 +37,7 @@ MAY_IMPORT = {
     "recording": FOUNDATION | METHOD,
     "samples": FOUNDATION | METHOD | {"recording"},
     "error_sources": FOUNDATION | METHOD | {"samples"},
+    "estimation": FOUNDATION | METHOD | ESTIMATION | {"planning"},
     "calibration": FOUNDATION | METHOD | ESTIMATION | {"planning", "recording"},
     "diagnosis": FOUNDATION | METHOD | ESTIMATION | {"planning", "recording", "calibration"},
     "simulation": FOUNDATION | METHOD,

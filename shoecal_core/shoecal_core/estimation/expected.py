@@ -212,11 +212,9 @@ def _by_support(right: FloatArray, both: FloatArray, support: DoubleSupport) -> 
         right: (p, 3) wrench of the right foot in its own sole frame.
         both: (p, 3) of both feet in the left sole's.
     """
-    share = right[:, 0] / np.maximum(both[:, 0], MINIMUM_FORCE)
-    force = np.maximum(right[:, 0], MINIMUM_FORCE)
-    place = np.stack((-right[:, 2], right[:, 1]), axis=1) / force[:, None]
-    turned = place @ support.rotation.T
+    whole = np.maximum(both[:, :1], MINIMUM_FORCE)
     moved = np.zeros((len(right), 2, 3))
-    moved[:, 0, 0] = moved[:, 1, 1] = share
-    moved[:, :, 2] = share[:, None] * np.stack((-turned[:, 1], turned[:, 0]), axis=1)
+    moved[:, 0, 0] = moved[:, 1, 1] = right[:, 0] / whole[:, 0]
+    turned = np.stack((-right[:, 2], right[:, 1]), axis=1) / whole @ support.rotation.T
+    moved[:, :, 2] = np.stack((-turned[:, 1], turned[:, 0]), axis=1)
     return moved

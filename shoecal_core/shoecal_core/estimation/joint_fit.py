@@ -164,10 +164,18 @@ def fit_jointly(
         known: of the shoe, by a manual calibration; None: nothing.
 
     Raises:
-        ShoecalError: when it does not settle.
+        ShoecalError: when there is nothing to fit, a reading is no number, or it does not settle.
     """
-    scene = make_scene(samples, start, settings).with_planes(settings)
     fitted = np.isin(samples.run, train)
+    if not fitted.any():
+        raise ShoecalError(
+            "the training runs have no sample that can be fitted: stand still for 0.8 s or longer"
+        )
+    lost = ~np.isfinite(samples.readings).all(axis=0)
+    if lost.any():
+        named = ", ".join(np.array(samples.shoe.names)[lost])
+        raise ShoecalError(f"readings of {named} are not numbers: leave those samples out")
+    scene = make_scene(samples, start, settings).with_planes(settings)
     late = _time_offset_column(scene)
     own_std = np.append(
         parameter_std(samples.shoe, guess, samples.robot.weight, settings),
@@ -178,24 +186,32 @@ def fit_jointly(
         sample_std = _sample_std(scene, settings)
         body = of_body(scene, tolerances)
         moved = np.inf
-        while moved >= tolerance:
+        while not moved < tolerance:  # nor where it is not a number
             if steps == MAX_STEPS:
-                raise ShoecalError(
-                    f"the joint fit did not settle within {MAX_STEPS} steps (the last one was "
-                    f"{moved:.1e} of the priors): check polarities and cell positions in the shoe "
-                    "file, and that the robot file is this robot's"
+                raise _unsettled(moved)
+            try:
+                system = _System.at(
+                    scene, fitted, guess, own_std, late, body, sample_std, tolerances, known
                 )
-            system = _System.at(
-                scene, fitted, guess, own_std, late, body, sample_std, tolerances, known
-            )
-            if initial_cost is None:
-                initial_cost = system.cost(np.zeros(len(system.std)))
-            solution = system.solution()
-            moved = system.moved(solution)
-            scene = scene.with_parameters(system.parameters_after(solution)).with_planes(settings)
+                if initial_cost is None:
+                    initial_cost = system.cost(np.zeros(len(system.std)))
+                solution = system.solution()
+                moved = system.moved(solution)
+                now = system.parameters_after(solution)
+                scene = scene.with_parameters(now).with_planes(settings)
+            except np.linalg.LinAlgError:  # steps that only grow
+                raise _unsettled(moved) from None
             steps += 1
     assert initial_cost is not None
     return system.fit(scene, solution, initial_cost, steps, moved)
+
+
+def _unsettled(moved: float) -> ShoecalError:
+    return ShoecalError(
+        f"the joint fit did not settle within {MAX_STEPS} steps (the last one was {moved:.1e} of "
+        "the priors): check polarities and cell positions in the shoe file, and that the robot "
+        "file is this robot's"
+    )
 
 
 def _sample_std(scene: Scene, settings: SignalSettings) -> FloatArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 NAMES = {
     "backlash": "play of the gears",
     "cell_position": "places of the cells",
-    "gains_and_offsets": "gains and offsets that only the prior fixes",
+    "gains_and_offsets": "gains and offsets left to the prior",
     "joint_compliance": "compliance of the gears",
     "joint_offset": "zeros of the joints",
     "link_com": "centres of mass of the links",

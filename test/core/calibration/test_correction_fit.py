@@ -22,6 +22,7 @@ from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 Feet = tuple[float, float]
+CORRECTED = CalibrationSettings(correction_std_m=1e-3)
 FREE = CalibrationSettings(cop_std_m=1e-7, correction_std_m=1.0)
 """Hardly any damping: for samples without error."""
 
@@ -82,7 +83,7 @@ def test_the_bent_foot_is_found_among_model_errors(
 ) -> None:
     true = [bent(shoe, foot, rng)]
     runs = bent_runs(shoe, truth, true, noise=3e-4)
-    found = fit_corrections(shoe, truth, 0.0, runs, CalibrationSettings())
+    found = fit_corrections(shoe, truth, 0.0, runs, CORRECTED)
     assert foot in [correction.foot for correction in found]
     others = bent_runs(shoe, truth, true, seed=6)
     assert off(Sensing(shoe, truth, found), others) < 0.5 * off(Sensing(shoe, truth), others)
@@ -91,7 +92,7 @@ def test_the_bent_foot_is_found_among_model_errors(
 def test_noise_is_not_corrected(shoe: Shoe, truth: ChannelParameters) -> None:
     for seed in range(3):
         runs = bent_runs(shoe, truth, [], seed=seed, noise=2e-3)
-        assert fit_corrections(shoe, truth, 0.0, runs, CalibrationSettings()) == ()
+        assert fit_corrections(shoe, truth, 0.0, runs, CORRECTED) == ()
 
 
 def test_what_helps_only_the_runs_it_was_fitted_to_is_left_out(
@@ -104,7 +105,7 @@ def test_what_helps_only_the_runs_it_was_fitted_to_is_left_out(
         synthetic.with_corrections(run, shoe, truth, [(to, fro)[run.run % 2]])
         for run in synthetic.stances(shoe, truth, rng, synthetic.SUPPORTS[:4])
     ]
-    assert fit_corrections(shoe, truth, 0.0, runs, CalibrationSettings()) == ()
+    assert fit_corrections(shoe, truth, 0.0, runs, CORRECTED) == ()
 
 
 def test_a_little_help_is_not_enough(
@@ -118,9 +119,9 @@ def test_a_little_help_is_not_enough(
         y=np.zeros(4 + count),
     )
     runs = bent_runs(shoe, truth, [shifted], noise=2e-3)
-    assert fit_corrections(shoe, truth, 0.0, runs, CalibrationSettings()) == ()
+    assert fit_corrections(shoe, truth, 0.0, runs, CORRECTED) == ()
     monkeypatch.setattr(module, "MINIMUM_GAIN", 0.0)
-    assert fit_corrections(shoe, truth, 0.0, runs, CalibrationSettings()) != ()
+    assert fit_corrections(shoe, truth, 0.0, runs, CORRECTED) != ()
 
 
 def by_choice(none: Feet, left: Feet, right: Feet, both: Feet) -> dict[tuple[int, ...], FloatArray]:
@@ -156,7 +157,7 @@ def test_it_is_the_damped_least_squares_of_all_samples(
     """Rows written out and stacked, the damping as further rows."""
     true = [bent(shoe, 0, rng), bent(shoe, 1, rng)]
     runs = bent_runs(shoe, truth, true, noise=1e-3)
-    settings = CalibrationSettings()
+    settings = CORRECTED
     found = fit_corrections(shoe, truth, 0.01, runs, settings)
     assert len(found) == 2
     rows, targets = [], []
@@ -235,7 +236,7 @@ def test_the_rate_of_samples_does_not_change_the_damping(
         draw = np.random.default_rng(3)
         runs = synthetic.stances(shoe, truth, draw, rate=rate, count=round(20 * rate))
         runs = [synthetic.with_corrections(run, shoe, truth, true) for run in runs]
-        return list(fit_corrections(shoe, truth, 0.0, runs, CalibrationSettings()))
+        return list(fit_corrections(shoe, truth, 0.0, runs, CORRECTED))
 
     slow, fast = at(20.0), at(100.0)
     for one, other in zip(slow, fast, strict=True):

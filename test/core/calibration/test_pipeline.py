@@ -34,13 +34,14 @@ def verdict(supports: Sequence[DoubleSupport], findings: Sequence[Finding] = ())
         robot=robot,
         shoe=shoe,
         stances={run.run: (run,) for run in runs},
+        samples=None,
         start_ns=dict.fromkeys(range(1, len(runs) + 1), 0),
         end_ns=1,
         temperature=float("nan"),
     )
     pairs = [(measured_series(stages.sensing, run), modelled_series(run)) for run in runs]
     modelled = {"train": errors(pairs)}
-    assessment = assess(robot, stages, runs, SETTINGS, Tolerances())
+    assessment = assess(robot, stages, None, runs, SETTINGS, Tolerances())
     return pipeline._verdict(data, stages, modelled, SETTINGS, list(findings), assessment)
 
 

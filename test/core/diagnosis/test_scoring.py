@@ -9,7 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.stats import multivariate_normal
 
-from core.diagnosis.test_regression import BASE, ROWS, RUNS, dense
+from core.error_sources.test_regression import BASE, ROWS, RUNS, dense
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
 from shoecal_core.diagnosis.scoring import Reduced, Scorer
 from shoecal_core.error_sources.base import Shape

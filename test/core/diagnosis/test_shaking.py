@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from core.diagnosis.altered import FloatArray, with_forces
+from core.error_sources.altered import FloatArray, with_forces
 from shoecal_core.diagnosis.shaking import shaking
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.scene import Scene

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from shoecal_core.report.error_sources import error_sources
 
 from core.calibration import synthetic
 from core.model import robots
@@ -20,9 +19,10 @@ from shoecal_core.calibration.fit import SelfCalibration, self_calibrate
 from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.uncertainty import estimate_uncertainty
-from shoecal_core.error_sources.tolerances import ModelTolerances, Tolerances
+from shoecal_core.calibration.uncertainty import walking_covariance
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.expected import ErrorModel
+from shoecal_core.estimation.support_error import support_covariance
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.settings import PlannerSettings
@@ -89,31 +89,33 @@ def content(
 
 
 def told_by(robot: Robot, shoe: Shoe, stages: SelfCalibration, training: Sequence[Stance]) -> Told:
-    """What the training runs tell; without joint angles no tolerance of the robot is carried.
+    """What the training runs tell; without joint angles no error of the robot is known.
 
     The double support to add is made up: to find the best of all takes seconds.
     """
-    settings, model = CalibrationSettings(), ModelTolerances(robot, shoe, Tolerances())
+    settings, tolerances = CalibrationSettings(), Tolerances()
     fit, parameters = stages.fit, stages.parameters
     size = 2 * len(shoe.names)
-    weights = Weights.of(settings)
-    uncertainty = estimate_uncertainty(fit, training, weights, model)
-    both, left, right = ErrorModel(parameters, uncertainty, model).over_polygons()
+    covariance = walking_covariance(fit, training, Weights.of(settings))
+    supports = support_covariance(None, tolerances)
+    model = ErrorModel.of(robot, shoe, parameters, covariance[:-1, :-1], (), supports, tolerances)
+    both, left, right = model.over_polygons()
     known = relative_information(robot, shoe, parameters, fit.information[:size, :size])
     told = forecast(robot, shoe, known, PlannerSettings())
     outputs = np.concatenate([parameters.outputs(one.readings) for one in training])
     assessment = Assessment(
-        uncertainty=uncertainty,
+        covariance=covariance,
+        error_model=model,
         both=both,
         left=left,
         right=right,
+        budget=None,
         told=told,
         additions=(Addition(DoubleSupport(0.08, -0.11, 0.5), told),) if told.weak else (),
-        seen_std=np.sqrt(np.diag(uncertainty.covariance)[:size]),
+        seen_std=np.sqrt(np.diag(covariance)[:size]),
         load_range=np.stack((outputs.min(axis=0), outputs.max(axis=0))),
     )
-    sources = error_sources(assessment, parameters, model)
-    return Told(assessment, sources, settings.fixed_below, Screening())
+    return Told(assessment, settings.fixed_below, Screening())
 
 
 def misled(stance: Stance, parameters: ChannelParameters, rng: np.random.Generator) -> Stance:

@@ -15,10 +15,11 @@ from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.screening.result import LeftOut, Screening
 from shoecal_core.recording.session import Session
 from shoecal_core.report.assessment_content import Told
-from shoecal_core.report.assessment_figures import rms
+from shoecal_core.report.assessment_figures import rms, source_pictures
 from shoecal_core.report.assessment_section import assessment_section, expected_keys
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_tables import channels_table
+from shoecal_core.report.error_source_names import cure, source_name
 from shoecal_core.report.page import Group, Section
 from shoecal_core.report.quantities import size
 from shoecal_core.report.session_report import session_content
@@ -26,7 +27,7 @@ from shoecal_core.report.session_report import session_content
 
 @pytest.fixture(scope="module")
 def swaying(session: Session, outcome: Outcome) -> CalibrationReport:
-    """Two training runs with joint angles, so tolerances are carried."""
+    """Two training runs with joint angles, so the model's errors are known."""
     return session_content(session, outcome)
 
 
@@ -61,16 +62,24 @@ def test_expected_errors_are_told(swaying: CalibrationReport) -> None:
     assert "expected CoP error, left foot" in [key.label for key in expected_keys(told)]
 
 
-def test_causes_and_cures_are_named(swaying: CalibrationReport) -> None:
+def test_error_sources_and_cures_are_named(swaying: CalibrationReport) -> None:
     told = told_of(swaying)
     assert told.carried
-    told_words = words(assessment_section(swaying, told))
-    assert ("What would help" in told_words) == (not told.sources.mostly_open)
-    for cause in told.sources.causes:
-        assert told.sources.mostly_open or cause.name in told_words
+    section = words(assessment_section(swaying, told))
+    budget = told.assessment.budget
+    assert budget is not None
+    assert "What would help" in section
+    known = [one for one in budget.sources if np.isfinite(one.without).all()]
+    best = min(known, key=lambda one: float(np.sum(one.without**2)))
+    assert source_name(best.effect) in section
+    assert (cure(best.effect) or "") in section
+    pictures = [one for one in source_pictures(told) if one.title in section]
+    assert len(pictures) == 2
+    for one in budget.sources[:2]:
+        assert source_name(one.effect) in pictures[0].svg
 
 
-def test_where_tolerances_are_not_carried_it_is_said(content: CalibrationReport) -> None:
+def test_where_the_model_s_errors_are_not_known_it_is_said(content: CalibrationReport) -> None:
     told = told_of(content)
     assert not told.carried
     told_words = words(assessment_section(content, told))

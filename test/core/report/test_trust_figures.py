@@ -8,22 +8,14 @@ import pytest
 from core.report.pages import read_svg
 from shoecal_core.errors import ShapeError
 from shoecal_core.report.figures.left_out import RunSpan, left_out_in_time
-from shoecal_core.report.figures.sources import Whole, largest_causes, shares
+from shoecal_core.report.figures.sources import largest_sources
 from shoecal_core.report.figures.spans import spans
 
 
-def test_parts_add_up_in_squares() -> None:
-    one = Whole("left foot", (3.0, 4.0, 0.0))
-    assert one.size == pytest.approx(5.0)
-    root = read_svg(shares(("noise", "tolerances", "left open"), [one], "mm"))
-    assert {"5.0 mm", "noise", "left foot"} <= set(root.itertext())
-    assert "left foot 5.0 mm: noise 3.0 mm, tolerances 4.0 mm" in root.attrib["aria-label"]
-    read_svg(shares(("noise",), [Whole("nothing", (0.0,))], "mm"))
-
-
-def test_causes_by_name() -> None:
-    root = read_svg(largest_causes(["zero of knee", "x" * 90], [12.3, 0.0], "mm", "part"))
-    assert {"zero of knee", "12 mm", "part (mm)"} <= set(root.itertext())
+def test_error_sources_by_name() -> None:
+    root = read_svg(largest_sources(["zeros of joints", "x" * 90], [12.3, 0.0], "mm", "error"))
+    assert {"zeros of joints", "12 mm", "error (mm)"} <= set(root.itertext())
+    assert "zeros of joints 12 mm" in root.attrib["aria-label"]
 
 
 def test_loads_of_each_channel() -> None:

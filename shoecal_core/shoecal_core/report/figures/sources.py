@@ -19,7 +19,7 @@ def largest_sources(names: Sequence[str], sizes: Sequence[float], unit: str, lab
         unit: of the sizes.
         label: of the axis.
     """
-    labels = [readable(name, 34) for name in names]
+    labels = [readable(name, 38) for name in names]
     left = 14.0 + 5.3 * max(map(len, labels))
     height = ROW * 0.85 * len(names)
     with canvas(4.0 + height + BOTTOM) as page:

@@ -9,8 +9,8 @@ import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
-from core.diagnosis.altered import with_forces
-from core.diagnosis.shows import assert_shows, shape, told
+from core.error_sources.altered import with_forces
+from core.error_sources.shows import assert_shows, shape, told
 from shoecal_core.error_sources.effects.geometry import (
     CellPosition,
     Crosstalk,

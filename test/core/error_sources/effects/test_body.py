@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from core.diagnosis.altered import body_states, heavier, shifted, with_angles, with_robot
-from core.diagnosis.shows import assert_shows, shape, told
+from core.error_sources.altered import body_states, heavier, shifted, with_angles, with_robot
+from core.error_sources.shows import assert_shows, shape, told
 from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.effects.body import (
     Backlash,

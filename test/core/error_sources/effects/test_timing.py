@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from core.diagnosis.altered import with_forces
-from core.diagnosis.shows import assert_shows, shape, told
+from core.error_sources.altered import with_forces
+from core.error_sources.shows import assert_shows, shape, told
 from shoecal_core.error_sources.effects.places import all_channels_at
 from shoecal_core.error_sources.effects.timing import Latency, LowPass
 from shoecal_core.error_sources.scene import Scene

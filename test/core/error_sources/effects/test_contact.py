@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from core.diagnosis.altered import (
+from core.error_sources.altered import (
     askew,
     bearing,
     below,
@@ -17,7 +17,7 @@ from core.diagnosis.altered import (
     turning,
     with_robot,
 )
-from core.diagnosis.shows import assert_shows, shape, told
+from core.error_sources.shows import assert_shows, shape, told
 from shoecal_core.error_sources import body
 from shoecal_core.error_sources.effects.contact import FloorTilt, FootPlacement, Slip, SoftGround
 from shoecal_core.error_sources.scene import Scene

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from core.diagnosis.altered import with_angles
 from core.diagnosis.drawn import Urn
+from core.error_sources.altered import with_angles
 from shoecal_core.diagnosis.selection import ranked, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace

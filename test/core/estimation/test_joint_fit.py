@@ -1,0 +1,176 @@
+"""The joint fit of robots whose errors are known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from core.estimation.drawn import SETTINGS, TOLERANCES, Drawn, drawn
+from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.joint_fit import SETTLED, fit_jointly
+from shoecal_core.samples.samples import Samples
+from shoecal_core.sensing.wrench import ChannelParameters, cop, foot_wrenches
+
+FloatArray = NDArray[np.float64]
+NORMAL_95 = 1.96
+SEEDS = (2, 3, 4, 5)
+
+
+@pytest.fixture(scope="module")
+def several(known: Drawn) -> tuple[Drawn, ...]:
+    """Robots with all as-built errors."""
+    return known, *(drawn(seed) for seed in SEEDS)
+
+
+def standardised(found: Drawn) -> FloatArray:
+    """(2n + 1 + k,) errors in their stated standard deviations."""
+    return np.asarray(found.errors / np.sqrt(np.diag(found.fit.covariance)))
+
+
+def test_nothing_wrong_is_found_where_nothing_is() -> None:
+    """Gains to a thousandth, from a guess that is off by 15 %, and no deviation."""
+    found = drawn(6, share=0.0, noise=0.0)
+    count = len(found.parameters.gain)
+    np.testing.assert_allclose(found.fit.parameters.gain, found.parameters.gain, rtol=2e-3)
+    small = [abs(one.value) < 0.2 * one.deviation.std for one in found.fit.deviations]
+    assert all(small)
+    assert np.abs(standardised(found)[count:]).max() < 0.5
+
+
+def test_truth_is_within_the_stated_intervals(several: tuple[Drawn, ...]) -> None:
+    """Of gains, offsets, time offset and every deviation."""
+    ratios = np.concatenate([standardised(one) for one in several])
+    assert 0.90 <= np.mean(np.abs(ratios) < NORMAL_95) <= 0.99
+    assert 0.8 < np.sqrt(np.mean(ratios**2)) < 1.2
+    count = len(several[0].parameters.gain)
+    gains = np.concatenate([standardised(one)[:count] for one in several])
+    assert np.mean(np.abs(gains) < NORMAL_95) > 0.8
+
+
+def test_gains_and_deviations_that_the_data_show_are_found(several: tuple[Drawn, ...]) -> None:
+    for one in several:
+        count = len(one.parameters.gain)
+        assert np.abs(one.errors[:count] / one.parameters.gain).max() < 0.03
+    # What the recording shows well comes out as it is, whatever its size.
+    ends = [
+        (fitted.value, one.values[fitted.deviation.key], fitted.deviation.std)
+        for one in several
+        for fitted in one.fit.deviations
+        if fitted.std < 0.4 * fitted.deviation.std
+    ]
+    found, true, std = np.array(ends).T
+    assert len(found) > 20
+    assert np.corrcoef(found / std, true / std)[0, 1] > 0.9
+
+
+def test_it_certifies_itself(known: Drawn) -> None:
+    fit = known.fit
+    assert fit.last_step < SETTLED
+    assert fit.cost < 0.01 * fit.initial_cost
+    scaled = fit.covariance / np.outer(fit.prior_std, fit.prior_std)
+    np.testing.assert_allclose(scaled, scaled.T, atol=1e-6)
+    values = np.linalg.eigvalsh(scaled)
+    assert values.min() > 0.0
+    assert values.max() < 1.0 + 1e-6
+    assert np.linalg.eigvalsh(fit.information).min() > -1e-6 * np.abs(fit.information).max()
+
+
+def test_each_foot_measures_with_the_shoe_that_was_found(known: Drawn) -> None:
+    """The CoP of a foot by the fitted columns is nearer to the truth than by the file's."""
+    fit, samples = known.fit, known.fit.scene.samples
+    both = samples.both
+    truth = samples.shoe.columns.copy()
+    for one in fit.deviations:
+        if one.deviation.shoe_column is not None:
+            truth += known.values[one.deviation.key] * one.deviation.shoe_column
+    exact = foot_wrenches(
+        samples.shoe.with_columns(truth), known.parameters.outputs(samples.readings[both])
+    )
+    off = []
+    for shoe in (fit.shoe, samples.shoe):
+        found = foot_wrenches(shoe, fit.parameters.outputs(samples.readings[both]))
+        places = [cop(found[:, foot], 1.0) - cop(exact[:, foot], 1.0) for foot in (0, 1)]
+        off.append(np.sqrt(np.mean(np.square(places))))
+    assert off[0] < off[1]
+    assert off[0] < 1.5e-3
+
+
+def test_a_fit_is_the_same_from_another_start(known: Drawn) -> None:
+    fit, samples = known.fit, known.fit.scene.samples
+    guess = ChannelParameters(known.parameters.gain * 1.1, known.parameters.offset)
+    ends = [
+        fit_jointly(samples, samples.runs, guess, start, SETTINGS, TOLERANCES, 0.02).parameters
+        for start in (guess, fit.parameters)
+    ]
+    # Noise and derivatives of the body are those of where the coarse steps ended.
+    np.testing.assert_allclose(ends[0].gain, ends[1].gain, rtol=2e-3)
+
+
+@pytest.mark.parametrize(("noise", "most"), [(0.5, 0.01), (1.0, 0.02)])
+def test_noise_of_readings_does_not_bias_gains(noise: float, most: float) -> None:
+    """Readings come at 100 Hz, of which a sample averages 25."""
+    ratios = []
+    for seed in (11, 12, 13):
+        found = drawn(seed, share=0.0, noise=noise / np.sqrt(25.0), count=80)
+        ratios.append(found.fit.parameters.gain / found.parameters.gain)
+    assert abs(np.mean(ratios) - 1.0) < most
+
+
+def test_runs_that_are_not_fitted_have_no_part(known: Drawn) -> None:
+    """Their readings may be anything, as long as they are numbers."""
+    samples = known.fit.scene.samples
+    last = samples.runs[-3]
+    train = [run for run in samples.runs if run != last]
+    wild = samples.readings.copy()
+    wild[samples.run == last] += 0.01 * np.abs(wild).mean()
+    guess = known.parameters
+    first, second = (
+        fit_jointly(one, train, guess, guess, SETTINGS, TOLERANCES, 0.02).parameters
+        for one in (samples, replace(samples, readings=wild))
+    )
+    # Noise and planes are told by all runs.
+    np.testing.assert_allclose(first.gain, second.gain, rtol=5e-3)
+
+
+def without_a_number(samples: Samples) -> Samples:
+    readings = samples.readings.copy()
+    readings[3, 2] = np.nan
+    return replace(samples, readings=readings)
+
+
+def dead_left_foot(samples: Samples) -> Samples:
+    readings = samples.readings.copy()
+    readings[:, samples.shoe.of_foot(0)] = 0.0
+    return replace(samples, readings=readings)
+
+
+def noise_alone(samples: Samples) -> Samples:
+    rng = np.random.default_rng(0)
+    return replace(samples, readings=rng.normal(size=samples.readings.shape))
+
+
+@pytest.mark.parametrize(
+    ("alter", "text"),
+    [
+        (without_a_number, "readings of left/rear_left are not numbers"),
+        (dead_left_foot, "did not settle within 20 steps.*check polarities"),
+        (noise_alone, "did not settle within 20 steps.*check polarities"),
+    ],
+)
+def test_bad_readings_are_one_error(
+    known: Drawn, alter: Callable[[Samples], Samples], text: str
+) -> None:
+    samples, guess = alter(known.fit.scene.samples), known.parameters
+    with pytest.raises(ShoecalError, match=text) as caught, np.errstate(all="ignore"):
+        fit_jointly(samples, samples.runs, guess, guess, SETTINGS, TOLERANCES, 0.02)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_training_runs_without_samples_are_refused(known: Drawn) -> None:
+    guess = known.parameters
+    with pytest.raises(ShoecalError, match="no sample that can be fitted"):
+        fit_jointly(known.fit.scene.samples, (99,), guess, guess, SETTINGS, TOLERANCES, 0.02)
