@@ -188,10 +188,10 @@ def beyond(results: Sequence[Simulated]) -> list[str]:
             wrong = [
                 name
                 for name, kept in (
-                    ("load", figures.load >= LIMITS.load_share - _ROUNDING),
-                    ("friction", figures.friction <= friction * _BETWEEN_STATES),
-                    ("torque", figures.torque <= LIMITS.torque_share * _BETWEEN_STATES),
-                    ("tilt", figures.tilt <= LIMITS.tilt_max + _SAG_TILT * (kind == "physics")),
+                    ("load", figures.load >= LIMITS.load_share),
+                    ("friction", figures.friction <= friction),
+                    ("torque", figures.torque <= LIMITS.torque_share),
+                    ("tilt", figures.tilt <= LIMITS.tilt_max),
                 )
                 if not kept
             ]
@@ -200,12 +200,6 @@ def beyond(results: Sequence[Simulated]) -> list[str]:
 
 
 LIMITS = PlannerSettings()
-_ROUNDING = 0.02
-_BETWEEN_STATES = 1.02
-"""As the planner's check allows between planned states."""
-_SAG_TILT = 0.03
-"""rad; by which sagging legs tilt the torso beyond the plan."""
-
 BODY = """\
 ### Loads, friction and torques, planned and in the physics
 Made by `{command}`: {count} motions of the catalogue in turn, in random double supports, each with

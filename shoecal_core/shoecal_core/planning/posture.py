@@ -38,7 +38,7 @@ _ASIDE_WEIGHT = 100.0
 """1/m^2, of that against joint angles near the nominal ones."""
 
 
-TILT_USED = 0.95
+TILT_USED = 0.9
 """Of tilt_max by a planned posture; the rest is left for what lies between postures."""
 
 
