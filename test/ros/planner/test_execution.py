@@ -260,7 +260,7 @@ def falling(safe: bool) -> Scene:
     scene = Scene()
     scene.imu.take([upright(ANGLES)])
     if not safe:
-        scene.mover.robot = nao()
+        scene.mover.robot = dataclasses.replace(nao(), safe_posture=None)
     scene.begin_anew()
     scene.imu.take([upright(ANGLES, 0.2)])
     return scene
