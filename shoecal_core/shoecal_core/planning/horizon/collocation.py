@@ -39,7 +39,7 @@ from shoecal_core.planning.horizon.problem import (
 )
 from shoecal_core.planning.legs import LegExpressions, Legs
 from shoecal_core.planning.load_sharing import SharingSpread
-from shoecal_core.planning.posture import TILT_USED
+from shoecal_core.planning.posture import ONE_FOOT_TILT_USED, TILT_USED
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
@@ -174,7 +174,8 @@ class Collocation:
             np.tile(scene.loaded, 2), np.hstack([load, load, grip, grip]), -np.inf
         )
         high = np.full((count, BALANCE), np.inf)
-        high[:, 4] = np.sin(TILT_USED * settings.tilt_max) ** 2
+        used = np.where(both[:, 0] & scene.loaded.all(axis=1), TILT_USED, ONE_FOOT_TILT_USED)
+        high[:, 4] = np.sin(used * settings.tilt_max) ** 2
         back = settings.recovery * np.arange(1, count + 1)[:, None]
         return (
             np.minimum(low, now.balance + back * _SHIFTED * robot.weight),
