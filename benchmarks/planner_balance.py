@@ -22,7 +22,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.reality_file import load_reality
-from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.robot import RobotFellError, SimulatedRobot
 from shoecal_core.simulation.samples import Samples, run
 from shoecal_core.workspace import config_dir
 
@@ -180,6 +180,8 @@ def beyond(results: Sequence[Simulated]) -> list[str]:
     """Motions of which a figure is beyond its limit, planned or in the physics."""
     found = []
     for one in results:
+        if one.refused.startswith(RobotFellError.__name__):
+            found.append(f"{one.job}: {one.refused}")
         friction = Case.named(one.job.robot).robot.friction
         for kind in ("planned", "bound", "physics"):
             figures: Balance | None = getattr(one, kind)
@@ -237,14 +239,15 @@ def balance_body(command: str, results: Sequence[Simulated]) -> str:
             ]
             rows.append([name, str(len(done)), what, limit, *(f"{value:.2f}" for value in values)])
     wrong = beyond(results)
-    refused = [one for one in results if one.refused]
+    fell = sum(one.refused.startswith(RobotFellError.__name__) for one in results)
+    refused = sum(bool(one.refused) for one in results) - fell
     return BODY.format(
         command=command,
         count=sum(one.physics is not None for one in results),
         rows=table(rows),
         beyond="\n".join(f"- beyond: {line}" for line in wrong) or "None is beyond its limit.",
         refused=(
-            f"Refused before anything moved: {len(refused)} "
-            "(double supports in which the robot cannot stand, or not on one foot)."
+            f"Refused before anything moved: {refused} (double supports in which the robot cannot "
+            f"stand, or not on one foot). Fell, or sank to 70 % of its standing height: {fell}."
         ),
     )

@@ -122,7 +122,7 @@ class PlannerSettings(Settings):
         "share it", minimum=0.0, maximum=0.5,
     )  # fmt: skip
     tilt_max: float = setting(
-        0.42,
+        0.4,
         "rad",
         "largest tilt of the torso against the floor's normal",
         minimum=0.01,
