@@ -90,6 +90,8 @@ def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None
     names = list(model.names)[ROOT_JOINTS:]
     shared = read_shared_motors(fields, names, urdf, description.mimics)
     capsules = _capsules(fields, model)
+    usual = np.zeros(len(names))
+    posture = _posture(fields.mapping("posture_rad"), model, names, shared, usual)
     robot = Robot(
         name=fields.text("name"),
         path=path,
@@ -102,7 +104,7 @@ def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None
         feet=feet,
         legs=_legs(fields, model, names, shared, feet),
         shared=shared,
-        posture=_posture(fields.mapping("posture_rad"), model, names, shared),
+        posture=posture,
         optional=frozenset(_known_joints(fields, "optional_joints", names)),
         capsules=capsules,
         collision_pairs=_pairs(fields, capsules),
@@ -110,7 +112,7 @@ def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None
         friction=fields.number("friction", default=Robot.friction, above=0.0, maximum=2.0),
         deflection=_deflection(fields),
         safe_posture=(
-            _posture(fields.mapping("safe_posture_rad"), model, names, shared)
+            _posture(fields.mapping("safe_posture_rad"), model, names, shared, posture)
             if "safe_posture_rad" in fields
             else None
         ),
@@ -231,9 +233,14 @@ def _deflection(fields: Fields) -> JointDeflection:
 
 
 def _posture(
-    block: Fields, model: pin.Model, names: list[str], shared: tuple[SharedMotor, ...]
+    block: Fields,
+    model: pin.Model,
+    names: list[str],
+    shared: tuple[SharedMotor, ...],
+    others: NDArray[np.float64],
 ) -> NDArray[np.float64]:
-    posture = np.zeros(len(names))
+    """(m,) angles [rad]; joints that the block does not name are as `others`."""
+    posture = others.copy()
     for name in block.keys():
         if name not in names:
             raise block.error(name, f"the URDF has no such joint (it has: {', '.join(names)})")

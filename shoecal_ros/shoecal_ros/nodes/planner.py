@@ -199,7 +199,8 @@ class Planner(ShoecalNode):
         else:
             degc = self.senses.temperatures.degc
             result.success = True
-            result.message = f"done; {heat.margin(degc, self.moving.hot_degc)}"
+            margin = heat.margin(degc, self.moving.hot_degc)
+            result.message = "; ".join(filter(None, ("done", margin, job.execution.heat)))
         finish(goal, result, canceled=result.CANCELED)
         return result
 
