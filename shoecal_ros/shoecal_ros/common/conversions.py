@@ -32,10 +32,6 @@ FloatArray = NDArray[np.float64]
 SECOND_NS = 1_000_000_000
 CALIBRATION_FORMAT = 1
 """Version of the layout of ShoeCalibration."""
-COLUMNS_NOTE = (
-    "places of cells and plates are calibrated, too: they stand in the calibration's file alone"
-)
-"""Told of a calibration of which the message holds a part."""
 
 BASE_LINK = "base_link"
 SOLES = ("l_sole", "r_sole")
@@ -283,12 +279,13 @@ def calibration_to_ros(calibration: Calibration, origin: Origin | None = None) -
         gain=_doubles(calibration.parameters.gain),
         offset=_doubles(calibration.parameters.offset),
         covariance=_doubles(np.zeros(0) if covariance is None else covariance),
+        columns=_doubles(np.zeros(0) if calibration.columns is None else calibration.columns),
         correction=_corrections_to_ros(calibration.corrections),
         weight=float(calibration.weight),
         time_offset=float(calibration.time_offset),
         temperature=float(calibration.temperature),
         verdict=calibration.verdict,
-        reasons=[*calibration.reasons, *([] if calibration.columns is None else [COLUMNS_NOTE])],
+        reasons=list(calibration.reasons),
         fitted_runs=list(calibration.fitted_runs),
         simulated_time=origin.simulated,
         host=origin.host,
@@ -317,6 +314,9 @@ def calibration_from_ros(message: ShoeCalibration) -> Calibration:
     covariance = np.array(message.covariance)
     if len(covariance) not in {0, (2 * count) ** 2}:
         raise ShapeError("covariance", f"0 or {(2 * count) ** 2} numbers", covariance.shape)
+    columns = np.array(message.columns)
+    if len(columns) not in {0, 3 * count}:
+        raise ShapeError("columns", f"0 or {3 * count} numbers", columns.shape)
     return Calibration(
         id=message.id,
         source=message.source,
@@ -339,6 +339,7 @@ def calibration_from_ros(message: ShoeCalibration) -> Calibration:
         verdict=message.verdict,
         reasons=tuple(message.reasons),
         fitted_runs=tuple(message.fitted_runs),
+        columns=columns.reshape(count, 3) if len(columns) else None,
     )
 
 

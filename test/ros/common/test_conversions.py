@@ -166,6 +166,7 @@ def test_calibrations_come_back(feet: tuple[int, ...], known: bool) -> None:
         verdict="WARN",
         reasons=("one", "two"),
         fitted_runs=("ab", "cd"),
+        columns=rng.normal(size=(len(shoe.names), 3)) if known else None,
     )
     found = conversions.calibration_from_ros(sent(conversions.calibration_to_ros(original)))
     for name in ("id", "source", "made_ns", "robot", "shoe", "robot_hash", "shoe_hash",
@@ -175,6 +176,10 @@ def test_calibrations_come_back(feet: tuple[int, ...], known: bool) -> None:
     np.testing.assert_equal(found.temperature, original.temperature)
     np.testing.assert_array_equal(found.parameters.gain, original.parameters.gain)
     np.testing.assert_array_equal(found.parameters.offset, original.parameters.offset)
+    if original.columns is None:
+        assert found.columns is None
+    else:
+        np.testing.assert_array_equal(found.columns, original.columns)
     if original.covariance is None:
         assert found.covariance is None
     else:
