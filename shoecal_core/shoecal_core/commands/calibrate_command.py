@@ -27,7 +27,7 @@ from shoecal_core.report.quantities import uncertain
 from shoecal_core.report.session_report import write_session_report
 from shoecal_core.settings import load_settings
 
-SURE = 2.0
+SURE = 3.0
 """Standard deviations from which on a deviation is listed as significant."""
 
 

@@ -16,7 +16,7 @@ from shoecal_core.report.page import Table
 from shoecal_core.report.quantities import UNKNOWN, number, size
 from shoecal_core.sensing.shoe import FEET
 
-LISTED_SOURCES = 6
+LISTED_SOURCES, LEAST_SHARE = 6, 0.02
 
 
 def expected_table(told: Told) -> Table:
@@ -52,7 +52,11 @@ def helps_table(told: Told) -> Table | None:
     budget = told.assessment.budget
     if budget is None:
         return None
-    known = [one for one in budget.sources if np.isfinite(one.without).all()]
+    known = [
+        one
+        for one in budget.sources
+        if np.isfinite(one.without).all() and one.share.max() >= LEAST_SHARE
+    ]
     known.sort(key=lambda one: float(np.sum(one.without**2)))
     rows = tuple(
         (
