@@ -5,7 +5,7 @@
 with b the gains and offsets (prior about the initial guess), tau the time offset of the joints,
 x_k ~ N(0, as-built^2) the deviations of `error_sources.as_built`, in all signals of
 `error_sources.signals`. The form error is what no linear source has in its form: alike for
-`correlation_s`, so that the samples within it count as one. Gauss-Newton; the prior makes every
+`model_error_s`, so that the samples within it count as one. Gauss-Newton; the prior makes every
 step well defined.
 
 Samples are means over 1 / RATE_HZ: the noise of single readings would bias the gains towards zero
@@ -20,9 +20,8 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve
 
-from shoecal_core.error_sources.as_built import of_body, of_shoes
+from shoecal_core.error_sources.as_built import of_body
 from shoecal_core.error_sources.base import Deviation
 from shoecal_core.error_sources.noise import model_error, white_noise
 from shoecal_core.error_sources.scene import Scene, make_scene
@@ -31,6 +30,7 @@ from shoecal_core.error_sources.signals import COP
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.known_shoe import KnownShoe
+from shoecal_core.estimation.linear_system import LinearSystem
 from shoecal_core.estimation.priors import parameter_std
 from shoecal_core.samples.samples import Samples, Track
 from shoecal_core.sensing.shoe import Shoe
@@ -190,7 +190,7 @@ def fit_jointly(
             if steps == MAX_STEPS:
                 raise _unsettled(moved)
             try:
-                system = _System.at(
+                system = LinearSystem.at(
                     scene, fitted, guess, own_std, late, body, sample_std, tolerances, known
                 )
                 if initial_cost is None:
@@ -203,7 +203,7 @@ def fit_jointly(
                 raise _unsettled(moved) from None
             steps += 1
     assert initial_cost is not None
-    return system.fit(scene, solution, initial_cost, steps, moved)
+    return _joint_fit(system, scene, solution, initial_cost, steps, moved)
 
 
 def _unsettled(moved: float) -> ShoecalError:
@@ -239,151 +239,39 @@ def _time_offset_column(scene: Scene) -> FloatArray:
     return column * scene.mask
 
 
-@dataclass(frozen=True)
-class _System:
-    """The problem, linear about a scene: columns times unknowns give the residuals.
-
-    Unknowns are what gains and offsets are too large by, the time offset, deviations, nuisances.
-
-    Attributes:
-        scene: linearised about.
-        deviations: k of them.
-        std: (u,) prior standard deviation of each unknown.
-        away: (u,) where the priors have their middle.
-        columns: (u, T, s).
-        rows: (u, r) the same whitened, for r signals that are there.
-        target: (r,) whitened residuals.
-    """
-
-    scene: Scene
-    deviations: tuple[Deviation, ...]
-    std: FloatArray
-    away: FloatArray
-    columns: FloatArray
-    rows: FloatArray
-    target: FloatArray
-
-    @classmethod
-    def at(
-        cls,
-        scene: Scene,
-        fitted: NDArray[np.bool_],
-        guess: ChannelParameters,
-        own_std: FloatArray,
-        late: FloatArray,
-        body: Sequence[Deviation],
-        sample_std: FloatArray,
-        tolerances: Tolerances,
-        known: KnownShoe | None,
-    ) -> _System:
-        own = len(own_std) - 1
-        deviations = (*body, *of_shoes(scene, tolerances))
-        nuisances = scene.nuisances
-        columns = np.concatenate(
-            (
-                scene.baseline[:own],
-                late[None],
-                np.array([one.column for one in deviations]).reshape(-1, *late.shape),
-                scene.baseline[own:],
-            )
-        )
-        std = np.concatenate(
-            (own_std, [one.std for one in deviations], [std for _, std in nuisances])
-        )
-        away = np.zeros(len(std))
-        parameters = scene.parameters
-        away[:own] = np.concatenate(
-            (parameters.gain - guess.gain, parameters.offset - guess.offset)
-        )
-        there = scene.mask & fitted[:, None]
-        more_rows, more_target = np.zeros((len(std), 0)), np.zeros(0)
-        if known is not None:
-            by_gain, by_deviation, more_target = known.rows(
-                scene.samples.shoe, parameters, deviations
-            )
-            more_rows = np.zeros((len(std), len(more_target)))
-            more_rows[: by_gain.shape[1]] = by_gain.T
-            more_rows[own + 1 : own + 1 + len(deviations)] = by_deviation.T
-        scale = 1.0 / np.broadcast_to(sample_std, there.shape)[there]
-        return cls(
-            scene=scene,
-            deviations=deviations,
-            std=std,
-            away=away,
-            columns=columns,
-            rows=np.concatenate((columns[:, there] * scale, more_rows), axis=1),
-            target=np.concatenate((scene.residuals[there] * scale, more_target)),
-        )
-
-    @cached_property
-    def _factor(self) -> tuple[FloatArray, bool]:
-        """Cholesky factor of the normal equations, of the unknowns in units of their priors."""
-        scaled = self.rows * self.std[:, None]
-        factor: tuple[FloatArray, bool] = cho_factor(scaled @ scaled.T + np.eye(len(self.std)))
-        return factor
-
-    def solution(self) -> FloatArray:
-        """(u,) of least cost."""
-        right = self.std * (self.rows @ self.target) + self.away / self.std
-        found: FloatArray = self.std * cho_solve(self._factor, right)
-        return found
-
-    def covariance(self) -> FloatArray:
-        """(u, u) of the unknowns."""
-        inverse = cho_solve(self._factor, np.eye(len(self.std)))
-        covariance: FloatArray = inverse * np.outer(self.std, self.std)
-        return 0.5 * (covariance + covariance.T)
-
-    def cost(self, unknowns: FloatArray) -> float:
-        """Sum of squares, priors included."""
-        left = self.target - unknowns @ self.rows
-        return float(left @ left + np.sum(((unknowns - self.away) / self.std) ** 2))
-
-    def moved(self, solution: FloatArray) -> float:
-        """Largest change of gains and offsets, in units of their priors."""
-        own = 2 * len(self.scene.parameters.gain)
-        return float(np.max(np.abs(solution[:own] / self.std[:own])))
-
-    def parameters_after(self, solution: FloatArray) -> ChannelParameters:
-        """Gains and offsets without what they were too large by."""
-        count, now = len(self.scene.parameters.gain), self.scene.parameters
-        return ChannelParameters(
-            now.gain - solution[:count], now.offset - solution[count : 2 * count]
-        )
-
-    def fit(
-        self,
-        scene: Scene,
-        solution: FloatArray,
-        initial_cost: float,
-        steps: int,
-        moved: float,
-    ) -> JointFit:
-        """The result, for a solution that has settled."""
-        first = 2 * len(scene.parameters.gain) + 1
-        size = first + len(self.deviations)
-        # Gains and offsets enter as what they are too large by.
-        sign = np.ones(size)
-        sign[: first - 1] = -1.0
-        covariance = self.covariance()[:size, :size] * np.outer(sign, sign)
-        stds = np.sqrt(np.diag(covariance))[first:]
-        fitted = tuple(
-            FittedDeviation(one, float(value), float(std))
-            for one, value, std in zip(self.deviations, solution[first:size], stds, strict=True)
-        )
-        return JointFit(
-            scene=scene,
-            time_offset=float(solution[first - 1]),
-            away=np.append(
-                (self.away - solution)[: first - 1],
-                solution[first - 1],
-            ),
-            deviations=fitted,
-            covariance=covariance,
-            prior_std=self.std[:size],
-            cost=self.cost(solution),
-            initial_cost=initial_cost,
-            steps=steps,
-            last_step=moved,
-            residuals=self.scene.residuals - np.tensordot(solution, self.columns, 1),
-        )
+def _joint_fit(
+    system: LinearSystem,
+    scene: Scene,
+    solution: FloatArray,
+    initial_cost: float,
+    steps: int,
+    moved: float,
+) -> JointFit:
+    """The result, for a solution that has settled."""
+    first = 2 * len(scene.parameters.gain) + 1
+    size = first + len(system.deviations)
+    # Gains and offsets enter as what they are too large by.
+    sign = np.ones(size)
+    sign[: first - 1] = -1.0
+    covariance = system.covariance()[:size, :size] * np.outer(sign, sign)
+    stds = np.sqrt(np.diag(covariance))[first:]
+    fitted = tuple(
+        FittedDeviation(one, float(value), float(std))
+        for one, value, std in zip(system.deviations, solution[first:size], stds, strict=True)
+    )
+    return JointFit(
+        scene=scene,
+        time_offset=float(solution[first - 1]),
+        away=np.append(
+            (system.away - solution)[: first - 1],
+            solution[first - 1],
+        ),
+        deviations=fitted,
+        covariance=covariance,
+        prior_std=system.std[:size],
+        cost=system.cost(solution),
+        initial_cost=initial_cost,
+        steps=steps,
+        last_step=moved,
+        residuals=system.scene.residuals - np.tensordot(solution, system.columns, 1),
+    )

@@ -1,0 +1,146 @@
+"""The joint fit's problem, linear about one set of gains and offsets."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from shoecal_core.error_sources.as_built import of_shoes
+from shoecal_core.error_sources.base import Deviation
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation.known_shoe import KnownShoe
+from shoecal_core.sensing.wrench import ChannelParameters
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class LinearSystem:
+    """The problem, linear about a scene: columns times unknowns give the residuals.
+
+    Unknowns are what gains and offsets are too large by, the time offset, deviations, nuisances.
+
+    Attributes:
+        scene: linearised about.
+        deviations: k of them.
+        std: (u,) prior standard deviation of each unknown.
+        away: (u,) where the priors have their middle.
+        columns: (u, T, s).
+        rows: (u, r) the same whitened, for r signals that are there.
+        target: (r,) whitened residuals.
+    """
+
+    scene: Scene
+    deviations: tuple[Deviation, ...]
+    std: FloatArray
+    away: FloatArray
+    columns: FloatArray
+    rows: FloatArray
+    target: FloatArray
+
+    @classmethod
+    def at(
+        cls,
+        scene: Scene,
+        fitted: NDArray[np.bool_],
+        guess: ChannelParameters,
+        own_std: FloatArray,
+        late: FloatArray,
+        body: Sequence[Deviation],
+        sample_std: FloatArray,
+        tolerances: Tolerances,
+        known: KnownShoe | None,
+    ) -> LinearSystem:
+        """Linearise the problem.
+
+        Args:
+            scene: of all runs, about whose gains and offsets it is linear.
+            fitted: (T,) samples that count.
+            guess: gains and offsets that the priors are about.
+            own_std: (2n + 1,) prior standard deviations of gains, offsets and time offset.
+            late: (T, s) what one unit of the time offset adds.
+            body: deviations of links, joints and soles.
+            sample_std: (s,) of the signals.
+            tolerances: of all other deviations.
+            known: of the shoe, by a manual calibration.
+        """
+        own = len(own_std) - 1
+        deviations = (*body, *of_shoes(scene, tolerances))
+        nuisances = scene.nuisances
+        columns = np.concatenate(
+            (
+                scene.baseline[:own],
+                late[None],
+                np.array([one.column for one in deviations]).reshape(-1, *late.shape),
+                scene.baseline[own:],
+            )
+        )
+        std = np.concatenate(
+            (own_std, [one.std for one in deviations], [std for _, std in nuisances])
+        )
+        away = np.zeros(len(std))
+        parameters = scene.parameters
+        away[:own] = np.concatenate(
+            (parameters.gain - guess.gain, parameters.offset - guess.offset)
+        )
+        there = scene.mask & fitted[:, None]
+        more_rows, more_target = np.zeros((len(std), 0)), np.zeros(0)
+        if known is not None:
+            by_gain, by_deviation, more_target = known.rows(
+                scene.samples.shoe, parameters, deviations
+            )
+            more_rows = np.zeros((len(std), len(more_target)))
+            more_rows[: by_gain.shape[1]] = by_gain.T
+            more_rows[own + 1 : own + 1 + len(deviations)] = by_deviation.T
+        scale = 1.0 / np.broadcast_to(sample_std, there.shape)[there]
+        return cls(
+            scene=scene,
+            deviations=deviations,
+            std=std,
+            away=away,
+            columns=columns,
+            rows=np.concatenate((columns[:, there] * scale, more_rows), axis=1),
+            target=np.concatenate((scene.residuals[there] * scale, more_target)),
+        )
+
+    @cached_property
+    def _factor(self) -> tuple[FloatArray, bool]:
+        """Cholesky factor of the normal equations, of the unknowns in units of their priors."""
+        scaled = self.rows * self.std[:, None]
+        factor: tuple[FloatArray, bool] = cho_factor(scaled @ scaled.T + np.eye(len(self.std)))
+        return factor
+
+    def solution(self) -> FloatArray:
+        """(u,) of least cost."""
+        right = self.std * (self.rows @ self.target) + self.away / self.std
+        found: FloatArray = self.std * cho_solve(self._factor, right)
+        return found
+
+    def covariance(self) -> FloatArray:
+        """(u, u) of the unknowns."""
+        inverse = cho_solve(self._factor, np.eye(len(self.std)))
+        covariance: FloatArray = inverse * np.outer(self.std, self.std)
+        return 0.5 * (covariance + covariance.T)
+
+    def cost(self, unknowns: FloatArray) -> float:
+        """Sum of squares, priors included."""
+        left = self.target - unknowns @ self.rows
+        return float(left @ left + np.sum(((unknowns - self.away) / self.std) ** 2))
+
+    def moved(self, solution: FloatArray) -> float:
+        """Largest change of gains and offsets, in units of their priors."""
+        own = 2 * len(self.scene.parameters.gain)
+        return float(np.max(np.abs(solution[:own] / self.std[:own])))
+
+    def parameters_after(self, solution: FloatArray) -> ChannelParameters:
+        """Gains and offsets without what they were too large by."""
+        count, now = len(self.scene.parameters.gain), self.scene.parameters
+        return ChannelParameters(
+            now.gain - solution[:count], now.offset - solution[count : 2 * count]
+        )
