@@ -32,18 +32,6 @@ def robot_notes(draft: Draft) -> list[Note]:
             f"{draft.mass:.3f} kg is the sum of the URDF's masses.",
             "weigh the robot, without shoes, with battery; std_kg is the scale's.",
         ),
-        Note(
-            "friction",
-            "A usual sole on a hard floor.",
-            "pull the standing robot sideways with a scale: the force at which it slips, over its "
-            "weight, is not less.",
-        ),
-        Note(
-            "joint_deflection",
-            "Of a small humanoid with plastic gears.",
-            "load a joint with half its motor's limit: sag_rad is twice what it gives way; "
-            "play_rad is how far it moves by hand while its motor holds.",
-        ),
         *_feet(draft),
         Note(
             "legs",

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from shoecal_core.drafting.draft import Draft
 from shoecal_core.drafting.notes import Note, robot_notes, shoe_notes
-from shoecal_core.model.robot import JointDeflection, Robot
 from shoecal_core.sensing.shoe import AXES, FEET
 
 ROBOT_TITLE = "Draft of {} by `shoecal new robot`. Lengths in m, angles in rad, masses in kg."
@@ -53,14 +52,6 @@ def robot_text(draft: Draft, urdf: str) -> str:
     page.lines += ["format: 1", f"name: {_text(draft.name)}", f"urdf: {_text(urdf)}", ""]
     page.say("weight")
     page.lines += [f"weight: {{mass_kg: {draft.mass:.3f}, std_kg: {0.01 * draft.mass:.3f}}}", ""]
-    deflection = JointDeflection()
-    page.say("friction")
-    page.lines += [f"friction: {Robot.friction:g}", ""]
-    page.say("joint_deflection")
-    page.lines += [
-        f"joint_deflection: {{sag_rad: {deflection.sag:g}, play_rad: {deflection.play:g}}}",
-        "",
-    ]
     page.say("feet")
     page.lines.append("feet:")
     for foot, (side, sole) in enumerate(zip(FEET, draft.soles, strict=True)):

@@ -90,8 +90,6 @@ def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None
     names = list(model.names)[ROOT_JOINTS:]
     shared = read_shared_motors(fields, names, urdf, description.mimics)
     capsules = _capsules(fields, model)
-    usual = np.zeros(len(names))
-    posture = _posture(fields.mapping("posture_rad"), model, names, shared, usual)
     robot = Robot(
         name=fields.text("name"),
         path=path,
@@ -104,7 +102,7 @@ def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None
         feet=feet,
         legs=_legs(fields, model, names, shared, feet),
         shared=shared,
-        posture=posture,
+        posture=_posture(fields.mapping("posture_rad"), model, names, shared),
         optional=frozenset(_known_joints(fields, "optional_joints", names)),
         capsules=capsules,
         collision_pairs=_pairs(fields, capsules),
@@ -112,7 +110,7 @@ def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None
         friction=fields.number("friction", default=Robot.friction, above=0.0, maximum=2.0),
         deflection=_deflection(fields),
         safe_posture=(
-            _posture(fields.mapping("safe_posture_rad"), model, names, shared, posture)
+            _posture(fields.mapping("safe_posture_rad"), model, names, shared)
             if "safe_posture_rad" in fields
             else None
         ),
@@ -233,14 +231,9 @@ def _deflection(fields: Fields) -> JointDeflection:
 
 
 def _posture(
-    block: Fields,
-    model: pin.Model,
-    names: list[str],
-    shared: tuple[SharedMotor, ...],
-    others: NDArray[np.float64],
+    block: Fields, model: pin.Model, names: list[str], shared: tuple[SharedMotor, ...]
 ) -> NDArray[np.float64]:
-    """(m,) angles [rad]; joints that the block does not name are as `others`."""
-    posture = others.copy()
+    posture = np.zeros(len(names))
     for name in block.keys():
         if name not in names:
             raise block.error(name, f"the URDF has no such joint (it has: {', '.join(names)})")

@@ -30,7 +30,7 @@ _RESIDUAL = 1e-7
 this is none. IPOPT relaxes bounds in proportion to them."""
 
 
-_ONE_FOOT_USED = 0.98
+_ONE_FOOT_USED = 0.96
 """Of the torque that is allowed on one foot."""
 _ASIDE = 0.008
 """m; on one foot the CoP may be so far from its middle where this spares the motors."""
@@ -38,8 +38,8 @@ _ASIDE_WEIGHT = 100.0
 """1/m^2, of that against joint angles near the nominal ones."""
 
 
-TILT_USED, ONE_FOOT_TILT_USED = 0.9, 0.97
-"""Of tilt_max by a planned posture on both feet, on one; the rest is left for what lies between."""
+TILT_USED = 0.95
+"""Of tilt_max by a planned posture; the rest is left for what lies between postures."""
 
 
 class UnreachableError(ShoecalError):
@@ -103,7 +103,7 @@ class StanceSolver:
         self._torque = most * settings.torque_share
         # The way to a posture on one foot ends near it.
         self._one_foot_torque = most * settings.one_foot_torque_share * _ONE_FOOT_USED
-        self._tilt_max = settings.tilt_max
+        self._tilt = np.sin(TILT_USED * settings.tilt_max) ** 2
         terms = LegExpressions(robot)
         target = ca.SX.sym("target", 2)
         cost = ca.sumsqr(terms.angles - legs.nominal)
@@ -166,9 +166,7 @@ class StanceSolver:
     ) -> FloatArray:
         both = support_phase is SupportPhase.BOTH
         torque = self._torque if both else self._one_foot_torque
-        used = TILT_USED if both else ONE_FOOT_TILT_USED
-        tilt = np.sin(used * self._tilt_max) ** 2
-        bounds = np.concatenate([[tilt], torque, [aside, aside], np.zeros(6)])
+        bounds = np.concatenate([[self._tilt], torque, [aside, aside], np.zeros(6)])
         result = self._solver(
             x0=np.clip(self._legs.nominal, self._lower, self._upper),
             p=np.concatenate([foot_pose.parameters, support_phase.share, target, others]),

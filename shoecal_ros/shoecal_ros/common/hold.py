@@ -33,27 +33,6 @@ def hold(robot: Robot, angles: NDArray[np.float64], stop_time: float) -> JointTr
     return JointTrajectory(names, np.array([time]), held[None, robot.moved])
 
 
-def lower(
-    robot: Robot,
-    angles: NDArray[np.float64],
-    posture: NDArray[np.float64],
-    stop_time: float,
-) -> JointTrajectory:
-    """Go from all joint angles (m,) to a posture (m,) [rad], as fast as the motors can.
-
-    Args:
-        robot: whose legs move.
-        angles, posture: from where to where.
-        stop_time: it takes at least so long [s].
-    """
-    moved = robot.moved
-    ways, limits = np.abs(posture - angles)[moved], robot.velocity_limit[moved]
-    times = np.divide(ways, limits, out=np.zeros_like(ways), where=limits > 0.0)
-    names = tuple(robot.joint_names[index] for index in moved)
-    time = max(stop_time, _PEAK * float(times.max(initial=0.0)))
-    return JointTrajectory(names, np.array([time]), posture[None, moved])
-
-
 def is_hold(trajectory: JointTrajectory, robot: Robot, joint_angles: NDArray[np.float64]) -> bool:
     """Whether a command stops the robot about where its joints (m,) [rad] are.
 

@@ -199,8 +199,7 @@ class Planner(ShoecalNode):
         else:
             degc = self.senses.temperatures.degc
             result.success = True
-            margin = heat.margin(degc, self.moving.hot_degc)
-            result.message = "; ".join(filter(None, ("done", margin, job.execution.heat)))
+            result.message = f"done; {heat.margin(degc, self.moving.hot_degc)}"
         finish(goal, result, canceled=result.CANCELED)
         return result
 

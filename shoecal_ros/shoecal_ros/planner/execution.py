@@ -21,16 +21,15 @@ from shoecal_core.planning.posture import UnreachableError
 from shoecal_core.planning.swing import stance_foot
 from shoecal_core.planning.timing import TimingError
 from shoecal_ros.common.actions import FEEDBACK_S
-from shoecal_ros.common.hold import hold, lower
+from shoecal_ros.common.hold import hold
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.waiting import until
 from shoecal_ros.common.worker import Work
 from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.planner.following import Follower, Look, Verdict
-from shoecal_ros.planner.heat import forecast, hottest, too_hot
 from shoecal_ros.planner.order import Mover, Order
 from shoecal_ros.planner.part import Part
-from shoecal_ros.planner.watch import COOL, MotionWatch, blind, hot, mean_load
+from shoecal_ros.planner.watch import MotionWatch, hot
 
 FloatArray = NDArray[np.float64]
 R = TypeVar("R")
@@ -54,7 +53,6 @@ class Execution:
 
     Attributes:
         names: of the joints that are commanded.
-        heat: where the motors' temperature leads to; empty where nobody knows.
     """
 
     def __init__(self, mover: Mover, order: Order) -> None:
@@ -63,7 +61,6 @@ class Execution:
         self._disarmings = mover.arming.disarmings
         self._watch: MotionWatch | None = None
         self._part: Part | None = None
-        self.heat = ""
         self.names = tuple(mover.robot.joint_names[index] for index in mover.robot.moved)
 
     @property
@@ -98,32 +95,8 @@ class Execution:
             raise RefusedError(Plan.Result.NOT_FOLLOWED, f"not begun: {listeners.missing}")
         moving = self._mover.moving
         concern = hot(self._mover.senses, moving.hot_degc - moving.cool_by)
-        if concern is None and moving.imu_required:
-            mover = self._mover
-            concern = blind(mover.senses, mover.kinematics, moving, self.measured())
         if concern is not None:
             raise RefusedError(concern.code, f"not begun: {concern.message}")
-
-    def check_heat(self, motion: Motion) -> None:
-        """Whether the motors stay cool enough to the end of a motion, and tell about many of them.
-
-        Raises:
-            RefusedError: when one would become too hot.
-        """
-        moving = self._mover.moving
-        told = self._mover.senses.temperatures.degc
-        if not told:
-            return
-        after, in_the_end = forecast(
-            told, self._mover.robot.leg_names, mean_load(self._mover.robot, motion),
-            motion.duration, moving.heat_rise_degc, moving.heat_time_s, moving.ambient_degc,
-        )  # fmt: skip
-        problem = too_hot(after, moving.hot_degc)
-        if problem:
-            raise RefusedError(Plan.Result.HOT_JOINTS, f"not begun: at its end {problem}; {COOL}")
-        found = hottest(in_the_end)
-        if found is not None:
-            self.heat = f"repeated without a pause, joint '{found[0]}' ends at {found[1]:.0f} degC"
 
     async def planned(self, start: Callable[[], Work[R]]) -> R:
         """What a worker's work gives; the robot may be disarmed, or the order cancelled.
@@ -260,8 +233,6 @@ class Execution:
         elapsed = part.follower.elapsed(part.stamp_ns)
         concern = self._watch.look(elapsed, part.angles)
         if concern is not None and not concern.can_wait:
-            if concern.code == Plan.Result.TILTED and self._mover.robot.safe_posture is not None:
-                raise self._lowered(part.at_rest, concern.message)
             raise self._stopped(part.at_rest, concern.code, f"stopped: {concern.message}")
         waited = part.waiting is not None
         part.waiting = part.waiting or concern
@@ -269,20 +240,6 @@ class Execution:
             # A foot that has just come down is held down, not where it was measured.
             angles = part.expected if waited else part.at_rest
             raise self._stopped(angles, part.waiting.code, f"stopped: {part.waiting.message}")
-
-    def _lowered(self, angles: FloatArray, message: str) -> RefusedError:
-        """Go from joint angles (m,) [rad] into the safe posture at once: the robot begins to fall.
-
-        To stand still would let it fall stiff and from its full height.
-        """
-        robot = self._mover.robot
-        posture = robot.safe_posture
-        assert posture is not None
-        self._mover.command(lower(robot, angles, posture, self._mover.moving.stop_time))
-        self._part = None
-        return RefusedError(
-            Plan.Result.TILTED, f"stopped: {message}; it goes into its safe posture"
-        )
 
     def _stopped(self, angles: FloatArray, code: int, message: str) -> RefusedError:
         """Hold the robot at joint angles (m,) [rad]; why, and what to do on one foot."""

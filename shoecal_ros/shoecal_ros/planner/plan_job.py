@@ -92,7 +92,6 @@ class PlanJob:
         if request.send:
             execution.check_ready()
             execution.check_start(start)
-            execution.check_heat(motion)
             await execution.follow(trajectory, motion)
 
     async def _stream(self) -> None:

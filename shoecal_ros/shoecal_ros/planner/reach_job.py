@@ -86,7 +86,6 @@ class ReachJob:
             except StepError as error:
                 raise RefusedError(Plan.Result.FAILED, str(error)) from error
             execution.check_start(start)
-            execution.check_heat(motion)
             await execution.follow(execution.commanded(motion), motion)
             self._done += 1
 

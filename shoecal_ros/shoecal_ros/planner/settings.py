@@ -34,12 +34,6 @@ class MovingSettings(Settings):
     give: float = setting(
         0.03, "rad", "most that a standing joint may be behind streamed commands", minimum=1e-3
     )
-    imu_required: bool = setting(
-        True,
-        "",
-        "without a usable imu nothing moves; false for a robot that has none, whose falls are not "
-        "seen then",
-    )
     tilt_error: float = setting(
         0.1, "rad", "a torso (/imu) that leans farther from what is meant stops it", minimum=1e-3
     )
@@ -61,13 +55,6 @@ class MovingSettings(Settings):
         "a motor that told its temperature before, and does not for that long, stops a motion",
         minimum=0.1,
     )
-    heat_rise_degc: float = setting(
-        90.0, "degC", "a motor's end temperature at its full torque, over the ambient", minimum=0.0
-    )
-    heat_time_s: float = setting(
-        300.0, "s", "in which 63 % of that is reached: for the forecast of heat", minimum=1.0
-    )
-    ambient_degc: float = setting(25.0, "degC", "temperature around the motors")
     steps: bool = setting(
         False,
         "",

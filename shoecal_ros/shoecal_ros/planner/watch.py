@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 from shoecal_msgs.action import Plan
 
 from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import Robot
-from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_ros.inputs.imu import ImuInput
@@ -25,8 +23,6 @@ from shoecal_ros.planner.tilt import Tilt, upward
 
 FloatArray = NDArray[np.float64]
 
-_LOADS_A_SECOND = 2.0
-"""Instants of a motion whose torques tell how its motors warm up."""
 COOL = "let its motors cool down, the robot sitting or held"
 
 
@@ -168,33 +164,6 @@ def tilt_now(
     if up is None or senses.imu.age_s > settings.stale_s:
         return None
     return Tilt(up, upward(kinematics.states(joint_angles[None]), support_phase.standing))
-
-
-def blind(
-    senses: Senses, kinematics: Kinematics, settings: MovingSettings, joint_angles: FloatArray
-) -> StopReason | None:
-    """No usable inertial sensor, so that nobody would see the robot fall."""
-    tilt = tilt_now(senses, kinematics, settings, joint_angles)
-    if tilt is not None and tilt.usable:
-        return None
-    what = "nothing comes from imu" if tilt is None else "imu contradicts the joint angles"
-    return StopReason(
-        Plan.Result.SENSORS_STALE,
-        f"{what}, so a fall would not be seen; start its driver, or set imu_required to false for "
-        "a robot that has none",
-    )
-
-
-def mean_load(robot: Robot, motion: Motion) -> FloatArray:
-    """(k,) mean of (torque / limit)^2 of the leg motors over a motion."""
-    every = max(1, round(len(motion.time) / motion.duration / _LOADS_A_SECOND))
-    shares = np.zeros((len(motion.time), 2))
-    for phase in motion.phases:
-        during = (motion.time >= phase.begin) & (motion.time <= phase.end)
-        shares[during] = phase.support_phase.share
-    body = track(robot, motion.positions[::every], shares[::every])
-    used: FloatArray = np.mean((body.torques / robot.effort_limit[robot.legs]) ** 2, axis=0)
-    return used
 
 
 def hot(senses: Senses, limit: float) -> StopReason | None:

@@ -48,9 +48,6 @@ def _tilt(
     figures = senses.imu.heard.figures()
     age_s = senses.imu.age_s
     if math.isinf(age_s):
-        if settings.imu_required:
-            told = "no imu: nothing moves; start its driver, or set imu_required to false"
-            return Condition(Level.WARN, told, figures, Code.IMU_STALE)
         return Condition(Level.OK, "no imu: not watched", figures)
     if age_s > settings.stale_s:
         told = f"no imu for {age_s:.0f} s: not watched; check its driver"

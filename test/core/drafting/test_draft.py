@@ -91,8 +91,7 @@ def test_every_block_says_what_to_check() -> None:
     text = robot_text(draft("wren"), "wren.urdf")
     notes = robot_notes(draft("wren"))
     assert {note.field for note in notes} == {
-        "weight", "friction", "joint_deflection", "feet", "legs", "posture_rad", "support_range",
-        "capsules",
+        "weight", "feet", "legs", "posture_rad", "support_range", "capsules",
     }  # fmt: skip
     assert text.count("CHECK:") == len(notes)
     assert shoe_text(draft("wren")).count("CHECK:") == len(shoe_notes(draft("wren")))

@@ -23,7 +23,7 @@ from core.sensing.mutations import DELETE, Key
 from shoecal_core.errors import FileError, ShoecalError, VersionError
 from shoecal_core.files import sha256
 from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import JointDeflection, Robot
+from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 
 ODD, ODD_URDF = robots.FILES["odd_biped"], robots.FILES["odd_biped"].with_suffix(".urdf")
@@ -585,38 +585,3 @@ def test_bytes_that_are_no_text(folder: Path) -> None:
     urdf.write_bytes(b"\xff\xfe" + urdf.read_text(errors="replace").encode("utf-16-le"))
     with pytest.raises(FileError):
         load_robot(folder / ODD.name)
-
-
-def test_friction_deflection_and_safe_posture() -> None:
-    robot = load_robot(NAO)
-    assert robot.friction == 0.6
-    assert robot.deflection == JointDeflection(sag=0.028, play=0.005)
-    assert robot.safe_posture is not None
-    knee, arm = robot.joint("LKneePitch"), robot.joint("LElbowRoll")
-    assert robot.safe_posture[knee] == 2.05
-    assert robot.safe_posture[arm] == robot.posture[arm], "not named, so as in posture_rad"
-
-
-def test_a_robot_file_may_leave_them_out(folder: Path) -> None:
-    keys = ("friction", "joint_deflection", "safe_posture_rad")
-    path = mutations.write_edited(folder / NAO.name, NAO, *(((key,), DELETE) for key in keys))
-    robot = load_robot(path)
-    assert (robot.friction, robot.deflection) == (0.5, JointDeflection())
-    assert robot.safe_posture is None
-
-
-@pytest.mark.parametrize(
-    ("key", "value", "field"),
-    [
-        (("friction",), 0.0, "friction"),
-        (("joint_deflection", "sag_rad"), 0.0, "joint_deflection.sag_rad"),
-        (("joint_deflection", "play_rad"), -0.001, "joint_deflection.play_rad"),
-        (("joint_deflection", "slack"), 0.1, "joint_deflection.slack"),
-        (("safe_posture_rad", "LKneePitch"), 9.0, "safe_posture_rad.LKneePitch"),
-    ],
-)
-def test_impossible_ones_are_refused(
-    folder: Path, key: tuple[Key, ...], value: float, field: str
-) -> None:
-    path = mutations.write_edited(folder / NAO.name, NAO, (key, value))
-    assert mutations.refused(path, lambda: load_robot(path)).field == field

@@ -12,8 +12,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.steps import Stepper
 from shoecal_core.planning.support_phase import SupportPhase
 
-SETTINGS = PlannerSettings(tilt_max=0.42)
-"""A little more tilt than usual: SUPPORTS lie at the edge of what the NAO can step to."""
+SETTINGS = PlannerSettings()
 SUPPORTS = (
     DoubleSupport(0.03, -0.125, 0.104),
     DoubleSupport(-0.02, -0.13, -0.26),

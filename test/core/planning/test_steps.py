@@ -31,11 +31,9 @@ def test_one_step_leads_from_a_double_support_to_another(
 ) -> None:
     motion, planner = step_of(name, support_phase), planner_of(name)
     assert motion.name == "step"
-    names = ["shift", "lift", "swing", "lower", "back"]
-    assert [phase.name for phase in motion.phases] == names
-    both, one = SupportPhase.BOTH, support_phase
-    assert [phase.support_phase for phase in motion.phases] == [both, one, one, one, both]
-    assert all(phase.loaded == one.feet for phase in motion.phases if phase.support_phase is both)
+    assert [phase.name for phase in motion.phases] == ["shift", "swing", "back"]
+    both = SupportPhase.BOTH
+    assert [phase.support_phase for phase in motion.phases] == [both, support_phase, both]
     first, last = planner.standing(motion.positions[0]), planner.standing(motion.positions[-1])
     assert planner.legs.foot_pose(motion.positions[-1]).translation[2] == pytest.approx(0, abs=1e-4)
     np.testing.assert_allclose(first.foot_pose.translation[:2], HERE.translation, atol=1e-6)
@@ -55,8 +53,8 @@ def test_on_one_foot_every_planned_state_keeps_the_margin(
 ) -> None:
     """Also where the polygon moves from state to state, as the left sole does in the air."""
     motion, robot = step_of(name, support_phase), load_body(name).robot
-    shifted, _, _, lowered, _ = motion.path.switches
-    body = track(robot, robot.from_legs(motion.path.states[shifted + 1 : lowered + 1]))
+    shift, swing, _ = motion.path.switches
+    body = track(robot, robot.from_legs(motion.path.states[shift + 1 : swing + 1]))
     places, foot = body.com, robot.feet[0]
     if support_phase is SupportPhase.RIGHT:
         away = body.com - body.right_translation
@@ -68,16 +66,16 @@ def test_on_one_foot_every_planned_state_keeps_the_margin(
 @pytest.mark.parametrize("support_phase", FEET)
 def test_the_foot_goes_up_along_and_down(support_phase: SupportPhase) -> None:
     motion, robot = step_of("nao", support_phase), load_body("nao").robot
-    at = (motion.time >= motion.phases[1].begin) & (motion.time <= motion.phases[3].end)
+    swing = motion.phases[1]
+    at = (motion.time >= swing.begin) & (motion.time <= swing.end)
     body = track(robot, motion.positions)
     up = body.right_translation[:, 2] * (1.0 if support_phase is SupportPhase.LEFT else -1.0)
     assert np.abs(up[~at]).max() < 1e-4
-    # Higher than asked for, by what sagging joints take of it.
-    assert SETTINGS.step_lift + 2e-3 < up.max() < SETTINGS.step_lift + 0.02
+    assert up.max() == pytest.approx(SETTINGS.step_lift, abs=5e-4)
     # Most of its way along it is high enough.
     ground = np.linalg.norm(np.diff(body.right_translation[:, :2], axis=0), axis=1)
     high = up[1:] > 0.8 * SETTINGS.step_lift
-    assert ground[high].sum() > 0.7 * ground.sum()
+    assert ground[high].sum() > 0.8 * ground.sum()
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -119,8 +117,8 @@ def test_too_far_for_one_step_is_gone_in_several() -> None:
     stepper, angles, taken = Stepper(planner), planner.stance(begin), 0
     while (motion := stepper.step(angles, goal)) is not None:
         angles, taken = motion.positions[-1], taken + 1
-        assert taken < 6
-    assert taken > 1
+        assert taken < 4
+    assert taken == 2
     assert stepper.arrived(planner.legs.foot_pose(angles), goal)
 
 
@@ -135,7 +133,7 @@ def test_goals_out_of_reach() -> None:
 
 def test_a_robot_that_cannot_stand_on_one_foot_does_not_step() -> None:
     robot = load_body("nao").robot
-    planner = Planner(robot, dataclasses.replace(SETTINGS, one_foot_torque_share=0.45))
+    planner = Planner(robot, dataclasses.replace(SETTINGS, torque_share=0.45))
     with pytest.raises(StepError, match=r"no step leads from .*foot alone.*neutral") as caught:
         Stepper(planner).step(planner.stance(HERE), THERE)
     assert "\n" not in str(caught.value)
@@ -150,7 +148,7 @@ def test_progress_and_cancel() -> None:
     planner = planner_of("nao")
     with pytest.raises(PlanningCanceledError):
         Stepper(planner).step(planner.stance(HERE), THERE, progress=told.append, canceled=stop)
-    assert [entry.landmarks for entry in told] == [5, 5]
+    assert [entry.landmarks for entry in told] == [3, 3]
 
 
 @pytest.mark.parametrize("name", NAMES)

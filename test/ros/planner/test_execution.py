@@ -1,16 +1,12 @@
 from __future__ import annotations
 
-import dataclasses
 from types import SimpleNamespace
 from typing import cast
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
-from sensor_msgs.msg import Imu, Temperature
 from shoecal_msgs.action import Plan
-from std_msgs.msg import Header
 
 from ros.bodies import nao
 from ros.clock import Clock
@@ -33,7 +29,6 @@ from shoecal_ros.planner.arming import Arming
 from shoecal_ros.planner.execution import Execution
 from shoecal_ros.planner.order import Mover, Order
 from shoecal_ros.planner.settings import MovingSettings
-from shoecal_ros.planner.tilt import upward
 from shoecal_ros.planner.watch import Senses
 
 FloatArray = NDArray[np.float64]
@@ -41,8 +36,6 @@ SUPPORT = DoubleSupport(0.0, -0.11, 0.0)
 ANGLES = nao().from_legs(stance(nao(), SUPPORT))
 KNEE = nao().joint("LKneePitch")
 PERIOD_S = 0.01
-LOW = ANGLES + np.where(np.arange(len(ANGLES)) == KNEE, 0.5, 0.0)
-"""A posture that a falling robot goes into."""
 
 
 def standing() -> Motion:
@@ -70,37 +63,31 @@ class Scene:
         self.arming.set(True)
         self.told_s = 0.0
         self.listeners = SimpleNamespace(missing="", look=lambda: None)
-        self.imu = ImuInput(nao(), clock)
-        self.temperatures = TemperatureInput(nao(), clock)
         self._joints = SimpleNamespace(latest=self._batch(ANGLES), problem=None)
         self.mover = cast(
             Mover,
             SimpleNamespace(
-                robot=dataclasses.replace(nao(), safe_posture=LOW),
+                robot=nao(),
                 kinematics=Kinematics(nao()),
                 planning=PlannerSettings(),
-                moving=MovingSettings(imu_required=False),
+                moving=MovingSettings(),
                 arming=self.arming,
                 joints=self._joints,
                 listeners=self.listeners,
-                senses=Senses(self.imu, ShoeReports(clock=clock), self.temperatures),
+                senses=Senses(
+                    ImuInput(nao(), clock), ShoeReports(clock=clock), TemperatureInput(nao(), clock)
+                ),
                 command=self.sent.append,
             ),
         )
         self.order = Order(True, lambda: False, lambda *_: None)
         self.execution = Execution(self.mover, self.order)
         self.execution.check_ready()
-        self.begin_anew()
-        assert self.execution.following
-        assert len(self.sent) == 1
-
-    def begin_anew(self) -> None:
-        """Send the motion to an execution that has watched nothing before."""
-        self.sent.clear()
-        self.execution = Execution(self.mover, self.order)
         motion = standing()
         self._following = self.execution.follow(self.execution.commanded(motion), motion)
         self._following.send(None)
+        assert self.execution.following
+        assert len(self.sent) == 1
 
     def tell(self, angles: FloatArray, times: int = 1, *, stamp_ns: int | None = None) -> None:
         """Joint angles come, of the next period or of another time."""
@@ -218,81 +205,3 @@ def test_a_robot_that_is_blocked_is_stopped_within_a_tenth_of_a_second(scene: Sc
     with pytest.raises(RefusedError, match=r"'LKneePitch' is 0\.150 rad off"):
         scene.tell(off(0.15), 10)
     assert scene.told_s < 0.1
-
-
-def blind_mover(imu: ImuInput) -> Mover:
-    """As a scene's, where an inertial sensor is required."""
-    mover = Scene().mover
-    mover.moving = MovingSettings()
-    mover.senses = dataclasses.replace(mover.senses, imu=imu)
-    return mover
-
-
-def upright(at: FloatArray, tilt: float = 0.0) -> Imu:
-    """What the torso's sensor tells, turned about x by so much beyond the joint angles."""
-    up = upward(Kinematics(nao()).states(at[None]), 0)
-    about_x = Rotation.from_euler("x", tilt).as_matrix()
-    rotation, _ = Rotation.align_vectors([[0.0, 0.0, 1.0]], [about_x @ up])
-    x, y, z, w = rotation.as_quat()
-    message = Imu()
-    message.orientation.x, message.orientation.y = float(x), float(y)
-    message.orientation.z, message.orientation.w = float(z), float(w)
-    return message
-
-
-def test_nothing_moves_without_a_sensor_that_sees_it_fall() -> None:
-    clock = Clock()
-    mover = blind_mover(ImuInput(nao(), clock))
-    order = Order(True, lambda: False, lambda *_: None)
-    with pytest.raises(RefusedError, match="nothing comes from imu") as refusal:
-        Execution(mover, order).check_ready()
-    assert refusal.value.code == Plan.Result.SENSORS_STALE
-    assert "imu_required" in str(refusal.value)
-    mover.senses.imu.take([upright(ANGLES, 1.0)])
-    with pytest.raises(RefusedError, match="imu contradicts the joint angles"):
-        Execution(mover, order).check_ready()
-    mover.senses.imu.take([upright(ANGLES)])
-    Execution(mover, order).check_ready()
-
-
-def falling(safe: bool) -> Scene:
-    """A robot whose torso leans 0.2 rad farther than its joints say, during a motion."""
-    scene = Scene()
-    scene.imu.take([upright(ANGLES)])
-    if not safe:
-        scene.mover.robot = dataclasses.replace(nao(), safe_posture=None)
-    scene.begin_anew()
-    scene.imu.take([upright(ANGLES, 0.2)])
-    return scene
-
-
-def test_a_robot_that_begins_to_fall_goes_into_its_safe_posture() -> None:
-    scene = falling(safe=True)
-    with pytest.raises(RefusedError, match="it goes into its safe posture") as refusal:
-        scene.tell(ANGLES)
-    assert refusal.value.code == Plan.Result.TILTED
-    last = scene.sent[-1]
-    np.testing.assert_allclose(last.positions[-1], LOW[nao().moved], atol=1e-9)
-    rate = 0.5 / last.duration
-    assert rate <= nao().velocity_limit[KNEE]
-
-
-def test_without_a_safe_posture_it_stays_where_it_is() -> None:
-    scene = falling(safe=False)
-    with pytest.raises(RefusedError, match="leans") as refusal:
-        scene.tell(ANGLES)
-    assert refusal.value.code == Plan.Result.TILTED
-    np.testing.assert_allclose(scene.sent[-1].positions[-1], ANGLES[nao().moved], atol=0.01)
-
-
-def test_heat_is_foretold(scene: Scene) -> None:
-    motion = standing()
-    scene.execution.check_heat(motion)
-    assert not scene.execution.heat
-    scene.temperatures.take([Temperature(header=Header(frame_id="LKneePitch"), temperature=50.0)])
-    scene.execution.check_heat(motion)
-    assert "repeated without a pause, joint 'LKneePitch' ends at" in scene.execution.heat
-    scene.mover.moving = dataclasses.replace(scene.mover.moving, hot_degc=45.0)
-    with pytest.raises(RefusedError, match="at its end joint 'LKneePitch' is at 50") as refusal:
-        scene.execution.check_heat(motion)
-    assert refusal.value.code == Plan.Result.HOT_JOINTS

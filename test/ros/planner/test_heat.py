@@ -1,8 +1,5 @@
 from __future__ import annotations
 
-import numpy as np
-import pytest
-
 from shoecal_ros.planner import heat
 
 TOLD = {"LKneePitch": 66.0, "RKneePitch": 70.5, "HeadYaw": 30.0}
@@ -23,12 +20,3 @@ def test_the_margin_is_told() -> None:
 def test_nothing_known_is_no_concern() -> None:
     assert heat.hottest({}) is None
     assert heat.too_hot({}, 0.0) == ""
-
-
-def test_motors_warm_up_to_where_their_load_leads() -> None:
-    told = {"hip": 30.0, "knee": 60.0}
-    load = np.array([0.25, 0.0, 1.0])
-    after, ends = heat.forecast(told, ("hip", "knee", "ankle"), load, 300.0, 80.0, 300.0, 20.0)
-    kept = np.exp(-1.0)
-    assert after == pytest.approx({"hip": 40.0 - 10.0 * kept, "knee": 20.0 + 40.0 * kept})
-    assert ends == pytest.approx({"hip": 40.0, "knee": after["knee"]}), "ankles tell nothing"

@@ -30,7 +30,7 @@ GAP = "gap between the feet on the way"
 _WINDOW = 0.1
 """s; accelerations are differences over this time, as the CoP feels them through a shoe."""
 _TORQUE_SLACK = 1.02
-"""Where a motion begins beyond its limit, torques may exceed those at its begin by this factor."""
+"""Between planned states torques may exceed the planned ones by this factor."""
 _NO_LOAD = 1e-3
 """N; a foot with less cannot take any sideways force."""
 _DRAGGED = 0.006
@@ -326,7 +326,7 @@ def _torque(
     both = np.all(shares == (0.0, 1.0), axis=1)[:, None]
     # On one foot as if the same share were allowed there, so that one limit stands for all samples.
     torque = np.where(both, torque, torque * settings.torque_share / settings.one_foot_torque_share)
-    limit = np.maximum(most * settings.torque_share, torque[0] * _TORQUE_SLACK)
+    limit = np.maximum(most * settings.torque_share, torque[0]) * _TORQUE_SLACK
     limit = np.minimum(limit, most)
     return at_most("static torque", "N m", torque, limit, time, robot.leg_names)
 
@@ -356,7 +356,7 @@ def _loads(
     least = settings.load_share * robot.weight - (1.0 - settings.margin_kept) * spread.max()
     return (
         at_least("load of a foot that stands", "N", loads, least, at, names, from_begin=span.first),
-        at_most("sideways force over load of a foot", "", ratio, slip, at, names),
+        at_most("sideways force over load of a foot", "", ratio, slip * _TORQUE_SLACK, at, names),
     )
 
 

@@ -39,15 +39,11 @@ from shoecal_core.planning.horizon.problem import (
 )
 from shoecal_core.planning.legs import LegExpressions, Legs
 from shoecal_core.planning.load_sharing import SharingSpread
-from shoecal_core.planning.posture import ONE_FOOT_TILT_USED, TILT_USED
+from shoecal_core.planning.posture import TILT_USED
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
 
-_GRIP_KEPT = 1.05
-"""Of the grip that is needed; what is more is for what lies between states."""
-_TORQUE_KEPT = 0.98
-"""Of a torque limit; the rest likewise."""
 _SHIFTED, _TILTED = 0.03, 0.01
 """Of the weight, and of the tilt's squared sine: what can change from state to state."""
 
@@ -147,11 +143,7 @@ class Collocation:
             balance=self._balance(scene, now, spread),
             transition=self.transition,
             torque=np.maximum(
-                np.where(
-                    both > 0.0,
-                    _TORQUE_KEPT * self.torque - spread.torque,
-                    _TORQUE_KEPT * self.one_foot_torque,
-                ),
+                np.where(both > 0.0, self.torque - spread.torque, self.one_foot_torque),
                 np.abs(now.torques[0]),
             ),
         )
@@ -168,14 +160,13 @@ class Collocation:
         settings, robot, count = self.settings, self.legs.robot, self.settings.horizon
         both = np.ptp(scene.shares, axis=1)[:, None] > 0.0
         load = settings.load_share * robot.weight + both * spread.load
-        grip = both * _GRIP_KEPT * (spread.sideways + robot.friction * spread.load)
+        grip = both * (spread.sideways + robot.friction * spread.load)
         low = np.full((count, BALANCE), -np.inf)
         low[:, :4] = np.where(
             np.tile(scene.loaded, 2), np.hstack([load, load, grip, grip]), -np.inf
         )
         high = np.full((count, BALANCE), np.inf)
-        used = np.where(both[:, 0] & scene.loaded.all(axis=1), TILT_USED, ONE_FOOT_TILT_USED)
-        high[:, 4] = np.sin(used * settings.tilt_max) ** 2
+        high[:, 4] = np.sin(TILT_USED * settings.tilt_max) ** 2
         back = settings.recovery * np.arange(1, count + 1)[:, None]
         return (
             np.minimum(low, now.balance + back * _SHIFTED * robot.weight),
