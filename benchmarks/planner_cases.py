@@ -33,13 +33,11 @@ from shoecal_core.workspace import config_dir
 
 FloatArray = NDArray[np.float64]
 OUT = ROOT / "out" / "planner"
-OF_CONFIG = ("nao", "wren")
-"""Robots that config/ holds; those of the tests lie in test/data."""
 
 
 @dataclass(frozen=True)
 class Case:
-    """A robot with its shoes, as the repository holds it: `nao`, `wren` or `odd_biped`."""
+    """A robot with its shoes, as the repository holds it."""
 
     name: str
     robot: Robot
@@ -47,9 +45,8 @@ class Case:
 
     @classmethod
     def named(cls, name: str) -> Case:
-        folder = config_dir() if name in OF_CONFIG else ROOT / "test" / "data"
-        shoe = load_shoe(folder / "shoes" / f"{name.removesuffix('_biped')}_shoe.yaml")
-        return cls(name, load_robot(folder / "robots" / f"{name}.yaml", shoe), shoe)
+        shoe = load_shoe(config_dir() / "shoes" / f"{name}_shoe.yaml")
+        return cls(name, load_robot(config_dir() / "robots" / f"{name}.yaml", shoe), shoe)
 
     def supports(self, count: int, settings: PlannerSettings, seed: int) -> list[DoubleSupport]:
         """As the planner chooses them for one calibration."""

@@ -26,8 +26,6 @@ from shoecal_core.workspace import config_dir
 
 FloatArray = NDArray[np.float64]
 PLANNED, REFUSED, FAILED = "planned", "refused", "failed"
-LEAN_WEIGHT = {"odd_biped": 100.0}
-"""Of robots whose torso would sink by a third for a landmark, as on the page of other robots."""
 FAST = ("Solved", "Applicable")
 """What the fast solver says of its solutions; others are those of IPOPT."""
 
@@ -93,7 +91,7 @@ class Memory:
     """
 
     def __init__(self, folder: Path) -> None:
-        self.file = folder / f"outcomes-{sources_digest()}.jsonl"
+        self.file = folder / f"outcomes-{_digest()}.jsonl"
         folder.mkdir(parents=True, exist_ok=True)
         text = self.file.read_text() if self.file.is_file() else ""
         # A run that was killed may have left a part of a line.
@@ -111,7 +109,7 @@ class Memory:
 
 def attempt(job: Job) -> Outcome:
     """Look whether the robot can stand there, plan, check."""
-    case, planner = planner_of(job.robot)
+    case, planner = _planner(job.robot)
     support = supports(job.robot, job.seed)[job.index]
     place = (support.dx, support.dy, support.dtheta)
     if not Feasible(case.robot, planner.settings).can_stand(support):
@@ -156,21 +154,20 @@ def _can_stand_above(planner: Planner, support: DoubleSupport, place: FloatArray
 @functools.cache
 def supports(robot: str, seed: int) -> list[DoubleSupport]:
     """All of the robot's range whose feet are apart, in random order."""
-    case, _ = planner_of(robot)
+    case, _ = _planner(robot)
     apart = Feasible(case.robot, PlannerSettings()).apart()
     order = np.random.default_rng(seed).permutation(len(apart))
     return [apart[int(index)] for index in order]
 
 
 @functools.cache
-def planner_of(robot: str) -> tuple[Case, Planner]:
-    """A robot and its planner, compiled once a process."""
+def _planner(robot: str) -> tuple[Case, Planner]:
     case = Case.named(robot)
-    return case, Planner(case.robot, PlannerSettings(cop_lean_weight=LEAN_WEIGHT.get(robot, 0.0)))
+    return case, Planner(case.robot, PlannerSettings())
 
 
-def sources_digest() -> str:
-    """Of everything that outcomes of planning depend on."""
+def _digest() -> str:
+    """Of everything that outcomes depend on."""
     digest = hashlib.sha256()
     for file in sources():
         digest.update(file.read_bytes())

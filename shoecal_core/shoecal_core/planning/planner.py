@@ -12,24 +12,21 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
-from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.checking.findings import Report
-from shoecal_core.planning.deflection import deflected, with_sag
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver
 from shoecal_core.planning.horizon.problem import Scene, Solver
 from shoecal_core.planning.horizon.rolling import Path, PlanningError, Progress, RollingHorizon
 from shoecal_core.planning.horizon.sqp import SqpSolver
 from shoecal_core.planning.legs import FootPose, Legs
-from shoecal_core.planning.load_sharing import narrowed_strain
 from shoecal_core.planning.motion import Motion, timed
 from shoecal_core.planning.motion_catalogue import PUT_DOWN, InitialStance, motion_kind
 from shoecal_core.planning.posture import StanceSolver
 from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
-from shoecal_core.planning.swing import lifted, stance_foot
+from shoecal_core.planning.swing import stance_foot
 
 FloatArray = NDArray[np.float64]
 
@@ -127,7 +124,7 @@ class Planner:
             for pace in _PACES:
                 paced = horizon.collocation.settings.paced(pace)
                 found = timed(self.legs, parts, name, joint_angles, paced)
-                seen = check_motion(self.legs, found, self.settings, self.strain)
+                seen = check_motion(self.legs, found, self.settings)
                 if not seen.too_fast:
                     break
             return found, seen
@@ -138,36 +135,9 @@ class Planner:
         report.require()
         return planned
 
-    @property
-    def strain(self) -> float:
-        """How far each joint may be off its angle where load is shared [rad]."""
-        return self.horizon.collocation.strain
-
-    def narrow_sharing(self, motion: Motion, left_load: FloatArray) -> float:
-        """Learn from a run how the feet share the load; later motions keep narrower margins for it.
-
-        Args:
-            motion: that was followed.
-            left_load: (T,) vertical force on the left foot at the motion's samples, measured; NaN
-                where it was not [N].
-
-        Returns:
-            The strain that is taken from now on [rad].
-        """
-        both = np.zeros(len(motion.time), dtype=bool)
-        for phase in motion.phases:
-            during = (motion.time >= phase.begin) & (motion.time <= phase.end)
-            both[during] = phase.support_phase is SupportPhase.BOTH and all(phase.loaded)
-        body = track(self.legs.robot, motion.positions[both], strain=self.strain)
-        strain = narrowed_strain(self.strain, body.loads[:, 0], body.spread.load, left_load[both])
-        for horizon in (self.horizon, self._finer):
-            horizon.collocation.strain = strain
-        return strain
-
     @cached_property
     def _finer(self) -> RollingHorizon:
         collocation = Collocation(self.legs, self.settings.finer())
-        collocation.strain = self.strain
         return RollingHorizon(collocation, _solvers(collocation))
 
     def _parts(
@@ -193,28 +163,6 @@ class Planner:
             start = path.states[-1]
             before, states = before + len(segment.targets), states + len(path.states) - 1
         return parts
-
-    def with_sag(
-        self, ends: Sequence[FootPose], support_phase: SupportPhase, others: FloatArray
-    ) -> PlannerSettings:
-        """Settings whose lift and clearance of a step are larger by what deflection takes of them.
-
-        Args:
-            ends: of the step: poses of the right sole in the left sole's frame.
-            support_phase: the foot that stands during the step.
-            others: (m,) all joint angles, of which those beside the legs count [rad].
-
-        Raises:
-            UnreachableError: when the robot cannot stand on that foot.
-        """
-        robot, poses = self.legs.robot, []
-        for end in ends:
-            up = lifted(end, support_phase, self.settings.step_lift)
-            legs = self._stance.solve_on_one(up, support_phase, others)
-            posture = robot.from_legs(legs, others)[None]
-            torques = track(robot, posture, support_phase.share).torques
-            poses.append((up, self.legs.foot_pose(deflected(robot, posture, torques)[0])))
-        return with_sag(robot, self.settings, poses, support_phase)
 
     def standing(self, joint_angles: FloatArray) -> InitialStance:
         """What all joint angles (m,) [rad] of a robot on both feet say.

@@ -30,16 +30,10 @@ _RESIDUAL = 1e-7
 this is none. IPOPT relaxes bounds in proportion to them."""
 
 
-_ONE_FOOT_USED = 0.96
-"""Of the torque that is allowed on one foot."""
 _ASIDE = 0.008
 """m; on one foot the CoP may be so far from its middle where this spares the motors."""
 _ASIDE_WEIGHT = 100.0
 """1/m^2, of that against joint angles near the nominal ones."""
-
-
-TILT_USED = 0.95
-"""Of tilt_max by a planned posture; the rest is left for what lies between postures."""
 
 
 class UnreachableError(ShoecalError):
@@ -49,7 +43,6 @@ class UnreachableError(ShoecalError):
         support: the double support asked for, or that of the feet while one is in the air.
         miss: what is left between feet or CoP and where they should be [m, rad].
         overload: torque of a motor beyond its share [N m].
-        tilt: tilt of the torso beyond its bound, by the square of its sine.
     """
 
     def __init__(
@@ -58,10 +51,11 @@ class UnreachableError(ShoecalError):
         support: DoubleSupport,
         miss: float,
         overload: float,
-        tilt: float = 0.0,
         support_phase: SupportPhase = SupportPhase.BOTH,
     ) -> None:
-        self.support, self.miss, self.overload, self.tilt = support, miss, overload, tilt
+        self.support = support
+        self.miss = miss
+        self.overload = overload
         on = (
             ""
             if support_phase is SupportPhase.BOTH
@@ -70,10 +64,8 @@ class UnreachableError(ShoecalError):
         super().__init__(
             f"robot '{robot}' cannot stand{on} with the right foot at dx {support.dx:g} m, "
             f"dy {support.dy:g} m, dtheta {support.dtheta:g} rad (misses by {miss:.2g} m or rad, "
-            f"torque too large by {max(0.0, overload):.2g} N m"
-            f"{', torso beyond tilt_max' if tilt > _RESIDUAL else ''}); choose feet nearer to the "
-            "neutral stance, or change joint_margin, stance_margin, knee_margin, torque_share or "
-            "tilt_max"
+            f"torque too large by {max(0.0, overload):.2g} N m); choose feet nearer to the neutral "
+            "stance, or change joint_margin, stance_margin, knee_margin or torque_share"
         )
 
 
@@ -81,7 +73,7 @@ class FeetOverlapError(UnreachableError):
     """A double support in which one foot would stand on the other."""
 
     def __init__(self, robot: str, support: DoubleSupport) -> None:
-        self.support, self.miss, self.overload, self.tilt = support, 0.0, 0.0, 0.0
+        self.support, self.miss, self.overload = support, 0.0, 0.0
         ShoecalError.__init__(
             self,
             f"robot '{robot}': the outlines of the feet overlap with the right foot at dx "
@@ -99,20 +91,14 @@ class StanceSolver:
         self._kept_from_edge = settings.one_foot_margin + settings.landmark_radius
         self._lower, self._upper = legs.bounds(settings, settings.stance_margin)
         robot = legs.robot
-        most = robot.effort_limit[robot.legs]
-        self._torque = most * settings.torque_share
-        # The way to a posture on one foot ends near it.
-        self._one_foot_torque = most * settings.one_foot_torque_share * _ONE_FOOT_USED
-        self._tilt = np.sin(TILT_USED * settings.tilt_max) ** 2
+        self._torque = robot.effort_limit[robot.legs] * settings.torque_share
         terms = LegExpressions(robot)
         target = ca.SX.sym("target", 2)
         cost = ca.sumsqr(terms.angles - legs.nominal)
         cost += settings.upright_weight * ca.sumsqr(terms.lean)
         cost += _ASIDE_WEIGHT * ca.sumsqr(terms.cop - target)
         parameters = ca.vertcat(terms.foot_pose, terms.share, target, terms.others)
-        constraints = ca.vertcat(
-            terms.balance[4], terms.torques, terms.cop - target, terms.foot_error
-        )
+        constraints = ca.vertcat(terms.torques, terms.cop - target, terms.foot_error)
         problem = {"x": terms.angles, "p": parameters, "f": cost, "g": constraints}
         self._solver = ca.nlpsol("stance", "ipopt", problem, _OPTIONS)
 
@@ -164,9 +150,7 @@ class StanceSolver:
         aside: float,
         others: FloatArray,
     ) -> FloatArray:
-        both = support_phase is SupportPhase.BOTH
-        torque = self._torque if both else self._one_foot_torque
-        bounds = np.concatenate([[self._tilt], torque, [aside, aside], np.zeros(6)])
+        bounds = np.concatenate([self._torque, [aside, aside], np.zeros(6)])
         result = self._solver(
             x0=np.clip(self._legs.nominal, self._lower, self._upper),
             p=np.concatenate([foot_pose.parameters, support_phase.share, target, others]),
@@ -179,11 +163,10 @@ class StanceSolver:
         angles: FloatArray = np.clip(np.array(result["x"]).ravel(), self._lower, self._upper)
         beyond = np.abs(np.array(result["g"]).ravel()) - bounds
         if not np.all(beyond < _RESIDUAL * np.maximum(bounds, 1.0)):
-            miss, overload = float(beyond[-8:].max()), float(beyond[1:-8].max())
+            miss, overload = float(beyond[-8:].max()), float(beyond[:-8].max())
             raise UnreachableError(
-                self._legs.robot.name, foot_pose.support, miss, overload, float(beyond[0]),
-                support_phase,
-            )  # fmt: skip
+                self._legs.robot.name, foot_pose.support, miss, overload, support_phase
+            )
         return angles
 
 

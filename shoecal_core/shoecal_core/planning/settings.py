@@ -110,24 +110,9 @@ class PlannerSettings(Settings):
         minimum=0.0,
     )  # fmt: skip
     torque_share: float = setting(
-        0.8, "", "part of a motor's torque limit that holding a posture may need, however the feet "
-        "share the load", minimum=0.01, maximum=1.0,
-    )  # fmt: skip
-    one_foot_torque_share: float = setting(
-        0.7, "", "the same on one foot: lifting the other one sets the body swinging",
+        0.8, "", "part of a motor's torque limit that holding a posture may need",
         minimum=0.01, maximum=1.0,
     )  # fmt: skip
-    load_share: float = setting(
-        0.1, "", "part of the weight that each foot keeps at least while both stand, however they "
-        "share it", minimum=0.0, maximum=0.5,
-    )  # fmt: skip
-    tilt_max: float = setting(
-        0.4,
-        "rad",
-        "largest tilt of the torso against the floor's normal",
-        minimum=0.01,
-        maximum=1.5,
-    )
     upright_weight: float = setting(
         5.0, "", "weight of an upright torso against joint angles near the nominal ones",
         minimum=0.0,
@@ -240,10 +225,6 @@ class PlannerSettings(Settings):
     step_pace: float = setting(
         2.5, "", "factor on all speeds while one foot carries: its motors get hot",
         minimum=0.1, maximum=5.0,
-    )  # fmt: skip
-    release_pace: float = setting(
-        0.8, "", "the same while a foot leaves the floor or comes down: the sooner its load goes "
-        "over to the other foot, the more the body swings", minimum=0.1, maximum=5.0,
     )  # fmt: skip
     step_error: float = setting(
         0.004, "m", "feet nearer to a double support than this stand in it", minimum=1e-4

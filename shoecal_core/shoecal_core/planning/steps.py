@@ -6,14 +6,12 @@ back between both. Each step is planned from measured joint angles, so errors do
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.checking.check import GAP, HEIGHTS
 from shoecal_core.planning.checking.findings import CheckFailedError
 from shoecal_core.planning.horizon.rolling import PlanningError, Progress
 from shoecal_core.planning.legs import FootPose
@@ -21,9 +19,9 @@ from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.motion_catalogue import InitialStance
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.posture import UnreachableError
-from shoecal_core.planning.segment import MotionSegment, in_standing
+from shoecal_core.planning.segment import in_standing
 from shoecal_core.planning.support_phase import SupportPhase
-from shoecal_core.planning.swing import NoSwingPathError, SwingPath, swing_path, swing_segment
+from shoecal_core.planning.swing import NoSwingPathError, swing_path, swing_segment
 from shoecal_core.planning.timing import TimingError
 
 FloatArray = NDArray[np.float64]
@@ -34,10 +32,6 @@ STEPS_MAX = 12
 """Steps to one double support; who needs more goes astray."""
 _MUCH_LONGER = 1.4
 """Ways in the air whose numbers of states have this ratio."""
-_TRIES = 4
-"""A foot that would be too low or too near is led higher and farther out."""
-_BEYOND = 1e-3
-"""m; by how much more than it lacks."""
 _NO_STEP = (PlanningError, CheckFailedError, NoSwingPathError, TimingError, UnreachableError)
 
 
@@ -138,7 +132,7 @@ class Stepper:
         robot, settings = self.planner.legs.robot, self.planner.settings
         try:
             long, short = (
-                len(swing_path(robot, foot_pose, FootPose.of(via), support_phase, settings).poses)
+                len(swing_path(robot, foot_pose, FootPose.of(via), support_phase, settings))
                 for support_phase in (rested, last)
             )
         except NoSwingPathError:
@@ -154,53 +148,14 @@ class Stepper:
         progress: Callable[[Progress], None],
         canceled: Callable[[], bool],
     ) -> Motion:
-        planner, begin, end = self.planner, standing.foot_pose, FootPose.of(goal)
-        raised = planner.with_sag((begin, end), support_phase, joint_angles)
-        for tries_left in reversed(range(_TRIES)):
-            path = swing_path(planner.legs.robot, begin, end, support_phase, raised)
-            segments = self._segments(standing, goal, path, support_phase)
-            try:
-                return planner.follow(
-                    joint_angles, NAME, segments, progress=progress, canceled=canceled
-                )
-            except CheckFailedError as error:
-                low, near = _shortfall(error)
-                if not tries_left or not (low or near):
-                    raise
-                raised = dataclasses.replace(
-                    raised,
-                    step_lift=raised.step_lift + low,
-                    step_clearance=raised.step_clearance + near,
-                )
-        raise AssertionError("unreachable")
-
-    def _segments(
-        self, standing: InitialStance, goal: DoubleSupport, path: SwingPath, phase: SupportPhase
-    ) -> tuple[MotionSegment, ...]:
-        """The weight over one foot, the other one up, along and down, the weight back."""
         planner, settings = self.planner, self.planner.settings
-        begin, end = standing.foot_pose, FootPose.of(goal)
-        over_begin, over_end = standing.on_one(begin, phase), standing.on_one(end, phase)
-        lift_aim, aim = in_standing(over_begin, begin, phase), in_standing(over_end, end, phase)
+        robot, begin, end = planner.legs.robot, standing.foot_pose, FootPose.of(goal)
+        way = swing_path(robot, begin, end, support_phase, settings)
         ended = planner.standing(planner.stance(goal))
-        slow, fast = settings.release_pace, settings.step_pace
-        return (
-            standing.pursuing("shift", over_begin[None], phase),
-            swing_segment("lift", lift_aim, path.lift, phase, settings, pace=slow),
-            swing_segment("swing", aim, path.swing, phase, settings, pace=fast),
-            swing_segment("lower", aim, path.lower, phase, settings, pace=slow),
-            ended.pursuing("back", ended.tasks[None], phase),
+        aim = in_standing(standing.on_one(end, support_phase), end, support_phase)
+        segments = (
+            standing.pursuing("shift", standing.on_one(begin, support_phase)[None]),
+            swing_segment("swing", aim, way, support_phase, settings),
+            ended.pursuing("back", ended.tasks[None]),
         )
-
-
-def _shortfall(error: CheckFailedError) -> tuple[float, float]:
-    """Height and clearance that a carried foot lacks [m]; zeros where more is wrong than that."""
-    low = near = 0.0
-    for finding in error.findings:
-        if finding.constraint in HEIGHTS:
-            low = max(low, finding.excess + _BEYOND)
-        elif finding.constraint == GAP:
-            near = max(near, finding.excess + _BEYOND)
-        else:
-            return 0.0, 0.0
-    return low, near
+        return planner.follow(joint_angles, NAME, segments, progress=progress, canceled=canceled)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -21,34 +20,12 @@ FloatArray = NDArray[np.float64]
 
 _ASIDE = np.linspace(0.0, 0.12, 25)
 """m; how far to the side a foot may be led round the other one."""
-_OUTWARD = np.arange(0.0, 0.06, 0.001)
+_OUTWARD = np.arange(0.0, 0.04, 0.001)
 """m; how far outward a foot may be lifted."""
 _STATES_MIN = 6
 """Of a part of a way."""
 _HASTE = 15.0 / 8.0
 """Greatest speed of a way that begins and ends without speed and acceleration, over its mean."""
-
-
-@dataclass(frozen=True)
-class SwingPath:
-    """Poses of the right sole in the left sole's frame while one foot is in the air.
-
-    Each part begins with the last pose of the one before.
-
-    Attributes:
-        lift: up, and outward where the feet are near to each other.
-        swing: along, at the height of the lift.
-        lower: down.
-    """
-
-    lift: tuple[FootPose, ...]
-    swing: tuple[FootPose, ...]
-    lower: tuple[FootPose, ...]
-
-    @property
-    def poses(self) -> tuple[FootPose, ...]:
-        """All of them, each once."""
-        return (*self.lift, *self.swing[1:], *self.lower[1:])
 
 
 class NoSwingPathError(ShoecalError):
@@ -62,12 +39,13 @@ def swing_segment(
     support_phase: SupportPhase,
     settings: PlannerSettings,
     *,
-    pace: float,
     pause: float = 0.0,
 ) -> MotionSegment:
     """A foot led along poses; the rest goes to an aim (5,), in the standing foot's frame."""
     weights = settings.task_weights
-    return MotionSegment(name, aim[None], weights, foot_poses, support_phase, pace, pause)
+    return MotionSegment(
+        name, aim[None], weights, foot_poses, support_phase, settings.step_pace, pause
+    )
 
 
 def lifted(pose: FootPose, support_phase: SupportPhase, height: float) -> FootPose:
@@ -134,11 +112,11 @@ def swing_path(
     end: FootPose,
     support_phase: SupportPhase,
     settings: PlannerSettings,
-) -> SwingPath:
+) -> tuple[FootPose, ...]:
     """Up, along, down: poses that lead a foot past the other one without touching it.
 
-    The foot is led farther from the other one than where it stands. What deflection takes of lift
-    and clearance is to be added to the settings before (`with_sag`).
+    Gears give: a foot in the air hangs lower and nearer to the other one than encoders show. So
+    it is led farther from it than where it stands.
 
     Args:
         robot: whose feet.
@@ -154,10 +132,10 @@ def swing_path(
         for aside in _ASIDE:
             along = _led(above, below, support_phase, aside, settings)
             if _gap(robot, along) >= settings.step_clearance - 1e-9:
-                return SwingPath(
-                    _led(begin, above, support_phase, 0.0, settings),
-                    along,
-                    _led(below, end, support_phase, 0.0, settings),
+                return (
+                    *_led(begin, above, support_phase, 0.0, settings),
+                    *along[1:],
+                    *_led(below, end, support_phase, 0.0, settings)[1:],
                 )
     raise NoSwingPathError(
         "a foot cannot be carried past the other one without touching it; go by way of a wider "

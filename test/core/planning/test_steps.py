@@ -100,7 +100,7 @@ def test_a_foot_that_would_carry_much_longer_does_not() -> None:
         )
         for support_phase in (SupportPhase.RIGHT, SupportPhase.LEFT)
     )
-    assert len(long.poses) > 1.4 * len(short.poses)
+    assert len(long) > 1.4 * len(short)
     for last in FEET:
         stepper = Stepper(planner)
         stepper.support_phase = last

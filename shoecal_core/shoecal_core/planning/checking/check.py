@@ -14,34 +14,24 @@ from numpy.typing import NDArray
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.checking.body_track import BodyTrack, track
 from shoecal_core.planning.checking.findings import Finding, Report, at_least, at_most, worst
-from shoecal_core.planning.deflection import deflected
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
-from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 
-HEIGHTS = ("height of the foot that is carried along", "height of the foot on its way")
-"""Constraints that a foot in the air keeps when it is lifted higher."""
-GAP = "gap between the feet on the way"
-"""That one which it keeps when it is led farther out."""
 _WINDOW = 0.1
 """s; accelerations are differences over this time, as the CoP feels them through a shoe."""
 _TORQUE_SLACK = 1.02
 """Between planned states torques may exceed the planned ones by this factor."""
-_NO_LOAD = 1e-3
-"""N; a foot with less cannot take any sideways force."""
 _DRAGGED = 0.006
 """m; a foot in the air that is farther than this from where it stood and will stand is carried."""
 _RATE_SLACK = 1.1
 """Speeds and accelerations by differences may exceed the planned ones by this factor."""
 
 
-def check_motion(
-    legs: Legs, motion: Motion, settings: PlannerSettings, strain: float | None = None
-) -> Report:
+def check_motion(legs: Legs, motion: Motion, settings: PlannerSettings) -> Report:
     """Check all constraints of planning.
 
     A motion may begin outside a margin (a robot is where it is), and then must not go farther
@@ -51,29 +41,25 @@ def check_motion(
         legs: of the robot.
         motion: to be released.
         settings: of planning; those of a phase follow from its pace.
-        strain: how far each joint may be off its angle where load is shared [rad]; the play of the
-            robot's joints where not given.
     """
     spans = [_Span.of(motion, phase) for phase in motion.phases]
     shares = np.zeros((len(motion.time), 2))
     for span in spans:
         shares[span.samples] = span.phase.support_phase.share
-    body = track(legs.robot, motion.positions, shares, strain)
+    body = track(legs.robot, motion.positions, shares)
     found = [
         _joint_limits(legs, motion.positions, motion.time, settings),
         *_collision(legs, body, motion.time, settings),
-        _torque(legs, body, shares, motion.time, settings),
-        _tilt(body, motion.time, settings),
+        _torque(legs, body, motion.time, settings),
         _rest(motion, settings),
     ]
     for span in spans:
         paced = settings.paced(span.phase.pace)
         found += [
             _stability(legs, span, body, motion.time, settings),
-            *_feet(legs, span, motion, body, settings),
+            *_feet(legs, span, body, motion.time, settings),
             _joint_speed(legs, span, motion, paced),
             *_com(span, body, motion.time, paced),
-            *_loads(legs, span, body, motion.time, settings),
         ]
     return Report(worst(found))
 
@@ -163,10 +149,9 @@ def _collision(
 
 
 def _feet(
-    legs: Legs, span: _Span, motion: Motion, body: BodyTrack, settings: PlannerSettings
+    legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
 ) -> list[Finding]:
     """Feet that stay must stay; one in the air must arrive, level and clear of the floor."""
-    time = motion.time
     if span.phase.support_phase is SupportPhase.BOTH:
         way, turn = _away(body, span.samples, span.phase.foot_poses[0])
         at = time[span.samples]
@@ -185,8 +170,6 @@ def _feet(
     ]
     if span.phase.support_phase is not SupportPhase.BOTH:
         found += _swing_foot(legs, span, body, time[span.samples], settings)
-        true = _deflected(legs, span, motion, body)
-        found += _carried_foot(legs, span, body, true, time[span.samples], settings)
     return found
 
 
@@ -199,23 +182,31 @@ def _away(body: BodyTrack, samples: slice, pose: FootPose) -> tuple[FloatArray, 
     return way, 2.0 * np.arcsin(np.clip(chord, 0.0, 1.0))
 
 
-def _deflected(legs: Legs, span: _Span, motion: Motion, body: BodyTrack) -> BodyTrack:
-    """The span's samples with joints where their load bends them to."""
-    robot = legs.robot
-    positions = motion.positions[span.samples]
-    positions = deflected(robot, positions, body.torques[span.samples])
-    return track(robot, positions, span.phase.support_phase.share)
-
-
 def _swing_foot(
     legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
 ) -> list[Finding]:
     """A foot in the air: no corner below the floor, and no overlap with the other foot."""
+    robot = legs.robot
     # The motion's begin leads: a foot may be put down again where it stood.
     samples = np.concatenate([[0], np.arange(span.samples.start, span.samples.stop)])
-    corners, gaps = _corners_and_gaps(legs, span, body, samples)
+    left, right = (
+        np.column_stack([foot.outline, np.zeros(len(foot.outline))]) for foot in robot.feet
+    )
+    right_in_left = (
+        np.einsum("tij,cj->tci", body.right_rotation[samples], right)
+        + body.right_translation[samples, None]
+    )
+    if span.phase.support_phase is SupportPhase.LEFT:
+        corners = right_in_left
+    else:
+        local = left[None] - body.right_translation[samples, None]
+        corners = np.einsum("tji,tcj->tci", body.right_rotation[samples], local)
     lowest = corners[..., 2].min(axis=1)
-    return [
+    middle = corners[1:, :, :2].mean(axis=1)
+    way = np.linalg.norm(middle[:, None] - middle[[0, -1]], axis=2).min(axis=1)
+    carried = way > _DRAGGED
+    gaps = shapely.distance(shapely.Polygon(left[:, :2]), shapely.polygons(right_in_left[..., :2]))
+    found = [
         at_least(
             "height of the foot in the air", "m", lowest[1:, None],
             _from_begin(0.0, lowest, settings), time, from_begin=False,
@@ -226,52 +217,11 @@ def _swing_foot(
             from_begin=False,
         ),
     ]  # fmt: skip
-
-
-def _carried_foot(
-    legs: Legs,
-    span: _Span,
-    body: BodyTrack,
-    true: BodyTrack,
-    time: FloatArray,
-    settings: PlannerSettings,
-) -> list[Finding]:
-    """A foot on its way: clear of the floor and of the other foot, deflection counted."""
-    samples = np.arange(span.samples.start, span.samples.stop)
-    meant, _ = _corners_and_gaps(legs, span, body, samples)
-    corners, gaps = _corners_and_gaps(legs, span, true, np.arange(len(samples)))
-    height, lowest = meant[..., 2].min(axis=1), corners[..., 2].min(axis=1)
-    middle = meant[..., :2].mean(axis=1)
-    away = np.linalg.norm(middle[:, None] - middle[[0, -1]], axis=2)
-    # Where it lifts off or comes down it is low, and as near to the other foot as it may stand.
-    grounded = height[[0, -1]] < settings.step_lift / 2.0
-    dragged = np.all((away > _DRAGGED) | ~grounded, axis=1)
-    on_its_way = np.full(len(height), not grounded.any())
-    kept, lift, clearance = settings.margin_kept, settings.step_lift, settings.step_clearance
-    return [
-        at_least(name, "m", values[counts, None], least, time[counts], from_begin=False)
-        for name, values, least, counts in (
-            (HEIGHTS[0], lowest, 0.0, dragged),
-            (HEIGHTS[1], lowest, kept * lift, on_its_way),
-            (GAP, gaps, kept * clearance, on_its_way),
-        )
-        if counts.any()
-    ]
-
-
-def _corners_and_gaps(
-    legs: Legs, span: _Span, body: BodyTrack, samples: NDArray[np.int64]
-) -> tuple[FloatArray, FloatArray]:
-    """(n, c, 3) corners of the foot in the air, seen from the other one, and (n,) gaps [m]."""
-    left, right = (
-        np.column_stack([foot.outline, np.zeros(len(foot.outline))]) for foot in legs.robot.feet
-    )
-    rotation, place = body.right_rotation[samples], body.right_translation[samples, None]
-    right_in_left = np.einsum("tij,cj->tci", rotation, right) + place
-    gaps = shapely.distance(shapely.Polygon(left[:, :2]), shapely.polygons(right_in_left[..., :2]))
-    if span.phase.support_phase is SupportPhase.LEFT:
-        return right_in_left, gaps
-    return np.einsum("tji,tcj->tci", rotation, left[None] - place), gaps
+    if carried.any():
+        name = "height of the foot that is carried along"
+        values, least = lowest[1:][carried, None], settings.step_lift / 3.0
+        found.append(at_least(name, "m", values, least, time[carried], from_begin=False))
+    return found
 
 
 def _from_begin(limit: float, values: FloatArray, settings: PlannerSettings) -> float:
@@ -312,52 +262,12 @@ def _com(
     )  # fmt: skip
 
 
-def _torque(
-    legs: Legs,
-    body: BodyTrack,
-    shares: FloatArray,
-    time: FloatArray,
-    settings: PlannerSettings,
-) -> Finding:
-    """However the feet share the load."""
+def _torque(legs: Legs, body: BodyTrack, time: FloatArray, settings: PlannerSettings) -> Finding:
     robot = legs.robot
     most = robot.effort_limit[robot.legs]
-    torque = np.abs(body.torques) + body.spread.torque
-    both = np.all(shares == (0.0, 1.0), axis=1)[:, None]
-    # On one foot as if the same share were allowed there, so that one limit stands for all samples.
-    torque = np.where(both, torque, torque * settings.torque_share / settings.one_foot_torque_share)
-    limit = np.maximum(most * settings.torque_share, torque[0]) * _TORQUE_SLACK
+    limit = np.maximum(most * settings.torque_share, np.abs(body.torques[0])) * _TORQUE_SLACK
     limit = np.minimum(limit, most)
-    return at_most("static torque", "N m", torque, limit, time, robot.leg_names)
-
-
-def _tilt(body: BodyTrack, time: FloatArray, settings: PlannerSettings) -> Finding:
-    tilt = np.arctan2(np.linalg.norm(body.up[:, :2], axis=1), body.up[:, 2])
-    limit = max(settings.tilt_max, float(tilt[0])) + settings.foot_drift
-    return at_most("tilt of the torso", "rad", tilt[:, None], limit, time)
-
-
-def _loads(
-    legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
-) -> tuple[Finding, ...]:
-    """Of feet that have to keep load: however they share it, enough of it, and no slip."""
-    robot, feet = legs.robot, [index for index in (0, 1) if span.phase.loaded[index]]
-    if span.phase.support_phase is not SupportPhase.BOTH or not feet:
-        return ()
-    names, at = tuple(FEET[index] for index in feet), time[span.samples]
-    spread = body.spread.load[span.samples, None]
-    loads = body.loads[span.samples][:, feet] - spread
-    sideways = (body.sideways + body.spread.sideways)[span.samples, None]
-    ratio = sideways / np.maximum(loads, _NO_LOAD)
-    slip = robot.friction * np.ones(len(feet))
-    if span.first:
-        slip = np.maximum(slip, ratio[0])
-    # Between planned states as much is given away as of the other margins.
-    least = settings.load_share * robot.weight - (1.0 - settings.margin_kept) * spread.max()
-    return (
-        at_least("load of a foot that stands", "N", loads, least, at, names, from_begin=span.first),
-        at_most("sideways force over load of a foot", "", ratio, slip * _TORQUE_SLACK, at, names),
-    )
+    return at_most("static torque", "N m", np.abs(body.torques), limit, time, robot.leg_names)
 
 
 def _rest(motion: Motion, settings: PlannerSettings) -> Finding:

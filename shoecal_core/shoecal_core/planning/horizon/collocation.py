@@ -8,13 +8,8 @@
                 TF(q[i]) = T0                       foot transform
                 |u[i]| < joint speed * step time
                 |torque(q[i])| < torque limit
-                load(q[i]) > least load             of each foot that stands
-                |sideways force(q[i])| < friction * load(q[i])
-                tilt(q[i]) < largest tilt           of the torso
 
-The last five are not the paper's: a small robot's motors are slow and weak, a foot without load
-slips, and a torso that leans far is near to falling. Loads, sideways forces and torques are those
-of load_sharing, and keep half the width of their interval as a margin. For motions that the
+The last two are not the paper's: a small robot's motors are slow and weak. For motions that the
 paper does not have, the torso's lean and height may be pursued beside the CoP, and polygon and
 foot transform may change from state to state: so a foot is lifted, carried and put down.
 
@@ -30,7 +25,6 @@ from numpy.typing import NDArray
 
 from shoecal_core.batch import Batch
 from shoecal_core.planning.horizon.problem import (
-    BALANCE,
     HorizonProblem,
     Limits,
     Scene,
@@ -38,14 +32,9 @@ from shoecal_core.planning.horizon.problem import (
     StateValues,
 )
 from shoecal_core.planning.legs import LegExpressions, Legs
-from shoecal_core.planning.load_sharing import SharingSpread
-from shoecal_core.planning.posture import TILT_USED
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
-
-_SHIFTED, _TILTED = 0.03, 0.01
-"""Of the weight, and of the tilt's squared sine: what can change from state to state."""
 
 
 class Collocation:
@@ -54,9 +43,8 @@ class Collocation:
     Attributes:
         legs: what moves.
         settings: weights and margins.
-        state: angles, foot pose, others, share -> tasks, foot error, distances, balance, torques
-            of one state.
-        strain: how far each joint may be off its angle where load is shared [rad].
+        state: angles, foot pose, others, share -> tasks, foot error, distances, torques of one
+            state.
     """
 
     def __init__(self, legs: Legs, settings: PlannerSettings) -> None:
@@ -69,16 +57,11 @@ class Collocation:
             ca.vertcat(terms.cop, terms.lean, terms.height),
             terms.foot_error,
             terms.distances,
-            terms.balance,
             terms.torques,
         ]
         self.state = ca.Function("state", given, found, {"cse": True})
         rows = ca.Function("state_rows", [ca.vertcat(*given)], [ca.vertcat(*found)], {"cse": True})
         self._rows = Batch(rows, least=1)
-        self._relative_jacobian = ca.Function(
-            "relative_jacobian", [terms.angles, terms.others], [terms.relative_jacobian]
-        )
-        self.strain = legs.robot.deflection.play
 
     @property
     def edges(self) -> int:
@@ -97,16 +80,9 @@ class Collocation:
 
     @property
     def torque(self) -> FloatArray:
-        """(k,) largest |torque| of the motors on both feet, however they share the load [N m]."""
+        """(k,) largest |torque| of the motors [N m]."""
         robot = self.legs.robot
         torque: FloatArray = robot.effort_limit[robot.legs] * self.settings.torque_share
-        return torque
-
-    @property
-    def one_foot_torque(self) -> FloatArray:
-        """(k,) the same on one foot [N m]."""
-        robot = self.legs.robot
-        torque: FloatArray = robot.effort_limit[robot.legs] * self.settings.one_foot_torque_share
         return torque
 
     def evaluate(self, states: FloatArray, scene: Scene) -> StateValues:
@@ -133,44 +109,13 @@ class Collocation:
         # Edges that move with a foot are those of the foot that stands: of the first state.
         first = scene.first
         beyond = first.beyond(_seen_at_first(now, first)) - first.offsets
-        spread = self.spread(problem.start, scene.others)
-        both = np.broadcast_to(np.ptp(scene.shares, axis=1)[:, None], (settings.horizon, 1))
         return Limits(
             lower=np.minimum(self.lower, problem.start + turn),
             upper=np.maximum(self.upper, problem.start - turn),
             offsets=scene.offsets + np.maximum(0.0, beyond - way),
             clearances=np.minimum(settings.capsule_clearance, now.distances[0] + way),
-            balance=self._balance(scene, now, spread),
             transition=self.transition,
-            torque=np.maximum(
-                np.where(both > 0.0, self.torque - spread.torque, self.one_foot_torque),
-                np.abs(now.torques[0]),
-            ),
-        )
-
-    def spread(self, state: FloatArray, others: FloatArray) -> SharingSpread:
-        """Of the sharing of the load in one state (k,) [rad], both feet standing."""
-        jacobian = np.array(self._relative_jacobian(state, others))
-        return SharingSpread.of(self.legs.robot, jacobian[None], self.strain)
-
-    def _balance(
-        self, scene: Scene, now: StateValues, spread: SharingSpread
-    ) -> tuple[FloatArray, FloatArray]:
-        """(N, 5), (N, 5) bounds of loads, grips and tilt; a start outside is led back."""
-        settings, robot, count = self.settings, self.legs.robot, self.settings.horizon
-        both = np.ptp(scene.shares, axis=1)[:, None] > 0.0
-        load = settings.load_share * robot.weight + both * spread.load
-        grip = both * (spread.sideways + robot.friction * spread.load)
-        low = np.full((count, BALANCE), -np.inf)
-        low[:, :4] = np.where(
-            np.tile(scene.loaded, 2), np.hstack([load, load, grip, grip]), -np.inf
-        )
-        high = np.full((count, BALANCE), np.inf)
-        high[:, 4] = np.sin(TILT_USED * settings.tilt_max) ** 2
-        back = settings.recovery * np.arange(1, count + 1)[:, None]
-        return (
-            np.minimum(low, now.balance + back * _SHIFTED * robot.weight),
-            np.maximum(high, now.balance - back * _TILTED),
+            torque=np.maximum(self.torque, np.abs(now.torques[0])),
         )
 
     def outside(self, state: FloatArray, scene: Scene) -> tuple[str, ...]:
@@ -235,8 +180,6 @@ class Collocation:
             limits.lower - states,
             states - limits.upper,
             limits.clearances - values.distances,
-            limits.balance[0] - values.balance,
-            values.balance - limits.balance[1],
             np.abs(values.torques) - limits.torque,
             np.abs(moves) - limits.transition,
         ]

@@ -10,13 +10,12 @@ import pytest
 
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS, motion_of, planner_of, step_of
-from shoecal_core.model.robot import JointDeflection
 from shoecal_core.model.standing import feet_gap
-from shoecal_core.planning.checking.body_track import track
-from shoecal_core.planning.checking.check import GAP, HEIGHTS, check_motion
+from shoecal_core.planning.checking.body_track import load_share, track
+from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.checking.findings import CheckFailedError, Report
 from shoecal_core.planning.horizon.problem import Scene
-from shoecal_core.planning.legs import FootPose, Legs
+from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
@@ -86,7 +85,7 @@ def test_a_good_motion_passes() -> None:
     report = checked(motion_of("nao"))
     report.require()
     assert report.kept
-    assert len(report.findings) == 13
+    assert len(report.findings) == 10
 
 
 def test_time_and_place_of_the_worst() -> None:
@@ -109,6 +108,19 @@ def test_a_begin_outside_a_margin_must_not_get_worse() -> None:
     assert not checked(motion, far).of("distance from joint limits").kept
 
 
+def test_shares_give_the_cop() -> None:
+    pose = motion_of("nao").foot_pose
+    cop = np.array([(0.02, -0.06), (0.0, 0.01), (0.03, -0.13), (0.0, -0.3)])
+    share, places = load_share(
+        BODY.robot, np.tile(pose.rotation, (4, 1, 1)), np.tile(pose.translation, (4, 1)), cop
+    )
+    assert np.all((share >= 0.0) & (share <= 1.0))
+    assert share[1] > 0.9
+    assert share[3] == 0.0
+    both = share[:, None] * places[:, 0] + (1.0 - share[:, None]) * places[:, 1]
+    np.testing.assert_allclose(both, cop, atol=1e-12)
+
+
 def test_torques_do_the_work_of_lifting() -> None:
     """Both feet stay, so the floor does no work: what the motors do lifts the CoM."""
     robot, states = BODY.robot, motion_of("nao").path.states
@@ -127,66 +139,26 @@ def test_too_fast_is_told_from_what_slowness_does_not_mend() -> None:
     assert not checked(SPOILT["distance from joint limits"](hasty)).too_fast
 
 
-def test_a_foot_without_enough_load_is_named() -> None:
-    heavy = dataclasses.replace(SETTINGS, load_share=0.45)
-    finding = checked(motion_of("nao"), heavy).of("load of a foot that stands")
-    assert not finding.kept
-    assert finding.where in ("left", "right")
-    assert finding.limit < 0.45 * BODY.robot.weight
-
-
-def test_a_slippery_floor_is_named() -> None:
-    slippery = Legs(dataclasses.replace(BODY.robot, friction=0.2))
-    finding = check_motion(slippery, motion_of("nao"), SETTINGS).of(
-        "sideways force over load of a foot"
-    )
-    assert not finding.kept
-    assert 0.2 < finding.value < BODY.robot.friction * 1.03
-
-
-def test_a_torso_that_leans_far_is_named() -> None:
-    upright = dataclasses.replace(SETTINGS, tilt_max=0.05)
-    assert not checked(motion_of("nao"), upright).of("tilt of the torso").kept
-
-
-def test_joints_that_are_farther_off_need_wider_margins() -> None:
-    motion, play = motion_of("nao"), BODY.robot.deflection.play
-    checked(motion).require()
-    loose = check_motion(BODY.legs, motion, SETTINGS, strain=3.0 * play)
-    assert not loose.kept
-    assert check_motion(BODY.legs, motion, SETTINGS, strain=0.5 * play).kept
-
-
-def test_sag_is_counted_in_the_clearance_of_a_carried_foot() -> None:
-    motion = step_of("nao", SupportPhase.LEFT)
-    robot = BODY.robot
-    soft = dataclasses.replace(robot, deflection=JointDeflection(sag=0.15, play=0.005))
-    found = check_motion(Legs(soft), motion, SETTINGS)
-    for constraint in (HEIGHTS[1], GAP):
-        assert found.of(constraint).value < checked(motion).of(constraint).value - 0.003
-    assert not found.of(HEIGHTS[1]).kept
-
-
 def while_carried(motion: Motion, size: float) -> np.ndarray:
     """A swelling of a joint in the middle of the one phase in which a foot is carried."""
-    swing = next(phase for phase in motion.phases if phase.name == "swing")
+    swing = motion.phases[1]
     part = np.clip((motion.time - swing.begin) / (swing.end - swing.begin), 0.0, 1.0)
     return np.asarray(size * np.sin(np.pi * part) ** 2)
 
 
 def said_elsewhere(motion: Motion) -> Motion:
     """The foot is put down 2 mm from where the motion says that it will stand."""
-    *others, lower, back = motion.phases
+    shift, swing, back = motion.phases
     support = back.foot_poses[0].support
     pose = FootPose.of(dataclasses.replace(support, dx=support.dx + 0.002))
-    lower = dataclasses.replace(lower, foot_poses=(lower.foot_poses[0], pose))
+    swing = dataclasses.replace(swing, foot_poses=(swing.foot_poses[0], pose))
     back = dataclasses.replace(back, foot_poses=(pose, pose))
-    return dataclasses.replace(motion, phases=(*others, lower, back))
+    return dataclasses.replace(motion, phases=(shift, swing, back))
 
 
 SPOILT_STEPS: dict[str, Callable[[Motion], Motion]] = {
     "height of the foot in the air": lambda motion: with_joint(
-        motion, "RKneePitch", while_carried(motion, -0.7)
+        motion, "RKneePitch", while_carried(motion, -0.35)
     ),
     "drift of the way between the feet": said_elsewhere,
     "distance of the CoP from the edge of the sensing polygon": lambda motion: with_joint(
@@ -209,10 +181,10 @@ def test_a_violation_by_a_step_is_named(constraint: str) -> None:
 
 def test_weak_motors_on_one_foot() -> None:
     motion = step_of("nao", SupportPhase.LEFT)
-    weak = dataclasses.replace(SETTINGS, one_foot_torque_share=0.4)
-    finding = checked(motion, weak).of("static torque")
+    swing = motion.phases[1]
+    finding = checked(motion, dataclasses.replace(SETTINGS, torque_share=0.5)).of("static torque")
     assert not finding.kept
-    assert motion.phases[1].begin <= finding.time <= motion.phases[3].end
+    assert swing.begin <= finding.time <= swing.end
     assert finding.where.startswith("L")
 
 
@@ -233,8 +205,8 @@ def test_torques_on_one_foot_do_the_work_of_lifting(name: str, support_phase: Su
     """That foot stays, so each motor's torque is what turning it alone changes of the height."""
     body, motion = load_body(name), step_of(name, support_phase)
     robot, side = body.robot, 0 if support_phase is SupportPhase.LEFT else 1
-    _, lifted, moved, _, _ = motion.path.switches
-    legs = motion.path.states[(lifted + moved) // 2]
+    shift, swing, _ = motion.path.switches
+    legs = motion.path.states[(shift + swing) // 2]
     torques = track(robot, robot.from_legs(legs)[None], support_phase.share).torques[0]
     step = 1e-5
     turned = legs + step * np.vstack([np.eye(len(legs)), -np.eye(len(legs))])
@@ -253,8 +225,8 @@ def test_planner_and_check_agree_on_one_foot(name: str, support_phase: SupportPh
     """Expressions of the planner against Pinocchio and numpy, in states that were planned."""
     motion, planner = step_of(name, support_phase), planner_of(name)
     robot = load_body(name).robot
-    shifted, _, _, lowered, _ = motion.path.switches
-    states = motion.path.states[shifted + 1 : lowered + 1]
+    shift, swing, _ = motion.path.switches
+    states = motion.path.states[shift + 1 : swing + 1]
     seen = track(robot, robot.from_legs(states), support_phase.share)
     for index, state in enumerate(states[::6]):
         pose = FootPose(seen.right_rotation[6 * index], seen.right_translation[6 * index])
@@ -269,6 +241,7 @@ def test_planner_and_check_agree_on_one_foot(name: str, support_phase: SupportPh
 
 def test_a_foot_that_is_dragged_is_found() -> None:
     motion = step_of("nao", SupportPhase.LEFT)
-    assert checked(motion).of(HEIGHTS[1]).value > SETTINGS.margin_kept * SETTINGS.step_lift
-    high = dataclasses.replace(SETTINGS, step_lift=2.0 * SETTINGS.step_lift)
-    assert not checked(motion, high).of(HEIGHTS[1]).kept
+    name = "height of the foot that is carried along"
+    assert checked(motion).of(name).value > SETTINGS.step_lift / 3.0
+    high = dataclasses.replace(SETTINGS, step_lift=4.0 * SETTINGS.step_lift)
+    assert not checked(motion, high).of(name).kept
