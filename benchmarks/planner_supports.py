@@ -4,8 +4,8 @@
 
 Draws double supports of each robot's range, plans a motion in each that the robot can be asked to
 stand in, and checks it independently. A run that was stopped goes on where it was. Writes the
-planner's section on double supports in docs/evidence/performance.md; fails where a motion failed or violates
-a constraint.
+planner's section on double supports in docs/evidence/performance.md; fails where a motion failed or
+violates a constraint.
 """
 
 from __future__ import annotations

@@ -289,7 +289,7 @@ def test_none_is_told_by_the_code_of_all() -> None:
 
 
 def test_the_page_on_codes_names_them_all() -> None:
-    page = (SOURCES / "docs/diagnostics.md").read_text()
+    page = (SOURCES / "docs/reference/diagnostics.md").read_text()
     table = page.split("What is wrong with a file", 1)[1]
     listed = [
         code

@@ -204,7 +204,13 @@ def test_what_starts_nodes_reaches_what_those_can() -> None:
     used = sources.used("reliability.flood")
     names = {path.name for path in used}
     assert {"world.py", "bodies.py", "flood_caller.py"} <= names
-    assert {"calibrator.py", "live.py", "in_force.py", "process.py", "solving_work.py"} <= names
+    assert {
+        "calibrator.py",
+        "live.py",
+        "active_calibration.py",
+        "process.py",
+        "solving_work.py",
+    } <= names
     # Other nodes, and commands, are none of its concern.
     assert names.isdisjoint({"controller_adapter.py", "simulator.py", "conductor.py"})
     assert {path.name for path in sources.used("reliability.killed_nodes")} >= {

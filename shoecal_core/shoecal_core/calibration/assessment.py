@@ -87,7 +87,7 @@ class Assessment:
                 "grf_std_n": _rms(spread.grf),
                 "cop_mae_mm": 1e3 * _mean(spread.cop_mean),
                 "cop_std_mm": 1e3 * _rms(spread.cop_length),
-                "cop_worst_mm": 1e3 * float(np.nanmax(spread.cop_length)),
+                "cop_worst_mm": 1e3 * float(np.nanmax(spread.cop_mean)),
             }
         told = self.told
         return {

@@ -16,7 +16,7 @@ from shoecal_core.report.page import Table
 from shoecal_core.report.quantities import UNKNOWN, number, size
 from shoecal_core.sensing.shoe import FEET
 
-LISTED_SOURCES, LEAST_SHARE = 6, 0.02
+LISTED_SOURCES, LEAST_WIN = 6, 0.005
 
 
 def expected_table(told: Told) -> Table:
@@ -55,7 +55,7 @@ def helps_table(told: Told) -> Table | None:
     known = [
         one
         for one in budget.sources
-        if np.isfinite(one.without).all() and one.share.max() >= LEAST_SHARE
+        if np.isfinite(one.without).all() and (one.without < (1.0 - LEAST_WIN) * budget.total).any()
     ]
     known.sort(key=lambda one: float(np.sum(one.without**2)))
     rows = tuple(

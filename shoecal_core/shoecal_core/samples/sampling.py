@@ -65,10 +65,10 @@ def load_samples(
             read.append((run, align(run, shoe, kinematics)))
         except FileError as error:
             notes.append(f"run {number} is left out: {error}")
-    samples = make_samples(read, robot, shoe, kinematics, settings)
+    samples = make_samples(read, robot, shoe, kinematics, settings, notes=notes)
     if samples is None:
         raise SessionError(session.folder, "no run can be used: " + "; ".join(notes))
-    return replace(samples, notes=(*notes, *samples.notes, *missing(samples)))
+    return replace(samples, notes=(*notes, *missing(samples)))
 
 
 def make_samples(
@@ -78,6 +78,7 @@ def make_samples(
     kinematics: Kinematics,
     settings: SampleSettings,
     kept: Mapping[int, BoolArray] | None = None,
+    notes: list[str] | None = None,
 ) -> Samples | None:
     """Samples of runs that were read and aligned; None where no run gives any.
 
@@ -86,12 +87,11 @@ def make_samples(
         robot, shoe, kinematics: of what was recorded.
         settings: rates.
         kept: by run, (T,) which of the aligned readings count; all of runs that are not listed.
+        notes: takes why runs are left out.
     """
-    notes: list[str] = []
+    notes = [] if notes is None else notes
     parts = _parts(read, robot, shoe, settings, kept or {}, notes)
-    if not parts:
-        return None
-    return replace(_joined(parts, robot, shoe, kinematics), notes=tuple(notes))
+    return _joined(parts, robot, shoe, kinematics) if parts else None
 
 
 def _parts(

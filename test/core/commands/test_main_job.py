@@ -54,7 +54,7 @@ def test_how_far_it_can_be_trusted(shoecal: Run, simulated: Path, tmp_path: Path
         (line,) = [line.split() for line in out.splitlines() if line.strip().startswith(label)]
         assert line[2:] == [
             f"{expected['grf_std_n']:.2f}",
-            f"{expected['cop_std_mm']:.1f}",
+            f"{expected['cop_mae_mm']:.1f}",
             f"{expected['cop_worst_mm']:.1f}",
         ]
     assert f"the data fixed {told['rank']} of {told['possible_rank']} directions" in out

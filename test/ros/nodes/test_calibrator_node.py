@@ -614,7 +614,7 @@ def test_somebody_who_touches_the_robot_is_no_drift(world: World, robot: Standin
 
 def test_a_refused_result_comes_back_whole(world: World) -> None:
     robot = ObligingRobot(world, SUPPORT)
-    start(world)
+    start(world, motion="landmarks")
     world.until_told("calibrator", "voltages", "come")
     world.until_told("calibrator", "joints", "come")
     result = calibrate(world, supports=2, train=2).result(300.0)

@@ -91,7 +91,7 @@ def test_every_node_has_an_enclave() -> None:
 def test_the_page_tells_of_this_policy() -> None:
     enclaves = [enclave.attrib["path"] for enclave in policy().iter("enclave")]
     # Another number: validate it anew, as the page says that it was.
-    assert re.findall(r"permissions of all (\d+) enclaves", PAGE) == [str(len(enclaves))]
+    assert re.findall(r"from this file \((\d+) enclaves\)", PAGE) == [str(len(enclaves))]
     table = re.findall(r"`(/shoecal/\w+)`", PAGE[PAGE.index("| enclave |") :])
     assert set(table) == set(enclaves)
 
