@@ -228,10 +228,10 @@ def calibrate_session(
         raise SessionError(session.folder, "; ".join(finding.reason for finding in found))
     train, test = (tuple(run for run in runs if data.stances[run]) for runs in (train, test))
     _require_supports(session, data.of(train), found)
-    stages = self_calibrate(data.shoe, data.of(train), _fitting(settings, data.screening))
+    fitting = _fitting(settings, data.screening)
+    stages = self_calibrate(data.shoe, data.of(train), fitting)
     joint = None
     if data.samples is not None:
-        fitting = _fitting(settings, data.screening)
         known = None
         if manual is not None:
             sensing = manual.sensing(data.shoe)
