@@ -36,11 +36,17 @@ def behind_action(begin: Begin, kind: str) -> Adapted:
 
 
 def moving(robot: Adapted, duration: float) -> Knee:
-    """Armed, and at the beginning of a motion."""
+    """Armed, and at the beginning of a motion.
+
+    Sent again until it is accepted: an adapter that starts refuses motions until the controller has
+    answered what was under way before.
+    """
     knee = Knee(robot)
     robot.arm()
-    robot.send(squat(duration, way=0.3))
-    robot.world.until(lambda: knee.way > 0.005)
+    while knee.way <= 0.005:
+        robot.send(squat(duration, way=0.3))
+        robot.settle()
+        robot.world.until(lambda: knee.way > 0.005 or "send it again" in robot.told.message)
     return knee
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -15,6 +16,7 @@ from shoecal_core.model.kinematics import Kinematics
 from shoecal_ros.common.conversions import JointSample, joints_to_ros
 
 LISTENER = Path(__file__).with_name("tf_listener.py")
+PERIOD_NS = 50_000_000
 
 
 @pytest.fixture
@@ -33,8 +35,13 @@ def tf(world: World) -> Iterator[World]:
 def tell_joints(world: World) -> None:
     publisher = world.publisher(JointState, "joint_states")
     world.until_known_to("model")
-    message = joints_to_ros(JointSample(10**9, nao().joint_names, nao().posture))
-    world.node.create_timer(0.05, lambda: publisher.publish(message))
+    stamps = count(10**9, PERIOD_NS)
+
+    def publish() -> None:
+        sample = JointSample(next(stamps), nao().joint_names, nao().posture)
+        publisher.publish(joints_to_ros(sample))
+
+    world.node.create_timer(PERIOD_NS / 1e9, publish)
 
 
 def test_names_and_prefix_are_those_asked_for(tf: World) -> None:
