@@ -51,12 +51,12 @@ def answer(
             with a stuck cell's readings mended.
         certain: causes that no fit was needed for.
     """
-    before = best.without(found.chosen) if not certain else workspace.explained(None)[0]
+    before, _ = workspace.explained(None)
     size = gap(best, before)
     over_floor = max(size.cop_mae_mm / size.cop_floor_mm, size.grf_mae_n / size.grf_floor_n)
     there = over_floor > settings.gap_from
     nothing_fits: Verdict = "unknown" if over_floor > settings.unknown_from else "no_gap"
-    causes = [*certain, *causes_of(best, found, settings)]
+    causes = [*certain, *causes_of(best, found, before, settings)]
     ranking = probabilities(found, 0, settings) if found.alternatives else ()
     ambiguity = ambiguity_set(ranking, settings) if ranking else ()
     if certain:
@@ -80,13 +80,15 @@ def answer(
 
 
 def causes_of(
-    workspace: Workspace, found: Found, settings: DiagnosisSettings
+    workspace: Workspace, found: Found, before: FloatArray, settings: DiagnosisSettings
 ) -> list[Cause]:
     """All parts of what was chosen, with sizes, shrink and hidden part."""
     if found.chosen is None:
         return []
     return [
-        _cause(workspace, found.chosen, index, probabilities(found, index, settings), settings)
+        _cause(
+            workspace, found.chosen, index, before, probabilities(found, index, settings), settings
+        )
         for index in range(len(found.alternatives))
     ]
 
@@ -125,10 +127,14 @@ def _cause(
     workspace: Workspace,
     chosen: Scored,
     index: int,
+    before: FloatArray,
     ranking: Sequence[Candidate],
     settings: DiagnosisSettings,
 ) -> Cause:
     hypothesis, form = chosen.parts[index]
+    if len(chosen.parts) > 1:
+        others = [part for at, part in enumerate(chosen.parts) if at != index]
+        before, _ = workspace.explained(workspace.scorer.score(others, foretell=False))
     probability = sum(
         one.probability
         for one in ranking
@@ -141,8 +147,6 @@ def _cause(
         probability=probability,
         size=sizes(workspace, chosen, index, settings.size_error),
         run=form.shape.run,
-        shrink=shrink(
-            workspace, workspace.without(chosen, index), workspace.explained(chosen)[0]
-        ),
+        shrink=shrink(workspace, before, workspace.explained(chosen)[0]),
         hidden_cop_mm=1e3 * hidden_cop(workspace, chosen, index),
     )

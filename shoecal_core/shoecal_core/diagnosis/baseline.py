@@ -61,7 +61,7 @@ def precision(
 ) -> FloatArray:
     """(p,) prior precision of the baseline's columns."""
     own = parameter_std(scene.samples.shoe, parameters, scene.samples.robot.weight, settings)
-    others = np.array([one.std for one in scene.nuisances])
+    others = np.array([std for _, std in scene.nuisances])
     return np.asarray(1.0 / np.concatenate((own, others)) ** 2)
 
 

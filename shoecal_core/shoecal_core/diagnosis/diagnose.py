@@ -102,8 +102,6 @@ def diagnose(
     exchange = rewired(mended, effects, settings, wanted)
     best = mended if exchange is None else exchange.workspace
     found = select(best, settings) if only is None else asked_for(best)
-    if found.chosen is not None:
-        best = best.at(found.chosen.level)
     tell("measuring the shrink", 0.8)
     certain = weak_cells(best, wanted)
     if exchange is not None:
@@ -112,13 +110,13 @@ def diagnose(
         certain.insert(0, halted.cause(workspace, mended))
     said = answer(workspace, best, certain, found, settings)
     if only is not None and not certain:
-        told = causes_of(best, found, settings)
+        told = causes_of(best, found, workspace.explained(None)[0], settings)
         said = replace(said, causes=tuple(told))
     tell("choosing the next motion", 0.85)
     proposed = _proposed(best, found, said, settings)
     tell("done", 1.0)
     chosen = found.chosen if said.causes else None
-    without_any = best.without(chosen) if not certain else workspace.explained(None)[0]
+    without_any, _ = workspace.explained(None)
     return Diagnosis(
         verdict=said.verdict,
         gap=gap(best, without_any),

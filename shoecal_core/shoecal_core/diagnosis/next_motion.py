@@ -20,7 +20,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.baseline import precision
 from shoecal_core.diagnosis.candidates import BY_HAND, possible_runs
 from shoecal_core.diagnosis.forecast import PossibleRun, extended
 from shoecal_core.diagnosis.hypotheses import Catalogue, Form, Hypothesis, make_catalogue
@@ -28,9 +27,10 @@ from shoecal_core.diagnosis.result import NextMotion
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.tempering import shares, temper
-from shoecal_core.diagnosis.workspace import Workspace, at_level, with_deviations
+from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.regression import Whitening
 from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import OWN_ERRORS
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
@@ -42,6 +42,8 @@ LEAST_CHANCE = 0.5
 """Of taking something out of the set: what has less is not proposed."""
 BY_HAND_WORTH = 0.8
 """What a robot can do by itself is preferred from this share of a person's run's worth."""
+STANCE_COLUMNS = len(OWN_ERRORS)
+"""Columns of the baseline that each stance has for itself."""
 
 
 @dataclass(frozen=True)
@@ -132,10 +134,10 @@ def separations(
     recorded = workspace.scene
     if not runs or not _stands(recorded):
         return ()
-    scene = with_deviations(extended(recorded, runs), workspace.tolerances)
-    shared = np.flatnonzero(recorded.shared)
+    scene = extended(recorded, runs)
+    shared = len(recorded.baseline) - STANCE_COLUMNS * len(recorded.slow_segments)
     columns, places = _columns(scene, _different(rivals))
-    prior = at_level(precision(scene, recorded.parameters, settings), scene, rivals[0][0].level)
+    own_precision = workspace.sums.precision[-STANCE_COLUMNS:]
     fits = [_fit(scored, shared, places, len(columns)) for scored, _ in rivals]
     # As in scoring, the noise is as large as what the best rival leaves.
     noise = min(scored.solution.squares for scored, _ in rivals) / workspace.scorer.rows
@@ -149,7 +151,7 @@ def separations(
     found = []
     number = max(workspace.scene.samples.runs)
     for index, run in enumerate(runs, 1):
-        gram = _gram(scene, whitening, number + index, columns, prior)
+        gram = _gram(scene, whitening, number + index, shared, columns, own_precision)
         gains = np.array([[expected_gain(one, other, gram) for other in fits] for one in fits])
         told = np.array([expected_gain(one, without, gram) for one in fits])
         after = _after(now, known, gains / noise, told / noise, settings)
@@ -194,15 +196,16 @@ class Fit:
     root: FloatArray
 
 
-def _fit(scored: Scored, shared: NDArray[np.int64], places: _Places, count: int) -> Fit:
-    """The fit of the baseline's shared columns and of `count` columns of hypotheses."""
+def _fit(scored: Scored, shared: int, places: _Places, count: int) -> Fit:
     solution = scored.solution
-    own, first = len(scored.columns), len(shared)
-    kept = np.concatenate((shared, np.arange(len(solution.vector) - own, len(solution.vector))))
-    used = np.concatenate(
-        [np.arange(first), *(first + places[form.columns] for _, form in scored.parts)]
+    own = len(scored.columns)
+    kept = np.concatenate(
+        (np.arange(shared), np.arange(len(solution.vector) - own, len(solution.vector)))
     )
-    mean = np.zeros(first + count)
+    used = np.concatenate(
+        [np.arange(shared), *(shared + places[form.columns] for _, form in scored.parts)]
+    )
+    mean = np.zeros(shared + count)
     mean[used] = solution.vector[kept]
     covariance = solution.covariance[np.ix_(kept, kept)]
     scale = np.sqrt(np.diag(covariance))
@@ -271,23 +274,25 @@ def _gram(
     scene: Scene,
     whitening: Whitening,
     run: int,
+    shared: int,
     columns: FloatArray,
-    prior: FloatArray,
+    own_precision: FloatArray,
 ) -> FloatArray:
     """(q, q) products of the shared baseline and of columns in one run.
 
-    What the run and its stances have for themselves has been fitted to them.
-
-    Args:
-        prior: (p,) precision of the scene's baseline.
+    What its stances have for themselves has been fitted to them.
     """
     part = scene.samples.run == run
-    own = ~scene.shared & scene.baseline[:, part].any(axis=(1, 2))
-    whole = np.concatenate((scene.baseline[scene.shared], columns, scene.baseline[own]))
+    here = set(np.unique(scene.samples.segment[part]).tolist())
+    stances = [index for index, one in enumerate(scene.slow_segments) if one in here]
+    own = np.array(
+        [shared + STANCE_COLUMNS * stance + i for stance in stances for i in range(STANCE_COLUMNS)]
+    )
+    whole = np.concatenate((scene.baseline[:shared], columns, scene.baseline[own]))
     flat = whitening(whole)[:, part][:, scene.mask[part]]
     products = flat @ flat.T
-    count = int(scene.shared.sum()) + len(columns)
-    normal = products[count:, count:] + np.diag(prior[own])
+    count = shared + len(columns)
+    normal = products[count:, count:] + np.diag(np.tile(own_precision, len(stances)))
     across = products[:count, count:]
     gram: FloatArray = products[:count, :count] - across @ np.linalg.solve(normal, across.T)
     return gram

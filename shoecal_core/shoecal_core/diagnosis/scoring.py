@@ -2,13 +2,8 @@
 
 With whitened residuals the logarithm of a hypothesis' evidence is
     - N/2 log(squares / N)   less   what the data narrow its components' priors
-with N the number of independent rows: the noise is as large as what is left, so that a noise that
-was guessed too small accuses nobody.
-
-How far a robot is off its files as it was built is not the same for all robots. Tolerances count at
-several levels, each a factor on all of them; every explanation is judged at the level that suits it
-best, volume of the tolerances' priors included. So a small fault stands out on a robot that is
-otherwise exact, and the same deviation accuses nobody on one that is not.
+with N the number of rows: the noise is as large as what is left, so that a noise that was
+guessed too small accuses nobody.
 """
 
 from __future__ import annotations
@@ -36,8 +31,7 @@ class Small:
     Attributes:
         sizes: (k,) of the columns.
         squares: left, priors included.
-        log_volume: half the logarithm of how much the data narrow the priors of the columns and of
-            the baseline.
+        log_volume: half the logarithm of how much the data narrow the columns' priors.
     """
 
     sizes: FloatArray
@@ -66,7 +60,7 @@ class Reduced:
     def fit(self, columns: Sequence[int], std: FloatArray) -> Small:
         """Some columns with priors, beside the baseline."""
         if not len(columns):
-            return Small(np.zeros(0), float(self._rest[-1, -1]), self._log_base)
+            return Small(np.zeros(0), float(self._rest[-1, -1]), 0.0)
         chosen = np.asarray(columns, dtype=np.int64)
         matrix = np.eye(len(std)) + self._rest[np.ix_(chosen, chosen)] * np.outer(std, std)
         right = std * self._rest[chosen, -1]
@@ -74,11 +68,11 @@ class Reduced:
         half = solve_triangular(factor, right, lower=True)
         sizes = std * solve_triangular(factor.T, half, lower=False)
         squares = float(self._rest[-1, -1] - half @ half)
-        return Small(sizes, squares, self._log_base + float(np.log(np.diag(factor)).sum()))
+        return Small(sizes, squares, float(np.log(np.diag(factor)).sum()))
 
     def log_evidence(self, fit: Small, noise: float) -> float:
         """Of the runs under noise of this variance, but for a constant."""
-        return -0.5 * fit.squares / noise - fit.log_volume
+        return -0.5 * fit.squares / noise - fit.log_volume - self._log_base
 
 
 @dataclass(frozen=True)
@@ -89,7 +83,6 @@ class Scored:
         scorer: what scored them.
         parts: hypotheses with the form chosen of each.
         sizes: (k,) of all their columns.
-        level: of the tolerances at which they explain most.
         evidence: logarithm, against nothing added.
         foretold: logarithm of how much better runs left out are foretold, against nothing added.
     """
@@ -97,7 +90,6 @@ class Scored:
     scorer: Scorer
     parts: tuple[Part, ...]
     sizes: FloatArray
-    level: int
     evidence: float
     foretold: float
 
@@ -119,7 +111,7 @@ class Scored:
     def solution(self) -> Solution:
         """The whole fit, the baseline's columns included."""
         std = np.concatenate([np.zeros(0), *(form.std for _, form in self.parts)])
-        return solve(self.scorer.products, self.scorer.levels[self.level], self.columns, std)
+        return solve(self.scorer.products, self.scorer.sums, self.columns, std)
 
     def own(self, index: int) -> slice:
         """Where the components of a part stand among all parts', counted from the end."""
@@ -133,62 +125,48 @@ class Scorer:
     """Scores hypotheses on some runs.
 
     Args:
-        levels: sums of all runs, with the baseline's priors at each level of the tolerances.
-        runs: to fit.
+        sums: of all runs. runs: to fit.
     """
 
-    def __init__(self, levels: Sequence[Sums], runs: Sequence[int]) -> None:
-        self.levels, self.runs = tuple(levels), tuple(runs)
-        self.products, self.rows = levels[0].of(runs)
-        self._all = [Reduced(self.products, one) for one in levels]
-        self._others = [
-            [Reduced(products, one) for products in one.others(runs)] for one in levels
-        ]
-        self._nothing = [one.fit((), np.zeros(0)) for one in self._all]
-        self.level = int(np.argmax([self._evidence(one) for one in self._nothing]))
-
-    @cached_property
-    def nothing(self) -> Solution:
-        """The fit with nothing added."""
-        return self.score((), foretell=False).solution
+    def __init__(self, sums: Sums, runs: Sequence[int]) -> None:
+        self.sums, self.runs = sums, tuple(runs)
+        self.products, self.rows = sums.of(runs)
+        self._all = Reduced(self.products, sums)
+        self._others = [Reduced(products, sums) for products in sums.others(runs)]
+        none = np.zeros(0)
+        self._nothing = self._all.fit((), none)
+        self._nothing_left = [others.fit((), none) for others in self._others]
+        self.nothing = solve(self.products, sums, (), none)
 
     @property
     def foretells(self) -> bool:
         """Whether there are runs enough to leave some out."""
-        return bool(self._others[0])
-
-    def _evidence(self, fit: Small) -> float:
-        """Logarithm of it, but for a constant."""
-        return -0.5 * self.rows * math.log(max(fit.squares, 1e-12)) - fit.log_volume
+        return bool(self._others)
 
     def score(self, parts: Sequence[Part], *, foretell: bool = True) -> Scored:
         """Fit some forms together."""
         columns = [column for _, form in parts for column in form.columns]
         std = np.concatenate([np.zeros(0), *(form.std for _, form in parts)])
-        fits = [one.fit(columns, std) for one in self._all]
-        evidence = [self._evidence(one) for one in fits]
-        level = int(np.argmax(evidence))
-        gain = evidence[level] - self._evidence(self._nothing[self.level])
+        fit = self._all.fit(columns, std)
+        gain = 0.5 * self.rows * math.log(self._nothing.squares / max(fit.squares, 1e-12))
         cost = sum(math.log(len(hypothesis.forms)) + form.shape.spent for hypothesis, form in parts)
-        foretold = self._foretold(fits[level], level, columns, std) if foretell else 0.0
+        foretold = self._foretold(fit, columns, std) if foretell else 0.0
         foretold -= sum(form.shape.spent for _, form in parts)
-        return Scored(self, tuple(parts), fits[level].sizes, level, gain - cost, foretold)
+        return Scored(self, tuple(parts), fit.sizes, gain - fit.log_volume - cost, foretold)
 
-    def _foretold(
-        self, fit: Small, level: int, columns: Sequence[int], std: FloatArray
-    ) -> float:
+    def _foretold(self, fit: Small, columns: Sequence[int], std: FloatArray) -> float:
         """Log predictive density of each run under a fit of the others, against nothing added.
 
         Where there are few runs, of stretches of them. What one is foretold to be, with all
         uncertainty of the fit, is the evidence of all runs over that of the others.
         """
         noise = fit.squares / self.rows
-        ours = self._all[level].log_evidence(fit, noise)
-        usual = self._all[self.level].log_evidence(self._nothing[self.level], noise)
+        ours, usual = (self._all.log_evidence(one, noise) for one in (fit, self._nothing))
         total = 0.0
-        for with_it, without in zip(self._others[level], self._others[self.level], strict=True):
-            total += ours - with_it.log_evidence(with_it.fit(columns, std), noise)
-            total -= usual - without.log_evidence(without.fit((), np.zeros(0)), noise)
+        for others, nothing in zip(self._others, self._nothing_left, strict=True):
+            left = others.fit(columns, std)
+            total += ours - others.log_evidence(left, noise)
+            total -= usual - others.log_evidence(nothing, noise)
         return total
 
     def best_form(

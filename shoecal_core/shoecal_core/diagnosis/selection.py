@@ -92,8 +92,9 @@ def ranked(
         for hypothesis in workspace.catalogue.hypotheses
         if id(hypothesis) not in taken
     ]
+    before, _ = workspace.explained(without)
     likely = sorted((one for one in scored if one.sensible), key=weight, reverse=True)[:LOOKED_AT]
-    found = [one for one in likely if matters(workspace, settings, without, one)]
+    found = [one for one in likely if matters(workspace, settings, before, without, one)]
     # What is far more probable than all that matters would only be replaced by something wrong.
     if not beside and found and weight(likely[0]) > FAR_MORE * weight(found[0]):
         found.insert(0, likely[0])
@@ -117,8 +118,9 @@ def _pairs(workspace: Workspace, settings: DiagnosisSettings) -> list[Scored]:
             if one is not first.parts[0][0]
         ]
         partners.sort(key=lambda one: one.evidence, reverse=True)
+        before, _ = workspace.explained(first)
         pairs = [scorer.score(one.parts) for one in partners[:PARTNERS] if one.sensible]
-        found += [one for one in pairs if matters(workspace, settings, first, one)]
+        found += [one for one in pairs if matters(workspace, settings, before, first, one)]
     return found
 
 
@@ -137,20 +139,21 @@ def _believable(without: Scored, hypothesis: Hypothesis) -> Scored:
 def matters(
     workspace: Workspace,
     settings: DiagnosisSettings,
+    before: FloatArray,
     without: Scored,
     scored: Scored,
 ) -> bool:
     """Whether the part that was added last does; what may be a remainder of others must do more.
 
     Args:
-        without: the others' fit.
+        before: (T, s) residuals without it. without: the others' fit.
     """
     least = settings.material
     if without.parts:
         added = scored.evidence - without.evidence
         remainder = added < settings.remainder_share * without.evidence
         least = settings.later_material if remainder else settings.other_material
-    return matter(workspace, scored) >= least
+    return matter(workspace, before, scored) >= least
 
 
 def happened(workspace: Workspace, found: Found, settings: DiagnosisSettings) -> bool:
@@ -159,8 +162,9 @@ def happened(workspace: Workspace, found: Found, settings: DiagnosisSettings) ->
     for index, part in enumerate(parts):
         if part[1].shape.run is not None:
             others = [*parts[:index], *parts[index + 1 :]]
+            before, _ = workspace.explained(workspace.scorer.score(others, foretell=False))
             scored = workspace.scorer.score([*others, part], foretell=False)
-            if matter(workspace, scored) >= settings.material:
+            if matter(workspace, before, scored) >= settings.material:
                 return True
     return False
 
@@ -184,20 +188,23 @@ def weight(scored: Scored) -> float:
     return told + math.log(hypothesis.prior)
 
 
-def matter(workspace: Workspace, scored: Scored) -> float:
-    """How much of CoP or GRF, whichever is more, the last part explains, over what none does.
+def matter(workspace: Workspace, before: FloatArray, scored: Scored) -> float:
+    """How much of CoP or GRF, whichever is more, one more part explains, over what none does.
 
     What is sure but too small to matter to a controller is no gap. What gains and offsets would
     make up for is no gap either: it is told by itself, as hidden.
+
+    Args:
+        before: (T, s) residuals without it.
     """
-    added, absorbed = workspace.absorbed(scored, len(scored.parts) - 1)
+    after, _ = workspace.explained(scored)
     rows = workspace.scene.mask[:, 1].copy()
     run = scored.parts[-1][1].shape.run
     if run is not None:
         rows &= workspace.rows_of([run])
     if not rows.any():
         return 0.0
-    change = (added - absorbed)[rows] / workspace.beyond_all
+    change = (before - after)[rows] / workspace.beyond_all
     cop = float(np.sqrt(np.mean(change[:, COP] ** 2)))
     return max(cop, float(np.sqrt(np.mean(change[:, 0] ** 2))))
 

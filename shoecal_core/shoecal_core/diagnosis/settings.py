@@ -12,10 +12,6 @@ from shoecal_core.settings import setting
 class DiagnosisSettings(SignalSettings):
     """How samples are made and when something counts as found."""
 
-    rate_hz: float = setting(
-        2.0, "1/s", "samples that regressions see; what happens faster is worked out before",
-        minimum=0.5,
-    )  # fmt: skip
     causes_max: int = setting(4, "", "effects in one explanation at most", minimum=1, maximum=12)
     evidence_min: float = setting(
         25.0, "", "an effect is needed when the data are more probable with it by this, as a "

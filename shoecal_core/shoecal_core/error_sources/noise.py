@@ -18,8 +18,6 @@ WHITE = (1.0, -4.0, 6.0, -4.0, 1.0)
 """Shares of samples in a row of whose sum only noise is left that has no memory."""
 HALF_WITHIN = 0.6745
 """Standard deviations within which half of all normal numbers lie."""
-FORM_ERRORS = 3.0
-"""Of a robot as far off its files as tolerances say, times the usual error of a model."""
 MODEL_ERRORS = 1.5
 """Of a robot without a fault, times the usual error of a model."""
 
@@ -73,18 +71,15 @@ def model_error(scene: Scene, settings: SignalSettings) -> FloatArray:
     return error
 
 
-def quiet(scene: Scene, settings: SignalSettings, level: float) -> FloatArray:
+def quiet(scene: Scene, settings: SignalSettings) -> FloatArray:
     """(s,) noise that a robot without a fault has at most: of sensors, and of any model.
-
-    Where the tolerances count by `level`, so does what no linear deviation has in its form.
 
     What is more may be an effect that nothing known explains: it must not raise the floor that
     it is judged by. Of a robot that walks nothing of the kind can be said.
     """
     if scene.samples.walks.any():
         return np.full(len(SIGNALS), np.inf)
-    error = max(1.0, FORM_ERRORS * level) * model_error(scene, settings)
-    most: FloatArray = np.hypot(MODEL_ERRORS * error, white_noise(scene))
+    most: FloatArray = np.hypot(MODEL_ERRORS * model_error(scene, settings), white_noise(scene))
     return most
 
 

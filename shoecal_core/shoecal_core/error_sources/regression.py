@@ -1,10 +1,8 @@
 """Least squares over the signals, from sums that every hypothesis shares.
 
-The noise of a signal is correlated in time, and what makes it so is mostly the form error of the
-model: alike for seconds, of no known spectrum. Each sample therefore counts by its share of what is
-independent, and no difference between neighbours counts more than their mean does. The sums of
-products of all columns, a run at a time, are made once; every hypothesis, on whatever runs, is then
-a small system of equations.
+All signals are whitened: each is one noise, correlated from sample to sample, long. The sums of
+products of all columns, a run at a time, are made once; every hypothesis, on whatever runs, is
+then a small system of equations.
 """
 
 from __future__ import annotations
@@ -29,7 +27,7 @@ Without one of a few double supports a fit loses rank, and what it foretells say
 
 @dataclass(frozen=True)
 class Noise:
-    """Noise of the signals, s of them.
+    """Noise of the signals, s of them: x_t = keep x_{t-1} + innovation.
 
     Attributes:
         std: (s,) of the noise itself.
@@ -40,33 +38,38 @@ class Noise:
     keep: FloatArray
 
     @property
-    def share(self) -> FloatArray:
-        """(s,) of each sample that is independent of the others: the mean of many samples has the
-        variance that so many fewer independent ones have.
-        """
-        share: FloatArray = (1.0 - self.keep) / (1.0 + self.keep)
-        return share
+    def innovation(self) -> FloatArray:
+        """(s,) standard deviation of what is new in each sample."""
+        return self.std * np.sqrt(1.0 - self.keep**2)
 
 
 class Whitening:
-    """Turns signals (..., T, s) into rows of which so many as are independent have unit noise.
+    """Turns signals (..., T, s) into rows of unit noise.
 
     Args:
-        samples: of the signals.
+        samples: which follow each other within a run and segment.
         mask: (T, s) signals that are there.
         noise: of the signals.
     """
 
     def __init__(self, samples: Samples, mask: BoolArray, noise: Noise) -> None:
-        scale = np.sqrt(noise.share) / np.maximum(noise.std, 1e-300)
+        step = np.diff(samples.time)
+        usual = float(np.median(step))
+        follows = (np.diff(samples.segment) == 0) & (step > 0.0) & (step < 1.5 * usual)
+        self._follows = np.concatenate(([False], follows))[:, None] & mask
+        self._follows[1:] &= mask[:-1]
+        self._keep = np.where(self._follows, noise.keep, 0.0)
+        first = np.sqrt(1.0 - noise.keep**2)
+        scale = np.where(self._follows, 1.0, first) / np.maximum(noise.innovation, 1e-300)
         self._scale = np.where(mask, scale, 0.0)
-        self.independent = np.where(mask, noise.share, 0.0)
         self.run = samples.run
         self.stretch = stretches_of(samples)
 
     def __call__(self, values: FloatArray) -> FloatArray:
         """(..., T, s) whitened."""
-        whitened: FloatArray = values * self._scale
+        whitened = values.copy()
+        whitened[..., 1:, :] -= self._keep[1:] * values[..., :-1, :]
+        whitened *= self._scale
         return whitened
 
 
@@ -88,7 +91,7 @@ class Sums:
     Attributes:
         runs: (B,) number of the run of which each stretch is.
         products: (B, q, q).
-        rows: (B,) number of independent rows.
+        rows: (B,) number of whitened rows.
         base: number of the baseline's columns.
         precision: (base,) prior precision of the baseline's columns.
     """
@@ -144,7 +147,7 @@ def make_sums(
             part &= whitening.stretch == stretch
         flat = whitened[:, part][:, mask[part]]
         products[index] = flat @ flat.T
-        rows[index] = whitening.independent[part].sum()
+        rows[index] = mask[part].sum()
     return Sums(tuple(run for run, _ in stretches), products, rows, len(baseline), precision)
 
 

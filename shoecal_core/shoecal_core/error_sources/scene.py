@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,9 +29,6 @@ from shoecal_core.error_sources.wiring import Wiring
 from shoecal_core.samples.samples import Samples
 from shoecal_core.sensing.wrench import ChannelParameters
 
-if TYPE_CHECKING:
-    from shoecal_core.error_sources.base import Deviation
-
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
@@ -45,33 +41,14 @@ LEAST_FLAT = (1e-4, 1e-3, 1e-3)
 
 
 @dataclass(frozen=True)
-class Nuisance:
-    """What may be in any recording and is fitted with whatever else is.
-
-    Attributes:
-        column: (T, s) what one unit of it adds.
-        std: prior standard deviation.
-        shared: by all runs, or it belongs to one run or stance.
-        as_built: it is a deviation of a robot as built.
-    """
-
-    column: FloatArray
-    std: float
-    shared: bool = True
-    as_built: bool = False
-
-
-@dataclass(frozen=True)
 class Scene(Responses):
     """All signals at T samples under one set of channel parameters.
 
     Attributes:
         zero_std: how well the joints' zeros are set [rad].
-        deviations: as-built errors that are nuisances here.
     """
 
     zero_std: float
-    deviations: tuple[Deviation, ...] = ()
 
     @cached_property
     def residuals(self) -> FloatArray:
@@ -93,7 +70,7 @@ class Scene(Responses):
         count, channels = self.outputs.shape
         gains = [self._of_channel(i, one) for i, one in enumerate(self.samples.readings.T)]
         offsets = [self._of_channel(i, np.ones(count)) for i in range(channels)]
-        others = [one.column for one in self.nuisances]
+        others = [column for column, _ in self.nuisances]
         return np.array([self.settled(one) for one in (*gains, *offsets, *others)])
 
     def _of_channel(self, channel: int, values: FloatArray) -> FloatArray:
@@ -105,18 +82,15 @@ class Scene(Responses):
         return column
 
     @cached_property
-    def nuisances(self) -> list[Nuisance]:
-        """Deviations as built, and what may be there in any recording."""
+    def nuisances(self) -> list[tuple[FloatArray, float]]:
+        """What may be there in any recording, each (T, s) with its prior standard deviation."""
         count = len(self.samples.run)
-        found = [
-            Nuisance(one.column, one.std, shared=one.run is None, as_built=True)
-            for one in self.deviations
-        ]
+        found: list[tuple[FloatArray, float]] = []
 
-        def add(signal: int, values: FloatArray, std: float, *, shared: bool = True) -> None:
+        def add(signal: int, values: FloatArray, std: float) -> None:
             column = np.zeros((count, len(SIGNALS)))
             column[:, signal] = values
-            found.append(Nuisance(column, std, shared))
+            found.append((column, std))
 
         for foot in (0, 1):
             own = np.flatnonzero(self.wiring.foot == foot)
@@ -126,7 +100,7 @@ class Scene(Responses):
                     add(PARITY.start + foot, values, FREE)
         # Accelerations move the zero-moment point; how much, a rigid body tells roughly.
         if not self.fast:
-            found.append(Nuisance(self.dynamic, FREE))
+            found.append((self.dynamic, FREE))
         for axis in range(TILT.start, TILT.stop):
             add(axis, np.ones(count), FREE)
         for axis, std in enumerate(self.zero_errors, FLAT.start):
@@ -136,20 +110,8 @@ class Scene(Responses):
         for segment in self.slow_segments:
             here = (self.samples.segment == segment).astype(np.float64)
             for signal in OWN_ERRORS:
-                add(signal, here, steps[signal], shared=False)
+                add(signal, here, steps[signal])
         return found
-
-    @cached_property
-    def shared(self) -> BoolArray:
-        """(p,) which of the baseline's columns all runs share."""
-        own = np.ones(2 * len(self.parameters.gain), dtype=np.bool_)
-        return np.concatenate((own, [one.shared for one in self.nuisances]))
-
-    @cached_property
-    def built(self) -> BoolArray:
-        """(p,) which of them are deviations of a robot as built."""
-        own = np.zeros(2 * len(self.parameters.gain), dtype=np.bool_)
-        return np.concatenate((own, [one.as_built for one in self.nuisances]))
 
     @cached_property
     def zero_errors(self) -> FloatArray:
