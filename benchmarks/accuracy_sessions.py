@@ -25,8 +25,9 @@ from population import ROOT, SUPPORTS, TRAIN, make_session, nao, paper_runs
 from shoecal_core.commands.many_jobs import over_cores
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, sha256
+from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.standard import STANDARD_SUPPORTS, standard_runs
+from shoecal_core.planning.standard import STANDARD_SUPPORTS, calibration_runs
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
 from shoecal_core.workspace import config_dir
@@ -38,7 +39,7 @@ NOISY = ("noisy", "noisy_1n")
 REALITIES = (DEFAULT, "other_laws", *NOISY)
 STANDARD, PAPER = "standard", "paper"
 MOTIONS: Mapping[str, str] = {
-    STANDARD: "standard set, with both unloading motions",
+    STANDARD: "set that a self-calibration records by default, with both unloading motions",
     PAPER: "paper's own protocol",
 }
 
@@ -124,7 +125,8 @@ class Case:
         shutil.rmtree(self.folder, ignore_errors=True)
         try:
             supports = draw_supports(robot, shoe, PlannerSettings(), count, self.seed)
-            runs = standard_runs(supports) if standard else paper_runs(supports)
+            neutral = DoubleSupport(*robot.support_range.neutral)
+            runs = calibration_runs(supports, neutral) if standard else paper_runs(supports)
             make_session(
                 self.folder, runs, seed=self.seed, robot_seed=self.seed, reality=self.changes
             )
