@@ -30,6 +30,8 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import STANDARD_SUPPORTS, calibration_runs
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
+from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir
 
 OUT = ROOT / "out" / "accuracy"
@@ -53,12 +55,14 @@ class Case:
         motions: one of MOTIONS.
         seed: of everything that is drawn.
         out: folder of all sessions.
+        manual: a manual calibration of its shoes is the prior.
     """
 
     reality: str
     motions: str
     seed: int
     out: Path = OUT
+    manual: bool = False
 
     @property
     def folder(self) -> Path:
@@ -70,6 +74,10 @@ class Case:
         """Its reality file; None for the default one."""
         file = config_dir() / "realities" / f"{self.reality}.yaml"
         return None if self.reality == DEFAULT else file
+
+    def load_reality(self) -> Reality:
+        """What its reality file says."""
+        return load_reality(config_dir() / "realities" / "default.yaml", self.changes)
 
     @property
     def quiet(self) -> Case:
