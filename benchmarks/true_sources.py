@@ -6,6 +6,7 @@ where nothing is wrong. Effects that a reality lists beside are not in here: the
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -38,7 +39,9 @@ MASSES = ("payload", "shoe_mass")
 
 def read_drawn(session: Session) -> Drawn:
     """Everything that was drawn: truth/reality.yaml."""
-    drawn: Drawn = yaml.safe_load((session.truth_path(1).parent / "reality.yaml").read_text())
+    text = (session.truth_path(1).parent / "reality.yaml").read_text()
+    # YAML 1.1 takes 1e-5 for a text.
+    drawn: Drawn = yaml.safe_load(re.sub(r"(?<![\d.])(\d+)e([-+]\d+)\b", r"\1.0e\2", text))
     return drawn
 
 
