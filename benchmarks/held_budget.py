@@ -52,7 +52,7 @@ def hold_budget(
 def _wrong(session: Session, fit: JointFit, reality: Reality) -> FloatArray:
     """(u,) estimate less truth of all unknowns."""
     drawn, names = read_drawn(session), session.shoe.names
-    own = [drawn[law][name] for law in ("gain", "offset") for name in names]
+    channels = [drawn[law][name] for law in ("gain", "offset") for name in names]
     found = dict(true_sources(session))
     links = fit.scene.links
     for link, mass in zip(links.names, links.mass, strict=True):
@@ -69,7 +69,7 @@ def _wrong(session: Session, fit: JointFit, reality: Reality) -> FloatArray:
         for axis in "xy":
             found["plates", (foot,), axis] = 1.0 / carried - 1.0
     deviations = [one.value - _true(one, found) for one in fit.deviations]
-    return np.concatenate((fit.vector - np.append(own, 0.0), deviations))
+    return np.concatenate((fit.vector - np.append(channels, 0.0), deviations))
 
 
 def _true(one: FittedDeviation, found: Mapping[Source, float]) -> float:
