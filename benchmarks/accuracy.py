@@ -4,7 +4,8 @@
         [--realities default,other_laws,noisy,noisy_1n] [--motions paper,standard] [--no-page]
 
 Sessions are those of `accuracy_sessions.py`, made where they are missing; another run only
-calibrates them anew, those of the standard set with a manual calibration as prior, too. Writes a section of docs/evidence/trust.md and the key `accuracy` of
+calibrates them anew: those of the standard set in the default reality with a manual calibration as
+prior, too. Writes a section of docs/evidence/trust.md and the key `accuracy` of
 out/trust.json. Seeds 1 to 8 are there to develop with: by default none of them is in the table.
 """
 
@@ -16,7 +17,7 @@ from dataclasses import replace
 
 from accuracy_page import figures, section
 from accuracy_results import Result, measure
-from accuracy_sessions import MOTIONS, REALITIES, STANDARD, cases, make, names
+from accuracy_sessions import MOTIONS, REALITIES, cases, make, names
 from pages import write_trust
 from shoecal_core.commands.many_jobs import over_cores
 
@@ -33,7 +34,7 @@ def main() -> None:
     args = parser.parse_args()
     wanted = cases(args.realities, args.motions, range(args.first, args.first + args.seeds))
     make(wanted, args.jobs)
-    wanted += [replace(case, manual=True) for case in wanted if case.motions == STANDARD]
+    wanted += [replace(case, manual=True) for case in wanted if case.takes_manual]
     recorded = [case for case in wanted if not case.failed and not case.quiet.failed]
     results: dict[int, Result] = {}
     for number, result in over_cores(measure, recorded, args.jobs):

@@ -75,6 +75,11 @@ class Case:
         file = config_dir() / "realities" / f"{self.reality}.yaml"
         return None if self.reality == DEFAULT else file
 
+    @property
+    def takes_manual(self) -> bool:
+        """Whether it is calibrated with a manual calibration, too."""
+        return (self.motions, self.reality) == (STANDARD, DEFAULT)
+
     def load_reality(self) -> Reality:
         """What its reality file says."""
         return load_reality(config_dir() / "realities" / "default.yaml", self.changes)

@@ -20,9 +20,7 @@ BoolArray = NDArray[np.bool_]
 GEARS = ("joint_compliance", "backlash")
 
 
-def hold_budget(
-    session: Session, outcome: Outcome, reality: Reality
-) -> Mapping[str, BoolArray]:
+def hold_budget(session: Session, outcome: Outcome, reality: Reality) -> Mapping[str, BoolArray]:
     """By source, (3,) whether its true share is inside its interval: of both feet, left, right.
 
     Where a foot stands is not recorded as truth: what the fit says of it is taken for true, and
@@ -34,7 +32,8 @@ def hold_budget(
         reality: it was simulated in.
     """
     fit, stated = outcome.joint, outcome.assessment.budget
-    assert fit is not None and stated is not None
+    assert fit is not None
+    assert stated is not None
     wrong = _wrong(session, fit, reality)
     parts = mean_squares(fit, outcome.assessment.error_model, wrong[:, None])[:, :, 0]
     names = [*unknowns(fit), NOISE]
@@ -60,7 +59,9 @@ def _wrong(session: Session, fit: JointFit, reality: Reality) -> FloatArray:
     stiffness = reality.cells.stiffness_n_per_m
     for foot in FEET:
         own = [name for name in names if name.startswith(foot)]
-        places = np.array([[found["cell_position", (name,), axis] for axis in "xy"] for name in own])
+        places = np.array(
+            [[found["cell_position", (name,), axis] for axis in "xy"] for name in own]
+        )
         places += session.shoe.positions[[names.index(name) for name in own]]
         carried = 1.0 - float(drawn["clamp_share"][foot])
         give = carried / (stiffness * ((places - places.mean(axis=0)) ** 2).sum(axis=0))

@@ -24,7 +24,7 @@ FloatArray = NDArray[np.float64]
 DRAWS = 400
 ROUNDING = 1e-12
 """Added to a covariance in units of its priors, which rounding may leave indefinite."""
-CREDIBLE = (2.5, 97.5)
+CREDIBLE = 0.95
 NOISE, PRIOR, SIDEWAYS, SUPPORT = "noise", "gains_and_offsets", "sideways_force", "support"
 """Sources that are no deviations: noise with form error, what only the prior of gains and offsets
 fixes, sideways forces at the cells' height, and where the right foot stands."""
@@ -116,8 +116,20 @@ def budget(fit: JointFit, model: ErrorModel, spreads: Sequence[Spread]) -> Budge
 def _source(
     name: str, square: FloatArray, total: FloatArray, shares: FloatArray, known: FloatArray
 ) -> ErrorSource:
-    interval = np.percentile(shares, CREDIBLE, axis=1).T
+    interval = np.array([_credible(drawn) for drawn in shares])
     return ErrorSource(name, np.sqrt(square), square / total, interval, known)
+
+
+def _credible(shares: FloatArray) -> FloatArray:
+    """(2,) the shortest interval that holds most of the draws.
+
+    A share cannot be negative: one that may well be nothing has an interval from zero on, which
+    one between two quantiles would leave out.
+    """
+    ordered = np.concatenate(([min(0.0, shares.min())], np.sort(shares)))
+    held = int(np.ceil(CREDIBLE * len(shares)))
+    first = int(np.argmin(ordered[held:] - ordered[:-held]))
+    return ordered[[first, first + held]]
 
 
 def unknowns(fit: JointFit) -> dict[str, NDArray[np.int64]]:

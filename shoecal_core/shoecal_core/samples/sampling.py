@@ -119,7 +119,9 @@ def _parts(
             everything = np.ones(len(aligned.time), dtype=bool)
             counts = kept.get(run.info.run, everything)
             hangs = _high(aligned, settings) if air is None else air.get(run.info.run, ~everything)
-            part = _part(run, aligned, counts, hangs, robot, shoe, settings, rate, at, segments, first_ns)
+            part = _part(
+                run, aligned, counts, hangs, robot, shoe, settings, rate, at, segments, first_ns
+            )
         except ShoecalError as error:
             notes.append(f"run {run.info.run} is left out: {error}")
             continue
