@@ -4,7 +4,8 @@
         [--realities default,other_laws,noisy,noisy_1n] [--motions paper,standard] [--no-page]
 
 Sessions are those of `accuracy_sessions.py`, made where they are missing; another run only
-calibrates them anew. Writes a section of docs/evidence/trust.md and the key `accuracy` of
+calibrates them anew: those of the standard set in the default reality with a manual calibration as
+prior, too. Writes a section of docs/evidence/trust.md and the key `accuracy` of
 out/trust.json. Seeds 1 to 8 are there to develop with: by default none of them is in the table.
 """
 
@@ -12,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import json
+from dataclasses import replace
 
 from accuracy_page import figures, section
 from accuracy_results import Result, measure
@@ -32,6 +34,7 @@ def main() -> None:
     args = parser.parse_args()
     wanted = cases(args.realities, args.motions, range(args.first, args.first + args.seeds))
     make(wanted, args.jobs)
+    wanted += [replace(case, manual=True) for case in wanted if case.takes_manual]
     recorded = [case for case in wanted if not case.failed and not case.quiet.failed]
     results: dict[int, Result] = {}
     for number, result in over_cores(measure, recorded, args.jobs):

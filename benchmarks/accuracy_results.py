@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from accuracy_sessions import Case
 from held import Held, hold
+from held_budget import hold_budget
+from population import nao
+from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.calibration.evaluation import MEASURED, TRUTH, compare_runs
+from shoecal_core.calibration.manual.calibrate import calibrate_manually
 from shoecal_core.calibration.pipeline import calibrate_session
 from shoecal_core.calibration.run_errors import errors_by_set
+from shoecal_core.commands.simulated_manual import simulate_manual
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.session import Session
 from true_sources import read_drawn
 
 FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
 FAILED = "FAIL"
 REFUSED = "refused"
 
@@ -35,6 +42,7 @@ class Result:
         errors: on the test runs, as `shoecal evaluate` reports them.
         gain_errors: (n,) found over true gain, minus 1.
         held: stated uncertainties against the truth.
+        budget: by source, (3,) whether its true share of the CoP error is inside its interval.
     """
 
     case: Case
@@ -44,6 +52,7 @@ class Result:
     errors: Errors | None = None
     gain_errors: FloatArray | None = None
     held: Held | None = None
+    budget: Mapping[str, BoolArray] = field(default_factory=dict)
 
 
 def measure(case: Case) -> Result:
@@ -54,9 +63,10 @@ def measure(case: Case) -> Result:
     """
     session = Session.open(case.folder)
     train, test = case.sets(session)
+    manual = _manual(case) if case.manual else None
     begin = time.process_time()
     try:
-        outcome = calibrate_session(session, train, test)
+        outcome = calibrate_session(session, train, test, manual=manual)
     except ShoecalError as error:
         return Result(case, REFUSED, str(error).replace(f"{case.folder}: ", ""))
     seconds = time.process_time() - begin
@@ -73,4 +83,12 @@ def measure(case: Case) -> Result:
         errors=errors_by_set(runs, MEASURED, TRUTH)["test"],
         gain_errors=calibration.parameters.gain / true_gain - 1.0,
         held=hold(judged, outcome, true_gain) if outcome.test else None,
+        budget=hold_budget(session, outcome, case.load_reality()),
     )
+
+
+def _manual(case: Case) -> Calibration:
+    """A manual calibration of a case's shoes, on the simulated rig."""
+    robot, shoe = nao()
+    cells, loads = simulate_manual(shoe, case.load_reality(), case.seed, case.seed)
+    return calibrate_manually(shoe, robot, cells, loads).calibration

@@ -25,10 +25,13 @@ from population import ROOT, SUPPORTS, TRAIN, make_session, nao, paper_runs
 from shoecal_core.commands.many_jobs import over_cores
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, sha256
+from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.standard import STANDARD_SUPPORTS, standard_runs
+from shoecal_core.planning.standard import STANDARD_SUPPORTS, calibration_runs
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
+from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir
 
 OUT = ROOT / "out" / "accuracy"
@@ -38,7 +41,7 @@ NOISY = ("noisy", "noisy_1n")
 REALITIES = (DEFAULT, "other_laws", *NOISY)
 STANDARD, PAPER = "standard", "paper"
 MOTIONS: Mapping[str, str] = {
-    STANDARD: "standard set, with both unloading motions",
+    STANDARD: "set that a self-calibration records by default, with both unloading motions",
     PAPER: "paper's own protocol",
 }
 
@@ -52,12 +55,14 @@ class Case:
         motions: one of MOTIONS.
         seed: of everything that is drawn.
         out: folder of all sessions.
+        manual: a manual calibration of its shoes is the prior.
     """
 
     reality: str
     motions: str
     seed: int
     out: Path = OUT
+    manual: bool = False
 
     @property
     def folder(self) -> Path:
@@ -69,6 +74,15 @@ class Case:
         """Its reality file; None for the default one."""
         file = config_dir() / "realities" / f"{self.reality}.yaml"
         return None if self.reality == DEFAULT else file
+
+    @property
+    def takes_manual(self) -> bool:
+        """Whether it is calibrated with a manual calibration, too."""
+        return (self.motions, self.reality) == (STANDARD, DEFAULT)
+
+    def load_reality(self) -> Reality:
+        """What its reality file says."""
+        return load_reality(config_dir() / "realities" / "default.yaml", self.changes)
 
     @property
     def quiet(self) -> Case:
@@ -124,7 +138,8 @@ class Case:
         shutil.rmtree(self.folder, ignore_errors=True)
         try:
             supports = draw_supports(robot, shoe, PlannerSettings(), count, self.seed)
-            runs = standard_runs(supports) if standard else paper_runs(supports)
+            neutral = DoubleSupport(*robot.support_range.neutral)
+            runs = calibration_runs(supports, neutral) if standard else paper_runs(supports)
             make_session(
                 self.folder, runs, seed=self.seed, robot_seed=self.seed, reality=self.changes
             )

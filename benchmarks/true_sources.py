@@ -38,8 +38,21 @@ MASSES = ("payload", "shoe_mass")
 
 def read_drawn(session: Session) -> Drawn:
     """Everything that was drawn: truth/reality.yaml."""
-    drawn: Drawn = yaml.safe_load((session.truth_path(1).parent / "reality.yaml").read_text())
+    said = yaml.safe_load((session.truth_path(1).parent / "reality.yaml").read_text())
+    drawn: Drawn = _with_numbers(said)
     return drawn
+
+
+def _with_numbers(said: Any) -> Any:
+    """The same; YAML 1.1 takes 1e-5 for a text."""
+    if isinstance(said, dict):
+        return {key: _with_numbers(one) for key, one in said.items()}
+    if isinstance(said, list):
+        return [_with_numbers(one) for one in said]
+    try:
+        return float(said) if isinstance(said, str) else said
+    except ValueError:
+        return said
 
 
 def true_sources(session: Session) -> dict[Source, float]:

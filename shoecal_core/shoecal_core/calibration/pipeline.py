@@ -142,7 +142,9 @@ def load_data(
     standing = all(run.info.support is not None for run in recorded.values())
     if settings is not None and standing and not screening.fails:
         read = [(run, aligned[number]) for number, run in recorded.items()]
-        samples = make_samples(read, robot, shoe, kinematics, SAMPLING, screening.kept)
+        samples = make_samples(
+            read, robot, shoe, kinematics, SAMPLING, screening.kept, screening.air
+        )
     temperatures = [run.readings.temperature for run in recorded.values()]
     told = [values[np.isfinite(values)] for values in temperatures]
     return SessionData(

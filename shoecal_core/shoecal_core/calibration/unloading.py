@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from shoecal_core.calibration.screening.closure import lifted
 from shoecal_core.calibration.screening.stretches import lasting, widened
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.sampling import TRANSIT_S
 
 BoolArray = NDArray[np.bool_]
 
@@ -27,8 +28,6 @@ FREE_SHARE = 0.6
 that height a little less than it seems."""
 LEAST_AIR_S = 0.5
 """A foot that is up for a shorter time does not hang still."""
-MARGIN_S = 0.15
-"""Cut from both ends of a stretch in the air, and around it: the robot still sways."""
 
 
 @dataclass(frozen=True)
@@ -71,6 +70,6 @@ def aloft(motion: str, aligned: Aligned) -> Aloft | None:
     height = aligned.states.translation[:, 2]
     height = np.abs(height - np.median(height[~up])) if not up.all() else height
     high = up & (height > FREE_SHARE * height.max())
-    inner = ~widened(~high, time, MARGIN_S)
+    inner = ~widened(~high, time, TRANSIT_S)
     air = lasting(inner, time, LEAST_AIR_S)
-    return Aloft(UNLOADING[motion], air, widened(up, time, MARGIN_S) & ~air)
+    return Aloft(UNLOADING[motion], air, widened(up, time, TRANSIT_S) & ~air)

@@ -24,7 +24,7 @@ FloatArray = NDArray[np.float64]
 DRAWS = 400
 ROUNDING = 1e-12
 """Added to a covariance in units of its priors, which rounding may leave indefinite."""
-CREDIBLE = (2.5, 97.5)
+CREDIBLE = 0.95
 NOISE, PRIOR, SIDEWAYS, SUPPORT = "noise", "gains_and_offsets", "sideways_force", "support"
 """Sources that are no deviations: noise with form error, what only the prior of gains and offsets
 fixes, sideways forces at the cells' height, and where the right foot stands."""
@@ -90,15 +90,9 @@ def budget(fit: JointFit, model: ErrorModel, spreads: Sequence[Spread]) -> Budge
         spreads: of both feet, left and right over the sensing polygons.
     """
     total = np.array([_mean_square(one) for one in spreads])
-    both, left, right = model.load_cases()
-    jacobians = [
-        _of_all(fit, model.both_jacobian(both, model.neutral)[:, 1:]),
-        _of_all(fit, model.foot_jacobian(left, 0)[:, 1:]),
-        _of_all(fit, model.foot_jacobian(right, 1)[:, 1:]),
-    ]
-    groups = _groups(fit)
-    wrong = _draws(fit)
-    parts = np.array([_drawn(fit, one, groups, wrong) for one in jacobians])  # (3, g + 1, draws)
+    jacobians = _jacobians(fit, model)
+    groups = unknowns(fit)
+    parts = mean_squares(fit, model, _draws(fit))  # (3, g + 1, draws)
     estimated = np.array([_variance(one, fit.covariance) for one in jacobians])
     extra = np.clip(total - estimated, 0.0, None)
     names = [*groups, NOISE]
@@ -122,18 +116,51 @@ def budget(fit: JointFit, model: ErrorModel, spreads: Sequence[Spread]) -> Budge
 def _source(
     name: str, square: FloatArray, total: FloatArray, shares: FloatArray, known: FloatArray
 ) -> ErrorSource:
-    interval = np.percentile(shares, CREDIBLE, axis=1).T
+    interval = np.array([_credible(drawn) for drawn in shares])
     return ErrorSource(name, np.sqrt(square), square / total, interval, known)
 
 
-def _groups(fit: JointFit) -> dict[str, NDArray[np.int64]]:
-    """Indices of the unknowns of each kind."""
+def _credible(shares: FloatArray) -> FloatArray:
+    """(2,) the shortest interval that holds most of the draws.
+
+    A share cannot be negative: one that may well be nothing has an interval from zero on, which
+    one between two quantiles would leave out.
+    """
+    ordered = np.concatenate(([min(0.0, shares.min())], np.sort(shares)))
+    held = int(np.ceil(CREDIBLE * len(shares)))
+    first = int(np.argmin(ordered[held:] - ordered[:-held]))
+    return ordered[[first, first + held]]
+
+
+def unknowns(fit: JointFit) -> dict[str, NDArray[np.int64]]:
+    """Indices of the unknowns of each kind of source."""
     first = len(fit.vector)
     found: dict[str, list[int]] = {PRIOR: list(range(first - 1)), "time_offset": [first - 1]}
     for index, one in enumerate(fit.deviations, start=first):
         name = "placement" if one.deviation.effect == SUPPORT else one.deviation.effect
         found.setdefault(name, []).append(index)
     return {name: np.array(indices) for name, indices in found.items()}
+
+
+def mean_squares(fit: JointFit, model: ErrorModel, wrong: FloatArray) -> FloatArray:
+    """(3, g + 1, d) mean square CoP errors by the g kinds of `unknowns`, then by noise [m^2].
+
+    Args:
+        fit, model: as `budget` takes them.
+        wrong: (u, d) errors of all unknowns, estimate less truth.
+    """
+    groups = unknowns(fit)
+    return np.array([_parts(fit, one, groups, wrong) for one in _jacobians(fit, model)])
+
+
+def _jacobians(fit: JointFit, model: ErrorModel) -> list[FloatArray]:
+    """(2 p, u) of the CoP of both feet, left and right, by all unknowns."""
+    both, left, right = model.load_cases()
+    return [
+        _of_all(fit, model.both_jacobian(both, model.neutral)[:, 1:]),
+        _of_all(fit, model.foot_jacobian(left, 0)[:, 1:]),
+        _of_all(fit, model.foot_jacobian(right, 1)[:, 1:]),
+    ]
 
 
 def _of_all(fit: JointFit, jacobian: FloatArray) -> FloatArray:
@@ -184,10 +211,10 @@ def _draws(fit: JointFit) -> FloatArray:
     return wrong
 
 
-def _drawn(
+def _parts(
     fit: JointFit, jacobian: FloatArray, groups: dict[str, NDArray[np.int64]], wrong: FloatArray
 ) -> FloatArray:
-    """(g + 1, draws) mean squares of the groups and of noise, for drawn errors (u, draws)."""
+    """(g + 1, d) mean squares of the groups and of noise, for errors (u, d)."""
     estimate = np.concatenate((fit.away, [one.value for one in fit.deviations]))
     truth = estimate[:, None] - wrong
     gains = _gains(fit, jacobian)

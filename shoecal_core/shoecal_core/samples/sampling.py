@@ -78,6 +78,7 @@ def make_samples(
     kinematics: Kinematics,
     settings: SampleSettings,
     kept: Mapping[int, BoolArray] | None = None,
+    air: Mapping[int, BoolArray] | None = None,
     notes: list[str] | None = None,
 ) -> Samples | None:
     """Samples of runs that were read and aligned; None where no run gives any.
@@ -87,10 +88,12 @@ def make_samples(
         robot, shoe, kinematics: of what was recorded.
         settings: rates.
         kept: by run, (T,) which of the aligned readings count; all of runs that are not listed.
+        air: by run, (T,) at which of them one foot hangs free, none in runs that are not listed;
+            None: where heights say so.
         notes: takes why runs are left out.
     """
     notes = [] if notes is None else notes
-    parts = _parts(read, robot, shoe, settings, kept or {}, notes)
+    parts = _parts(read, robot, shoe, settings, kept or {}, air, notes)
     return _joined(parts, robot, shoe, kinematics) if parts else None
 
 
@@ -100,6 +103,7 @@ def _parts(
     shoe: Shoe,
     settings: SampleSettings,
     kept: Mapping[int, BoolArray],
+    air: Mapping[int, BoolArray] | None,
     notes: list[str],
 ) -> list[_Part]:
     """Samples of each run that has any; of the others it is noted why not."""
@@ -112,8 +116,12 @@ def _parts(
     at, segments = 0, 0
     for run, aligned in read:
         try:
-            counts = kept.get(run.info.run, np.ones(len(aligned.time), dtype=bool))
-            part = _part(run, aligned, counts, robot, shoe, settings, rate, at, segments, first_ns)
+            everything = np.ones(len(aligned.time), dtype=bool)
+            counts = kept.get(run.info.run, everything)
+            hangs = _high(aligned, settings) if air is None else air.get(run.info.run, ~everything)
+            part = _part(
+                run, aligned, counts, hangs, robot, shoe, settings, rate, at, segments, first_ns
+            )
         except ShoecalError as error:
             notes.append(f"run {run.info.run} is left out: {error}")
             continue
@@ -194,6 +202,7 @@ def _part(
     run: Run,
     aligned: Aligned,
     counts: BoolArray,
+    hangs: BoolArray,
     robot: Robot,
     shoe: Shoe,
     settings: SampleSettings,
@@ -205,11 +214,11 @@ def _part(
     step = max(1, round(_rate(aligned.time) / settings.filter_rate_hz))
     thin = np.zeros(len(aligned.time), dtype=bool)
     thin[::step] = True
-    aligned, counts = aligned.part(thin), counts[thin]
+    aligned, counts, hangs = aligned.part(thin), counts[thin], hangs[thin]
     time = aligned.time
     walk = find_walk(run, aligned, shoe, robot) if run.info.support is None else None
     if walk is None:
-        stance, loaded = _stances(aligned, robot, settings)
+        stance, loaded = _stances(aligned, hangs, robot, settings)
     else:
         stance, loaded = walk.stance, walk.loaded
     key = np.floor(time * rate) if walk is None else pieces(time, stance, rate)
@@ -270,17 +279,27 @@ def _averaged(values: FloatArray, width: int) -> FloatArray:
     return values
 
 
+def _off(aligned: Aligned) -> FloatArray:
+    """(T,) by how much one foot is higher or lower against the other than it mostly is [m]."""
+    height = aligned.states.translation[:, 2]
+    off: FloatArray = np.abs(height - np.median(height))
+    return off
+
+
+def _high(aligned: Aligned, settings: SampleSettings) -> BoolArray:
+    """(T,) one foot is in the air, by the joints alone."""
+    high: BoolArray = _off(aligned) > settings.lifted_m
+    return high
+
+
 def _stances(
-    aligned: Aligned, robot: Robot, settings: SampleSettings
+    aligned: Aligned, air: BoolArray, robot: Robot, settings: SampleSettings
 ) -> tuple[IntArray, BoolArray]:
     """Number of the stance of each sample, -1 between two; and which feet carry each stance."""
     states, time = aligned.states, aligned.time
-    height = states.translation[:, 2]
-    off = np.abs(height - np.median(height))
-    air = off > settings.lifted_m
     near = np.zeros(len(air), dtype=bool)
     margin = max(1, round(TRANSIT_S * _rate(time)))
-    edges = np.flatnonzero(np.diff((off > 0.3 * settings.lifted_m).astype(int)) != 0)
+    edges = np.flatnonzero(np.diff((_off(aligned) > 0.3 * settings.lifted_m).astype(int)) != 0)
     if air.any():
         for edge in edges:
             near[max(0, edge - margin) : edge + margin + 1] = True

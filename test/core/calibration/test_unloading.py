@@ -13,11 +13,12 @@ from shoecal_core.calibration.extract import stances_of
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
-from shoecal_core.calibration.unloading import LEAST_AIR_S, MARGIN_S, UNLOADING, aloft
+from shoecal_core.calibration.unloading import LEAST_AIR_S, UNLOADING, aloft
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.run import Run
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.sampling import TRANSIT_S
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.wrench import at_cop, weight_below
 from shoecal_core.workspace import config_dir
@@ -108,7 +109,7 @@ def test_three_stances(whole: Recording, motion: str, screened: bool) -> None:
     assert before.loaded == after.loaded == (True, True)
     assert air.hanging == foot
     assert before.time[-1] < UP < air.time[0] < air.time[-1] < DOWN < after.time[0]
-    assert air.duration > DOWN - UP - 2.0 * WAY_S - 2.0 * MARGIN_S - 0.2
+    assert air.duration > DOWN - UP - 2.0 * WAY_S - 2.0 * TRANSIT_S - 0.2
     # In the air the other foot's frame counts: what it carries is where the model says.
     outputs = whole.parameters.outputs(air.readings)
     wrench = outputs @ air.columns + air.base

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter1d
 
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.model.kinematics import BodyStates
 from shoecal_core.samples.aligned import Aligned
 
@@ -24,6 +25,8 @@ Key = TypeVar("Key", bound=Hashable)
 LIFT_M, LIFT_RAD = 0.003, 0.03
 """A foot that is this much higher or more tilted than it mostly is does not stand."""
 
+PLACE = [0, 1, 5]
+"""Of a pose: where the right foot stands."""
 GAP_S, WINDOW_S = 0.5, 1.0
 """A step is the mean of one window after a gap less that of one before it."""
 LOAD_GAP_S, LOAD_WINDOW_S = 0.3, 0.5
@@ -34,6 +37,8 @@ least, and their product."""
 LEAST_M, LEAST_RAD, LEAST_SHARE = 5e-5, 5e-4, 1e-3
 """Added to those standard deviations: a robot without play, or one that hardly moves, is no
 reason for alarm. The last is a share of a channel's whole range."""
+HARMLESS_STDS = 2.0
+"""A smaller step is no slip, in standard deviations of what the fit allows each run's support."""
 USUAL = 0.98
 """Part of a session's steps that are usual."""
 ENOUGH = 50_000
@@ -96,6 +101,8 @@ def slips(runs: Mapping[Key, Feet]) -> dict[Key, Slipped]:
     closure = {run: _steps(one.pose, one.time) for run, one in runs.items()}
     closure_size = _in_usual(closure, np.array([LEAST_M] * 3 + [LEAST_RAD] * 3))
     load = {run: _kinks(one.readings, one.time) for run, one in runs.items()}
+    allowed = Tolerances()
+    harmless = np.diag([allowed.support_m, allowed.support_m, allowed.support_rad]) ** 2
     low = np.min([one.readings.min(axis=0) for one in runs.values()], axis=0)
     high = np.max([one.readings.max(axis=0) for one in runs.values()], axis=0)
     load_size = _in_usual(load, LEAST_SHARE * (high - low))
@@ -105,11 +112,12 @@ def slips(runs: Mapping[Key, Feet]) -> dict[Key, Slipped]:
         near = maximum_filter1d(load_size[run], 2 * round(GAP_S / 2.0 / period) + 1)
         here = (closure_size[run] > CLOSURE_STEP) & (near > LOAD_STEP)
         here &= closure_size[run] * near > BOTH_STEPS
+        here &= _lengths(closure[run][:, PLACE], np.linalg.inv(harmless)) > HARMLESS_STDS
         if here.any():
             first = int(np.argmax(here))
             reach = round((GAP_S + WINDOW_S) / period)
             at = first + int(np.argmax(closure_size[run][first : first + reach]))
-            found[run] = Slipped(float(one.time[at]), closure[run][at, [0, 1, 5]])
+            found[run] = Slipped(float(one.time[at]), closure[run][at, PLACE])
     return found
 
 

@@ -57,6 +57,8 @@ class Screening:
         samples: of each run, as recorded.
         kept: (T,) of each run's aligned samples, where it was screened: those that count.
         standing: (T,) of them: those at which both feet stand where they stood at first.
+        air: (T,) of them, in runs that lift a foot: those at which it hangs free, as heights and
+            load agree.
         time_offset: joints were late by this much against the readings, and are so no more [s].
     """
 
@@ -65,6 +67,7 @@ class Screening:
     samples: Mapping[int, int] = field(default_factory=dict)
     kept: Mapping[int, BoolArray] = field(default_factory=dict)
     standing: Mapping[int, BoolArray] = field(default_factory=dict)
+    air: Mapping[int, BoolArray] = field(default_factory=dict)
     time_offset: float = 0.0
 
     @property

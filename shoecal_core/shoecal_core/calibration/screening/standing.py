@@ -120,12 +120,14 @@ class _Moments:
     Attributes:
         marked: (T,) by fault, the gravest first.
         spikes: (T, n).
+        air: (T,) the foot that was lifted on purpose hangs free.
         calm: samples while both feet stand, their readings without leaps; before, between and
             after the times that a foot was in the air on purpose.
     """
 
     marked: Mapping[Fault, BoolArray]
     spikes: BoolArray
+    air: BoolArray
     calm: tuple[Feet, ...]
 
 
@@ -151,10 +153,10 @@ class _Watch:
         pushed = disturbed(time, wrench[:, 0] - self.weight, place, settings) | nowhere
         up = widened(lifted(aligned.states), time, MARGIN_S)
         grounded = ~lasting(up, time, LIFT_S)
-        meant = np.zeros_like(up)
+        meant = air = np.zeros_like(up)
         calm = [feet(aligned, leaps.calm, grounded)]
         if lifting is not None and self._hangs(lifting, leaps.calm):
-            meant = lifting.air | lifting.moving
+            meant, air = lifting.air | lifting.moving, lifting.air
             calm = [
                 feet(aligned, leaps.calm, stretch & grounded)
                 for stretch in lifting.stretches()
@@ -163,11 +165,11 @@ class _Watch:
         marked = {
             Fault.SATURATED: self._at_end(aligned.readings, trembling),
             Fault.LIFTED: up & ~meant,
-            Fault.LIFTING: meant & ~lifting.air if lifting is not None else meant,
+            Fault.LIFTING: meant & ~air,
             Fault.TOO_FAST: widened(too_fast(aligned, settings), time, MARGIN_S),
             Fault.JOLTED: widened(pushed, time, MARGIN_S) | widened(leaps.hits, time, HIT_MARGIN_S),
         }
-        return _Moments(marked, leaps.spikes, tuple(calm))
+        return _Moments(marked, leaps.spikes, air, tuple(calm))
 
     def _hangs(self, lifting: Aloft, readings: FloatArray) -> bool:
         """Whether the foot that was lifted carries nothing meanwhile."""
@@ -217,6 +219,7 @@ def _leaving_out(
         left_out=(*found.left_out, *lost),
         kept={**found.kept, run: kept},
         standing={**found.standing, run: standing},
+        air={**found.air, run: moments.air},
     )
 
 

@@ -56,6 +56,11 @@ def test_a_step_that_stays_is_a_slip(shift: tuple[float, float, float]) -> None:
     np.testing.assert_allclose(found[2].shift, shift, atol=1e-3)
 
 
+def test_a_step_within_what_the_fit_allows_is_none() -> None:
+    """Play of the gears makes such steps where a joint's load changes its side."""
+    assert found_in(stepped(recording(), 2, 14.0, (-0.0004, 0.0002, -0.0035), 1.0).aligned) == {}
+
+
 def test_the_first_of_two_slips_is_told() -> None:
     whole = stepped(recording(), 1, 9.0, (0.003, 0.0, 0.0), 1.0)
     whole = stepped(whole, 1, 20.0, (0.006, 0.0, 0.0), 1.0)
