@@ -60,8 +60,8 @@ def stances_of(
             "names no double support and has no /base_pose to find the stances with; "
             "record one of the two",
         )
-    world = in_world(aligned, run.base_pose)
-    return walking_stances(run.info.run, aligned, world, shoe, kinematics.robot.mass)
+    world = in_world(aligned, run.base_pose, kinematics.robot)
+    return walking_stances(run.info.run, aligned, world, shoe, kinematics.robot)
 
 
 def _around_the_air(

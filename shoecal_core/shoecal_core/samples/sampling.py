@@ -18,6 +18,7 @@ from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.aligned import Aligned, align
 from shoecal_core.samples.clocks import check_clocks
+from shoecal_core.samples.contact import at_least_load
 from shoecal_core.samples.known_weight import carried, with_mass
 from shoecal_core.samples.missing import missing
 from shoecal_core.samples.momentum import standing_spin
@@ -209,7 +210,7 @@ def _part(
     time = aligned.time
     walk = find_walk(run, aligned, shoe, robot) if run.info.support is None else None
     if walk is None:
-        stance, loaded = _stances(aligned, robot, settings)
+        stance, loaded = _stances(aligned, robot, shoe, settings)
     else:
         stance, loaded = walk.stance, walk.loaded
     key = np.floor(time * rate) if walk is None else pieces(time, stance, rate)
@@ -271,9 +272,12 @@ def _averaged(values: FloatArray, width: int) -> FloatArray:
 
 
 def _stances(
-    aligned: Aligned, robot: Robot, settings: SampleSettings
+    aligned: Aligned, robot: Robot, shoe: Shoe, settings: SampleSettings
 ) -> tuple[IntArray, BoolArray]:
-    """Number of the stance of each sample, -1 between two; and which feet carry each stance."""
+    """Number of the stance of each sample, -1 between two; and which feet carry each stance.
+
+    A foot that the joints lift and the load does not is neither in the air nor on the floor.
+    """
     states, time = aligned.states, aligned.time
     height = states.translation[:, 2]
     off = np.abs(height - np.median(height))
@@ -291,11 +295,14 @@ def _stances(
     standing = np.where(air, np.where(away[0] < away[1], 1, 2), 0)
     standing[near] = -1
     change = np.flatnonzero((np.diff(standing) != 0) | (np.diff(time) > 1.0)) + 1
+    unloaded = at_least_load(shoe, aligned.readings)
     stance = np.full(len(time), -1)
     loaded: list[tuple[bool, bool]] = []
     for part in np.split(np.arange(len(time)), change):
         kind = int(standing[part[0]])
         if kind < 0 or time[part[-1]] - time[part[0]] < MIN_SEGMENT_S:
+            continue
+        if kind > 0 and np.median(unloaded[part, 2 - kind]) == 0.0:
             continue
         stance[part] = len(loaded)
         loaded.append(((True, True), (True, False), (False, True))[kind])

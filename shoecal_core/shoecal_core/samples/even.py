@@ -1,0 +1,45 @@
+"""Filters that count samples, on stamps that are not even.
+
+Stamps jitter, and samples get lost. A window or a derivative that counts samples is then of another
+time than it seems to be: so values are resampled at even times first, and results brought back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+EVEN = 0.01
+"""Periods that differ by less than this share of one are even."""
+
+
+def typical_period(time: FloatArray) -> float:
+    """Time from one sample to the next, mostly [s]."""
+    return float(np.median(np.diff(time)))
+
+
+def evenly(
+    work: Callable[[FloatArray, float], FloatArray], values: FloatArray, time: FloatArray
+) -> FloatArray:
+    """What a filter makes of values (T, ...), at their own times (T,) [s].
+
+    Args:
+        work: from values (K, ...) at even times and their period [s] to as many results (K, ...).
+        values, time: with stamps as they are.
+    """
+    period = typical_period(time)
+    steps = np.diff(time)
+    if np.abs(steps - period).max() <= EVEN * period:
+        return work(values, period)
+    even = np.arange(time[0], time[-1] + period / 2.0, period)
+    return _at(work(_at(values, time, even), period), even, time)
+
+
+def _at(values: FloatArray, time: FloatArray, wanted: FloatArray) -> FloatArray:
+    """(K, ...) of values (T, ...) between whose times is interpolated."""
+    columns = values.reshape(len(values), -1).T
+    found = np.stack([np.interp(wanted, time, column) for column in columns], axis=1)
+    return found.reshape(len(wanted), *values.shape[1:])
