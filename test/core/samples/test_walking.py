@@ -162,8 +162,8 @@ def test_a_gap_in_the_recording_ends_a_stance(aligned: Aligned) -> None:
     kept = (TIME < 1.4) | (TIME > 1.6)
     whole = world()
     gap = World(**{name: getattr(whole, name)[kept] for name in World.__dataclass_fields__})
-    parts = (getattr(aligned, name)[kept] for name in ("time", "readings", "joint_angles"))
-    stances = walking_stances(1, Aligned(*parts, aligned.states), gap, SHOE, ROBOT)
+    cut = Aligned(TIME[kept], aligned.readings[kept], aligned.joint_angles[kept], aligned.states)
+    stances = walking_stances(1, cut, gap, SHOE, ROBOT)
     assert [stance.loaded for stance in stances] == [PHASES[0], *PHASES]
 
 
