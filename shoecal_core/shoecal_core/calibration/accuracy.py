@@ -2,22 +2,23 @@
 
 Errors are counted against the model, and a walk's model is poor: it misses accelerations within a
 step. How much of an error any calibration could win is seen from how far sensor and model move
-together: what the best linear map from a foot's channels to the model's wrench still leaves belongs
-to the model (or to noise), whatever gains and offsets are.
+together: what is left after GRF and CoP were scaled and shifted to fit the model best belongs to
+the model (or to noise), whatever gains and offsets are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.calibration import VERDICTS
 from shoecal_core.calibration.checks import Finding
-from shoecal_core.calibration.evaluate import Errors
+from shoecal_core.calibration.evaluate import Errors, Series
+from shoecal_core.calibration.metrics import Mae
 from shoecal_core.model.robot import Robot
-from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]
@@ -37,50 +38,87 @@ class ModelLimit:
     """What no calibration can win against a walk's model.
 
     Attributes:
-        grf, cop: mean absolute errors that the best linear map leaves [N, m].
-        together: correlation of the CoP that it measures with the model's, within stances.
+        grf: mean absolute error that the best linear map leaves [N].
+        cop: the same of both feet together, of the left and of the right foot; NaN with too few
+            samples [m].
+        together: correlation of measured and modelled CoP within stances, likewise.
     """
 
     grf: float
-    cop: float
-    together: float
+    cop: tuple[float, float, float]
+    together: tuple[float, float, float]
 
     def to_json(self) -> dict[str, float]:
         """For result files [N, mm]."""
-        return {
-            "grf_mae_n": self.grf,
-            "cop_mae_mm": 1e3 * self.cop,
-            "cop_correlation": self.together,
-        }
+        found = {"grf_mae_n": self.grf}
+        for name, left, moved in zip(("", "left_", "right_"), self.cop, self.together, strict=True):
+            if np.isfinite(left):
+                found[f"{name}cop_mae_mm"] = 1e3 * left
+                found[f"{name}cop_correlation"] = moved
+        return found
 
 
-def model_limit(stances: Sequence[Stance]) -> ModelLimit | None:
-    """The limit over some stances; None where the robot stands, or there are too few samples."""
-    force, place, pairs = [], [], []
-    for loaded in ((True, True), (True, False), (False, True)):
-        kind = [one for one in stances if one.loaded == loaded and not one.quasi_static]
-        if sum(len(one.time) for one in kind) < LEAST_SAMPLES:
+def model_limit(pairs: Sequence[tuple[Series, Series]]) -> ModelLimit | None:
+    """The limit over some stances, a pair each: measured and modelled.
+
+    None where the robot stands, and with too few samples.
+    """
+    kinds: dict[int | None, list[tuple[Series, Series]]] = {0: [], 1: [], None: []}
+    for ours, model in pairs:
+        if np.ptp(model.grf) > 0.0:
+            kinds[_standing(model)].append((ours, model))
+    force, place, moved = [], {}, {}
+    for kind, some in kinds.items():
+        if sum(len(ours.grf) for ours, _ in some) < LEAST_SAMPLES:
             continue
-        wanted = np.concatenate([one.reference for one in kind])
-        shown = np.concatenate([_shown(one) for one in kind])
-        rows = np.hstack((shown, np.ones((len(shown), 1))))
-        mapped = rows @ np.linalg.lstsq(rows, wanted, rcond=1e-9)[0]
-        expected = np.concatenate([one.cop for one in kind])
-        best = np.stack((-mapped[:, 2], mapped[:, 1]), axis=1) / mapped[:, :1]
-        force.append(np.abs(mapped[:, 0] - wanted[:, 0]))
-        place.append(np.linalg.norm(best - expected, axis=1))
-        edges = np.cumsum([len(one.time) for one in kind])[:-1]
-        pairs += [
-            np.stack((a - a.mean(axis=0), b - b.mean(axis=0)))
-            for a, b in zip(np.split(best, edges), np.split(expected, edges), strict=True)
-        ]
+        # What feet in the air read is known: the GRF may be scaled, but not shifted.
+        shown, wanted = (np.concatenate([pair[side].grf for pair in some]) for side in (0, 1))
+        force.append(np.abs(shown * (shown @ wanted) / (shown @ shown) - wanted))
+        place[kind] = _left([(ours.cop, model.cop) for ours, model in some])
+        moved[kind] = np.concatenate([_about_means(ours.cop, model.cop) for ours, model in some], 1)
     if not force:
         return None
-    ours, model = np.concatenate(pairs, axis=1)
-    together = float((ours * model).sum() / np.sqrt((ours**2).sum() * (model**2).sum()))
-    return ModelLimit(
-        float(np.concatenate(force).mean()), float(np.concatenate(place).mean()), together
+    everything = [place.values(), *([place[foot]] if foot in place else [] for foot in (0, 1))]
+    motions = [moved.values(), *([moved[foot]] if foot in moved else [] for foot in (0, 1))]
+    both, left, right = (
+        float(np.concatenate(list(some)).mean()) if some else np.nan for some in everything
     )
+    return ModelLimit(
+        float(np.concatenate(force).mean()),
+        (both, left, right),
+        (_correlation(motions[0]), _correlation(motions[1]), _correlation(motions[2])),
+    )
+
+
+def _standing(model: Series) -> int | None:
+    """The foot that stands alone."""
+    known = np.isfinite(model.foot_cop).any(axis=(0, 2))
+    return int(known.argmax()) if known.any() else None
+
+
+def _left(pairs: Sequence[tuple[FloatArray, FloatArray]]) -> FloatArray:
+    """(T,) how far the first of (T, k) each is off the second, scaled and shifted axis by axis.
+
+    No scale is negative: a sensor that moves against the model does not measure it.
+    """
+    shown, wanted = (np.concatenate([pair[side] for pair in pairs]) for side in (0, 1))
+    shown, wanted = shown - shown.mean(axis=0), wanted - wanted.mean(axis=0)
+    power = np.maximum((shown**2).sum(axis=0), 1e-300)
+    scale = np.clip((shown * wanted).sum(axis=0) / power, 0.0, None)
+    return np.asarray(np.linalg.norm(scale * shown - wanted, axis=1))
+
+
+def _about_means(ours: FloatArray, model: FloatArray) -> FloatArray:
+    """(2, K) both about their means, one axis after the other."""
+    return np.stack([(one - one.mean(axis=0)).reshape(-1) for one in (ours, model)])
+
+
+def _correlation(motions: Iterable[FloatArray]) -> float:
+    parts = list(motions)
+    if not parts:
+        return float("nan")
+    ours, model = np.concatenate(parts, axis=1)
+    return float((ours * model).sum() / np.sqrt((ours**2).sum() * (model**2).sum()))
 
 
 def check_accuracy(
@@ -95,40 +133,52 @@ def check_accuracy(
         limit: of the model; None for a robot that stands.
     """
     width = min(foot.half_width for foot in robot.feet)
-    figures = [("GRF", errors.grf), ("CoP", errors.cop)]
-    for foot, grf, cop in zip(FEET, errors.foot_grf, errors.foot_cop, strict=True):
-        parts = ((f"{foot} foot's GRF", grf), (f"{foot} foot's CoP", cop))
-        figures += [(name, mae) for name, mae in parts if mae.count]
-    findings = []
-    for name, mae in figures:
-        force = name.endswith("GRF")
-        warn, fail = (GRF_WARN, GRF_FAIL) if force else (COP_WARN, COP_FAIL)
-        share = mae.mean / (robot.weight if force else width)
-        if share <= warn:
+    place = (errors.cop, *errors.foot_cop)
+    return [
+        *_judged("GRF", label, (errors.grf, *errors.foot_grf), robot.weight, limit),
+        *_judged("CoP", label, place, width, limit),
+    ]
+
+
+def _judged(
+    name: str, label: str, found: Sequence[Mae], whole: float, limit: ModelLimit | None
+) -> list[Finding]:
+    """One finding on a quantity of both feet, the left and the right one."""
+    force = name == "GRF"
+    warn, fail = (GRF_WARN, GRF_FAIL) if force else (COP_WARN, COP_FAIL)
+    scale, unit = (1.0, "N") if force else (1e3, "mm")
+    left = (np.nan,) * 3 if limit is None else (limit.grf, *(np.nan,) * 2) if force else limit.cop
+    level, limited, most = "PASS", True, warn
+    for index, mae in enumerate(found):
+        share = mae.mean / whole
+        if share <= warn or (index > 0 and not mae.count):
             continue
-        scale, unit = (1.0, "N") if force else (1e3, "mm")
-        level, most = ("WARN", warn) if share <= fail else ("FAIL", fail)
-        told = (
-            f"{name} is {scale * mae.mean:.2f} {unit} off its model on {label} runs, {share:.1%} "
-            f"of {'the weight' if force else 'half the width of a foot'} (limit {most:.0%})"
+        bounded = left[index] >= MODEL_SHARE * mae.mean
+        worse = "WARN" if share <= fail or bounded else "FAIL"
+        if not share <= fail:
+            most = fail
+        level = max(level, worse, key=VERDICTS.index)
+        limited = limited and bounded
+    if level == "PASS":
+        return []
+    each = [
+        f"{foot} foot {scale * mae.mean:.2f} {unit}"
+        for foot, mae in zip(FEET, found[1:], strict=True)
+        if mae.count
+    ]
+    both = found[0].mean
+    told = (
+        f"{name} is {scale * both:.2f} {unit} off its model on {label} runs"
+        f"{' (' + ', '.join(each) + ')' if each else ''}, {both / whole:.1%} of "
+        f"{'the weight' if force else 'half the width of a foot'} (limit {most:.0%})"
+    )
+    if limited and limit is not None:
+        told += (
+            ": the model of the walk, not the sensor, is the limit: any calibration could win "
+            f"{scale * max(both - left[0], 0.0):.2f} {unit} of it at most (within steps the CoP of "
+            f"sensor and model move together with r = {limit.together[0]:.2f}); judge the sensor "
+            "by slow motions in double support"
         )
-        left = None if limit is None else limit.grf if force else limit.cop
-        if limit is not None and left is not None and left >= MODEL_SHARE * mae.mean:
-            level = "WARN"
-            told += (
-                ": the model of the walk, not the sensor, is the limit: the best linear map of the "
-                f"readings leaves {scale * left:.2f} {unit} (within steps the CoP of sensor and "
-                f"model move together with r = {limit.together:.2f}); judge the sensor by slow "
-                "motions in double support"
-            )
-        else:
-            told += ": check the robot's weight, the shoe file and that nothing touched the robot"
-        findings.append(Finding(level, told))
-    return findings
-
-
-def _shown(stance: Stance) -> FloatArray:
-    """(T, k) what sensors show of a stance: the standing foot's channels, or both feet's wrench."""
-    if all(stance.loaded):
-        return stance.readings @ stance.columns
-    return stance.readings[:, np.any(stance.columns != 0.0, axis=1)]
+    else:
+        told += ": check the robot's weight, the shoe file and that nothing touched the robot"
+    return [Finding(level, told)]

@@ -26,7 +26,13 @@ from shoecal_core.calibration.checks import (
     check_zeros,
     judge,
 )
-from shoecal_core.calibration.evaluate import Errors, errors, measured_series, modelled_series
+from shoecal_core.calibration.evaluate import (
+    Errors,
+    Series,
+    errors,
+    measured_series,
+    modelled_series,
+)
 from shoecal_core.calibration.extract import stances_of, zeros_of
 from shoecal_core.calibration.fit import SelfCalibration, prior_of, self_calibrate
 from shoecal_core.calibration.joint import SAMPLING, corrected, joint_calibration, with_joint
@@ -52,7 +58,7 @@ from shoecal_core.samples.aligned import align
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.sampling import make_samples
 from shoecal_core.samples.stance import Stance
-from shoecal_core.samples.zeros import Zero, with_own_zeros
+from shoecal_core.samples.zeros import Zero, ZeroFigures, with_own_zeros, zeros_json
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
@@ -126,6 +132,11 @@ class Outcome:
     def screening(self) -> Screening:
         """What was found in the recording before the fit, and left out."""
         return self.data.screening
+
+    @property
+    def zeros(self) -> list[ZeroFigures]:
+        """What each foot reads in the air, run by run."""
+        return zeros_json(self.data.shoe, self.data.zeros, self.calibration.parameters)
 
 
 def load_data(
@@ -278,12 +289,16 @@ def calibrate_session(
     training, testing = data.of(train), data.of(test)
     guessed = Sensing(data.shoe, stages.guess.parameters)
     sets = {name: part for name, part in (("train", training), ("test", testing)) if part}
-    modelled = {
+    compared = {
         stage: {name: _against_model(sensing, part) for name, part in sets.items()}
         for stage, sensing in (("initial_guess", guessed), ("self_calibration", stages.sensing))
     }
+    modelled = {
+        stage: {name: errors(pairs) for name, pairs in sets_of.items()}
+        for stage, sets_of in compared.items()
+    }
     found += check_zeros(data.shoe, data.zeros, stages.parameters, data.robot.weight, own=rezero)
-    limits = {name: model_limit(part) for name, part in sets.items()}
+    limits = {name: model_limit(pairs) for name, pairs in compared["self_calibration"].items()}
     verdict = _verdict(data, stages, modelled["self_calibration"], limits, found, assessment)
     return Outcome(
         calibration=replace(
@@ -337,10 +352,8 @@ def _require_supports(
         )
 
 
-def _against_model(sensing: Sensing, stances: Sequence[Stance]) -> Errors:
-    return errors(
-        [(measured_series(sensing, stance), modelled_series(stance)) for stance in stances]
-    )
+def _against_model(sensing: Sensing, stances: Sequence[Stance]) -> list[tuple[Series, Series]]:
+    return [(measured_series(sensing, stance), modelled_series(stance)) for stance in stances]
 
 
 def _lagging(

@@ -146,4 +146,3 @@ def _uncentred(fit: Fit, zeros: FloatArray) -> Fit:
 def walks(stances: Sequence[Stance]) -> bool:
     """Whether any of them is of a robot that moves fast."""
     return any(not stance.quasi_static for stance in stances)
-

@@ -40,9 +40,7 @@ class Weighed:
         return {"data_sheet_kg": self.kg, "ci95": list(self.ci95), "runs": list(self.runs)}
 
 
-def weigh(
-    shoe: Shoe, readings: Mapping[int, FloatArray], zeros: Sequence[Zero]
-) -> Weighed | None:
+def weigh(shoe: Shoe, readings: Mapping[int, FloatArray], zeros: Sequence[Zero]) -> Weighed | None:
     """The weight over the runs in which both feet hang at times; None without data sheets or any.
 
     Args:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NotRequired, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -139,26 +140,35 @@ def with_own_zeros(
     return ChannelParameters(parameters.gain, offset)
 
 
+class ZeroFigures(TypedDict):
+    """A zero in result files.
+
+    `fz_n`: vertical force that the foot shows in the air, by the gains of the data sheets without
+    offsets; without data sheets by the calibration [N]. `ci95`: its interval. `left_n`: what the
+    calibration leaves of it.
+    """
+
+    run: int
+    foot: str
+    fz_n: float
+    ci95: list[float]
+    left_n: NotRequired[float]
+
+
 def zeros_json(
     shoe: Shoe, zeros: Sequence[Zero], parameters: ChannelParameters | None = None
-) -> list[dict[str, object]]:
-    """Vertical force that each foot shows in the air, run by run [N].
-
-    By the gains of the data sheets without offsets (`fz_n`, `ci95`); without data sheets under
-    `parameters`. With `parameters` also what these leave of it (`left_n`).
-    """
-    found: list[dict[str, object]] = []
+) -> list[ZeroFigures]:
+    """The figures of each zero; a foot without data sheets has none without `parameters`."""
+    found = []
     for zero in zeros:
         law = data_sheet(shoe, zero.foot) or parameters
         if law is None:
             continue
         shown, std = zero.force(shoe, law)
-        one: dict[str, object] = {
-            "run": zero.run,
-            "foot": FEET[zero.foot],
-            "fz_n": shown,
-            "ci95": [shown - NORMAL_95 * std, shown + NORMAL_95 * std],
-        }
+        half = NORMAL_95 * std
+        one = ZeroFigures(
+            run=zero.run, foot=FEET[zero.foot], fz_n=shown, ci95=[shown - half, shown + half]
+        )
         if parameters is not None:
             one["left_n"] = zero.force(shoe, parameters)[0]
         found.append(one)
