@@ -30,12 +30,24 @@ def evenly(
         work: from values (K, ...) at even times and their period [s] to as many results (K, ...).
         values, time: with stamps as they are.
     """
+    placed, even = resampled(values, time)
+    made = work(placed, typical_period(time))
+    return made if even is time else _at(made, even, time)
+
+
+def resampled(values: FloatArray, time: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Values (K, ...) at even times, and these (K,) [s]; as they are where they are even."""
     period = typical_period(time)
-    steps = np.diff(time)
-    if np.abs(steps - period).max() <= EVEN * period:
-        return work(values, period)
+    if is_even(time):
+        return values, time
     even = np.arange(time[0], time[-1] + period / 2.0, period)
-    return _at(work(_at(values, time, even), period), even, time)
+    return _at(values, time, even), even
+
+
+def is_even(time: FloatArray) -> bool:
+    """Whether all periods are alike."""
+    period = typical_period(time)
+    return bool(np.abs(np.diff(time) - period).max() <= EVEN * period)
 
 
 def _at(values: FloatArray, time: FloatArray, wanted: FloatArray) -> FloatArray:

@@ -19,6 +19,7 @@ from shoecal_core.recording.session import Session
 from shoecal_core.samples.aligned import Aligned, align
 from shoecal_core.samples.clocks import check_clocks
 from shoecal_core.samples.contact import at_least_load
+from shoecal_core.samples.even import evenly
 from shoecal_core.samples.known_weight import carried, with_mass
 from shoecal_core.samples.missing import missing
 from shoecal_core.samples.momentum import standing_spin
@@ -256,10 +257,14 @@ def _smooth(values: FloatArray, time: FloatArray, span: float = 0.1) -> FloatArr
 
     What averages take off a curve is put back, else fast motions would seem slower than they are.
     """
-    width = max(1, 2 * round(0.5 * span * _rate(time)) + 1)
-    flat = values.reshape(len(values), -1)
-    once = _averaged(flat, width)
-    return (once + _averaged(flat - once, width)).reshape(values.shape)
+
+    def smoothed(even: FloatArray, period: float) -> FloatArray:
+        width = max(1, 2 * round(0.5 * span / period) + 1)
+        flat = even.reshape(len(even), -1)
+        once = _averaged(flat, width)
+        return (once + _averaged(flat - once, width)).reshape(even.shape)
+
+    return evenly(smoothed, values, time)
 
 
 def _averaged(values: FloatArray, width: int) -> FloatArray:
