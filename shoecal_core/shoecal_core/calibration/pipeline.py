@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.accuracy import ModelLimit, check_accuracy, model_limit
 from shoecal_core.calibration.assessment import Assessment, assess
+from shoecal_core.calibration.axes import check_axes
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.checks import (
     Finding,
@@ -297,6 +298,7 @@ def calibrate_session(
         stage: {name: errors(pairs) for name, pairs in sets_of.items()}
         for stage, sets_of in compared.items()
     }
+    found += check_axes(data.shoe, training)
     found += check_zeros(data.shoe, data.zeros, stages.parameters, data.robot.weight, own=rezero)
     limits = {name: model_limit(pairs) for name, pairs in compared["self_calibration"].items()}
     verdict = _verdict(data, stages, modelled["self_calibration"], limits, found, assessment)

@@ -9,7 +9,7 @@ floor's force is m (g + a_z) through the zero-moment point
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -171,7 +171,8 @@ def _stance(
     other = turn.left_to_right(np.median(world.sole[part, 1, :2], axis=0))
     turned = math.remainder(float(yaws[1] - yaws[frame]), math.tau)
     support = DoubleSupport(float(other[0]), float(other[1]), turned)
-    return make_stance(
+    c, s = math.cos(turn.dtheta), math.sin(turn.dtheta)
+    stance = make_stance(
         run,
         shoe,
         support,
@@ -182,6 +183,8 @@ def _stance(
         turn.left_to_right(zmp),
         aligned.joint_angles[part],
     )
+    push = mass * world.acceleration[part, :2] @ np.array([[c, -s], [s, c]])
+    return replace(stance, push=push)
 
 
 def _stretches(here: BoolArray, time: FloatArray) -> list[slice]:
