@@ -43,7 +43,13 @@ from shoecal_core.calibration.screening.clocks import LEFT_STD_S, put_together
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.walking_fit import at_common_zeros, common_zeros, walks
+from shoecal_core.calibration.walking_fit import (
+    at_common_zeros,
+    check_stances,
+    common_zeros,
+    stances_found,
+    walks,
+)
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.joint_fit import JointFit
@@ -298,6 +304,7 @@ def calibrate_session(
         stage: {name: errors(pairs) for name, pairs in sets_of.items()}
         for stage, sets_of in compared.items()
     }
+    found += check_stances(training)
     found += check_axes(data.shoe, training)
     found += check_zeros(data.shoe, data.zeros, stages.parameters, data.robot.weight, own=rezero)
     limits = {name: model_limit(pairs) for name, pairs in compared["self_calibration"].items()}
@@ -347,6 +354,8 @@ def _require_supports(
     distinct = {tuple(np.round((s.support.dx, s.support.dy, s.support.dtheta), 2)) for s in double}
     if len(distinct) < DISTINCT_SUPPORTS:
         told = "".join(f"; {finding.reason}" for finding in found)
+        if walks(stances):
+            told = f"; {stances_found(stances)}{told}"
         raise SessionError(
             session.folder,
             f"{len(distinct)} double support among the training runs; record at least "

@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.checks import Finding
 from shoecal_core.calibration.least_squares import Fit, Prior, minimise
 from shoecal_core.calibration.residuals import Problem, Weights, errors
 from shoecal_core.calibration.settings import CalibrationSettings
@@ -26,6 +27,8 @@ from shoecal_core.samples.zeros import Zero
 from shoecal_core.sensing.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]
+LEAST_ALONE_S = 2.0
+"""On each foot of a walk."""
 REWEIGHED = 3
 """Times that the size of residuals is looked at."""
 TOLERANCE = 1e-9
@@ -141,6 +144,33 @@ def _uncentred(fit: Fit, zeros: FloatArray) -> Fit:
         information=back.T @ fit.information @ back,
         directions=fit.directions @ turn.T,
     )
+
+
+def check_stances(stances: Sequence[Stance]) -> list[Finding]:
+    """A walk that shows too little of a foot alone: what was found, and what is needed."""
+    if not walks(stances) or all(_seconds(stances, foot) >= LEAST_ALONE_S for foot in (0, 1)):
+        return []
+    return [
+        Finding(
+            "WARN",
+            f"{stances_found(stances)}; at least {LEAST_ALONE_S:g} s on each foot alone are "
+            "needed for its gains and zeros: walk more slowly, or step on the spot",
+        )
+    ]
+
+
+def stances_found(stances: Sequence[Stance]) -> str:
+    """How long the robot stood on flat, still feet."""
+    each = ", ".join(
+        f"{_seconds(stances, foot):.1f} s on the {name} foot alone"
+        for foot, name in enumerate(FEET)
+    )
+    return f"the runs stand flat and still for {_seconds(stances, None):.1f} s on both feet, {each}"
+
+
+def _seconds(stances: Sequence[Stance], alone: int | None) -> float:
+    hanging = None if alone is None else 1 - alone
+    return sum(one.duration for one in stances if one.hanging == hanging)
 
 
 def walks(stances: Sequence[Stance]) -> bool:

@@ -9,7 +9,12 @@ from numpy.typing import NDArray
 from core.calibration.walks import ANKLES, WEIGHT, walk
 from shoecal_core.calibration.fit import SelfCalibration, self_calibrate
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.walking_fit import at_common_zeros, common_zeros, walks
+from shoecal_core.calibration.walking_fit import (
+    at_common_zeros,
+    check_stances,
+    common_zeros,
+    walks,
+)
 from shoecal_core.samples.zeros import with_own_zeros
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.wrench import ChannelParameters
@@ -85,3 +90,13 @@ def test_a_foot_that_never_hangs_keeps_the_wide_prior() -> None:
     std = np.sqrt(np.diag(stages.fit.covariance))[10:20]
     assert std[7] > 3.0 * std[2]
     assert stages.parameters.gain[7] == pytest.approx(0.9, abs=0.1)
+
+
+def test_a_walk_with_few_stances_says_what_it_found_and_needs() -> None:
+    stances, _, _ = walk((1, 2), np.random.default_rng(3), GAIN)
+    assert check_stances(stances) == []
+    few = [one for one in stances if one.loaded == (True, False)][:2]
+    (finding,) = check_stances(few)
+    assert finding.verdict == "WARN"
+    assert "2.0 s on the left foot alone, 0.0 s on the right foot alone" in finding.reason
+    assert "at least 2 s on each foot alone are needed" in finding.reason
