@@ -159,8 +159,8 @@ def _single(session: Session) -> Iterator[tuple[int, int, Stance, FloatArray]]:
         run = session.read(entry.run)
         aligned = align(run, session.shoe, kinematics)
         assert run.base_pose is not None
-        world = in_world(aligned, run.base_pose)
-        for stance in walking_stances(run.info.run, aligned, world, session.shoe, robot.mass):
+        world = in_world(aligned, run.base_pose, robot)
+        for stance in walking_stances(run.info.run, aligned, world, session.shoe, robot):
             if not all(stance.loaded):
                 foot = stance.loaded.index(True)
                 here = np.searchsorted(aligned.time, stance.time)

@@ -9,9 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.fit import SelfCalibration
-from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.uncertainty import walking_covariance
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.budget import Budget, budget
 from shoecal_core.estimation.expected import ErrorModel, Spread
@@ -126,7 +124,7 @@ def assess(
     shoe, parameters = stages.shoe, stages.parameters
     count = len(shoe.names)
     if joint is None:
-        covariance = walking_covariance(stages.fit, stances, Weights.of(settings))
+        covariance = stages.fit.covariance
         measuring, shoe_columns = covariance[:-1, :-1], list[FloatArray]()
     else:
         covariance = joint.covariance[: 2 * count + 1, : 2 * count + 1]

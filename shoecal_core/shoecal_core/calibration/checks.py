@@ -6,23 +6,30 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shoecal_core.calibration.calibration import VERDICTS
 from shoecal_core.calibration.screening.faults import Fault
-from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.estimation.initial_guess import InitialGuess
+from shoecal_core.estimation.weight import Weighed
+from shoecal_core.model.robot import Robot
 from shoecal_core.planning.supports.forecast import Addition, Forecast
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.samples.zeros import Zero
+from shoecal_core.sensing.shoe import FEET, Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
+
+FloatArray = NDArray[np.float64]
 
 GAIN_RATIO = 5.0
 """Cells of one kind differ by less than this factor in gain."""
-WARN_STDS, FAIL_STDS = 4.0, 12.0
-"""Residual MAE, in the settings' standard deviations."""
+ZERO_WARN, ZERO_FAIL = 0.02, 0.05
+"""What both feet show in the air, over the weight."""
 WARN_WIDTHS, FAIL_WIDTHS = 0.5, 1.0
 """Expected CoP error, in half widths of the sensing polygon."""
 NOMINAL_SHARE = 0.05
-"""Data sheets of gains are right to this share."""
+"""Data sheets of gains, and weights, are right to this share."""
+SHEET_SHARE, SHEET_STDS = 0.1, 2.0
+"""A single gain is unlike its data sheet beyond this share and so many standard deviations."""
 MAX_TIME_OFFSET_S = 0.05
 """Clocks of joints and readings that are further apart need mending."""
 MOST_TOLD = 5
@@ -96,37 +103,17 @@ def check_gains(shoe: Shoe, guess: InitialGuess, parameters: ChannelParameters) 
     return findings
 
 
-def check_residuals(
-    label: str, grf_mae_n: float, cop_mae_m: float, settings: CalibrationSettings
+def check_weight(
+    shoe: Shoe, parameters: ChannelParameters, weighed: Weighed | None, robot: Robot
 ) -> list[Finding]:
-    """Measured against modelled GRF and CoP."""
-    findings = []
-    for name, value, std, unit, scale in (
-        ("GRF", grf_mae_n, settings.force_std_n, "N", 1.0),
-        ("CoP", cop_mae_m, settings.cop_std_m, "mm", 1e3),
-    ):
-        limit = next(
-            (
-                (verdict, stds * std)
-                for verdict, stds in (("FAIL", FAIL_STDS), ("WARN", WARN_STDS))
-                if not value <= stds * std
-            ),
-            None,
-        )
-        if limit is not None:
-            findings.append(
-                Finding(
-                    limit[0],
-                    f"{name} is {value * scale:.2f} {unit} off its model on {label} runs "
-                    f"(limit {limit[1] * scale:.2f} {unit}): check the robot's weight, the shoe "
-                    "file and that nothing touched the robot",
-                )
-            )
-    return findings
+    """The robot file's weight against what the data sheets of the sensors make of it.
 
-
-def check_nominal(shoe: Shoe, parameters: ChannelParameters) -> list[Finding]:
-    """Vertical gains that all differ from their data sheets alike: the weight may be wrong."""
+    Where they cannot weigh the robot, vertical gains that all differ from them alike say so.
+    """
+    if weighed is not None:
+        if abs(weighed.kg / robot.mass - 1.0) <= NOMINAL_SHARE:
+            return []
+        return [Finding("WARN", weight_text(weighed, robot))]
     ratios = [
         abs(parameters.gain[index] / channel.nominal_gain)
         for index, channel in enumerate(shoe.channels)
@@ -138,8 +125,96 @@ def check_nominal(shoe: Shoe, parameters: ChannelParameters) -> list[Finding]:
     return [
         Finding(
             "WARN",
-            f"the vertical gains are {common:.2f} of their data sheets': the robot's weight may be "
-            "wrong by that, which only a scale or a known load tells",
+            f"the vertical gains are {common:.2f} of their data sheets': the robot weighs "
+            f"{robot.mass / common:.1f} kg by them and {robot.mass:.1f} kg by its file; put it on "
+            f"a scale, or try --weight-kg {robot.mass / common:.1f}",
+        )
+    ]
+
+
+def weight_text(weighed: Weighed, robot: Robot) -> str:
+    """Both weights in words."""
+    low, high = weighed.ci95
+    told = (
+        f"by the data sheets of its sensors the robot weighs {weighed.kg:.1f} kg (95 %: {low:.1f} "
+        f"to {high:.1f} kg, zeros of each run taken off), by its file {robot.mass:.1f} kg"
+    )
+    if abs(weighed.kg / robot.mass - 1.0) <= NOMINAL_SHARE:
+        return told
+    return f"{told}; put it on a scale, or try --weight-kg {weighed.kg:.1f}"
+
+
+def check_data_sheets(
+    shoe: Shoe, parameters: ChannelParameters, gain_std: FloatArray
+) -> list[Finding]:
+    """Gains that differ from their data sheets by more than the other channels of their kind, and
+    by more than they are uncertain.
+
+    Args:
+        shoe, parameters: of n channels.
+        gain_std: (n,) standard deviations.
+    """
+    known = [index for index, one in enumerate(shoe.channels) if one.nominal_gain is not None]
+    sheet = np.array([abs(one.nominal_gain or 1.0) for one in shoe.channels])
+    ratio = np.abs(parameters.gain) / sheet
+    unlike = []
+    for index in known:
+        kind = [i for i in known if (shoe.columns[i, 0] != 0.0) == (shoe.columns[index, 0] != 0.0)]
+        # A wrong weight changes all vertical gains alike: it is a finding of its own.
+        usual = float(np.median([ratio[i] for i in kind])) if shoe.columns[index, 0] else 1.0
+        std = gain_std[index] / sheet[index]
+        if abs(ratio[index] - usual) > max(SHEET_SHARE, SHEET_STDS * std):
+            unlike.append(f"{shoe.names[index]} {ratio[index]:.2f} ± {1.96 * std:.2f}")
+    if not unlike:
+        return []
+    return [
+        Finding(
+            "WARN",
+            f"gains differ from their data sheets (share of it, 95 %): {', '.join(unlike)}; check "
+            "these channels' axes and units in the shoe file",
+        )
+    ]
+
+
+def check_zeros(
+    shoe: Shoe, zeros: Sequence[Zero], parameters: ChannelParameters, weight: float, *, own: bool
+) -> list[Finding]:
+    """Runs whose feet show a force in the air, by the calibration.
+
+    Args:
+        shoe: with the columns of the calibration.
+        zeros: of the runs.
+        parameters: of the calibration.
+        weight: of robot and shoes [N].
+        own: every run is judged with its own zeros.
+    """
+    shown: dict[int, dict[str, float]] = {}
+    for zero in zeros:
+        force, _ = zero.force(shoe, parameters)
+        shown.setdefault(zero.run, {})[FEET[zero.foot]] = force
+    off = {run: sum(map(abs, feet.values())) for run, feet in shown.items()}
+    far = {run: feet for run, feet in shown.items() if off[run] > ZERO_WARN * weight}
+    if not far:
+        return []
+    listed = "; ".join(
+        f"run {run}: {', '.join(f'{foot} {force:+.0f} N' for foot, force in feet.items())}"
+        for run, feet in list(far.items())[:MOST_TOLD]
+    )
+    worst = max(off[run] for run in far) / weight
+    told = f"feet in the air do not read zero ({listed}; up to {worst:.0%} of the weight)"
+    if own:
+        return [
+            Finding(
+                "WARN",
+                f"{told} unless each run's own zeros are used, as here: apply this calibration "
+                "with them (evaluate --rezero, /shoe/rezero)",
+            )
+        ]
+    return [
+        Finding(
+            "FAIL" if worst > ZERO_FAIL else "WARN",
+            f"{told}: their zeros have changed between runs; use each run's own (--rezero, live "
+            "/shoe/rezero)",
         )
     ]
 

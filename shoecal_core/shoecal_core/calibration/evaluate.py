@@ -88,15 +88,14 @@ def measured_series(sensing: Sensing, stance: Stance) -> Series:
 
 
 def modelled_series(stance: Stance) -> Series:
-    """What the model says; it does not know each foot's share."""
+    """What the model says; of each foot only while the other one is in the air."""
     count = len(stance.time)
-    return Series(
-        stance.time,
-        stance.force,
-        stance.cop,
-        np.full((count, 2), np.nan),
-        np.full((count, 2, 2), np.nan),
-    )
+    force, place = np.full((count, 2), np.nan), np.full((count, 2, 2), np.nan)
+    if stance.hanging is not None:
+        standing = 1 - stance.hanging
+        force[:, standing], force[:, stance.hanging] = stance.force, 0.0
+        place[:, standing] = stance.cop
+    return Series(stance.time, stance.force, stance.cop, force, place)
 
 
 def truth_series(truth: Truth, stance: Stance) -> Series:

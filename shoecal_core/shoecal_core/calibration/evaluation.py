@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from shoecal_core.calibration.accuracy import ModelLimit, check_accuracy, model_limit
 from shoecal_core.calibration.calibration import (
     Calibration,
     CalibrationFileError,
     WrongShoeError,
     load_calibration,
 )
+from shoecal_core.calibration.checks import Verdict, check_weight, check_zeros, judge
 from shoecal_core.calibration.comparison import read_truths
 from shoecal_core.calibration.evaluate import (
     Series,
@@ -19,12 +22,15 @@ from shoecal_core.calibration.evaluate import (
     modelled_series,
     truth_series,
 )
-from shoecal_core.calibration.pipeline import SessionData, load_data, split_runs
-from shoecal_core.calibration.run_errors import ComparedRun
+from shoecal_core.calibration.pipeline import SessionData, load_data, rezeroed, split_runs
+from shoecal_core.calibration.run_errors import ComparedRun, errors_by_set
+from shoecal_core.estimation.weight import Weighed
 from shoecal_core.files import sha256
+from shoecal_core.model.robot import Robot
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.stance import Stance
+from shoecal_core.samples.zeros import ZeroFigures, zeros_json
 from shoecal_core.sensing.sensing import Sensing
 
 MEASURED, MODELLED, REFERENCE, TRUTH = "measured", "modelled", "reference", "truth"
@@ -110,6 +116,74 @@ def sets_for(
     return split_runs(session, (), ())
 
 
+@dataclass(frozen=True)
+class Evaluated:
+    """A calibration on the runs of a session.
+
+    Attributes:
+        runs: what is told of each, training runs first.
+        zeros: what each foot reads in the air, as in result files.
+        verdict: by the errors against the model, and by the zeros.
+        weighed: the weight by data sheets; None where it cannot be known.
+        limits: by set, what a walk's model leaves of the errors whatever the calibration.
+        robot: that was recorded.
+    """
+
+    runs: list[ComparedRun]
+    zeros: list[ZeroFigures]
+    verdict: Verdict
+    weighed: Weighed | None
+    limits: Mapping[str, ModelLimit]
+    robot: Robot
+
+
+def evaluate_session(
+    session: Session,
+    calibration: Calibration,
+    reference: Calibration | None = None,
+    train: Sequence[int] = (),
+    test: Sequence[int] = (),
+    *,
+    rezero: bool = False,
+    weight_kg: float | None = None,
+) -> Evaluated:
+    """Compare on every run, and judge.
+
+    The truth is used where every run has one. Arguments and errors as in `sets_for`, and:
+
+    Args:
+        reference: a calibration taken as right.
+        rezero: apply the calibration with each run's own zeros, where a foot hangs in it.
+        weight_kg: of robot and shoes, in place of the robot file's [kg].
+    """
+    train, test = sets_for(session, calibration, train, test)
+    data = load_data(session, (*train, *test), weight_kg=weight_kg)
+    measuring = {MEASURED: calibration.sensing(data.shoe)}
+    if reference is not None:
+        measuring[REFERENCE] = reference.sensing(data.shoe)
+    shoe, parameters = measuring[MEASURED].shoe, calibration.parameters
+    zeros = zeros_json(shoe, data.zeros, parameters)
+    judged = replace(data, shoe=shoe)
+    own = data if not rezero else replace(data, stances=rezeroed(judged, parameters))
+    runs = compare_data(session, own, {"train": train, "test": test}, measuring)
+    findings = check_weight(shoe, parameters, data.weighed, data.robot)
+    findings += check_zeros(shoe, data.zeros, parameters, data.robot.weight, own=rezero)
+    limits = {}
+    for name, found in errors_by_set(runs, MEASURED, MODELLED).items():
+        limit = model_limit(
+            [
+                pair
+                for run in runs
+                if run.set == name
+                for pair in zip(run.sources[MEASURED], run.sources[MODELLED], strict=True)
+            ]
+        )
+        if limit is not None:
+            limits[name] = limit
+        findings += check_accuracy(name, found, data.robot, limit)
+    return Evaluated(runs, zeros, judge(findings), data.weighed, limits, data.robot)
+
+
 def compare_runs(
     session: Session,
     calibration: Calibration,
@@ -117,16 +191,8 @@ def compare_runs(
     train: Sequence[int] = (),
     test: Sequence[int] = (),
 ) -> list[ComparedRun]:
-    """What is told of every run, training runs first.
-
-    The truth is used where every run has one. Arguments and errors as in `sets_for`.
-    """
-    train, test = sets_for(session, calibration, train, test)
-    data = load_data(session, (*train, *test))
-    measuring = {MEASURED: calibration.sensing(data.shoe)}
-    if reference is not None:
-        measuring[REFERENCE] = reference.sensing(data.shoe)
-    return compare_data(session, data, {"train": train, "test": test}, measuring)
+    """What is told of every run by `evaluate_session`."""
+    return evaluate_session(session, calibration, reference, train, test).runs
 
 
 def compare_data(

@@ -6,17 +6,23 @@ Where the feet move (walking, stepping) `walking` finds the stances.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.unloading import Aloft, aloft
 from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import Run
-from shoecal_core.samples.aligned import Aligned
+from shoecal_core.recording.session import Session
+from shoecal_core.samples.aligned import Aligned, align
+from shoecal_core.samples.contact import find_contact
 from shoecal_core.samples.stance import Stance, make_stance
-from shoecal_core.samples.walking import in_world, walking_stances
+from shoecal_core.samples.walking import World, in_world, walking_stances
+from shoecal_core.samples.zeros import Zero, zeros_of_run
 from shoecal_core.sensing.shoe import Shoe
 
 BoolArray = NDArray[np.bool_]
@@ -54,14 +60,43 @@ def stances_of(
         if lifting is not None and lifting.air.any():
             return _around_the_air(run, aligned, lifting, kept, standing, shoe, kinematics)
         return [double_support_stance(run, aligned, standing, shoe, kinematics).part(kept)]
+    world = _world(run, aligned, kinematics)
+    return walking_stances(run.info.run, aligned, world, shoe, kinematics.robot)
+
+
+def zeros_of(run: Run, aligned: Aligned, shoe: Shoe, kinematics: Kinematics) -> list[Zero]:
+    """Zeros of the feet that the run lifts; none where feet in the air cannot be found."""
+    if run.info.support is not None:
+        lifting = aloft(run.info.motion, aligned)
+        if lifting is None:
+            return []
+        air = np.zeros((len(aligned.time), 2), dtype=bool)
+        air[:, lifting.foot] = lifting.air
+    else:
+        world = _world(run, aligned, kinematics)
+        weight = kinematics.robot.weight
+        air = find_contact(shoe, aligned.readings, world.clearance, weight).air
+    return zeros_of_run(run.info.run, aligned.time, aligned.readings, air)
+
+
+def session_zeros(session: Session, runs: Sequence[int]) -> list[Zero]:
+    """The same of some runs of a session."""
+    shoe = session.shoe
+    kinematics = Kinematics(load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf))
+    found = []
+    for run in map(session.read, runs):
+        found += zeros_of(run, align(run, shoe, kinematics), shoe, kinematics)
+    return found
+
+
+def _world(run: Run, aligned: Aligned, kinematics: Kinematics) -> World:
     if run.base_pose is None or len(run.base_pose.time) < 2:
         raise RecordingError(
             run.path,
             "names no double support and has no /base_pose to find the stances with; "
             "record one of the two",
         )
-    world = in_world(aligned, run.base_pose)
-    return walking_stances(run.info.run, aligned, world, shoe, kinematics.robot.mass)
+    return in_world(aligned, run.base_pose, kinematics.robot)
 
 
 def _around_the_air(

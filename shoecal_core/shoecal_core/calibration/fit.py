@@ -12,6 +12,7 @@ from shoecal_core.calibration.correction_fit import fit_corrections
 from shoecal_core.calibration.least_squares import Fit, Prior, minimise
 from shoecal_core.calibration.residuals import Problem, Weights, pack, unpack
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.walking_fit import CommonZeros, fit_walk
 from shoecal_core.estimation.initial_guess import InitialGuess, initial_guess
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.correction import CopCorrection
@@ -63,15 +64,25 @@ class SelfCalibration:
 
 
 def self_calibrate(
-    shoe: Shoe, stances: Sequence[Stance], settings: CalibrationSettings
+    shoe: Shoe,
+    stances: Sequence[Stance],
+    settings: CalibrationSettings,
+    zeros: CommonZeros | None = None,
 ) -> SelfCalibration:
     """Initial guess, nonlinear least squares, CoP correction.
+
+    Args:
+        shoe, stances, settings: of the fit.
+        zeros: of a walk, that its stances were brought to; None: of a robot that moves slowly.
 
     Raises:
         ShoecalError: when the samples cannot be fitted at all.
     """
     guess = initial_guess(shoe, stances, weight_row=False)
-    fit = fit_parameters(shoe, stances, guess, settings)
+    if zeros is None:
+        fit = fit_parameters(shoe, stances, guess, settings)
+    else:
+        fit = fit_walk(shoe, stances, prior_of(shoe, guess, settings), zeros, settings)
     parameters, time_offset = unpack(fit.vector)
     return SelfCalibration(
         shoe=shoe,

@@ -20,6 +20,7 @@ from shoecal_core.calibration.checks import Finding
 from shoecal_core.calibration.least_squares import Prior
 from shoecal_core.calibration.residuals import Weights, residuals, unpack
 from shoecal_core.calibration.screening.faults import Fault
+from shoecal_core.samples.even import evenly
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 
@@ -135,9 +136,12 @@ def check_lags(shoe: Shoe, found: Sequence[Lag]) -> list[Finding]:
 
 def _rates(stance: Stance) -> FloatArray:
     """(T, n) rate of change of the readings [1/s]."""
-    step = float(np.median(np.diff(stance.time)))
-    smooth = gaussian_filter1d(stance.readings, SMOOTHING_S / step, axis=0, mode="nearest")
-    return np.asarray(np.gradient(smooth, stance.time, axis=0))
+
+    def rates(even: FloatArray, step: float) -> FloatArray:
+        smooth = gaussian_filter1d(even, SMOOTHING_S / step, axis=0, mode="nearest")
+        return np.asarray(np.gradient(smooth, step, axis=0))
+
+    return evenly(rates, stance.readings, stance.time)
 
 
 def _saved(hessian: FloatArray, gradient: FloatArray, among: list[int]) -> float:

@@ -3,29 +3,38 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.accuracy import ModelLimit, check_accuracy, model_limit
 from shoecal_core.calibration.assessment import Assessment, assess
+from shoecal_core.calibration.axes import check_axes
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.checks import (
     Finding,
     Verdict,
     check_changed,
+    check_data_sheets,
     check_directions,
     check_expected,
     check_gains,
     check_missing,
-    check_nominal,
-    check_residuals,
     check_time_offset,
+    check_weight,
+    check_zeros,
     judge,
 )
-from shoecal_core.calibration.evaluate import Errors, errors, measured_series, modelled_series
-from shoecal_core.calibration.extract import stances_of
+from shoecal_core.calibration.evaluate import (
+    Errors,
+    Series,
+    errors,
+    measured_series,
+    modelled_series,
+)
+from shoecal_core.calibration.extract import stances_of, zeros_of
 from shoecal_core.calibration.fit import SelfCalibration, prior_of, self_calibrate
 from shoecal_core.calibration.joint import SAMPLING, corrected, joint_calibration, with_joint
 from shoecal_core.calibration.lagging import check_lags, lags
@@ -34,10 +43,18 @@ from shoecal_core.calibration.screening.clocks import LEFT_STD_S, put_together
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.calibration.walking_fit import (
+    at_common_zeros,
+    check_stances,
+    common_zeros,
+    stances_found,
+    walks,
+)
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.estimation.known_shoe import known_shoe
+from shoecal_core.estimation.weight import Weighed, weigh
 from shoecal_core.files import sha256
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import Robot
@@ -48,8 +65,10 @@ from shoecal_core.samples.aligned import align
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.sampling import make_samples
 from shoecal_core.samples.stance import Stance
+from shoecal_core.samples.zeros import Zero, ZeroFigures, with_own_zeros, zeros_json
 from shoecal_core.sensing.sensing import Sensing
 from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 DISTINCT_SUPPORTS = 2
@@ -68,6 +87,9 @@ class SessionData:
         end_ns: stamp of the last sample of all [ns since the epoch].
         temperature: mean of what the device told [degC], NaN where it told none.
         screening: what was found in it before the fit, and left out.
+        zeros: of feet in the air, by run.
+        weighed: what the data sheets of the sensors make of the robot's weight; None where that
+            cannot be known.
     """
 
     robot: Robot
@@ -78,6 +100,8 @@ class SessionData:
     end_ns: int
     temperature: float
     screening: Screening = field(default_factory=Screening)
+    zeros: tuple[Zero, ...] = ()
+    weighed: Weighed | None = None
 
     def of(self, runs: Sequence[int]) -> list[Stance]:
         """Stances of some runs."""
@@ -98,6 +122,7 @@ class Outcome:
             set (`train`, `test`); a set without runs is left out.
         joint: the fit of gains and offsets with all that may be wrong, which is put right in
             `data`; None for a walk.
+        limits: by set, what a walk's model leaves of the errors whatever the calibration.
     """
 
     calibration: Calibration
@@ -108,17 +133,25 @@ class Outcome:
     test: tuple[int, ...]
     modelled: dict[str, dict[str, Errors]]
     joint: JointFit | None = None
+    limits: Mapping[str, ModelLimit] = field(default_factory=dict)
 
     @property
     def screening(self) -> Screening:
         """What was found in the recording before the fit, and left out."""
         return self.data.screening
 
+    @property
+    def zeros(self) -> list[ZeroFigures]:
+        """What each foot reads in the air, run by run."""
+        return zeros_json(self.data.shoe, self.data.zeros, self.calibration.parameters)
+
 
 def load_data(
     session: Session,
     runs: Sequence[int] | None = None,
     settings: CalibrationSettings | None = None,
+    *,
+    weight_kg: float | None = None,
 ) -> SessionData:
     """Read runs of a session (all of them by default) and align them with the model.
 
@@ -126,9 +159,10 @@ def load_data(
         session: recorded.
         runs: numbers.
         settings: for a screening, which leaves out what is at fault; None: all is kept.
+        weight_kg: of robot and shoes, in place of the robot file's [kg].
     """
     shoe = session.shoe
-    robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf)
+    robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf, weight_kg=weight_kg)
     kinematics = Kinematics(robot)
     numbers = [entry.run for entry in session.runs] if runs is None else list(runs)
     recorded = {number: session.read(number) for number in numbers}
@@ -145,6 +179,11 @@ def load_data(
         samples = make_samples(
             read, robot, shoe, kinematics, SAMPLING, screening.kept, screening.air
         )
+    zeros = [
+        zero
+        for number, run in recorded.items()
+        for zero in zeros_of(run, aligned[number], shoe, kinematics)
+    ]
     temperatures = [run.readings.temperature for run in recorded.values()]
     told = [values[np.isfinite(values)] for values in temperatures]
     return SessionData(
@@ -162,6 +201,8 @@ def load_data(
         ),
         temperature=float(np.mean(np.concatenate(told))) if any(map(len, told)) else float("nan"),
         screening=screening,
+        zeros=tuple(zeros),
+        weighed=weigh(shoe, {run: one.readings for run, one in aligned.items()}, zeros),
     )
 
 
@@ -204,6 +245,8 @@ def calibrate_session(
     source: str = "self",
     made_ns: int = 0,
     manual: Calibration | None = None,
+    weight_kg: float | None = None,
+    rezero: bool = False,
 ) -> Outcome:
     """Self-calibration from a recording (paper, section VI).
 
@@ -215,6 +258,8 @@ def calibrate_session(
         source: kept in the calibration.
         made_ns: time stamp of the calibration [ns since the epoch]; 0: that of the last run.
         manual: calibration of these shoes with known weights, as a prior.
+        weight_kg: of robot and shoes, in place of the robot file's [kg].
+        rezero: judge every run with its own zeros, where a foot hangs in it.
 
     Raises:
         ShoecalError: when no calibration can be had from the session at all. A calibration
@@ -223,7 +268,7 @@ def calibrate_session(
     settings = CalibrationSettings() if settings is None else settings
     tolerances = Tolerances() if tolerances is None else tolerances
     train, test = split_runs(session, train, test)
-    data = load_data(session, (*train, *test), settings)
+    data = load_data(session, (*train, *test), settings, weight_kg=weight_kg)
     found = [*data.screening.findings, *check_missing(session.missing)]
     found += check_changed(session.changed_files if session.forced else ())
     if data.screening.fails:
@@ -231,7 +276,11 @@ def calibrate_session(
     train, test = (tuple(run for run in runs if data.stances[run]) for runs in (train, test))
     _require_supports(session, data.of(train), found)
     fitting = _fitting(settings, data.screening)
-    stages = self_calibrate(data.shoe, data.of(train), fitting)
+    common, training = None, data.of(train)
+    if walks(training):
+        common = common_zeros(data.shoe, data.zeros, train)
+        training = at_common_zeros(data.shoe, training, data.zeros, common)
+    stages = self_calibrate(data.shoe, training, fitting, common)
     joint = None
     if data.samples is not None:
         known = None
@@ -241,16 +290,27 @@ def calibrate_session(
         joint = joint_calibration(data.samples, train, stages, fitting, tolerances, known)
         stages = with_joint(stages, joint)
         data = replace(data, shoe=joint.shoe, stances=corrected(data.stances, joint))
+        training = data.of(train)
+    found += _lagging(data, stages, training, settings)
+    assessment = assess(data.robot, stages, joint, training, settings, tolerances)
+    if rezero:
+        data = replace(data, stances=rezeroed(data, stages.parameters))
     training, testing = data.of(train), data.of(test)
     guessed = Sensing(data.shoe, stages.guess.parameters)
     sets = {name: part for name, part in (("train", training), ("test", testing)) if part}
-    modelled = {
+    compared = {
         stage: {name: _against_model(sensing, part) for name, part in sets.items()}
         for stage, sensing in (("initial_guess", guessed), ("self_calibration", stages.sensing))
     }
-    found += _lagging(data, stages, training, settings)
-    assessment = assess(data.robot, stages, joint, training, settings, tolerances)
-    verdict = _verdict(data, stages, modelled["self_calibration"], settings, found, assessment)
+    modelled = {
+        stage: {name: errors(pairs) for name, pairs in sets_of.items()}
+        for stage, sets_of in compared.items()
+    }
+    found += check_stances(training)
+    found += check_axes(data.shoe, training)
+    found += check_zeros(data.shoe, data.zeros, stages.parameters, data.robot.weight, own=rezero)
+    limits = {name: model_limit(pairs) for name, pairs in compared["self_calibration"].items()}
+    verdict = _verdict(data, stages, modelled["self_calibration"], limits, found, assessment)
     return Outcome(
         calibration=replace(
             _calibration(data, stages, assessment, verdict, source, made_ns),
@@ -263,7 +323,19 @@ def calibrate_session(
         test=test,
         modelled=modelled,
         joint=joint,
+        limits={name: limit for name, limit in limits.items() if limit is not None},
     )
+
+
+def rezeroed(data: SessionData, parameters: ChannelParameters) -> dict[int, tuple[Stance, ...]]:
+    """Stances with readings as if each run's zeros were those of the parameters, by run."""
+    found = {}
+    for run, stances in data.stances.items():
+        own = [zero for zero in data.zeros if zero.run == run]
+        change = with_own_zeros(data.shoe, parameters, own).offset - parameters.offset
+        shift = change / parameters.gain
+        found[run] = tuple(replace(one, readings=one.readings + shift) for one in stances)
+    return found
 
 
 def _fitting(settings: CalibrationSettings, screening: Screening) -> CalibrationSettings:
@@ -284,6 +356,8 @@ def _require_supports(
     distinct = {tuple(np.round((s.support.dx, s.support.dy, s.support.dtheta), 2)) for s in double}
     if len(distinct) < DISTINCT_SUPPORTS:
         told = "".join(f"; {finding.reason}" for finding in found)
+        if walks(stances):
+            told = f"; {stances_found(stances)}{told}"
         raise SessionError(
             session.folder,
             f"{len(distinct)} double support among the training runs; record at least "
@@ -291,10 +365,8 @@ def _require_supports(
         )
 
 
-def _against_model(sensing: Sensing, stances: Sequence[Stance]) -> Errors:
-    return errors(
-        [(measured_series(sensing, stance), modelled_series(stance)) for stance in stances]
-    )
+def _against_model(sensing: Sensing, stances: Sequence[Stance]) -> list[tuple[Series, Series]]:
+    return [(measured_series(sensing, stance), modelled_series(stance)) for stance in stances]
 
 
 def _lagging(
@@ -312,15 +384,19 @@ def _verdict(
     data: SessionData,
     stages: SelfCalibration,
     modelled: dict[str, Errors],
-    settings: CalibrationSettings,
+    limits: dict[str, ModelLimit | None],
     findings: list[Finding],
     assessment: Assessment,
 ) -> Verdict:
-    findings = findings + check_gains(data.shoe, stages.guess, stages.parameters)
-    findings += check_nominal(data.shoe, stages.parameters)
+    # The weight comes first: what it is wrong by is in all gains.
+    weight = check_weight(data.shoe, stages.parameters, data.weighed, data.robot)
+    findings = weight + findings + check_gains(data.shoe, stages.guess, stages.parameters)
+    count = len(data.shoe.names)
+    gain_std = np.sqrt(np.diag(assessment.covariance)[:count])
+    findings += check_data_sheets(data.shoe, stages.parameters, gain_std)
     findings += check_time_offset(stages.time_offset)
     for name, error in modelled.items():
-        findings += check_residuals(name, error.grf.mean, error.cop.mean, settings)
+        findings += check_accuracy(name, error, data.robot, limits[name])
     findings += check_directions(assessment.told, assessment.additions)
     width = min(foot.half_width for foot in data.robot.feet)
     findings += check_expected(width, *assessment.expected_cop(), assessment.additions)

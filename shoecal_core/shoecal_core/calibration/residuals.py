@@ -196,13 +196,23 @@ class Problem:
     weights: Weights
 
     @classmethod
-    def of(cls, stances: Sequence[Stance], shoe: Shoe, weights: Weights) -> Problem:
-        """All samples of all stances."""
+    def of(
+        cls,
+        stances: Sequence[Stance],
+        shoe: Shoe,
+        weights: Weights,
+        shares: Sequence[float] | None = None,
+    ) -> Problem:
+        """All samples of all stances.
+
+        Args:
+            stances, shoe, weights: to be fitted.
+            shares: how much each stance that has samples counts for; all of them fully by default.
+        """
         terms = []
-        for stance in stances:
-            if not len(stance.time):
-                continue
-            share = weights.of_sample(stance)
+        full = [stance for stance in stances if len(stance.time)]
+        for stance, part in zip(full, shares or [1.0] * len(full), strict=True):
+            share = part * weights.of_sample(stance)
             terms.append(Term(stance, share, stance.columns, stance.base, None))
             foot = stance.hanging
             if foot is not None:

@@ -91,6 +91,36 @@ def add_sets(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_weight(parser: argparse.ArgumentParser) -> None:
+    """`--weight-kg`."""
+    parser.add_argument(
+        "--weight-kg",
+        type=weight_kg,
+        metavar="KG",
+        help="weight of the robot with its shoes, in place of the robot file's",
+    )
+
+
+def add_rezero(parser: argparse.ArgumentParser) -> None:
+    """`--rezero`."""
+    parser.add_argument(
+        "--rezero",
+        action="store_true",
+        help="judge each run with its own zeros, taken where a foot hangs in the air",
+    )
+
+
+def weight_kg(text: str) -> float:
+    """A weight."""
+    try:
+        weight = float(text)
+    except ValueError:
+        weight = float("nan")
+    if not 0.1 <= weight <= 1000.0:
+        raise argparse.ArgumentTypeError(f"'{text}': expected a weight of 0.1 to 1000 kg")
+    return weight
+
+
 def add_force(parser: argparse.ArgumentParser) -> None:
     """`--force`, of recordings."""
     parser.add_argument(

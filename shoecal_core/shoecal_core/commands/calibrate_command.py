@@ -13,12 +13,19 @@ from shoecal_core.calibration.calibration import load_calibration, save_calibrat
 from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.commands.arguments import add_force, add_sets, require_folder
+from shoecal_core.commands.arguments import (
+    add_force,
+    add_rezero,
+    add_sets,
+    add_weight,
+    require_folder,
+)
 from shoecal_core.commands.assessment_table import expected_table, trust_lines
 from shoecal_core.commands.screening_table import screening_table
 from shoecal_core.commands.tables import errors_table, new_table, reason_lines, stages_rows
+from shoecal_core.commands.zeros_table import weight_json, weight_line, zeros_table
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.errors import ShoecalError
+from shoecal_core.errors import PartialError
 from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.recording.session import Session
@@ -31,7 +38,7 @@ SURE = 3.0
 """Standard deviations from which on a deviation is listed as significant."""
 
 
-class CalibrationFailedError(ShoecalError):
+class CalibrationFailedError(PartialError):
     """A calibration was found that must not be used."""
 
 
@@ -55,6 +62,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="calibration of these shoes by `shoecal manual shoe`: where cells and plates carry, "
         "and the gains, are then known beforehand",
     )
+    add_weight(parser)
+    add_rezero(parser)
     add_sets(parser)
     add_force(parser)
 
@@ -69,9 +78,15 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         require_folder(path)
     session = Session.open(args.session, force=args.force)
     manual = None if args.manual is None else load_calibration(args.manual)
-    outcome = calibrate_session(session, args.train, args.test, settings, tolerances, manual=manual)
+    outcome = calibrate_session(
+        session, args.train, args.test, settings, tolerances,
+        manual=manual, weight_kg=args.weight_kg, rezero=args.rezero,
+    )  # fmt: skip
+    console.print(weight_line(outcome.data.weighed, outcome.data.robot), soft_wrap=True)
     console.print(errors_table("Measured against modelled", stages_rows(outcome.modelled)))
     _print_channels(outcome, console)
+    if zeros := outcome.zeros:
+        console.print(zeros_table(zeros))
     _print_deviations(outcome, console)
     _print_trust(outcome, console)
     calibration = outcome.calibration
@@ -83,7 +98,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         console.print(line, soft_wrap=True)
     if calibration.verdict == "FAIL":
         told = tell_reasons(calibration.reasons, 1)
-        raise CalibrationFailedError(f"no calibration written: {told}")
+        raise CalibrationFailedError(f"no calibration written: {told}", to_json(outcome))
     console.print(f"{args.out}")
     return to_json(outcome)
 
@@ -111,6 +126,9 @@ def to_json(outcome: Outcome) -> dict[str, object]:
             )
         },
         "assessment": outcome.assessment.to_json(outcome.data.shoe),
+        "weight": weight_json(outcome.data.weighed, outcome.data.robot),
+        "zeros": outcome.zeros,
+        "model_limit": {name: limit.to_json() for name, limit in outcome.limits.items()},
         "screening": outcome.screening.to_json(),
         "time_offset_s": calibration.time_offset,
         "deviations": [] if outcome.joint is None else deviations_json(outcome.joint),

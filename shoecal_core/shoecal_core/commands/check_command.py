@@ -11,18 +11,20 @@ from rich.console import Console
 from rich.table import Table
 
 from shoecal_core.calibration.checks import split_reason
-from shoecal_core.calibration.extract import stances_of
+from shoecal_core.calibration.extract import stances_of, zeros_of
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.screening.clocks import put_together
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.commands.arguments import add_force, require_folder
+from shoecal_core.commands.arguments import add_force, add_weight, require_folder
 from shoecal_core.commands.assessment_table import expected_table
 from shoecal_core.commands.screening_table import screening_table
 from shoecal_core.commands.tables import new_table, verdict_line
+from shoecal_core.commands.zeros_table import weight_json, weight_line, zeros_table
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.errors import ShoecalError
+from shoecal_core.errors import PartialError, ShoecalError
+from shoecal_core.estimation.weight import weigh
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.run import Run
@@ -30,10 +32,11 @@ from shoecal_core.recording.session import RunEntry, Session
 from shoecal_core.report.check_content import CheckReport
 from shoecal_core.report.check_report import check_report
 from shoecal_core.samples.aligned import align
+from shoecal_core.samples.zeros import Zero, zeros_json
 from shoecal_core.settings import load_settings
 
 
-class UnfitSessionError(ShoecalError):
+class UnfitSessionError(PartialError):
     """A session that cannot be calibrated from as it is."""
 
 
@@ -47,6 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="parameter file of the calibrator node, for its weights and tolerances",
     )
     parser.add_argument("--report", type=Path, metavar="FILE", help="also write an HTML report")
+    add_weight(parser)
     add_force(parser)
 
 
@@ -54,17 +58,16 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """List what is in every run, then calibrate: what `calibrate` refuses, this never passes."""
     if args.report is not None:
         require_folder(args.report)
-    settings, tolerances = CalibrationSettings(), Tolerances()
-    if args.settings:
-        settings = load_settings(CalibrationSettings, args.settings, "calibrator", "calibration")
-        tolerances = load_settings(Tolerances, args.settings, "calibrator", "tolerances")
+    settings, tolerances = _settings(args.settings)
     session = Session.open(args.session, force=args.force)
     problems = [
         f"{path.name} was not finished: rescue it with `shoecal recover {path}`"
         for path in session.unfinished
     ] + [f"run {run} was begun but its file is gone: put it back" for run in session.missing]
     # A robot or shoe file that cannot be used is told as itself, not as another file's hash.
-    robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
+    robot = load_robot(
+        session.robot_yaml, session.shoe, urdf=session.robot_urdf, weight_kg=args.weight_kg
+    )
     read = _Read(Kinematics(robot), session, settings, problems)
     screening = screen(
         read.runs, read.aligned, session.shoe, robot.weight, settings, read.time_offset
@@ -75,7 +78,14 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         problems.append(f"{session.folder}: no run can be read; record some")
     problems += [found.reason for found in screening.findings if found.verdict == "FAIL"]
     warnings = [found.reason for found in screening.findings if found.verdict == "WARN"]
-    calibration = None if problems else _calibration(session, settings, tolerances, problems)
+    calibration = _calibration(session, settings, tolerances, args.weight_kg, problems)
+    zeros = zeros_json(session.shoe, read.zeros) if calibration is None else calibration.zeros
+    weighed = weigh(
+        session.shoe, {run: one.readings for run, one in read.aligned.items()}, read.zeros
+    )
+    console.print(weight_line(weighed, robot), soft_wrap=True)
+    if zeros:
+        console.print(zeros_table(zeros))
     if calibration is not None:
         console.print(expected_table(calibration.assessment))
         found = {reason: split_reason(reason, "WARN") for reason in calibration.calibration.reasons}
@@ -89,34 +99,58 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             console.print(verdict_line(verdict, line), soft_wrap=True)
     if args.report is not None:
         content = CheckReport(session, robot, tuple(read.entries), read.runs, read.aligned,
-                              screening, tuple(problems), tuple(warnings))  # fmt: skip
+                              screening, tuple(problems), tuple(warnings), tuple(zeros),
+                              weighed)  # fmt: skip
         check_report(args.report, content)
-    if problems:
-        raise UnfitSessionError(f"{len(problems)} problem(s) in {session.folder}, listed above")
-    told = "fit for use, with the warnings above" if warnings else "fit for use"
-    console.print(verdict_line("WARN" if warnings else "PASS", told))
-    return {
+    figures = {
         "robot": session.robot,
         "shoe": session.shoe_name,
         "runs": [_figures(entry, read.runs[entry.run]) for entry in read.entries],
         "problems": problems,
         "warnings": warnings,
+        "weight": weight_json(weighed, robot),
+        "zeros": zeros,
         "screening": screening.to_json(),
         "assessment": None
         if calibration is None
         else calibration.assessment.to_json(calibration.data.shoe),
     }
+    if problems:
+        raise UnfitSessionError(
+            f"{len(problems)} problem(s) in {session.folder}, listed above", figures
+        )
+    told = "fit for use, with the warnings above" if warnings else "fit for use"
+    console.print(verdict_line("WARN" if warnings else "PASS", told))
+    return figures
+
+
+def _settings(file: Path | None) -> tuple[CalibrationSettings, Tolerances]:
+    """Those of a file, else the usual ones."""
+    if file is None:
+        return CalibrationSettings(), Tolerances()
+    return (
+        load_settings(CalibrationSettings, file, "calibrator", "calibration"),
+        load_settings(Tolerances, file, "calibrator", "tolerances"),
+    )
 
 
 def _calibration(
     session: Session,
     settings: CalibrationSettings,
     tolerances: Tolerances,
+    weight_kg: float | None,
     problems: list[str],
 ) -> Outcome | None:
-    """What `calibrate` would find; None where it would refuse, which is a problem."""
+    """What `calibrate` would find; None where it would refuse, which is a problem, or there is one.
+
+    Zeros that change between runs do not make a session unfit: each run is judged with its own.
+    """
+    if problems:
+        return None
     try:
-        return calibrate_session(session, settings=settings, tolerances=tolerances)
+        return calibrate_session(
+            session, settings=settings, tolerances=tolerances, weight_kg=weight_kg, rezero=True
+        )
     except ShoecalError as error:
         problems.append(str(error))
         return None
@@ -133,6 +167,7 @@ class _Read:
         problems: list[str],
     ) -> None:
         self.runs: dict[int, Run] = {}
+        self.zeros: list[Zero] = []
         self._kinematics, self._shoe, self._problems = kinematics, session.shoe, problems
         for entry in session.runs:
             try:
@@ -148,7 +183,9 @@ class _Read:
         """See whether every run has stances to calibrate from."""
         for number, run in self.runs.items():
             try:
-                stances_of(run, self.aligned[number], self._shoe, self._kinematics, screening)
+                aligned = self.aligned[number]
+                self.zeros += zeros_of(run, aligned, self._shoe, self._kinematics)
+                stances_of(run, aligned, self._shoe, self._kinematics, screening)
             except ShoecalError as error:
                 self._problems.append(str(error))
 

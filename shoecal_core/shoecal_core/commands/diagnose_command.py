@@ -13,6 +13,7 @@ from shoecal_core.commands.diagnosis_job import Diagnosed, DiagnosisJob, attempt
 from shoecal_core.commands.diagnosis_table import print_diagnosis, sessions_table
 from shoecal_core.commands.many_jobs import over_cluster, over_cores
 from shoecal_core.commands.progress import shown_progress
+from shoecal_core.commands.zeros_table import zeros_table
 from shoecal_core.errors import PartialError, ShoecalError
 from shoecal_core.recording.errors import SessionError
 
@@ -79,6 +80,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             found = do(jobs[0], progress)
         assert found.diagnosis is not None
         print_diagnosis(found.diagnosis, found.calibrated, console)
+        if found.zeros:
+            console.print(zeros_table(found.zeros))
         return found.to_json()
     return _many(jobs, args, console)
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.evaluate import errors, measured_series, modelled_series
 from shoecal_core.calibration.evaluation import load_calibration_of
+from shoecal_core.calibration.extract import session_zeros
 from shoecal_core.calibration.pipeline import load_data
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.simulated_shrink import with_simulated_shrink
@@ -21,6 +22,7 @@ from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session
 from shoecal_core.report.diagnosis_report import write_diagnosis_report
 from shoecal_core.report.origin import origin
+from shoecal_core.samples.zeros import ZeroFigures, zeros_json
 
 Progress = Callable[[str, float], None]
 SIMULATED_FROM = 0.7
@@ -83,18 +85,20 @@ class Diagnosed:
         diagnosis: without its evidence, which the report has used up.
         calibrated: of the calibration that was named.
         error: in words; empty where there is a diagnosis.
+        zeros: what each foot reads in the air, run by run.
     """
 
     session: Path
     diagnosis: Diagnosis | None = None
     calibrated: CalibratedGap | None = None
     error: str = ""
+    zeros: list[ZeroFigures] = field(default_factory=list)
 
     def to_json(self) -> dict[str, object]:
         """The diagnosis as it is told to programs, or the error in its place."""
         if self.diagnosis is None:
             return {"session": str(self.session), "error": self.error}
-        told = {"session": str(self.session), **self.diagnosis.to_json()}
+        told = {"session": str(self.session), **self.diagnosis.to_json(), "zeros": self.zeros}
         if self.calibrated is not None:
             told["calibration"] = vars(self.calibrated).copy()
         return told
@@ -139,7 +143,14 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
         )
     calibrated = None if calibration is None else _calibrated(calibration, session, found.test)
     tell("done", 1.0)
-    return Diagnosed(job.session, replace(found, evidence=None), calibrated)
+    parameters = None if calibration is None else calibration.parameters
+    zeros = session_zeros(session, sorted((*found.train, *found.test)))
+    return Diagnosed(
+        job.session,
+        replace(found, evidence=None),
+        calibrated,
+        zeros=zeros_json(session.shoe, zeros, parameters),
+    )
 
 
 def attempt(job: DiagnosisJob) -> Diagnosed:

@@ -2,7 +2,8 @@
 
 Against the model always; against the simulator's truth where the session has one; against
 another calibration, for example a manual one, where one is given. Several sessions are judged
-together: one session has too few runs to tell training from test runs.
+together: one session has too few runs to tell training from test runs. The verdict is on errors
+against the model, in per cent of the weight and of half the width of a foot.
 """
 
 from __future__ import annotations
@@ -14,14 +15,16 @@ from pathlib import Path
 import numpy as np
 from rich.console import Console
 
-from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.calibration.calibration import VERDICTS, Calibration
+from shoecal_core.calibration.checks import split_reason, tell_reasons
 from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.calibration.evaluation import (
     MEASURED,
     MODELLED,
     REFERENCE,
     TRUTH,
-    compare_runs,
+    Evaluated,
+    evaluate_session,
     load_calibration_of,
     version_note,
 )
@@ -33,20 +36,26 @@ from shoecal_core.calibration.run_errors import (
     train_against_test,
 )
 from shoecal_core.calibration.significance import Difference
-from shoecal_core.commands.arguments import add_force, add_sets
+from shoecal_core.commands.arguments import add_force, add_rezero, add_sets, add_weight
 from shoecal_core.commands.tables import (
     difference_lines,
     errors_table,
     left_out_lines,
     stages_rows,
+    verdict_line,
 )
-from shoecal_core.errors import ShoecalError
+from shoecal_core.commands.zeros_table import weight_json, weight_line, zeros_table
+from shoecal_core.errors import PartialError, ShoecalError
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 
 NAMES = {MODELLED: "model", REFERENCE: "reference", TRUTH: "truth"}
 SEED = 0
 """Of the splits that the test draws where there are too many: the same answer every time."""
+
+
+class PoorCalibrationError(PartialError):
+    """A calibration that is too far off on these runs."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -74,6 +83,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="a calibration taken as right, for example a manual one; likewise",
     )
+    add_rezero(parser)
+    add_weight(parser)
     add_sets(parser)
     add_force(parser)
 
@@ -84,12 +95,18 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     calibrations = _one_a_session("--calibration", args.calibration, sessions)
     references = _one_a_session("--reference", args.reference, sessions)
     runs: list[ComparedRun] = []
+    evaluated: list[Evaluated] = []
     for session, calibration, reference in zip(sessions, calibrations, references, strict=True):
         assert calibration is not None
-        for one in filter(None, (calibration, reference)):
-            if note := version_note(one, session):
+        for named in filter(None, (calibration, reference)):
+            if note := version_note(named, session):
                 console.print(f"Note: {note}.", markup=False)
-        runs += compare_runs(session, calibration, reference, args.train, args.test)
+        one = evaluate_session(
+            session, calibration, reference, args.train, args.test,
+            rezero=args.rezero, weight_kg=args.weight_kg,
+        )  # fmt: skip
+        evaluated.append(one)
+        runs += one.runs
     if not all(run.sources.keys() == runs[0].sources.keys() for run in runs):
         raise ShoecalError(
             "some sessions have a simulated truth and some have none; evaluate them apart"
@@ -100,8 +117,22 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         for reference in _references(runs, MEASURED)
     }
     _print(runs, compared, console)
-    return {
+    worst = max((one.verdict for one in evaluated), key=lambda one: VERDICTS.index(one.verdict))
+    _print_verdicts(evaluated, console)
+    figures: dict[str, object] = {
         "format": 1,
+        "verdict": worst.verdict,
+        "reasons": [reason for one in evaluated for reason in one.verdict.reasons],
+        "weight": [weight_json(one.weighed, one.robot) for one in evaluated],
+        "zeros": [
+            {"session": str(session.folder), **zero}
+            for session, one in zip(sessions, evaluated, strict=True)
+            for zero in one.zeros
+        ],
+        "rezeroed": args.rezero,
+        "model_limit": [
+            {name: limit.to_json() for name, limit in one.limits.items()} for one in evaluated
+        ],
         "calibrations": [one.id for one in calibrations if one is not None],
         "references": [one.id for one in references if one is not None],
         **_errors_to_json(runs, MEASURED),
@@ -113,6 +144,20 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         },
         "runs": [_run_to_json(one) for one in runs],
     }
+    if worst.verdict == "FAIL":
+        raise PoorCalibrationError(tell_reasons(worst.reasons, 1), figures)
+    return figures
+
+
+def _print_verdicts(evaluated: Sequence[Evaluated], console: Console) -> None:
+    """Weight, zeros and verdict of each session."""
+    for one in evaluated:
+        console.print(weight_line(one.weighed, one.robot), soft_wrap=True)
+        if one.zeros:
+            console.print(zeros_table(one.zeros))
+        for reason in one.verdict.reasons:
+            level, text = split_reason(reason, one.verdict.verdict)
+            console.print(verdict_line(level, text), soft_wrap=True)
 
 
 def _open(folders: Sequence[Path], *, force: bool) -> list[Session]:
@@ -202,5 +247,5 @@ def _print(
         console.print(f"Training against test runs, by their errors against {NAMES[name]}:")
         for line in difference_lines(compared[name]):
             console.print(f"  {line}", markup=False)
-    for line in left_out_lines(rows):
+    for line in left_out_lines(rows, feet=best != MODELLED):
         console.print(line, markup=False)

@@ -56,14 +56,19 @@ def errors_table(title: str, rows: Sequence[tuple[str, Errors]]) -> Table:
     return table
 
 
-def left_out_lines(rows: Sequence[tuple[str, Errors]]) -> list[str]:
-    """Where samples had to be left out of a figure, so that nobody takes it for the whole."""
+def left_out_lines(rows: Sequence[tuple[str, Errors]], *, feet: bool = True) -> list[str]:
+    """Where samples had to be left out of a figure, so that nobody takes it for the whole.
+
+    Args:
+        rows: of a table of errors.
+        feet: of each foot's figures, too; a model knows these at times only.
+    """
     return [
         f"{label}: {_heading(name)} counts {mae.count} of {mae.count + mae.left_out} samples; in "
         "the others the foot was not loaded, or nothing is known of it"
         for label, found in rows
         for name, (mae, _, _) in found.figures().items()
-        if mae.count and mae.left_out
+        if mae.count and mae.left_out and (feet or name in WRITTEN)
     ]
 
 

@@ -49,11 +49,20 @@ def shoe_file_of(robot: Path) -> Path:
     return shoe
 
 
-def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None) -> Robot:
+def load_robot(
+    path: Path,
+    shoe: Shoe | None = None,
+    *,
+    urdf: Path | None = None,
+    weight_kg: float | None = None,
+) -> Robot:
     """Read ROBOT.yaml and its URDF; put the shoes on where there are any.
 
     Args:
+        path: of the robot file.
+        shoe: put on.
         urdf: taken instead of the one that the robot file names (a session's own copy).
+        weight_kg: taken instead of the robot file's, shoes included [kg].
 
     With shoes the sole frames are on the shoes' floor side, and the shoes' masses are part
     of the model.
@@ -74,6 +83,10 @@ def load_robot(path: Path, shoe: Shoe | None = None, *, urdf: Path | None = None
     weight = fields.mapping("weight")
     weight.only("mass_kg", "std_kg")
     mass = weight.number("mass_kg", above=0.0)
+    if weight_kg is not None:
+        mass = weight_kg - (0.0 if shoe is None else shoe.mass)
+        if not mass > 0.0:
+            raise weight.error("mass_kg", f"a weight of {weight_kg:g} kg is less than the shoes'")
     _scale_mass(model, mass)
     feet = _feet(fields.mapping("feet"), model, 0.0 if shoe is None else shoe.height)
     if shoe is not None:

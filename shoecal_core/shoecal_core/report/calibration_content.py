@@ -18,6 +18,7 @@ from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.model.robot import Robot
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.figures.series import joined
+from shoecal_core.samples.zeros import ZeroFigures
 from shoecal_core.sensing.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
@@ -91,6 +92,7 @@ class CalibrationReport:
         runs: training runs first.
         timing: seconds by stage, for example `plan`, `record`, `solve`, `total`.
         provenance: lines that say where this is from; what is simulated and what is real.
+        zeros: what feet read in the air.
     """
 
     robot: Robot
@@ -101,6 +103,7 @@ class CalibrationReport:
     told: Told | None = None
     timing: Mapping[str, float] = field(default_factory=dict)
     provenance: tuple[str, ...] = ()
+    zeros: tuple[ZeroFigures, ...] = ()
 
     def __post_init__(self) -> None:
         if not self.runs:

@@ -36,6 +36,7 @@ from shoecal_core.report.page import Group, KeyFigure, Page, Reason, Section, St
 from shoecal_core.report.quantities import mean_error, uncertain
 from shoecal_core.report.run_strip import run_strip
 from shoecal_core.report.scene.offscreen import tried
+from shoecal_core.report.zeros_section import zeros_section
 from shoecal_core.sensing.shoe import FEET
 
 MEANING = {
@@ -70,7 +71,8 @@ def calibration_page(content: CalibrationReport, seen: Strip | str | None = None
         verdict=verdict_of(content.calibration),
         key_figures=_key_figures(content),
         sections=(_accuracy(content), *_told(content), _channels(content),
-                  _runs(content, seen), _feet(content), _details(content)),
+                  *zeros_section(content.zeros), _runs(content, seen), _feet(content),
+                  _details(content)),
         provenance=content.provenance,
     )  # fmt: skip
 

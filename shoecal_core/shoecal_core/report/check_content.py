@@ -6,10 +6,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from shoecal_core.calibration.screening.result import Screening
+from shoecal_core.estimation.weight import Weighed
 from shoecal_core.model.robot import Robot
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.zeros import ZeroFigures
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,8 @@ class CheckReport:
         screening: what was found in them.
         problems: what is in the way of a calibration, a line each.
         warnings: what is not, but should be looked at.
+        zeros: what feet read in the air.
+        weighed: the weight by data sheets; None where it cannot be known.
     """
 
     session: Session
@@ -35,6 +39,8 @@ class CheckReport:
     screening: Screening
     problems: tuple[str, ...]
     warnings: tuple[str, ...]
+    zeros: tuple[ZeroFigures, ...] = ()
+    weighed: Weighed | None = None
 
     @property
     def verdict(self) -> str:

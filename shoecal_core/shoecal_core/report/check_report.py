@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from shoecal_core.estimation.weight import Weighed
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.recording.session import RunEntry
@@ -27,6 +28,7 @@ from shoecal_core.report.page import (
 )
 from shoecal_core.report.quantities import UNKNOWN, double_support_text, quantity, uncertain
 from shoecal_core.report.scene.offscreen import tried
+from shoecal_core.report.zeros_section import zeros_section
 
 MEANING = {
     "PASS": "This session is fit for a calibration.",
@@ -60,7 +62,13 @@ def check_page(content: CheckReport, seen: Strip | str | None = None) -> Page:
         "that can be read",
         verdict=_verdict(content),
         key_figures=_key_figures(content),
-        sections=(_runs(content, seen), _left_out(content), *_raw(content), _details(content)),
+        sections=(
+            _runs(content, seen),
+            _left_out(content),
+            *zeros_section(content.zeros),
+            *_raw(content),
+            _details(content),
+        ),
         provenance=(origin(session, runs), "Raw readings: nothing here rests on a calibration."),
     )
 
@@ -92,7 +100,15 @@ def _key_figures(content: CheckReport) -> tuple[KeyFigure, ...]:
         KeyFigure("double supports", str(len(_supports(content))),
                   "that differ; their yaws must, too"),
         KeyFigure("weight to rest on", weight, "robot and shoes, ± standard uncertainty"),
+        *_weighed(content.weighed),
     )  # fmt: skip
+
+
+def _weighed(weighed: Weighed | None) -> tuple[KeyFigure, ...]:
+    if weighed is None:
+        return ()
+    text = uncertain(weighed.kg, 0.5 * (weighed.ci95[1] - weighed.ci95[0]), "kg")
+    return (KeyFigure("weight by data sheets", text, "of the robot's own sensors; 95 % interval"),)
 
 
 def _supports(content: CheckReport) -> set[tuple[float, float, float]]:

@@ -80,6 +80,7 @@ def session_content(
         told=told_by(outcome, settings),
         timing=timing or {},
         provenance=(*_origin(session, outcome), *provenance),
+        zeros=tuple(outcome.zeros),
     )
 
 

@@ -7,16 +7,20 @@ from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import lfilter
 
+from shoecal_core.samples.even import evenly
+
 FloatArray = NDArray[np.float64]
 
 
 def low_passed(values: FloatArray, time: FloatArray, constant: float) -> FloatArray:
     """First-order lag of values (F, k) with a time constant [s], settled at the start."""
-    step = float(np.median(np.diff(time)))
-    keep = np.exp(-step / constant)
-    start = keep * values[:1]
-    filtered, _ = lfilter([1.0 - keep], [1.0, -keep], values, axis=0, zi=start)
-    return np.asarray(filtered)
+
+    def lagged(even: FloatArray, step: float) -> FloatArray:
+        keep = np.exp(-step / constant)
+        filtered, _ = lfilter([1.0 - keep], [1.0, -keep], even, axis=0, zi=keep * even[:1])
+        return np.asarray(filtered)
+
+    return evenly(lagged, values, time)
 
 
 def play(values: FloatArray, width: FloatArray) -> FloatArray:
@@ -36,12 +40,14 @@ def slope(values: FloatArray, time: FloatArray, span: float = 0.6) -> FloatArray
     What is fast, noise and the robot's own trembling, must not enter: it is in the residuals too
     and would pass for a delay.
     """
-    step = float(np.median(np.diff(time)))
-    width = 2 * round(span / 6.0 / step) + 1
-    calm = uniform_filter1d(values, width, axis=0, mode="nearest")
-    reach = max(1, round(span / 3.0 / step))
-    index = np.arange(len(time))
-    before, after = np.maximum(index - reach, 0), np.minimum(index + reach, len(time) - 1)
-    gone = np.maximum(time[after] - time[before], step)
-    rate: FloatArray = (calm[after] - calm[before]) / gone[:, None]
-    return rate
+
+    def rate(even: FloatArray, step: float) -> FloatArray:
+        width = 2 * round(span / 6.0 / step) + 1
+        calm = uniform_filter1d(even, width, axis=0, mode="nearest")
+        reach = max(1, round(span / 3.0 / step))
+        index = np.arange(len(even))
+        before, after = np.maximum(index - reach, 0), np.minimum(index + reach, len(even) - 1)
+        gone = np.maximum(after - before, 1) * step
+        return np.asarray((calm[after] - calm[before]) / gone[:, None])
+
+    return evenly(rate, values, time)

@@ -18,6 +18,8 @@ from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.aligned import Aligned, align
 from shoecal_core.samples.clocks import check_clocks
+from shoecal_core.samples.contact import at_least_load
+from shoecal_core.samples.even import evenly
 from shoecal_core.samples.known_weight import carried, with_mass
 from shoecal_core.samples.missing import missing
 from shoecal_core.samples.momentum import standing_spin
@@ -218,7 +220,7 @@ def _part(
     time = aligned.time
     walk = find_walk(run, aligned, shoe, robot) if run.info.support is None else None
     if walk is None:
-        stance, loaded = _stances(aligned, hangs, robot, settings)
+        stance, loaded = _stances(aligned, hangs, robot, shoe, settings)
     else:
         stance, loaded = walk.stance, walk.loaded
     key = np.floor(time * rate) if walk is None else pieces(time, stance, rate)
@@ -264,10 +266,14 @@ def _smooth(values: FloatArray, time: FloatArray, span: float = 0.1) -> FloatArr
 
     What averages take off a curve is put back, else fast motions would seem slower than they are.
     """
-    width = max(1, 2 * round(0.5 * span * _rate(time)) + 1)
-    flat = values.reshape(len(values), -1)
-    once = _averaged(flat, width)
-    return (once + _averaged(flat - once, width)).reshape(values.shape)
+
+    def smoothed(even: FloatArray, period: float) -> FloatArray:
+        width = max(1, 2 * round(0.5 * span / period) + 1)
+        flat = even.reshape(len(even), -1)
+        once = _averaged(flat, width)
+        return (once + _averaged(flat - once, width)).reshape(even.shape)
+
+    return evenly(smoothed, values, time)
 
 
 def _averaged(values: FloatArray, width: int) -> FloatArray:
@@ -293,9 +299,12 @@ def _high(aligned: Aligned, settings: SampleSettings) -> BoolArray:
 
 
 def _stances(
-    aligned: Aligned, air: BoolArray, robot: Robot, settings: SampleSettings
+    aligned: Aligned, air: BoolArray, robot: Robot, shoe: Shoe, settings: SampleSettings
 ) -> tuple[IntArray, BoolArray]:
-    """Number of the stance of each sample, -1 between two; and which feet carry each stance."""
+    """Number of the stance of each sample, -1 between two; and which feet carry each stance.
+
+    A foot that the joints lift and the load does not is neither in the air nor on the floor.
+    """
     states, time = aligned.states, aligned.time
     near = np.zeros(len(air), dtype=bool)
     margin = max(1, round(TRANSIT_S * _rate(time)))
@@ -310,11 +319,14 @@ def _stances(
     standing = np.where(air, np.where(away[0] < away[1], 1, 2), 0)
     standing[near] = -1
     change = np.flatnonzero((np.diff(standing) != 0) | (np.diff(time) > 1.0)) + 1
+    unloaded = at_least_load(shoe, aligned.readings)
     stance = np.full(len(time), -1)
     loaded: list[tuple[bool, bool]] = []
     for part in np.split(np.arange(len(time)), change):
         kind = int(standing[part[0]])
         if kind < 0 or time[part[-1]] - time[part[0]] < MIN_SEGMENT_S:
+            continue
+        if kind > 0 and np.median(unloaded[part, 2 - kind]) == 0.0:
             continue
         stance[part] = len(loaded)
         loaded.append(((True, True), (True, False), (False, True))[kind])

@@ -40,6 +40,7 @@ class Stance:
         base: (3,) wrench of the parts below the channels of the loaded feet.
         angles: (T, m) joint angles behind the model's values [rad]; None where there is no body.
         efforts: (T, m) torques of the joints [N m]; None where none were told.
+        push: (T, 2) sideways force of the floor that the model expects; None for slow motions [N].
     """
 
     run: int
@@ -54,6 +55,7 @@ class Stance:
     base: FloatArray
     angles: FloatArray | None = None
     efforts: FloatArray | None = None
+    push: FloatArray | None = None
 
     def __post_init__(self) -> None:
         count = len(self.time)
@@ -109,6 +111,7 @@ class Stance:
             cop_rate=self.cop_rate[part],
             angles=None if self.angles is None else self.angles[part],
             efforts=None if self.efforts is None else self.efforts[part],
+            push=None if self.push is None else self.push[part],
         )
 
 

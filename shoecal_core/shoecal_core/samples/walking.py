@@ -9,19 +9,20 @@ floor's force is m (g + a_z) through the zero-moment point
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_erosion, label
 from scipy.signal import savgol_filter
 from scipy.spatial.transform import Rotation, Slerp
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import GRAVITY
+from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.recording.run import PoseSamples
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.contact import Contact, find_contact
+from shoecal_core.samples.even import evenly, typical_period
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.sensing.shoe import FEET, Shoe
 
@@ -30,8 +31,8 @@ BoolArray = NDArray[np.bool_]
 
 SMOOTHING_S = 0.3
 """Window of the local cubic that accelerations are taken from."""
-HANGING_SHARE, LOADED_SHARE = 0.06, 0.12
-"""A foot hangs below the first, stands above the second share of its range of readings."""
+LOADED_SHARE = 0.1
+"""A foot that stands carries at least this share of the weight."""
 MAX_FOOT_SPEED = 0.05
 """m/s; a foot that moves faster does not stand."""
 MAX_FOOT_TILT = 0.05
@@ -39,6 +40,8 @@ MAX_FOOT_TILT = 0.05
 MIN_STANCE_S = 0.2
 EDGE_S = 0.04
 """Cut from both ends of a stance: there the other foot is just landing or leaving."""
+GAP_S = 0.1
+"""What no sample shows for longer is not part of a stance."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +54,7 @@ class World:
         sole_rotation: (T, 2, 3, 3) of the left and right sole frame.
         sole: (T, 2, 3) their origins [m].
         sole_velocity: (T, 2, 3) [m/s].
+        lowest: (T, 2) height of each sole's lowest corner [m].
     """
 
     com: FloatArray
@@ -58,6 +62,12 @@ class World:
     sole_rotation: FloatArray
     sole: FloatArray
     sole_velocity: FloatArray
+    lowest: FloatArray
+
+    @property
+    def clearance(self) -> FloatArray:
+        """(T, 2) how much higher each sole's lowest corner is than the other's [m]."""
+        return self.lowest - self.lowest[:, ::-1]
 
     @property
     def yaw(self) -> FloatArray:
@@ -73,7 +83,7 @@ class World:
         return still
 
 
-def in_world(aligned: Aligned, base: PoseSamples) -> World:
+def in_world(aligned: Aligned, base: PoseSamples, robot: Robot) -> World:
     """The body in the world, from joint angles and the recorded pose of the base."""
     time = np.clip(aligned.time, base.time[0], base.time[-1])
     rotation = Slerp(base.time, Rotation.from_quat(base.quaternion))(time).as_matrix()
@@ -86,58 +96,59 @@ def in_world(aligned: Aligned, base: PoseSamples) -> World:
     soles = np.stack((states.left_translation, right), axis=1)
     sole = np.einsum("tij,tfj->tfi", rotation, soles) + position[:, None]
     turns = np.stack((states.left_rotation, right_rotation), axis=1)
+    turned = np.einsum("tij,tfjk->tfik", rotation, turns)
     com = np.einsum("tij,tj->ti", rotation, states.com_in_base) + position
+    lowest = [
+        (turned[:, index, 2, :2] @ foot.outline.T).min(axis=1) + sole[:, index, 2]
+        for index, foot in enumerate(robot.feet)
+    ]
     return World(
         com=com,
         acceleration=derivative(com, aligned.time, 2),
-        sole_rotation=np.einsum("tij,tfjk->tfik", rotation, turns),
+        sole_rotation=turned,
         sole=sole,
         sole_velocity=derivative(sole, aligned.time, 1),
+        lowest=np.stack(lowest, axis=1),
     )
 
 
 def walking_stances(
-    run: int, aligned: Aligned, world: World, shoe: Shoe, mass: float
+    run: int, aligned: Aligned, world: World, shoe: Shoe, robot: Robot
 ) -> list[Stance]:
-    """Single and double supports in which the feet that stand are flat and still."""
-    share = load_shares(shoe, aligned.readings)
-    hangs, stands = share < HANGING_SHARE, (share > LOADED_SHARE) & world.flat
+    """Single and double supports in which the feet that stand are flat and still.
+
+    Raises:
+        ShoecalError: there is none; it says what was found.
+    """
+    contact = find_contact(shoe, aligned.readings, world.clearance, robot.weight)
+    stands = world.flat & ~contact.air & ~(contact.load < LOADED_SHARE)
     stances = []
     for loaded in ((True, True), (True, False), (False, True)):
         here = np.ones(len(aligned.time), dtype=bool)
         for foot in (0, 1):
-            here &= stands[:, foot] if loaded[foot] else hangs[:, foot]
+            here &= stands[:, foot] if loaded[foot] else contact.air[:, foot]
         stances += [
-            _stance(run, aligned, world, shoe, mass, loaded, part)
+            _stance(run, aligned, world, shoe, robot.mass, loaded, part)
             for part in _stretches(here, aligned.time)
         ]
     if not stances:
-        raise ShoecalError(
-            f"run {run}: no stance was found in which a flat, still foot carries load; "
-            "check the shoe's channels and the base pose"
-        )
+        raise ShoecalError(f"run {run}: {_without_stance(stands, contact, aligned.time)}")
     return sorted(stances, key=lambda stance: float(stance.time[0]))
 
 
-def load_shares(shoe: Shoe, readings: FloatArray) -> FloatArray:
-    """(T, 2) how loaded each foot is, from 0 (hangs) to 1, by its raw readings alone.
-
-    Raises:
-        ShoecalError: a vertical channel's polarity is not known.
-    """
-    shares = []
-    for foot in (0, 1):
-        vertical = [i for i in shoe.of_foot(foot) if shoe.columns[i, 0] != 0.0]
-        if any(shoe.polarity[i] == 0 for i in vertical):
-            raise ShoecalError(
-                f"shoe '{shoe.name}': give the polarity of the {FEET[foot]} foot's vertical "
-                "channels; the stances of a walk are found by which foot carries load"
-            )
-        gains = [shoe.channels[i].nominal_gain or 1.0 for i in vertical]
-        force = readings[:, vertical] @ (shoe.polarity[vertical] * np.abs(gains))
-        low, high = np.percentile(force, [2.0, 98.0])
-        shares.append((force - low) / max(high - low, 1e-12))
-    return np.stack(shares, axis=1)
+def _without_stance(stands: BoolArray, contact: Contact, time: FloatArray) -> str:
+    """What was found where no stance was, and what is needed."""
+    period = typical_period(time)
+    found = ", ".join(
+        f"{FEET[foot]} foot flat, still and loaded for {period * stands[:, foot].sum():.1f} s, "
+        f"in the air for {period * contact.air[:, foot].sum():.1f} s"
+        for foot in (0, 1)
+    )
+    return (
+        f"no stance was found in {time[-1] - time[0]:.1f} s ({found}); a foot has to stand for "
+        f"{MIN_STANCE_S + 2.0 * EDGE_S:.2f} s at a time while the other one stands or hangs: walk "
+        "more slowly, or check the shoe's channels and the base pose"
+    )
 
 
 def _stance(
@@ -160,7 +171,8 @@ def _stance(
     other = turn.left_to_right(np.median(world.sole[part, 1, :2], axis=0))
     turned = math.remainder(float(yaws[1] - yaws[frame]), math.tau)
     support = DoubleSupport(float(other[0]), float(other[1]), turned)
-    return make_stance(
+    c, s = math.cos(turn.dtheta), math.sin(turn.dtheta)
+    stance = make_stance(
         run,
         shoe,
         support,
@@ -171,29 +183,40 @@ def _stance(
         turn.left_to_right(zmp),
         aligned.joint_angles[part],
     )
+    push = mass * world.acceleration[part, :2] @ np.array([[c, -s], [s, c]])
+    return replace(stance, push=push)
 
 
 def _stretches(here: BoolArray, time: FloatArray) -> list[slice]:
     """Unbroken stretches, their edges cut, that are long enough."""
-    period = float(np.median(np.diff(time)))
-    edge = max(1, round(EDGE_S / period))
-    inner = binary_erosion(here, iterations=edge)
-    labels, count = label(inner)
+    period = typical_period(time)
+    marked = np.flatnonzero(here)
+    breaks = (np.diff(marked) > 1) | (np.diff(time[marked]) > max(GAP_S, 1.5 * period))
     parts = []
-    for index in range(1, count + 1):
-        samples = np.flatnonzero(labels == index)
-        if len(samples) * period >= MIN_STANCE_S:
-            parts.append(slice(int(samples[0]), int(samples[-1]) + 1))
+    for samples in np.split(marked, np.flatnonzero(breaks) + 1) if len(marked) else ():
+        # A rounding must not decide about a sample.
+        edge = EDGE_S - 0.5 * period
+        first = int(np.searchsorted(time, time[samples[0]] + edge))
+        last = int(np.searchsorted(time, time[samples[-1]] - edge, side="right"))
+        if last > first and time[last - 1] - time[first] + period >= MIN_STANCE_S:
+            parts.append(slice(first, last))
     return parts
 
 
 def derivative(values: FloatArray, time: FloatArray, order: int) -> FloatArray:
-    """Smoothed derivative along time of values (T, ...), by local cubics."""
-    period = float(np.median(np.diff(time)))
-    window = max(5, 2 * round(SMOOTHING_S / period / 2.0) + 1)
-    if len(values) < window:
-        raise ShoecalError(
-            f"{len(values)} samples are too few for accelerations; {window} are needed"
-        )
-    smooth: FloatArray = savgol_filter(values, window, 3, deriv=order, delta=period, axis=0)
-    return smooth
+    """Smoothed derivative along time of values (T, ...), by local cubics; stamps may be uneven.
+
+    Raises:
+        ShoecalError: too few samples for it.
+    """
+
+    def smooth(even: FloatArray, period: float) -> FloatArray:
+        window = max(5, 2 * round(SMOOTHING_S / period / 2.0) + 1)
+        if len(even) < window:
+            raise ShoecalError(
+                f"{len(even)} samples are too few for accelerations; {window} are needed"
+            )
+        slopes: FloatArray = savgol_filter(even, window, 3, deriv=order, delta=period, axis=0)
+        return slopes
+
+    return evenly(smooth, values, time)

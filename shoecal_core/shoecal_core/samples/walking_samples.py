@@ -60,8 +60,8 @@ def find_walk(run: Run, aligned: Aligned, shoe: Shoe, robot: Robot) -> Walk:
             "names no double support and has no /base_pose to find the stances with; "
             "record one of the two",
         )
-    world = in_world(aligned, base)
-    stances = walking_stances(run.info.run, aligned, world, shoe, robot.mass)
+    world = in_world(aligned, base, robot)
+    stances = walking_stances(run.info.run, aligned, world, shoe, robot)
     count = len(aligned.time)
     stance = np.full(count, -1)
     force, cop, added = np.full(count, np.nan), np.full((count, 2), np.nan), np.zeros((count, 2))

@@ -16,10 +16,8 @@ from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.comparison import Comparison
 from shoecal_core.calibration.evaluate import Series, measured_series, modelled_series
 from shoecal_core.calibration.fit import SelfCalibration, self_calibrate
-from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.uncertainty import walking_covariance
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.expected import ErrorModel
 from shoecal_core.estimation.support_error import support_covariance
@@ -96,7 +94,7 @@ def told_by(robot: Robot, shoe: Shoe, stages: SelfCalibration, training: Sequenc
     settings, tolerances = CalibrationSettings(), Tolerances()
     fit, parameters = stages.fit, stages.parameters
     size = 2 * len(shoe.names)
-    covariance = walking_covariance(fit, training, Weights.of(settings))
+    covariance = fit.covariance
     supports = support_covariance(None, tolerances)
     model = ErrorModel.of(robot, shoe, parameters, covariance[:-1, :-1], (), supports, tolerances)
     both, left, right = model.over_polygons()

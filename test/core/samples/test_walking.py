@@ -19,14 +19,17 @@ from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.walking import (
     EDGE_S,
     World,
+    derivative,
     in_world,
-    load_shares,
     walking_stances,
 )
 
 FloatArray = NDArray[np.float64]
 SHOE = shoes.shoe("nao_shoe")
-MASS = 5.5
+ROBOT = replace(robots.kinematics("nao").robot, mass=5.5)
+MASS = ROBOT.mass
+LIFT = 0.02
+"""Of a foot that carries nothing [m]."""
 HEIGHT = 0.26
 RATE = 100.0
 TIME = np.arange(0.0, 12.0, 1.0 / RATE)
@@ -53,12 +56,15 @@ def world(yaw: float = 0.0, jitter: float = 0.0, lift: float = 0.0) -> World:
     com = np.array([1.0, 1.95, HEIGHT]) + np.stack((sway, zero, bob), axis=1)
     noise = jitter * np.where(np.arange(count) % 2, 1.0, -1.0)
     heading = turn(np.stack((yaw + noise, yaw + 0.2 + noise), axis=1))
+    sole = np.tile(np.stack((LEFT, RIGHT)), (count, 1, 1))
+    sole[..., 2] = LIFT * (loads() == 0.0)
     return World(
         com=com,
         acceleration=-(OMEGA**2) * np.stack((sway, zero, bob), axis=1),
         sole_rotation=heading,
-        sole=np.tile(np.stack((LEFT, RIGHT)), (count, 1, 1)),
+        sole=sole,
         sole_velocity=np.zeros((count, 2, 3)),
+        lowest=sole[..., 2],
     )
 
 
@@ -79,19 +85,8 @@ def aligned() -> Aligned:
     return Aligned(TIME, readings, np.zeros((len(TIME), 26)), states)
 
 
-def test_shares_are_told_from_readings_alone(aligned: Aligned) -> None:
-    found = load_shares(SHOE, aligned.readings)
-    np.testing.assert_allclose(found, loads(), atol=1e-9)
-
-
-def test_shares_need_to_know_how_the_cells_are_wired(aligned: Aligned) -> None:
-    unknown = replace(SHOE, channels=(replace(SHOE.channels[0], polarity=0), *SHOE.channels[1:]))
-    with pytest.raises(ShoecalError, match="give the polarity of the left foot"):
-        load_shares(unknown, aligned.readings)
-
-
 def test_each_stretch_on_standing_feet_is_a_stance(aligned: Aligned) -> None:
-    stances = walking_stances(7, aligned, world(), SHOE, MASS)
+    stances = walking_stances(7, aligned, world(), SHOE, ROBOT)
     assert [stance.loaded for stance in stances] == list(PHASES)
     assert {stance.run for stance in stances} == {7}
     for number, stance in enumerate(stances):
@@ -107,7 +102,7 @@ def test_the_cop_is_the_zero_moment_point_in_the_standing_foot_s_frame(
     aligned: Aligned, yaw: float
 ) -> None:
     lift = 0.01
-    for stance in walking_stances(1, aligned, world(yaw, jitter=0.02, lift=lift), SHOE, MASS):
+    for stance in walking_stances(1, aligned, world(yaw, jitter=0.02, lift=lift), SHOE, ROBOT):
         sway = 0.02 * np.sin(OMEGA * stance.time)
         bob = lift * np.sin(OMEGA * stance.time)
         up = GRAVITY - OMEGA**2 * bob
@@ -124,7 +119,7 @@ def test_the_cop_is_the_zero_moment_point_in_the_standing_foot_s_frame(
 
 @pytest.mark.parametrize("yaw", [0.0, math.pi, -math.pi + 0.01])
 def test_the_right_foot_is_where_it_is(aligned: Aligned, yaw: float) -> None:
-    both = walking_stances(1, aligned, world(yaw, jitter=0.02), SHOE, MASS)[0]
+    both = walking_stances(1, aligned, world(yaw, jitter=0.02), SHOE, ROBOT)[0]
     expected = (RIGHT - LEFT)[:2] @ turn(yaw)[:2, :2]
     np.testing.assert_allclose(both.support.translation, expected, atol=1e-9)
     assert both.support.dtheta == pytest.approx(0.2, abs=1e-9)
@@ -134,19 +129,42 @@ def test_a_foot_that_slides_or_tilts_does_not_stand(aligned: Aligned) -> None:
     standing = world()
     velocity = standing.sole_velocity.copy()
     velocity[TIME < 6.0, 0, 0] = 0.1
-    found = walking_stances(1, aligned, replace(standing, sole_velocity=velocity), SHOE, MASS)
+    found = walking_stances(1, aligned, replace(standing, sole_velocity=velocity), SHOE, ROBOT)
     assert [stance.loaded for stance in found] == list(PHASES[2:])
     rotation = standing.sole_rotation.copy()
     tilt = pin.rpy.rpyToMatrix(0.1, 0.0, 0.0)
     rotation[TIME >= 9.0, 1] = rotation[TIME >= 9.0, 1] @ tilt
-    found = walking_stances(1, aligned, replace(standing, sole_rotation=rotation), SHOE, MASS)
+    found = walking_stances(1, aligned, replace(standing, sole_rotation=rotation), SHOE, ROBOT)
     assert [stance.loaded for stance in found] == list(PHASES[:3])
 
 
-def test_no_stance_at_all_is_told(aligned: Aligned) -> None:
+def test_without_a_stance_it_says_what_was_found(aligned: Aligned) -> None:
     sliding = replace(world(), sole_velocity=np.ones((len(TIME), 2, 3)))
-    with pytest.raises(ShoecalError, match="run 5: no stance was found"):
-        walking_stances(5, aligned, sliding, SHOE, MASS)
+    found = r"left foot flat, still and loaded for 0\.0 s, in the air for 3\.0 s"
+    with pytest.raises(ShoecalError, match=rf"run 5: no stance was found in 12\.0 s \({found}"):
+        walking_stances(5, aligned, sliding, SHOE, ROBOT)
+
+
+def test_stamps_that_jitter_are_not_differentiated_as_if_even() -> None:
+    rng = np.random.default_rng(3)
+    time = np.sort(np.arange(0.0, 4.0, 0.01) + rng.uniform(-0.004, 0.004, 400))
+    time = np.delete(time, slice(100, 104))
+    values = np.stack((np.sin(2.0 * time), time), axis=1)
+    slope = derivative(values, time, 1)
+    inside = slice(30, -30)
+    np.testing.assert_allclose(slope[inside, 0], 2.0 * np.cos(2.0 * time[inside]), atol=5e-3)
+    np.testing.assert_allclose(slope[inside, 1], 1.0, atol=1e-6)
+    bend = derivative(values, time, 2)
+    np.testing.assert_allclose(bend[inside, 0], -4.0 * np.sin(2.0 * time[inside]), atol=0.15)
+
+
+def test_a_gap_in_the_recording_ends_a_stance(aligned: Aligned) -> None:
+    kept = (TIME < 1.4) | (TIME > 1.6)
+    whole = world()
+    gap = World(**{name: getattr(whole, name)[kept] for name in World.__dataclass_fields__})
+    cut = Aligned(TIME[kept], aligned.readings[kept], aligned.joint_angles[kept], aligned.states)
+    stances = walking_stances(1, cut, gap, SHOE, ROBOT)
+    assert [stance.loaded for stance in stances] == [PHASES[0], *PHASES]
 
 
 # ---- the body in the world --------------------------------------------------------------------
@@ -168,7 +186,7 @@ def test_the_body_in_the_world_is_pinocchio_s() -> None:
         np.stack((quaternion, -quaternion, quaternion)),
     )  # fmt: skip
     aligned = Aligned(time, np.zeros((len(time), 8)), angles, kinematics.states(angles))
-    found = in_world(aligned, base)
+    found = in_world(aligned, base, kinematics.robot)
     data = robot.model.createData()
     for index in (0, 20, 49):
         q = np.concatenate((pin.SE3ToXYZQUAT(pose), angles[index]))
@@ -189,9 +207,9 @@ def test_accelerations_of_a_base_that_is_thrown() -> None:
     position = np.stack((0.3 * time, np.zeros_like(time), 2.0 * time - 0.5 * 9.0 * time**2), axis=1)
     base = PoseSamples(time, position, np.tile([0.0, 0.0, 0.0, 1.0], (len(time), 1)))
     aligned = Aligned(time, np.zeros((len(time), 8)), angles, kinematics.states(angles))
-    found = in_world(aligned, base)
+    found = in_world(aligned, base, kinematics.robot)
     np.testing.assert_allclose(found.acceleration, np.tile([0.0, 0.0, -9.0], (100, 1)), atol=1e-8)
     np.testing.assert_allclose(found.sole_velocity[:, 1, 2], 2.0 - 9.0 * time, atol=1e-9)
     few = Aligned(time[:20], aligned.readings[:20], angles[:20], kinematics.states(angles[:20]))
     with pytest.raises(ShoecalError, match="20 samples are too few for accelerations"):
-        in_world(few, base)
+        in_world(few, base, kinematics.robot)

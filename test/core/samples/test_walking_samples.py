@@ -57,7 +57,7 @@ def zero_moment_point(aligned: Aligned, base: PoseSamples, index: int) -> FloatA
 def test_mass_and_spin_together_are_the_whole_body_s_dynamics() -> None:
     aligned, base = swinging()
     robot = robots.kinematics("nao").robot
-    world = in_world(aligned, base)
+    world = in_world(aligned, base, robot)
     shift = spin(aligned, base, world, robot)
     lift = GRAVITY + world.acceleration[:, 2]
     point = world.com[:, :2] - (world.com[:, 2] / lift)[:, None] * world.acceleration[:, :2]

@@ -23,6 +23,7 @@ from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.run import Run
 from shoecal_core.samples.aligned import MIN_SAMPLES, Aligned, align
+from shoecal_core.samples.even import resampled, typical_period
 from shoecal_core.sensing.sensing import MINIMUM_FORCE
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import cop
@@ -133,13 +134,12 @@ def _step(tracks: list[Track], late: float, change: float) -> float:
 
 def _changes(track: Track, late: float, change: float) -> tuple[FloatArray, FloatArray]:
     """(K, 2) measured less modelled change, and change of the modelled rate."""
-    period = float(np.median(np.diff(track.time)))
+    both, time = resampled(np.hstack((track.measured, track.modelled)), track.time)
+    period = typical_period(time)
     count = max(1, round(change / period))
-    modelled = np.stack(
-        [np.interp(track.time + late, track.time, axis) for axis in track.modelled.T], axis=1
-    )
+    modelled = np.stack([np.interp(time + late, time, axis) for axis in both[:, 2:].T], axis=1)
     width = SMOOTHING * change / period
-    placed, expected = (gaussian_filter1d(one, width, axis=0) for one in (track.measured, modelled))
+    placed, expected = (gaussian_filter1d(one, width, axis=0) for one in (both[:, :2], modelled))
     rate = np.gradient(expected, period, axis=0)
     off = placed - expected
     return off[count:] - off[:-count], rate[count:] - rate[:-count]

@@ -17,6 +17,7 @@ from scipy.ndimage import maximum_filter1d
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.model.kinematics import BodyStates
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.even import evenly
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -147,7 +148,10 @@ def _pose(states: BodyStates) -> FloatArray:
 
 def _steps(values: FloatArray, time: FloatArray) -> FloatArray:
     """(T, k) mean after each instant less mean before it; 0 where a window does not fit."""
-    period = float(np.median(np.diff(time)))
+    return evenly(_even_steps, values, time)
+
+
+def _even_steps(values: FloatArray, period: float) -> FloatArray:
     gap, size = round(GAP_S / 2.0 / period), max(1, round(WINDOW_S / period))
     sums = np.concatenate((np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)))
     steps = np.zeros_like(values)
@@ -160,7 +164,10 @@ def _steps(values: FloatArray, time: FloatArray) -> FloatArray:
 
 def _kinks(values: FloatArray, time: FloatArray) -> FloatArray:
     """(T, k) steps over and above one slope through both windows; 0 where they do not fit."""
-    period = float(np.median(np.diff(time)))
+    return evenly(_even_kinks, values, time)
+
+
+def _even_kinks(values: FloatArray, period: float) -> FloatArray:
     gap, size = round(LOAD_GAP_S / 2.0 / period), max(2, round(LOAD_WINDOW_S / period))
     side = np.arange(gap + 1, gap + size + 1, dtype=np.float64)
     places = np.concatenate((-side[::-1], side))

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import median_filter, uniform_filter1d
 
-from shoecal_core.calibration.screening.blocks import BLOCK_S, block_size, in_blocks
+from shoecal_core.calibration.screening.blocks import BLOCK_S, in_blocks
 from shoecal_core.calibration.screening.noise import spread
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.samples.even import evenly
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -35,10 +36,8 @@ def disturbed(
         force: (T,) measured less expected force [N].
         place: (T, 2) measured less modelled CoP [m].
     """
-    few = max(1, round(SMOOTHING_S / float(np.median(np.diff(time)))))
     errors = np.concatenate((force[:, None] - np.median(force), place), axis=1)
-    smooth = uniform_filter1d(errors, few, axis=0, mode="nearest")
-    smooth[:, 1:] -= _slowly(place, block_size(time))
+    smooth = evenly(_without_slow, errors, time)
     trembling = spread(smooth)
     limits = (FORCE_STDS * settings.force_std_n, COP_STDS * settings.cop_std_m)
     off_force = np.abs(smooth[:, 0]) > max(limits[0], NOISE_STDS * trembling[0])
@@ -47,6 +46,14 @@ def disturbed(
     )
     marked: BoolArray = off_force | off_place
     return marked
+
+
+def _without_slow(errors: FloatArray, period: float) -> FloatArray:
+    """(T, 3) errors of force and place smoothed; of the place without what is slow."""
+    few = max(1, round(SMOOTHING_S / period))
+    smooth = uniform_filter1d(errors, few, axis=0, mode="nearest")
+    smooth[:, 1:] -= _slowly(errors[:, 1:], max(1, round(BLOCK_S / period)))
+    return np.asarray(smooth)
 
 
 def _slowly(values: FloatArray, size: int) -> FloatArray:

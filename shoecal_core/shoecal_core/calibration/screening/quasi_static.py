@@ -14,6 +14,7 @@ from shoecal_core.calibration.screening.noise import spread
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.samples.aligned import Aligned
+from shoecal_core.samples.even import resampled, typical_period
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -29,13 +30,12 @@ NOISE_STDS = 6.0
 def zmp_shift(aligned: Aligned) -> tuple[FloatArray, float]:
     """(T,) how far the zero-moment point is off the modelled CoP, and its noise [m]."""
     time = aligned.time
-    period = float(np.median(np.diff(time)))
+    period = typical_period(time)
     window = max(5, 2 * round(SMOOTHING_S / period / 2.0) + 1)
-    even = np.arange(time[0], time[-1] + period / 2.0, period)
+    com = aligned.states.com[:, 0]
+    placed, even = resampled(com[:, :2], time)
     if len(even) < window:
         return np.zeros(len(time)), 0.0
-    com = aligned.states.com[:, 0]
-    placed = np.stack([np.interp(even, time, axis) for axis in com[:, :2].T], axis=1)
     curved = savgol_filter(placed, window, 3, deriv=2, delta=period, axis=0)
     size = np.linalg.norm(curved, axis=1)
     # At the ends the cubic is not held from both sides: what comes next to them is taken there.

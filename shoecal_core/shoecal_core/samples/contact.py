@@ -1,0 +1,125 @@
+"""Which feet of a moving robot are in the air: joints and load have to agree.
+
+By its readings alone no foot can be called unloaded, since the zero of a sensor is not known before
+it hangs. So a foot is in the air where joints and base pose lift its whole sole off the floor, and
+its sensor then reads what it reads whenever the foot is highest. A foot that carries a tenth of
+the weight does neither.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.sensing.shoe import FEET, Shoe
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+CLEARANCE_M = 0.005
+"""A sole whose lowest corner is higher than this above the other's lowest one may be in the air."""
+SURE_SHARE = 0.5
+"""It surely is above this share of the height to which it is mostly lifted."""
+LEAST_SURE = 5
+"""Samples of that kind from which a zero is believed."""
+NEAR_ZERO = 0.05
+"""Force that a swinging foot feels, as a share of the weight: less than a tenth."""
+LEAST_ALONE = 0.8
+"""While the other foot is in the air, one carries at least this share of the weight above its zero:
+data sheets and weights are not further off."""
+LEAST_LOADED = 0.25
+"""The same of the most that a foot carries, where the other is never in the air."""
+LOWEST_SHARE = 0.08
+"""A foot in the air reads its least, to within this share of the range."""
+
+
+@dataclass(frozen=True)
+class Contact:
+    """What two feet do at T instants.
+
+    Attributes:
+        air: (T, 2) the foot is in the air.
+        load: (T, 2) what it carries as a share of the weight; NaN for a foot that is never in the
+            air, whose zero is not known.
+    """
+
+    air: BoolArray
+    load: FloatArray
+
+
+def vertical_forces(shoe: Shoe, readings: FloatArray) -> tuple[FloatArray, BoolArray]:
+    """(T, 2) vertical force of each foot by data sheets, its zero left in; in N where (2,) is True.
+
+    Raises:
+        ShoecalError: a vertical channel's polarity is not known.
+    """
+    forces, known = [], []
+    for foot in (0, 1):
+        vertical = [i for i in shoe.of_foot(foot) if shoe.columns[i, 0] != 0.0]
+        if any(shoe.polarity[i] == 0 for i in vertical):
+            raise ShoecalError(
+                f"shoe '{shoe.name}': give the polarity of the {FEET[foot]} foot's vertical "
+                "channels; the stances of a walk are found by which foot carries load"
+            )
+        gains = [shoe.channels[i].nominal_gain for i in vertical]
+        known.append(bool(vertical) and None not in gains)
+        size = np.abs([1.0 if gain is None else gain for gain in gains])
+        forces.append(readings[:, vertical] @ (shoe.polarity[vertical] * size))
+    return np.stack(forces, axis=1), np.array(known)
+
+
+def find_contact(shoe: Shoe, readings: FloatArray, clearance: FloatArray, weight: float) -> Contact:
+    """Which feet are in the air, and what they carry.
+
+    Args:
+        shoe: with data sheets or without.
+        readings: (T, n) raw.
+        clearance: (T, 2) height of each sole's lowest corner above the other's lowest [m].
+        weight: of robot and shoes [N].
+    """
+    force, known = vertical_forces(shoe, readings)
+    high = clearance > CLEARANCE_M
+    sure = np.stack([_surely(clearance[:, foot], high[:, foot]) for foot in (0, 1)], axis=1)
+    air, load = np.zeros_like(high), np.full(force.shape, np.nan)
+    for foot in (0, 1):
+        if sure[:, foot].sum() < LEAST_SURE:
+            continue
+        above = force[:, foot] - np.median(force[sure[:, foot], foot])
+        lifted = sure[:, 1 - foot].sum() >= LEAST_SURE
+        most = np.median(above[sure[:, 1 - foot]]) if lifted else np.percentile(above, 98.0)
+        if known[foot]:
+            span = weight
+            agrees = most >= (LEAST_ALONE if lifted else LEAST_LOADED) * weight
+        else:
+            span = float(most)
+            agrees = -np.percentile(above, 1.0) <= LOWEST_SHARE * span
+        if agrees and span > 0.0:
+            load[:, foot] = above / span
+            air[:, foot] = high[:, foot] & (np.abs(load[:, foot]) < NEAR_ZERO)
+    return Contact(air, load)
+
+
+def at_least_load(shoe: Shoe, readings: FloatArray) -> BoolArray:
+    """(T, 2) each foot's vertical force is about the least of all T samples.
+
+    That is no proof that it is in the air, but one that carries more is not. All is True where the
+    polarity of vertical channels is not known.
+    """
+    if any(shoe.polarity[i] == 0 for i in np.flatnonzero(shoe.columns[:, 0])):
+        return np.ones((len(readings), 2), dtype=bool)
+    force, _ = vertical_forces(shoe, readings)
+    least, most = np.percentile(force, [1.0, 99.0], axis=0)
+    low: BoolArray = force - least <= LOWEST_SHARE * (most - least)
+    return low
+
+
+def _surely(clearance: FloatArray, high: BoolArray) -> BoolArray:
+    """(T,) the foot is as high as it mostly gets."""
+    if not high.any():
+        return high
+    most = float(np.percentile(clearance[high], 95.0))
+    surely: BoolArray = high & (clearance > SURE_SHARE * most)
+    return surely

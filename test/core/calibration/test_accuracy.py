@@ -1,0 +1,100 @@
+"""Verdicts by per cent of the weight and of half the width of a foot."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from core.model import robots
+from shoecal_core.calibration.accuracy import (
+    COP_FAIL,
+    COP_WARN,
+    GRF_FAIL,
+    GRF_WARN,
+    check_accuracy,
+    model_limit,
+)
+from shoecal_core.calibration.evaluate import Errors, Series
+from shoecal_core.calibration.metrics import Mae
+
+FloatArray = NDArray[np.float64]
+ROBOT = robots.load("nao")
+WIDTH = min(foot.half_width for foot in ROBOT.feet)
+NONE = Mae(float("nan"), float("nan"), 0)
+
+
+def mae(value: float) -> Mae:
+    return Mae(value, 0.0, 100)
+
+
+def errors(grf: float = 0.0, cop: float = 0.0, feet: tuple[Mae, Mae] = (NONE, NONE)) -> Errors:
+    return Errors(mae(grf * ROBOT.weight), mae(cop * WIDTH), (NONE, NONE), feet)
+
+
+@pytest.mark.parametrize(
+    ("grf", "cop", "levels"),
+    [
+        (0.99 * GRF_WARN, 0.99 * COP_WARN, []),
+        (1.01 * GRF_WARN, 0.0, ["WARN"]),
+        (0.99 * GRF_FAIL, 1.01 * COP_WARN, ["WARN", "WARN"]),
+        (1.01 * GRF_FAIL, 1.01 * COP_FAIL, ["FAIL", "FAIL"]),
+        (np.nan, np.inf, ["FAIL", "FAIL"]),
+    ],
+)
+def test_levels(grf: float, cop: float, levels: list[str]) -> None:
+    found = check_accuracy("test", errors(grf, cop), ROBOT)
+    assert [finding.verdict for finding in found] == levels
+    assert all("off its model on test runs" in finding.reason for finding in found)
+
+
+def test_one_foot_alone_can_fail() -> None:
+    feet = (mae(0.1 * WIDTH), mae(1.01 * COP_FAIL * WIDTH))
+    (finding,) = check_accuracy("train", errors(feet=feet), ROBOT)
+    assert finding.verdict == "FAIL"
+    assert f"right foot {1e3 * feet[1].mean:.2f} mm" in finding.reason
+
+
+def series(force: FloatArray, place: FloatArray) -> Series:
+    """Of both feet."""
+    count = len(force)
+    unknown = np.full((count, 2), np.nan)
+    return Series(np.arange(count) / 50.0, force, place, unknown, np.full((count, 2, 2), np.nan))
+
+
+def walked(together: float) -> list[tuple[Series, Series]]:
+    """Measured and modelled of ten steps; the sensor follows the model by a share, else noise."""
+    rng = np.random.default_rng(1)
+    pairs = []
+    for _ in range(10):
+        force = ROBOT.weight * (1.0 + 0.05 * rng.standard_normal(60))
+        model = 0.6 * WIDTH * rng.standard_normal((60, 2))
+        own = 0.6 * WIDTH * rng.standard_normal((60, 2))
+        shown = 0.4 * (together * model + (1.0 - together) * own)
+        pairs.append((series(1.1 * force, shown), series(force, model)))
+    return pairs
+
+
+def test_a_sensor_that_follows_the_model_could_be_calibrated() -> None:
+    limit = model_limit(walked(1.0))
+    assert limit is not None
+    assert limit.cop[0] < 1e-9
+    assert limit.grf < 1e-9
+    assert limit.together[0] == pytest.approx(1.0)
+    found = check_accuracy("test", errors(0.1, 0.6), ROBOT, limit)
+    assert [finding.verdict for finding in found] == ["FAIL", "FAIL"]
+
+
+def test_where_they_do_not_move_together_the_model_is_the_limit() -> None:
+    limit = model_limit(walked(0.0))
+    assert limit is not None
+    assert abs(limit.together[0]) < 0.1
+    assert limit.cop[0] > 0.6 * WIDTH
+    (finding,) = check_accuracy("test", errors(0.0, 0.8), ROBOT, limit)
+    assert finding.verdict == "WARN"
+    assert "the model of the walk, not the sensor, is the limit" in finding.reason
+
+
+def test_a_robot_that_stands_has_no_such_limit() -> None:
+    force, place = np.full(600, ROBOT.weight), np.zeros((600, 2))
+    assert model_limit([(series(force, place), series(force, place))]) is None
