@@ -572,6 +572,21 @@ def test_another_temperature_asks_for_a_rezero(world: World, robot: StandingRobo
     assert got(world).calibration.temperature == 31.25
 
 
+# A manual calibration as prior
+
+
+def test_a_prior_of_other_shoes_ends_the_node_with_one_line(world: World) -> None:
+    file = world.folder / "manual.yaml"
+    shoe = nao_shoe()
+    names = (*shoe.names[:-1], "right/nose")
+    save_calibration(calibration(nao(), shoe, channels=names), file)
+    start(world, manual_file=file)
+    assert world.ended("calibrator") == 1
+    (line,) = world.output("calibrator").splitlines()
+    assert f"{file}: calibration 'made-1' is of shoe 'nao_shoe'" in line
+    assert "name another manual_file" in line
+
+
 # Drift
 
 
