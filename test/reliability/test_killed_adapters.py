@@ -5,8 +5,6 @@ import pytest
 from reliability.killed_adapters import REST_S, ROW, Try, judged
 from ros.adapters.driver_messages import NoMessagesError
 
-pytestmark = pytest.mark.timeout(600)
-
 
 def test_a_robot_whose_adapter_is_killed_comes_to_rest() -> None:
     """By set points, of which the driver keeps the last."""

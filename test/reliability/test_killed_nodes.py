@@ -22,8 +22,6 @@ from reliability.row import Result
 from shoecal_ros.calibrator.calibration_job import DRAW_SHARE, SOLVE_SHARE
 from shoecal_ros.calibrator.run_series import PLAN_SHARE, REACH_SHARE
 
-pytestmark = pytest.mark.timeout(600)
-
 
 def test_a_robot_whose_planner_is_killed_comes_to_rest() -> None:
     """One kill takes half a minute; the row does the others."""

@@ -15,7 +15,6 @@ KEPT_MB = 1.0
 more, a list of its eight numbers, too. What grows at any rate is a tenth of it."""
 
 
-@pytest.mark.timeout(600)
 def test_nothing_is_lost_uncounted_and_no_frame_kept() -> None:
     found = stand(0, SECONDS, 0, lambda _: None, note_every=1)
     assert found.failed == 0, found.told
@@ -25,7 +24,6 @@ def test_nothing_is_lost_uncounted_and_no_frame_kept() -> None:
     assert max(grown.values()) < KEPT_MB, grown
 
 
-@pytest.mark.timeout(600)
 def test_a_short_stretch_is_not_judged_by_its_memory() -> None:
     result = ROW.run(0, 2, 0, lambda _: None)
     assert (result.tried, result.failed, result.figure) == (2, 0, 0.0), result.worst

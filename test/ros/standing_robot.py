@@ -41,6 +41,7 @@ class StandingRobot:
         first: foot whose frame is sent first then.
         speed: of its left knee [rad/s].
         stamp_ns: of the last sample [ns].
+        stamped_now: whether stamps are the computer's time.
         ahead_ns: by which the shoes' clock is ahead of the robot's [ns].
         temperature: that its shoes tell [degC].
         waving: whether it moves its arms.
@@ -71,6 +72,7 @@ class StandingRobot:
         self._kinematics = Kinematics(nao())
         self.pace = 1
         self.stamp_ns = 10**9
+        self.stamped_now = False
         self._count = 0
         self._joints = world.node.create_publisher(JointState, "joint_states", qos.RAW)
         self._voltages = world.node.create_publisher(ShoeVoltages, "shoe/voltages", qos.RAW)
@@ -108,6 +110,8 @@ class StandingRobot:
         self.longest_s = max(self.longest_s, self._told - before)
         period_s = self.pace * self._period_ns / 1e9
         self.stamp_ns += self.pace * self._period_ns
+        if self.stamped_now:
+            self.stamp_ns = max(self.stamp_ns, time.time_ns())
         self.angles[nao().joint("LKneePitch")] += self.speed * period_s
         if self.waving:
             for number, joint in enumerate(ARMS):

@@ -19,7 +19,7 @@ from ros.introduction import Introduction
 from shoecal_core.workspace import ros_environment
 
 ROBOT = Path(__file__).with_name("echo_robot.py")
-TIMEOUT_S = 120.0
+TIMEOUT_S = 900.0
 
 from_wheels = pytest.mark.skipif(
     not Path(sys.prefix, "share/ament_index/resource_index/packages/rclpy").is_file(),
@@ -50,10 +50,15 @@ def robot() -> Iterator[subprocess.Popen[str]]:
             process.kill()
 
 
+def _be_known(node: Node) -> None:
+    introduction = Introduction(node, "echo_robot")
+    while not introduction.done:
+        rclpy.spin_once(node, timeout_sec=0.05)
+
+
 def test_messages_reach_another_process(node: Node, robot: subprocess.Popen[str]) -> None:
     publisher = node.create_publisher(ShoeVoltages, "shoe/voltages", 1)
-    while publisher.get_subscription_count() == 0:
-        rclpy.spin_once(node, timeout_sec=0.01)
+    _be_known(node)
     publisher.publish(ShoeVoltages(sequence=7, cell=["left/front"], voltage=[0.25], status=[0]))
     assert robot.stdout is not None
     assert robot.stdout.readline().split() == ["7", "left/front", "0.25"]
@@ -63,9 +68,7 @@ def test_messages_reach_another_process(node: Node, robot: subprocess.Popen[str]
 def test_an_action_is_done_by_another_process(node: Node) -> None:
     client = ActionClient(node, ReachSupport, "robot/reach_support")
     assert client.wait_for_server(TIMEOUT_S)
-    introduction = Introduction(node, "echo_robot")
-    while not introduction.done:
-        rclpy.spin_once(node, timeout_sec=0.05)
+    _be_known(node)
     heard: list[float] = []
     goal = ReachSupport.Goal(support=DoubleSupport(dx=0.02, dy=-0.1, dtheta=0.1))
     sent = client.send_goal_async(goal, lambda message: heard.append(message.feedback.progress))

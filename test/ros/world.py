@@ -26,8 +26,9 @@ from shoecal_core.workspace import ros_environment
 from shoecal_ros.common import qos
 from shoecal_ros.common.end_with_parent import ending_with_parent
 
-TIMEOUT_S = 120.0
-END_S = 60.0
+TIMEOUT_S = 900.0
+"""Ends a wait that is in vain: a busy machine compiles the functions of a robot for minutes."""
+END_S = 300.0
 
 
 class Heard:
@@ -147,9 +148,9 @@ class World:
             self.node.create_subscription(kind, topic, heard.messages.append, profile)
         return heard
 
-    def until(self, condition: Callable[[], object], timeout_s: float = TIMEOUT_S) -> None:
+    def until(self, condition: Callable[[], object]) -> None:
         """Wait for a condition; fail with the nodes' output where it does not come."""
-        deadline = time.monotonic() + timeout_s
+        deadline = time.monotonic() + TIMEOUT_S
         while not condition():
             for name, process in self.processes.items():
                 assert process.poll() is None, f"{name} ended:\n{self.output(name)}"
@@ -161,10 +162,11 @@ class World:
                 executor.spin_once(timeout_sec=0.0)
 
     def publisher(self, kind: type[Any], topic: str, profile: Any = qos.RAW) -> Any:
-        """A publisher that somebody else listens to: from now on nothing is lost to him."""
+        """A publisher that other nodes subscribe to: from now on nothing is lost to them."""
         publisher = self.node.create_publisher(kind, topic, profile)
-        own = sum(one.topic_name == publisher.topic_name for one in self.node.subscriptions)
-        self.until(lambda: publisher.get_subscription_count() > own)
+        self.until(lambda: self._subscribers(publisher.topic_name))
+        for node in self._subscribers(publisher.topic_name):
+            self.until_known_to(node)
         return publisher
 
     def until_known_to(self, node: str, companion: Node | None = None) -> None:
@@ -184,7 +186,6 @@ class World:
     def arm(self, node: str) -> Publisher:
         """Tell a node that the robot is armed, in place of a planner; give it time to take that."""
         publisher: Publisher = self.publisher(Bool, "shoe/armed", qos.LATCHED)
-        self.until_known_to(node)
         publisher.publish(Bool(data=True))
         self.until_known_to(node)
         return publisher
@@ -221,11 +222,9 @@ class World:
         """Let what a node told of itself so far count no more."""
         self._diagnostics_before[node] = len(self._diagnostics.messages)
 
-    def until_told(self, node: str, subject: str, text: str, timeout_s: float = TIMEOUT_S) -> Any:
+    def until_told(self, node: str, subject: str, text: str) -> Any:
         """Wait until a node's diagnostic of a subject contains a text."""
-        self.until(
-            lambda: (found := self.diagnosis(node, subject)) and text in found.message, timeout_s
-        )
+        self.until(lambda: (found := self.diagnosis(node, subject)) and text in found.message)
         return self.diagnosis(node, subject)
 
     def __enter__(self) -> Self:
@@ -271,6 +270,14 @@ class World:
             self.until(lambda: self._server(service))
         self.until_known_to(node)
 
+    def _subscribers(self, topic: str) -> set[str]:
+        """Full names of the other nodes on a topic; empty while there is none, or one unnamed."""
+        found = {
+            f"{info.node_namespace.rstrip('/')}/{info.node_name}"
+            for info in self.node.get_subscriptions_info_by_topic(topic)
+        } - {self.node.get_fully_qualified_name()}
+        return set() if any("UNKNOWN" in name for name in found) else found
+
     def _server(self, service: str) -> str:
         """Full name of a node that offers a service; empty: none is known yet."""
         wanted = self.node.resolve_service_name(service)
@@ -304,8 +311,8 @@ class Goal:
     def cancel(self) -> None:
         self._world.until(self._handle.cancel_goal_async().done)
 
-    def result(self, timeout_s: float = TIMEOUT_S) -> Any:
-        self._world.until(self._result.done, timeout_s)
+    def result(self) -> Any:
+        self._world.until(self._result.done)
         return self._result.result().result
 
 

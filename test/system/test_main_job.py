@@ -26,8 +26,6 @@ SHOECAL = Path(sys.executable).with_name("shoecal")
 PAPER_GRF_N, PAPER_COP_MM = 0.35, 2.8
 """Errors on test runs of the paper's robot; no run may be worse than one and a half times that."""
 
-pytestmark = pytest.mark.timeout(900)
-
 
 @pytest.fixture(scope="module")
 def demo(tmp_path_factory: pytest.TempPathFactory) -> Path:

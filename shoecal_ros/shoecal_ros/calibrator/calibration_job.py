@@ -119,7 +119,14 @@ class CalibrationJob:
         site = self._site
         self._tell("solving", 1.0 - SOLVE_SHARE, "finding gains and offsets")
         return await self._job.worked(
-            worker.do(solving_work.solve, folder, site.fit_settings, site.tolerances, site.now_ns),
+            worker.do(
+                solving_work.solve,
+                folder,
+                site.fit_settings,
+                site.tolerances,
+                site.now_ns,
+                site.manual,
+            ),
             Calibrate.Result.SOLVE_FAILED,
             moving=False,
         )

@@ -13,6 +13,7 @@ from typing import Any, Protocol, TypeVar
 from rclpy.action import ActionClient
 from shoecal_msgs.action import Calibrate
 
+from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
@@ -48,6 +49,7 @@ class JobContext(Protocol):
     fit_settings: CalibrationSettings
     tolerances: Tolerances
     planning: PlannerSettings
+    manual: Calibration | None
     recorder: Recorder
     stillness: Stillness
     reach_client: ActionClient

@@ -31,6 +31,12 @@ class JobSettings(Settings):
     planner_file: str = setting(
         "", "", "the planner's parameter file; empty: the configuration's nodes/planner.yaml"
     )
+    manual_file: str = setting(
+        "",
+        "",
+        "calibration of these shoes by `shoecal manual shoe`, a prior of each self-calibration, as "
+        "`shoecal calibrate --manual FILE`; empty: none",
+    )
     apply_warned: bool = setting(
         False, "", "also apply a calibration whose checks passed with warnings"
     )

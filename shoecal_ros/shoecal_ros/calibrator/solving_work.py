@@ -32,11 +32,24 @@ def solve(
     settings: CalibrationSettings,
     tolerances: Tolerances,
     made_ns: int,
+    manual: Calibration | None,
 ) -> Calibration:
-    """The calibration that a session gives; it is kept in the session's folder, too."""
+    """The calibration that a session gives; it is kept in the session's folder, too.
+
+    Args:
+        link: to the node.
+        folder: of the session.
+        settings, tolerances: of the fit.
+        made_ns: time stamp of the calibration [ns since the epoch].
+        manual: calibration of these shoes with known weights, as a prior.
+    """
     del link
     calibration = calibrate_session(
-        Session.open(folder), settings=settings, tolerances=tolerances, made_ns=made_ns
+        Session.open(folder),
+        settings=settings,
+        tolerances=tolerances,
+        made_ns=made_ns,
+        manual=manual,
     ).calibration
     save_calibration(calibration, folder / CALIBRATION)
     return calibration

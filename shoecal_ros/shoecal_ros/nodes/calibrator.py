@@ -15,10 +15,12 @@ from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Plan, ReachSupport
 from shoecal_msgs.msg import ShoeState
 
+from shoecal_core.calibration.calibration import Calibration, WrongShoeError, load_calibration
 from shoecal_core.calibration.drift import FALSE_ALARM
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.standstill import ModelTolerance
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.errors import FileError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.planning.settings import PlannerSettings
@@ -139,6 +141,7 @@ class Calibrator(ShoecalNode):
         self.node_settings = settings = self.settings(CalibratorSettings)
         self.planning = self._load_planning()
         self.robot, self.shoe = self.files.load_robot(), self.files.load_shoe()
+        self.manual = self._load_manual()
         self.kinematics = Kinematics(self.robot)
         silent_s = settings.live_stale_s
         senders = self.peers.expect_one_sender(relative(schemas.JOINT_STATES))
@@ -255,6 +258,18 @@ class Calibrator(ShoecalNode):
         file = self.job_settings.planner_file or config_dir() / "nodes" / "planner.yaml"
         planner = f"{self.get_namespace().rstrip('/')}/planner"
         return load_settings(PlannerSettings, Path(file), planner, "planning")
+
+    def _load_manual(self) -> Calibration | None:
+        """The prior of the fit; FileError where its file is none of these shoes."""
+        if not self.job_settings.manual_file:
+            return None
+        path = Path(self.job_settings.manual_file).expanduser()
+        manual = load_calibration(path)
+        try:
+            manual.sensing(self.shoe)
+        except WrongShoeError as error:
+            raise FileError(path, f"{error}; name another manual_file") from error
+        return manual
 
     def _subscribe(self) -> None:
         """Everything a run may hold comes serialised: it is recorded as it was sent."""

@@ -34,7 +34,6 @@ def tf(world: World) -> Iterator[World]:
 
 def tell_joints(world: World) -> None:
     publisher = world.publisher(JointState, "joint_states")
-    world.until_known_to("model")
     stamps = count(10**9, PERIOD_NS)
 
     def publish() -> None:

@@ -10,6 +10,7 @@ from shoecal_msgs.srv import Rezero, SelfCalibrate
 
 from ros.bodies import ODD, ODD_SHOE
 from ros.standing_robot import StandingRobot
+from ros.waiting_supports import WaitingSupports
 from ros.world import Goal, World
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot_file import load_robot
@@ -91,6 +92,7 @@ def test_bad_goals_are_refused_before_anything_is_done(world: World) -> None:
 
 
 def test_one_job_at_a_time_and_cancelling_wins(world: World, robot: StandingRobot) -> None:
+    supports = WaitingSupports(world)
     start(world)
     world.arm("calibrator")
     world.until_told("calibrator", "voltages", "come")
@@ -110,8 +112,9 @@ def test_one_job_at_a_time_and_cancelling_wins(world: World, robot: StandingRobo
     result = goal.result()
     assert result.error_code == CODES.CANCELED
     assert not result.verdict
+    supports.end()
     # The next one may begin, and ends where nobody brings the robot into supports.
-    after = diagnose(world, motions=["landmarks"]).result(200.0)
+    after = diagnose(world, motions=["landmarks"]).result()
     assert after.error_code == CODES.SUPPORT_FAILED
     assert "robot/reach_support" in after.message
     assert (Path(after.session) / "session.yaml").is_file()

@@ -29,10 +29,7 @@ QUICK = {
     "planning.com_speed": 0.03,
 }
 """Shorter planning and motions, and patience on a busy machine."""
-PATIENCE_S = 600.0
 MOTIONS = ("landmarks", "reversed", "landmarks")
-
-pytestmark = pytest.mark.timeout(900)
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +86,7 @@ def whole(world: World) -> Goal:
     """A short list of motions, recorded and diagnosed, and what was proposed then."""
     arm(world)
     goal = diagnose(world, motions=list(MOTIONS), run_proposed=True)
-    goal.result(PATIENCE_S)
+    goal.result()
     return goal
 
 

@@ -28,7 +28,6 @@ def test_com_and_cop_of_every_sample(world: World) -> None:
     com = world.hear(PointStamped, "shoe/model/com", qos.RAW)
     cop = world.hear(PointStamped, "shoe/model/cop", qos.RAW)
     publisher = world.publisher(JointState, "joint_states")
-    world.until_known_to("model")
     sent = [message(index) for index in range(20)]
     # One at a time: live topics keep but the last few.
     for count, one in enumerate(sent, 1):
@@ -78,7 +77,6 @@ def test_a_second_sender_is_a_warning_until_it_contradicts(world: World) -> None
     world.start("model")
     com = world.hear(PointStamped, "shoe/model/com", qos.LIVE)
     own = world.publisher(JointState, "joint_states")
-    world.until_known_to("model")
     other = world.companion("player").create_publisher(JointState, "joint_states", qos.RAW)
     same, away = message(0).position, [0.5 * angle for angle in nao().upper]
     stamp = [10**9]
@@ -136,7 +134,6 @@ def test_names_follow_namespaces_and_remapping(world: World) -> None:
     world.start("model", None, "-r", "__ns:=/lab", "-r", "joint_states:=robot/joints")
     cop = world.hear(PointStamped, "/lab/shoe/model/cop", qos.LIVE)
     publisher = world.publisher(JointState, "/lab/robot/joints")
-    world.until_known_to("/lab/model")
     publisher.publish(message(0))
     world.until(lambda: len(cop))
 

@@ -199,7 +199,7 @@ def test_one_motion_at_a_time_and_cancelling_while_planning(world: World) -> Non
         world.until(partial(has_begun, goal))
         assert plan(world).result().error_code == Plan.Result.BUSY
         goal.cancel()
-        assert goal.result(120.0).error_code == Plan.Result.CANCELED
+        assert goal.result().error_code == Plan.Result.CANCELED
 
 
 def test_without_joint_angles(world: World) -> None:
@@ -223,7 +223,7 @@ def test_a_motion_is_sent_and_followed_to_its_end(simulated: World) -> None:
     # A fast robot tells more than this client takes in: only what it does now counts.
     joints = simulated.hear(JointState, "joint_states", qos.NEWEST)
     goal = plan(simulated, send=True)
-    result = goal.result(120.0)
+    result = goal.result()
     assert (result.success, result.error_code) == (True, Plan.Result.OK), result.message
     assert {feedback.phase for feedback in goal.feedback} == {"planning", "moving"}
     seen = len(joints)
@@ -268,7 +268,7 @@ def test_without_a_job_too_a_robot_whose_planner_is_killed_comes_to_rest(simulat
 
 def test_a_streamed_motion_is_planned_from_where_the_robot_is(simulated: World) -> None:
     commands = simulated.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
-    result = plan(simulated, send=True, stream=True).result(200.0)
+    result = plan(simulated, send=True, stream=True).result()
     assert (result.success, result.error_code) == (True, Plan.Result.OK), result.message
     assert len(commands) > 2
     assert len(result.landmark_distance) == 5

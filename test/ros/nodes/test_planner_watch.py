@@ -65,6 +65,11 @@ class Scene:
         )
         return goal
 
+    def until_lifted(self, goal: Goal, height_m: float) -> None:
+        """Wait until one foot is up; then time goes slowly, so that what comes next is in time."""
+        self.until(goal, lambda: abs(self.robot.lifted) > height_m)
+        self.robot.pace = 1
+
     def held(self) -> FloatArray:
         """(m,) joint angles of the hold that was sent."""
         self.world.until(lambda: len(self.commands.last.points) == 1)
@@ -148,7 +153,7 @@ def test_nothing_begins_with_hot_motors(scene: Scene) -> None:
 
 def test_on_one_foot_a_hot_motor_waits_until_both_carry(scene: Scene) -> None:
     goal = scene.plan("unload_right")
-    scene.until(goal, lambda: scene.robot.lifted > 0.003)
+    scene.until_lifted(goal, 0.003)
     scene.robot.degc = 71.0
     result = goal.result()
     assert result.error_code == Plan.Result.HOT_JOINTS, result.message
@@ -166,7 +171,7 @@ def test_stopped_on_one_foot_the_other_one_is_put_down(
     scene: Scene, motion: str, foot: str, stop: Callable[[Goal], None] | None, code: int
 ) -> None:
     goal = scene.plan(motion)
-    scene.until(goal, lambda: abs(scene.robot.lifted) > 0.006)
+    scene.until_lifted(goal, 0.006)
     if stop is None:
         lean(scene.robot)
     else:

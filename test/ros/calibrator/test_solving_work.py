@@ -1,0 +1,48 @@
+"""What the calibrator's worker solves: the fit of the command, with the same prior."""
+
+from __future__ import annotations
+
+from multiprocessing import Pipe
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ros.bodies import NAO, NAO_SHOE
+from shoecal_core import cli
+from shoecal_core.calibration.calibration import load_calibration
+from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_ros.calibrator import solving_work
+from shoecal_ros.common.worker import Link
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recorded session, and a manual calibration of such shoes."""
+    folder = tmp_path_factory.mktemp("solving")
+    session = ["simulate", NAO, NAO_SHOE, "--motions", "standard", "--rate", "50"]
+    for words in (
+        [*session, "--seed", "4", "--out", folder / "session"],
+        ["manual", "simulate", "--seed", "4", "--out", folder / "bench"],
+    ):
+        assert cli.main([str(word) for word in words]) == 0
+    return folder
+
+
+def test_a_manual_calibration_is_the_prior_of_the_fit(folder: Path) -> None:
+    settings, tolerances, session = CalibrationSettings(), Tolerances(), folder / "session"
+    manual = load_calibration(folder / "bench" / "calibration.yaml")
+    link = Link(Pipe()[1])
+    alone, with_prior = (
+        solving_work.solve(link, session, settings, tolerances, 10**18, prior)
+        for prior in (None, manual)
+    )
+    assert not np.array_equal(alone.parameters.gain, with_prior.parameters.gain)
+    words = ["calibrate", session, "--manual", folder / "bench" / "calibration.yaml"]
+    out = folder / "by_command.yaml"
+    assert cli.main([str(word) for word in (*words, "--out", out)]) in {0, 1, 2}
+    by_command = load_calibration(out)
+    np.testing.assert_allclose(with_prior.parameters.gain, by_command.parameters.gain, rtol=1e-9)
+    kept = load_calibration(session / solving_work.CALIBRATION)
+    np.testing.assert_array_equal(kept.parameters.gain, with_prior.parameters.gain)
