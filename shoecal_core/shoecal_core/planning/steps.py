@@ -154,8 +154,8 @@ class Stepper:
         ended = planner.standing(planner.stance(goal))
         aim = in_standing(standing.on_one(end, support_phase), end, support_phase)
         segments = (
-            standing.pursuing("shift", standing.on_one(begin, support_phase)[None]),
+            standing.pursuing("shift", standing.on_one(begin, support_phase)[None], support_phase),
             swing_segment("swing", aim, way, support_phase, settings),
-            ended.pursuing("back", ended.tasks[None]),
+            ended.pursuing("back", ended.tasks[None], support_phase),
         )
         return planner.follow(joint_angles, NAME, segments, progress=progress, canceled=canceled)
