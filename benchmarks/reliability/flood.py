@@ -33,7 +33,7 @@ from shoecal_msgs.srv import SetCalibration
 from std_msgs.msg import Bool
 
 from reliability.live_robots import PERIOD_NS, WaitedForRobot, start_calibrator
-from reliability.live_world import Heard, World, live_world
+from reliability.live_world import Received, World, live_world
 from reliability.row import Progress, Result, Row
 from ros.bodies import calibration, nao, nao_shoe
 from shoecal_core.workspace import ros_environment
@@ -122,17 +122,17 @@ def flood(count: int) -> Flood:
         files = [world.folder / f"request_{number}" for number in range(len(requests))]
         for file, request in zip(files, requests, strict=True):
             file.write_bytes(serialize_message(request))
-        cop = world.hear(PointStamped, "shoe/cop", qos.LIVE)
+        cop = world.receive(PointStamped, "shoe/cop", qos.LIVE)
         world.until(lambda: len(cop) > 10)
         begin = time.monotonic()
         before, _ = _watched(world, robot, cop, lambda: time.monotonic() - begin >= BEFORE_S)
         out = world.folder / "flood.json"
-        with _caller("--serve") as bare, out.open("wb") as told_to:
-            with _caller(str(count), str(RATE_HZ), *map(str, files), stdout=told_to) as caller:
+        with _caller("--serve") as bare, out.open("wb") as log_to:
+            with _caller(str(count), str(RATE_HZ), *map(str, files), stdout=log_to) as caller:
                 during, given = _watched(world, robot, cop, lambda: caller.poll() is not None)
             bare.kill()
         robot.armed.publish(Bool(data=False))
-        world.until_told("calibrator", "calibration", "not armed")
+        world.until_reported("calibrator", "calibration", "not armed")
         told = json.loads(out.read_text())
     changes = np.zeros(count, dtype=bool)
     changes[told["changes"]] = True
@@ -147,7 +147,7 @@ def _request(identity: str) -> SetCalibration.Request:
 
 
 def _watched(
-    world: World, robot: WaitedForRobot, cop: Heard, over: Callable[[], bool]
+    world: World, robot: WaitedForRobot, cop: Received, over: Callable[[], bool]
 ) -> tuple[float, float]:
     """Rate of CoP until something is over [Hz], and CoPs for each frame sent."""
     heard, begin_ns, begin = len(cop), robot.stamp_ns, time.monotonic()

@@ -98,7 +98,7 @@ class Scene:
         world.start("robot", {"kind": kind, "adapter": ADAPTERS[kind][0]}, script=SCRIPT)
         world.start(*ADAPTERS[kind])
         world.start("planner", PLANNER)
-        world.until_told("planner", "planning", "ready", COMPILE_S)
+        world.until_reported("planner", "planning", "ready", COMPILE_S)
 
     def kill(self, after_s: float) -> Try:
         """Begin a motion, kill the adapter a time into it, and begin one again."""
@@ -125,8 +125,8 @@ class Scene:
     def _moving(self, adapter: str) -> tuple[Goal, float]:
         """A motion that has just begun, and when it did, monotonic [s]."""
         world = self.world
-        world.until_told("planner", "joints", "come")
-        world.until_told("planner", "commands", adapter)
+        world.until_reported("planner", "joints", "come")
+        world.until_reported("planner", "commands", adapter)
         world.call(SetBool, "shoe/arm", SetBool.Request(data=True))
         world.until(lambda: _said(world, adapter, "robot") == "armed")
         goal = world.goal(Plan, "shoe/plan", Plan.Goal(motion="landmarks", send=True))

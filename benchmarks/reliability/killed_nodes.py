@@ -119,10 +119,10 @@ class Suite:
         """Begin a self-calibration once all is ready."""
         world = self.world
         for subject, told in (("joints", "joints come"), ("voltages", "voltages come")):
-            world.until_told("calibrator", subject, told)
+            world.until_reported("calibrator", subject, told)
         world.until(lambda: _level(world, "nodes") == 0)
-        world.until_told("planner", "planning", "ready", COMPILE_S)
-        world.until_told("planner", "joints", "come")
+        world.until_reported("planner", "planning", "ready", COMPILE_S)
+        world.until_reported("planner", "joints", "come")
         self.arm(armed=True)
         goal = Calibrate.Goal(supports=SUPPORTS, train=SUPPORTS, seed=seed)
         return world.goal(Calibrate, "shoe/calibrate", goal)

@@ -19,12 +19,12 @@ from shoecal_ros.demonstration.domain import reserve_domain
 if str(ROOT / "test") not in sys.path:
     sys.path.append(str(ROOT / "test"))
 
-from ros.world import Goal, Heard, World
+from ros.world import Goal, Received, World
 
 COMPILE_S = 600.0
 """A planner compiles at its first start, and stands back for everything else."""
 
-__all__ = ["COMPILE_S", "Goal", "Heard", "World", "live_world"]
+__all__ = ["COMPILE_S", "Goal", "Received", "World", "live_world"]
 
 
 @contextmanager

@@ -141,7 +141,7 @@ class Scene:
         start_calibrator(world)
         put_in_force(world)
         world.start("planner", {"stale_s": 5.0})
-        world.until_told("planner", "planning", "ready", COMPILE_S)
+        world.until_reported("planner", "planning", "ready", COMPILE_S)
         for subject in ("peers", "voltages", "joints"):
             self._well(subject)
 
@@ -154,7 +154,7 @@ class Scene:
         rival = self.world.companion(name)
         begin = time.monotonic()
         subject, wanted = RIVALS[kind](rival, f"{name}_source")
-        self.world.until_told(CALIBRATOR, subject, wanted)
+        self.world.until_reported(CALIBRATOR, subject, wanted)
         took = time.monotonic() - begin
         self.world.dismiss(rival)
         self._well(subject)
@@ -168,10 +168,10 @@ class Scene:
         world.until(lambda: world.node.count_publishers("shoe/state") > 1)
         begin = time.monotonic()
         who = f"another node named '/{name}'" if name == CALIBRATOR else f"'/{name}'"
-        world.until_told(CALIBRATOR, "peers", f"{who} publishes /shoe/state, too")
+        world.until_reported(CALIBRATOR, "peers", f"{who} publishes /shoe/state, too")
         took = time.monotonic() - begin
         if name != CALIBRATOR:
-            world.until_told(name, "peers", f"'/{CALIBRATOR}' publishes /shoe/state, too")
+            world.until_reported(name, "peers", f"'/{CALIBRATOR}' publishes /shoe/state, too")
         world.stop(process)
         self._well("peers")
         return took

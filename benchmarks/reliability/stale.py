@@ -148,7 +148,7 @@ class Scene:
         period_ns = int(rng.choice(PERIODS_NS))
         robot, period_s = self.robot, period_ns / 1e9
         robot.first = int(rng.integers(2))
-        robot.tell_every(period_ns)
+        robot.publish_every(period_ns)
         told = robot.stamp_ns
         self.world.until(lambda: robot.stamp_ns >= told + LEARN * period_ns)
         self.wait(float(rng.uniform(0.0, 0.1)))
@@ -157,7 +157,7 @@ class Scene:
         robot.longest_s = 0.0
         needed = self._needed()
         setattr(robot, f"tells_{what}", False)
-        last = robot.told_at[what]
+        last = robot.published_at[what]
         late = robot.longest_s > max(LATE_S, LATE_PERIODS * period_s)
         at = self.told(stale, last)
         before = any(_any_stale(one) for when, one in self.state.heard[1:] if when < last)
@@ -185,9 +185,9 @@ class Scene:
         return max(self._needed_once() for _ in range(GOES_ON))
 
     def _needed_once(self) -> float:
-        last = self.robot.told_at["voltages"]
-        self.world.until(lambda: self.robot.told_at["voltages"] > last)
-        told = self.robot.told_at["voltages"]
+        last = self.robot.published_at["voltages"]
+        self.world.until(lambda: self.robot.published_at["voltages"] > last)
+        told = self.robot.published_at["voltages"]
         self.world.until(lambda: self.feet[0].after(told) > 0)
         return next(at for at, _ in self.feet[0].heard if at > told) - told
 

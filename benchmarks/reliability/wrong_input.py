@@ -222,8 +222,8 @@ class Suite:
         request = SetCalibration.Request(calibration=made)
         assert world.call(SetCalibration, "shoe/set_calibration", request).success
         self.before = self._in_force()
-        world.until_told("planner", "planning", "ready", COMPILE_S)
-        world.until_told("calibrator", "voltages", "come")
+        world.until_reported("planner", "planning", "ready", COMPILE_S)
+        world.until_reported("calibrator", "voltages", "come")
 
     def try_one(self, case: Case) -> str:
         """What is wrong with how a case was answered; empty where nothing is."""

@@ -124,7 +124,7 @@ def _calibrate(
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     stage = "drawing"
 
-    def hear(feedback: Calibrate.Feedback) -> None:
+    def receive(feedback: Calibrate.Feedback) -> None:
         nonlocal stage
         if feedback.stage != stage:
             watch.lap(STAGES[stage])
@@ -138,7 +138,7 @@ def _calibrate(
             conductor.wait_for_nodes()
             conductor.arm()
             watch.lap("start")
-            conductor.calibrate(options.supports, options.train, options.seed, hear)
+            conductor.calibrate(options.supports, options.train, options.seed, receive)
             conductor.see_live()
             watch.lap(STAGES[stage])
 

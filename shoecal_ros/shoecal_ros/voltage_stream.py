@@ -54,7 +54,7 @@ class VoltageStream(ShoecalNode):
         self._cells = list(shoe.names)
         self._input = VoltageInput(FrameJoiner(shoe.names, settings.hold_s), settings.stale_s)
         self._patient_until = time.monotonic() + settings.stale_s
-        self._told = ""
+        self._reported = ""
         self._output = select.poll()
         self._output.register(sys.stdout, 0)  # errors alone: that its reader is gone
         self.subscribe(ShoeVoltages, "shoe/voltages", self._hear, qos.LIVE)
@@ -66,8 +66,8 @@ class VoltageStream(ShoecalNode):
         problem = self._input.problem
         # For how many seconds already is no news.
         cause = "" if problem is None else problem.message.translate(_NO_DIGITS)
-        if cause != self._told and time.monotonic() > self._patient_until:
-            self._told = cause
+        if cause != self._reported and time.monotonic() > self._patient_until:
+            self._reported = cause
             if problem is not None:
                 _print({"problem": problem.message})
         self.health.note("voltages", voltages_told(self._input))
@@ -85,11 +85,11 @@ class VoltageStream(ShoecalNode):
 
     def _line(self, joined: Joined) -> dict[str, object]:
         known = np.isfinite(joined.readings)
-        told = zip(joined.readings.tolist(), known, strict=True)
+        reported = zip(joined.readings.tolist(), known, strict=True)
         return {
             "stamp_ns": joined.stamp_ns,
             "cells": self._cells,
-            "voltages": [value if finite else None for value, finite in told],
+            "voltages": [value if finite else None for value, finite in reported],
             "status": np.where(known | (joined.status > 0), joined.status, NO_DATA).tolist(),
         }
 

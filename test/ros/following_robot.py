@@ -47,7 +47,7 @@ class FollowingRobot(StandingRobot):
         self.leaning = self.offset = 0.0
         self.loaded = [True, True]
         self.degc = 40.0
-        self.tells_joints = self.tells_voltages = True
+        self.publishes_joints = self.publishes_voltages = True
         self._command = None
         self.step_to(self.support)
 

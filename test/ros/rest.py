@@ -11,7 +11,7 @@ from shoecal_ros.inputs.stillness import Stillness
 
 
 def until_still(world: World) -> None:
-    joints = world.hear(JointState, "joint_states")
+    joints = world.receive(JointState, "joint_states")
     stillness, taken = Stillness(0.01, 0.5, 0.004), len(joints)
 
     def still() -> bool:

@@ -61,10 +61,10 @@ class StandingRobot:
         self.places = np.array([[0.02, 0.005], [0.03, -0.01]])
         self.drift = np.zeros(len(nao_shoe().names))
         self.status: dict[str, int] = {}
-        self.tells_joints = self.tells_voltages = True
-        self.apart, self.tells_left, self.tells_right = False, True, True
+        self.publishes_joints = self.publishes_voltages = True
+        self.apart, self.publishes_left, self.publishes_right = False, True, True
         self.first = 0
-        self.longest_s, self._told = 0.0, time.monotonic()
+        self.longest_s, self._reported = 0.0, time.monotonic()
         self.speed = 0.0
         self.ahead_ns = 0
         self.temperature = math.nan
@@ -76,10 +76,10 @@ class StandingRobot:
         self._count = 0
         self._joints = world.node.create_publisher(JointState, "joint_states", qos.RAW)
         self._voltages = world.node.create_publisher(ShoeVoltages, "shoe/voltages", qos.RAW)
-        self.told_at = dict.fromkeys(("joints", "voltages", "left", "right"), 0.0)
+        self.published_at = dict.fromkeys(("joints", "voltages", "left", "right"), 0.0)
         self._timer = world.node.create_timer(period_ns / 1e9, self._tell)
 
-    def tell_every(self, period_ns: int) -> None:
+    def publish_every(self, period_ns: int) -> None:
         """Tell everything with this period from now on [ns]."""
         self._period_ns = self._timer.timer_period_ns = period_ns
 
@@ -95,7 +95,7 @@ class StandingRobot:
         self.forces = ((1.0 - share) * nao().weight, share * nao().weight)
         self.places = np.stack([left, right])
 
-    def tell_garbled_joints(self) -> None:
+    def publish_garbled_joints(self) -> None:
         """One message whose angles are no numbers."""
         sample = JointSample(self.stamp_ns, nao().joint_names, np.full_like(self.angles, math.nan))
         self._joints.publish(joints_to_ros(sample))
@@ -106,8 +106,8 @@ class StandingRobot:
         self.angles = nao().from_legs(stance(nao(), support))
 
     def _tell(self) -> None:
-        before, self._told = self._told, time.monotonic()
-        self.longest_s = max(self.longest_s, self._told - before)
+        before, self._reported = self._reported, time.monotonic()
+        self.longest_s = max(self.longest_s, self._reported - before)
         period_s = self.pace * self._period_ns / 1e9
         self.stamp_ns += self.pace * self._period_ns
         if self.stamped_now:
@@ -118,18 +118,18 @@ class StandingRobot:
                 swing = 2.0 * np.pi * (0.05 + 0.02 * number)
                 speed = 0.4 * swing * np.sin(swing * self.stamp_ns / 1e9)
                 self.angles[nao().joint(joint)] += speed * period_s
-        if self.tells_joints:
+        if self.publishes_joints:
             sample = JointSample(self.stamp_ns, nao().joint_names, self.angles)
             self._joints.publish(joints_to_ros(sample))
-            self.told_at["joints"] = time.monotonic()
-        if self.tells_voltages:
+            self.published_at["joints"] = time.monotonic()
+        if self.publishes_voltages:
             for frame in self._frames():
                 self._voltages.publish(voltages_to_ros(replace(frame, sequence=self._count)))
                 self._count += 1
-                self.told_at["voltages"] = time.monotonic()
-            for foot, tells in (("left", self.tells_left), ("right", self.tells_right)):
+                self.published_at["voltages"] = time.monotonic()
+            for foot, tells in (("left", self.publishes_left), ("right", self.publishes_right)):
                 if tells:
-                    self.told_at[foot] = self.told_at["voltages"]
+                    self.published_at[foot] = self.published_at["voltages"]
 
     def _frames(self) -> list[VoltageFrame]:
         whole, shoe = self._frame(), nao_shoe()
@@ -143,7 +143,7 @@ class StandingRobot:
                 status=whole.status[own],
             )
             for foot in (self.first, 1 - self.first)
-            if (self.tells_left, self.tells_right)[foot]
+            if (self.publishes_left, self.publishes_right)[foot]
             for own in (shoe.of_foot(foot),)
         ]
 

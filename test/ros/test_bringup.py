@@ -74,7 +74,7 @@ def test_a_demo_in_a_namespace_keeps_its_limits_and_takes_the_simulator_along(
         changed = {"port": port} if "port" in node.parameters else {}
         parameters: Mapping[str, object] = {**node.parameters, **changed}
         begin(world, NodeToStart(node.name, node.namespace, node.files, parameters))  # type: ignore[arg-type]
-    voltages = world.hear(ShoeVoltages, "left/shoe/voltages", qos.EITHER)
+    voltages = world.receive(ShoeVoltages, "left/shoe/voltages", qos.EITHER)
     world.until(lambda: len(voltages) > 3)
     world.publisher(JointTrajectory, "left/joint_trajectory", qos.COMMAND)
     request = GetParameters.Request(names=["follow_error"])
@@ -127,16 +127,16 @@ BAD = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("changes", "told"), BAD.values(), ids=BAD)
+@pytest.mark.parametrize(("changes", "reported"), BAD.values(), ids=BAD)
 def test_what_is_wrong_is_found_before_a_node_starts(
-    changes: dict[str, str], told: str, monkeypatch: pytest.MonkeyPatch
+    changes: dict[str, str], reported: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("AMENT_PREFIX_PATH", ros_environment()["AMENT_PREFIX_PATH"])
     if importlib.util.find_spec("rviz2") or shutil.which("rviz2"):
         pytest.skip("a viewer is installed here")
     with pytest.raises(ShoecalError) as caught:
         robot_nodes(arguments("bringup", **changes))
-    assert told in str(caught.value)
+    assert reported in str(caught.value)
 
 
 def test_a_parameter_file_that_misses_its_node_is_found(tmp_path: Path) -> None:

@@ -71,8 +71,8 @@ def documented() -> set[str]:
 
 
 def test_codes_of_diagnostics_are_those_on_the_page() -> None:
-    told = set(Code) - {Code.OK, Code.ENDED}
-    assert documented() - error_codes() == told
+    reported = set(Code) - {Code.OK, Code.ENDED}
+    assert documented() - error_codes() == reported
     passed_on = {
         error_code(kind)
         for module in (joining, joints)

@@ -19,17 +19,17 @@ WORDED = {"NameNotFoundError", "PackageMissingError"}
 """Take no message, but what it is about."""
 PASSED_ON = {
     "adapters/adapter.py": {
-        "told.message",  # of problems, which are looked at where they are made
+        "reported.message",  # of problems, which are looked at where they are made
         "self._refusal",  # why a trajectory was refused: the text of an error
         "missing",  # of a controller
         "str(self.joints.problem)",
     },
-    "calibrator/calibration_server.py": {"told"},  # of an error
+    "calibrator/calibration_server.py": {"reported"},  # of an error
     "calibrator/calibration_store.py": {
-        "told",  # of an error
+        "reported",  # of an error
         "f'no whole calibration: {error.field} {error.problem}'",
     },
-    "calibrator/diagnosis_server.py": {"told", "str(error)"},  # why it ended
+    "calibrator/diagnosis_server.py": {"reported", "str(error)"},  # why it ended
     "calibrator/diagnosis_job.py": {"str(error)"},
     "calibrator/job.py": {"str(error)", "problem.message", "site.recorder.problem"},
     "calibrator/recorder.py": {"self.problem"},
@@ -39,15 +39,15 @@ PASSED_ON = {
         "str(problem)",
         "f'{what}: {result.message}'",  # of whoever was asked to move the robot
     },
-    "calibrator/self_calibration.py": {"told"},  # why it ended
-    "common/codes.py": {"'; '.join(map(str, told))"},
+    "calibrator/self_calibration.py": {"reported"},  # why it ended
+    "common/codes.py": {"'; '.join(map(str, reported))"},
     "common/health.py": {"message"},
-    "common/graph_monitor.py": {"told.message"},
+    "common/graph_monitor.py": {"reported.message"},
     "nodes/calibrator.py": {"UNCALIBRATED"},  # of another module
     "nodes/simulator.py": {"self._refused"},
     "planner/watched.py": {"concern.message"},
     "serial/serial_source.py": {"found.message", "f'serial port {self._name}: {message}'"},
-    "serial/watch.py": {"f'{told}: {self._fault.text}'"},  # of a decoder
+    "serial/watch.py": {"f'{reported}: {self._fault.text}'"},  # of a decoder
     "simulator/body_publishers.py": {"problem.message"},
 }
 """Expressions whose cure is somebody else's."""
@@ -56,8 +56,8 @@ PASSED_ON = {
 def message(call: ast.Call, *, errors: bool) -> ast.expr | None:
     """What a call tells that is bad; None where it tells nothing, or nothing bad."""
     name, words = ast.unparse(call.func).rpartition(".")[2], call.args
-    if name in {"Problem", "StopReason", "_told"} and len(words) > 1:
-        return words[1] if name != "_told" or "code" in ast.unparse(words[0]).lower() else None
+    if name in {"Problem", "StopReason", "_reported"} and len(words) > 1:
+        return words[1] if name != "_reported" or "code" in ast.unparse(words[0]).lower() else None
     if name == "Condition":
         return words[1] if ast.unparse(words[0]) != "Level.OK" else None
     if name == "tell" and len(words) > 2:
@@ -71,8 +71,8 @@ def bad(file: Path) -> Iterator[tuple[str, list[str]]]:
     """Expressions of a file that tell something bad, and all they may say."""
     source, errors = Source(file), file.parent.name in ERRORS_IN
     for call in source.calls():
-        if (told := message(call, errors=errors)) is not None:
-            yield ast.unparse(told), [text for text in source.texts(told) if text]
+        if (reported := message(call, errors=errors)) is not None:
+            yield ast.unparse(reported), [text for text in source.texts(reported) if text]
 
 
 @pytest.mark.parametrize("file", FILES, ids=lambda file: str(file.relative_to(SOURCES)))

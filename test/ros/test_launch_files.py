@@ -22,8 +22,8 @@ def test_discovery_stays_on_this_computer(file: Path) -> None:
     assert isinstance(description, ast.Call)
     (actions,) = description.args
     assert isinstance(actions, ast.List)
-    told = ast.unparse(actions.elts[0])
-    assert told == "*(SetEnvironmentVariable(*each) for each in network_environment().items())"
+    reported = ast.unparse(actions.elts[0])
+    assert reported == "*(SetEnvironmentVariable(*each) for each in network_environment().items())"
 
 
 def test_there_are_launch_files() -> None:

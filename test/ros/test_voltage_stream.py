@@ -179,16 +179,16 @@ def test_it_tells_how_voltages_come(world: World) -> None:
         for count, index in enumerate((1, 2, 5), start=1):
             publisher.publish(message(index))
             lines.until(count)
-        status = world.until_told("voltage_stream", "voltages", "voltages come")
+        status = world.until_reported("voltage_stream", "voltages", "voltages come")
 
-        def told() -> dict[str, str]:
+        def reported() -> dict[str, str]:
             status = world.diagnosis("voltage_stream", "voltages")
             return {pair.key: pair.value for pair in status.values}
 
-        world.until(lambda: told()["lost_frames"] == "2")
+        world.until(lambda: reported()["lost_frames"] == "2")
         assert status.hardware_id == "voltage_stream"
-        assert told()["left_out_frames"] == "0"
-        assert float(told()["age_s"]) >= 0.0
+        assert reported()["left_out_frames"] == "0"
+        assert float(reported()["age_s"]) >= 0.0
 
 
 def test_a_message_that_makes_no_sense_is_told_once(world: World) -> None:

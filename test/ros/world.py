@@ -31,7 +31,7 @@ TIMEOUT_S = 900.0
 END_S = 300.0
 
 
-class Heard:
+class Received:
     """Messages of one topic, as they come."""
 
     def __init__(self) -> None:
@@ -65,7 +65,7 @@ class World:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._companions: dict[str, SingleThreadedExecutor] = {}
-        self._heard: dict[str, Heard] = {}
+        self._heard: dict[str, Received] = {}
         self._action_clients: dict[str, ActionClient] = {}
         self._diagnostics_before: dict[str, int] = {}
 
@@ -78,7 +78,7 @@ class World:
         *arguments: str,
         name: str = "",
         script: Path | None = None,
-        told_to: int | None = None,
+        log_to: int | None = None,
     ) -> subprocess.Popen[bytes]:
         """Start one node with parameters and ROS arguments, under its own name or another.
 
@@ -93,7 +93,7 @@ class World:
         # By one that had this name before.
         self.forget(name)
         with self._log(name).open("wb") as file:
-            log = file if told_to is None else told_to
+            log = file if log_to is None else log_to
             process = subprocess.Popen(
                 ending_with_parent([*command, *arguments]),
                 env=ros_environment(), stderr=log, stdout=log,
@@ -104,7 +104,7 @@ class World:
     def output(self, node: str) -> str:
         return self._log(node).read_text()
 
-    def until_said(self, node: str, text: str) -> None:
+    def until_logged(self, node: str, text: str) -> None:
         """Wait until a text stands in a node's output."""
         self.until(lambda: text in self.output(node))
 
@@ -141,16 +141,16 @@ class World:
         node.destroy_node()
         rclpy.shutdown(context=node.context)
 
-    def hear(self, kind: type[Any], topic: str, profile: Any = qos.RAW) -> Heard:
+    def receive(self, kind: type[Any], topic: str, profile: Any = qos.RAW) -> Received:
         heard = self._heard.get(topic)
         if heard is None:
-            heard = self._heard[topic] = Heard()
+            heard = self._heard[topic] = Received()
             self.node.create_subscription(kind, topic, heard.messages.append, profile)
         return heard
 
-    def until(self, condition: Callable[[], object]) -> None:
+    def until(self, condition: Callable[[], object], timeout_s: float = TIMEOUT_S) -> None:
         """Wait for a condition; fail with the nodes' output where it does not come."""
-        deadline = time.monotonic() + TIMEOUT_S
+        deadline = time.monotonic() + timeout_s
         while not condition():
             for name, process in self.processes.items():
                 assert process.poll() is None, f"{name} ended:\n{self.output(name)}"
@@ -166,10 +166,10 @@ class World:
         publisher = self.node.create_publisher(kind, topic, profile)
         self.until(lambda: self._subscribers(publisher.topic_name))
         for node in self._subscribers(publisher.topic_name):
-            self.until_known_to(node)
+            self.until_discovered_by(node)
         return publisher
 
-    def until_known_to(self, node: str, companion: Node | None = None) -> None:
+    def until_discovered_by(self, node: str, companion: Node | None = None) -> None:
         """Wait until a node knows all that the client has made: from now on nothing is lost to it.
 
         What was published by then it has as a rule taken, too, but nothing ensures that: messages
@@ -187,7 +187,7 @@ class World:
         """Tell a node that the robot is armed, in place of a planner; give it time to take that."""
         publisher: Publisher = self.publisher(Bool, "shoe/armed", qos.LATCHED)
         publisher.publish(Bool(data=True))
-        self.until_known_to(node)
+        self.until_discovered_by(node)
         return publisher
 
     def call(self, kind: type[Any], name: str, request: Any) -> Any:
@@ -222,9 +222,13 @@ class World:
         """Let what a node told of itself so far count no more."""
         self._diagnostics_before[node] = len(self._diagnostics.messages)
 
-    def until_told(self, node: str, subject: str, text: str) -> Any:
+    def until_reported(
+        self, node: str, subject: str, text: str, timeout_s: float = TIMEOUT_S
+    ) -> Any:
         """Wait until a node's diagnostic of a subject contains a text."""
-        self.until(lambda: (found := self.diagnosis(node, subject)) and text in found.message)
+        self.until(
+            lambda: (found := self.diagnosis(node, subject)) and text in found.message, timeout_s
+        )
         return self.diagnosis(node, subject)
 
     def __enter__(self) -> Self:
@@ -261,14 +265,14 @@ class World:
             }
 
     @property
-    def _diagnostics(self) -> Heard:
-        return self.hear(DiagnosticArray, "diagnostics", qos.DIAGNOSTICS)
+    def _diagnostics(self) -> Received:
+        return self.receive(DiagnosticArray, "diagnostics", qos.DIAGNOSTICS)
 
     def _until_known_to_server(self, service: str) -> None:
         """Wait until whoever offers a service knows of its clients: no answer is lost."""
         while not (node := self._server(service)):
             self.until(lambda: self._server(service))
-        self.until_known_to(node)
+        self.until_discovered_by(node)
 
     def _subscribers(self, topic: str) -> set[str]:
         """Full names of the other nodes on a topic; empty while there is none, or one unnamed."""
@@ -311,8 +315,8 @@ class Goal:
     def cancel(self) -> None:
         self._world.until(self._handle.cancel_goal_async().done)
 
-    def result(self) -> Any:
-        self._world.until(self._result.done)
+    def result(self, timeout_s: float = TIMEOUT_S) -> Any:
+        self._world.until(self._result.done, timeout_s)
         return self._result.result().result
 
 

@@ -140,5 +140,5 @@ class ActionController(Controller):
             self._refusal = Problem(
                 Code.CONTROLLER_GAVE_UP,
                 f"{self._name} gave up with code {result.error_code}: "
-                f"{result.error_string or 'no reason told'}; see its log",
+                f"{result.error_string or 'no reason reported'}; see its log",
             )

@@ -118,11 +118,11 @@ class Adapter(ShoecalNode):
         errors = [problem for problem in (self.trouble, self.joints.problem, refused) if problem]
         missing = self.missing if self.now_s - self._begun_s > FOUND_S else ""
         warnings = [Problem(Code.DRIVER_MISSING, missing)] if missing else []
-        told, figures = joined([*errors, *warnings]), self.joints.heard.figures()
-        if told is None:
+        reported, figures = joined([*errors, *warnings]), self.joints.heard.figures()
+        if reported is None:
             return Condition(Level.OK, well, figures)
         level = Level.ERROR if errors else Level.WARN
-        return Condition(level, told.message, figures, code=told.code)
+        return Condition(level, reported.message, figures, code=reported.code)
 
     def _stop(self) -> None:
         """A robot that is coming to rest already is left to it."""

@@ -97,7 +97,7 @@ class AllGoals(Goal):
         every = CancelGoal.Request().goal_info.goal_id
         super().__init__(ClientGoalHandle(client, every, None))
         self._node, self._topic = node, f"{action}/_action/status"
-        self._told = self._going_on = False
+        self._reported = self._going_on = False
         self._unsure_until_s = -math.inf
         self._tellers: frozenset[bytes] = frozenset()
         node.create_subscription(
@@ -121,7 +121,7 @@ class AllGoals(Goal):
 
     def watch(self) -> None:
         """Ask where that is due, and see who is there."""
-        if self._told and not self._tellers:
+        if self._reported and not self._tellers:
             # It was heard before it was known that anybody is there.
             self._tellers = self._tellers_there()
         super().watch()
@@ -132,7 +132,7 @@ class AllGoals(Goal):
         if refused or answer.goals_canceling:
             return False
         gone = self._tellers and self._tellers.isdisjoint(self._tellers_there())
-        if self._told and not gone:
+        if self._reported and not gone:
             return not self._going_on
         self._unsure_until_s = time.monotonic() + UNSURE_S
         return True
@@ -141,9 +141,9 @@ class AllGoals(Goal):
         infos = self._node.get_publishers_info_by_topic(self._topic)
         return frozenset(bytes(info.endpoint_gid) for info in infos)
 
-    def _hear(self, told: GoalStatusArray) -> None:
-        self._told = True
-        self._going_on = any(one.status not in _ENDED for one in told.status_list)
+    def _hear(self, reported: GoalStatusArray) -> None:
+        self._reported = True
+        self._going_on = any(one.status not in _ENDED for one in reported.status_list)
         self._tellers = self._tellers_there()
         if self._going_on and time.monotonic() <= self._unsure_until_s:
             self._ended, self._canceled_s = False, time.monotonic()

@@ -59,9 +59,9 @@ class Stream:
         # Joints that were told nothing yet are where they are, whoever has moved them meanwhile.
         angles, speeds = measured.copy(), np.zeros_like(measured)
         if self.at(now_s) is not None:
-            told, running = self._state(now_s)
+            reported, running = self._state(now_s)
             angles[self._columns], speeds[self._columns] = (
-                told[self._columns],
+                reported[self._columns],
                 running[self._columns],
             )
             # Those that the new one does not name come to rest, too.

@@ -45,7 +45,7 @@ class Unwatched:
             if time.monotonic() - self._heard_s < HISTORY_S:
                 return False
             self._disarmings = self._arming.disarmings
-            self._over = not self._arming.told
+            self._over = not self._arming.reported
             return not self._over
         self._over = not self._arming.armed or self._arming.disarmings != self._disarmings
         return self._over

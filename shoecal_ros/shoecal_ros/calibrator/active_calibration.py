@@ -41,22 +41,22 @@ class ActiveCalibration:
     def sentence(self) -> str:
         """One line for a person."""
         made = self.calibration
-        told = (
+        reported = (
             f"'{made.id}' ({made.source}, {made.verdict}) in force since {self.since} on robot "
             f"'{made.robot}' and shoe '{made.shoe}', made {self.origin}"
         )
         if not math.isnan(made.temperature):
-            told += f" at {made.temperature:.1f} degC"
+            reported += f" at {made.temperature:.1f} degC"
         if not math.isnan(self.temperature):
-            told += f", now {self.temperature:.1f} degC"
-        return told
+            reported += f", now {self.temperature:.1f} degC"
+        return reported
 
     @property
     def _reasons(self) -> list[str]:
         """Without the verdict's own level, which stands before them."""
         verdict = self.calibration.verdict
-        told = [split_reason(one, verdict) for one in self.calibration.reasons]
-        return [text if level == verdict else f"{level}: {text}" for level, text in told]
+        reported = [split_reason(one, verdict) for one in self.calibration.reasons]
+        return [text if level == verdict else f"{level}: {text}" for level, text in reported]
 
     def condition(self, largest_gap: float, **values: object) -> Condition:
         """For diagnostics.
@@ -77,7 +77,7 @@ class ActiveCalibration:
                 f"calibrated at {made.temperature:.0f} degC, now {self.temperature:.0f}: call "
                 f"shoe/rezero; {message}"
             )
-        told = {
+        reported = {
             "id": made.id,
             "source": made.source,
             "verdict": made.verdict,
@@ -90,7 +90,7 @@ class ActiveCalibration:
             **values,
         }
         level = Level.OK if code is Code.OK else Level.WARN
-        return Condition(level, message, {key: str(value) for key, value in told.items()}, code)
+        return Condition(level, message, {key: str(value) for key, value in reported.items()}, code)
 
 
 def _known(temperature: float) -> str:

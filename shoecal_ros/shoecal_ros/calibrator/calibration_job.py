@@ -86,14 +86,14 @@ class CalibrationJob:
             runs = await self._draw(worker)
             session = await make_session(site, self.request.run_id, self.request.seed)
             self.session = session.folder
-            await RunSeries(self._job, session, self._tell_recording).record(runs)
+            await RunSeries(self._job, session, self._report_recording).record(runs)
             return await self._solve(worker, session.folder)
         finally:
             site.recorder.abandon()
             worker.close()
             await aside(site.recorder.settle)
 
-    def tell_applying(self) -> None:
+    def report_applying(self) -> None:
         """Tell that the calibration found is being applied."""
         self._tell("applying", 1.0, "checking and applying the calibration")
 
@@ -133,7 +133,7 @@ class CalibrationJob:
 
     # Telling
 
-    def _tell_recording(self, stage: str, run: int, share: float, message: str) -> None:
+    def _report_recording(self, stage: str, run: int, share: float, message: str) -> None:
         self.state.support = run
         self._tell(stage, DRAW_SHARE + (1.0 - DRAW_SHARE - SOLVE_SHARE) * share, message)
 

@@ -101,14 +101,14 @@ class CalibrationServer:
         try:
             await self._apply(calibration, origin, warned=warned)
         except ShoecalError as error:
-            told = f"not applied: {error}"
+            reported = f"not applied: {error}"
             if calibration.verdict == "WARN":
-                told += (
+                reported += (
                     "; to accept it as it is: ros2 service call "
                     f"{self._node.resolve_service_name(APPLY)} shoecal_msgs/srv/Apply "
                     f"\"{{run_id: '{run_id}'}}\""
                 )
-            raise RefusedError(Calibrate.Result.NOT_APPLIED, told) from error
+            raise RefusedError(Calibrate.Result.NOT_APPLIED, reported) from error
 
     async def apply_corrected(self, calibration: Calibration) -> None:
         """Apply the one in force with corrected offsets, whatever its checks said.
@@ -192,11 +192,11 @@ class CalibrationServer:
                     [Parameter(MIRROR + name, value=value) for name, value in values.items()]
                 )
             else:
-                told = "mirror of the calibration in force; cannot be set"
+                reported = "mirror of the calibration in force; cannot be set"
                 self._node.declare_parameters(
                     "",
                     [
-                        (MIRROR + name, value, ParameterDescriptor(description=told))
+                        (MIRROR + name, value, ParameterDescriptor(description=reported))
                         for name, value in values.items()
                     ],
                     ignore_override=True,
@@ -246,8 +246,8 @@ class CalibrationServer:
         node, run_id = self._node, request.run_id
         try:
             with faults_refused(node, Apply.Response.FAILED, ShoecalError):
-                if told := node.job_under_way:
-                    raise RefusedError(Apply.Response.BUSY, f"{told} is under way; wait for it")
+                if reported := node.job_under_way:
+                    raise RefusedError(Apply.Response.BUSY, f"{reported} is under way; wait for it")
                 self._require_free()
                 folder = session_folder(node.job_settings.sessions_dir, run_id)
                 calibration = await aside(lambda: load_calibration(folder / CALIBRATION))

@@ -91,8 +91,8 @@ class CalibrationStore:
                 accepted = known is not None and (known.robot_hash, known.shoe_hash) == self._hashes
                 self.check(calibration, origin, force=accepted, warned=warned)
             except ShoecalError as error:
-                told = str(error) if isinstance(error, FileError) else f"{path}: {error}"
-                problems.append(Problem(error_code(type(error)), told))
+                reported = str(error) if isinstance(error, FileError) else f"{path}: {error}"
+                problems.append(Problem(error_code(type(error)), reported))
                 continue
             if name == BEFORE:
                 self.before, self.origin_before = calibration, origin

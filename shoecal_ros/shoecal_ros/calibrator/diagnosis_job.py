@@ -104,11 +104,11 @@ class DiagnosisJob:
             first = await self._diagnose(worker)
             alone = request.run_proposed and first.proposed and not by_hand(first.proposed)
             if not alone:
-                return self._told(first.verdict, first)
+                return self._reported(first.verdict, first)
             await self._record(worker, (first.proposed,))
             second = await self._diagnose(worker)
             verdicts = f"{first.verdict}, after {first.proposed} {second.verdict}"
-            return self._told(verdicts, second)
+            return self._reported(verdicts, second)
         finally:
             site.recorder.abandon()
             worker.close()
@@ -175,7 +175,7 @@ class DiagnosisJob:
             session = await self._reopened(self.session)
         self.session = session.folder
         self.state.runs = len(runs)
-        await RunSeries(self._job, session, self._tell_recording).record(runs)
+        await RunSeries(self._job, session, self._report_recording).record(runs)
         self._progress.next()
 
     async def _reopened(self, folder: Path) -> Session:
@@ -199,19 +199,19 @@ class DiagnosisJob:
 
     # Telling
 
-    def _told(self, verdicts: str, found: Diagnosed) -> str:
+    def _reported(self, verdicts: str, found: Diagnosed) -> str:
         """The verdicts, and how to go on."""
         if not found.proposed:
             return verdicts
         assert self.session is not None, "diagnosed"
         return f"{verdicts}; {how_to_go_on(found.proposed, self.session)}"
 
-    def _tell_recording(self, stage: str, run: int, share: float, message: str) -> None:
+    def _report_recording(self, stage: str, run: int, share: float, message: str) -> None:
         self.state.run = run
         self._tell(stage, share, message)
 
-    def _hear_diagnosis(self, told: object) -> None:
-        doing, share = cast(tuple[str, float], told)
+    def _hear_diagnosis(self, reported: object) -> None:
+        doing, share = cast(tuple[str, float], reported)
         self._tell("diagnosing", share, doing)
 
     def _tell(self, phase: str, share: float, message: str) -> None:

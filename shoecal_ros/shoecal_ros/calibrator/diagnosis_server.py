@@ -51,13 +51,13 @@ class DiagnosisServer:
         if self._job is None:
             return self._last
         state = self._job.state
-        told = {
+        reported = {
             "run_id": state.run_id,
             "phase": state.phase,
             "run": f"{state.run} of {state.runs}",
             "progress": f"{state.progress:.2f}",
         }
-        return Condition(Level.OK, "under way", told)
+        return Condition(Level.OK, "under way", reported)
 
     def close(self) -> None:
         """End what is under way: the node ends."""
@@ -84,7 +84,7 @@ class DiagnosisServer:
         job = self._job = DiagnosisJob(
             node,
             request,
-            logged(node, goal.publish_feedback, lambda told: (told.phase, told.run)),
+            logged(node, goal.publish_feedback, lambda reported: (reported.phase, reported.run)),
             lambda: bool(goal.is_cancel_requested),
         )
         result.run_id = request.run_id
@@ -97,8 +97,8 @@ class DiagnosisServer:
             self._last = Condition(Level.OK, result.message)
         except RefusedError as refusal:
             values = {"error_code": str(refusal.code)}
-            told = f"ended: {refusal}"
-            self._last = Condition(Level.WARN, told, values, Code.DIAGNOSIS_ENDED)
+            reported = f"ended: {refusal}"
+            self._last = Condition(Level.WARN, reported, values, Code.DIAGNOSIS_ENDED)
             node.log(Level.WARN, f"diagnosis ended: {refusal}")
             raise
         finally:

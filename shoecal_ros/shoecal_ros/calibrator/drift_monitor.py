@@ -27,7 +27,7 @@ class DriftMonitor:
 
     def watch(self) -> None:
         """Look, and tell."""
-        node, current = self._node, self._node.desk.store.current
+        node, current = self._node, self._node.calibration_server.store.current
         if current is None:
             node.health.tell("drift", Level.OK, "no calibration to compare with weight and model")
             return

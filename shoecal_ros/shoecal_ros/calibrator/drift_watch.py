@@ -36,7 +36,7 @@ class DriftWatch:
     def begin(self) -> None:
         """Another calibration is in force: what was told of the one before counts no more."""
         self.found: Drift | None = None
-        self.told: Drift | None = None
+        self.reported: Drift | None = None
         self.drifted = False
         self._against = 0
         self.interrupt()
@@ -66,13 +66,13 @@ class DriftWatch:
         if self._against >= CONFIRM:
             self.drifted, self._against = found.beyond, 0
         if found.beyond == self.drifted:
-            self.told = found
+            self.reported = found
 
     @property
     def condition(self) -> Condition:
         """For diagnostics."""
-        found, told = self.found, self.told
-        if found is None or told is None:
+        found, reported = self.found, self.reported
+        if found is None or reported is None:
             return Condition(
                 Level.OK,
                 f"not compared yet: the robot must stand still for {self._duration_s:g} s",
@@ -90,9 +90,9 @@ class DriftWatch:
         if self.drifted:
             return Condition(
                 Level.WARN,
-                f"drifted: {told.reason}; see that nothing touches the robot, then call "
+                f"drifted: {reported.reason}; see that nothing touches the robot, then call "
                 "shoe/rezero, or calibrate anew",
                 values,
                 Code.DRIFTED,
             )
-        return Condition(Level.OK, f"as calibrated: {told.reason}", values)
+        return Condition(Level.OK, f"as calibrated: {reported.reason}", values)

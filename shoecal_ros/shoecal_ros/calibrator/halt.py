@@ -57,14 +57,14 @@ class Halt:
         self._sent = False
         self._run_id = ""
 
-    def hear(self, batch: JointBatch) -> None:
+    def receive(self, batch: JointBatch) -> None:
         """Joint angles have come."""
         self._angles.extend(batch.angles)
 
     def watch(self) -> None:
         """Hold the robot where whoever armed it has just gone."""
         gone = self._arming.lapsed or self._arming.taken_over
-        if not self._arming.told and not gone:
+        if not self._arming.reported and not gone:
             self._leave()
             return
         if self._publisher is None:

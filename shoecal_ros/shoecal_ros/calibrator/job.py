@@ -153,8 +153,8 @@ class Job:
     def check_canceled(self) -> None:
         """End the job where that is asked for; RefusedError then."""
         if self._canceled():
-            told = "cancelled, what was recorded stays; start another when you want"
-            raise RefusedError(Codes.CANCELED, told)
+            reported = "cancelled, what was recorded stays; start another when you want"
+            raise RefusedError(Codes.CANCELED, reported)
 
     async def worked(
         self,

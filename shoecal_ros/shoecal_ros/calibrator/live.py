@@ -37,7 +37,7 @@ class Live:
 
     stamp_ns: int
     feet: tuple[FootInstant, FootInstant]
-    told: tuple[bool, bool]
+    reported: tuple[bool, bool]
     frame: int
     wrench: Wrench | None
     cop: Place | None
@@ -165,10 +165,10 @@ class LiveSensing:
         both = None
         if wrench is not None and any(loaded):
             both = (-wrench[2] / wrench[0], wrench[1] / wrench[0])
-        told, frame = self._told(one.new), self._switch.frame
-        return Live(one.stamp_ns, (left, right), told, frame, wrench, both, loaded, readings)
+        reported, frame = self._reported(one.new), self._switch.frame
+        return Live(one.stamp_ns, (left, right), reported, frame, wrench, both, loaded, readings)
 
-    def _told(self, new: NDArray[np.bool_]) -> tuple[bool, bool]:
+    def _reported(self, new: NDArray[np.bool_]) -> tuple[bool, bool]:
         """Of which feet there is something new; nearly always of both."""
         if new.all():
             return True, True

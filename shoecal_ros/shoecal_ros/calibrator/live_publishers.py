@@ -99,14 +99,14 @@ class LivePublishers:
 
     def _foot_cop(self, foot: int, live: Live) -> Any:
         cop = live.feet[foot].cop
-        if cop is None or not live.told[foot]:
+        if cop is None or not live.reported[foot]:
             return None
         return point_to_ros(live.stamp_ns, self._soles[foot], cop)
 
     def _foot_grf(self, foot: int, live: Live) -> Any:
         wrench = wrench_of(live.feet[foot])
         # A force that is not known is nothing for a controller, nor is one it has been told.
-        if math.isnan(wrench[0]) or not live.told[foot]:
+        if math.isnan(wrench[0]) or not live.reported[foot]:
             return None
         return wrench_to_ros(live.stamp_ns, self._soles[foot], wrench)
 

@@ -28,7 +28,7 @@ CURE = "lift each foot once and call shoe/rezero again, or calibrate anew"
 
 
 class RezeroServer:
-    """One correction at a time, applied by the desk that holds the calibration in force."""
+    """One correction at a time, applied by the server that holds the calibration in force."""
 
     def __init__(self, node: Calibrator) -> None:
         self._node = node
@@ -64,23 +64,23 @@ class RezeroServer:
 
     async def _do(self, response: Rezero.Response) -> None:
         """Observe, correct, apply, answer; ShoecalError where that cannot be done."""
-        node, current = self._node, self._node.desk.store.current
+        node, current = self._node, self._node.calibration_server.store.current
         if current is None:
             raise RefusedError(
                 Codes.UNCALIBRATED, "uncalibrated: there are no offsets; calibrate first"
             )
         if node.job_under_way or self.busy:
-            told = node.job_under_way or "a correction"
-            raise RefusedError(Codes.BUSY, f"{told} is under way; wait for it")
+            reported = node.job_under_way or "a correction"
+            raise RefusedError(Codes.BUSY, f"{reported} is under way; wait for it")
         if problem := node.input_problem():
             raise RefusedError(Codes.STALE_INPUT, problem.message)
         found = self._correct(current, await self._observe())
-        if node.desk.changing or node.desk.store.current is not current:
+        if node.calibration_server.changing or node.calibration_server.store.current is not current:
             raise RefusedError(
                 Codes.SUPERSEDED, "another calibration came in force meanwhile; call again"
             )
         if found.directions:
-            await node.desk.apply_corrected(found.calibration)
+            await node.calibration_server.apply_corrected(found.calibration)
         self._answer(found, await self._expected(found.calibration), response)
 
     async def _observe(self) -> Standstill:

@@ -55,11 +55,11 @@ async def make_session(site: JobContext, name: str, seed: int) -> Session:
 class RunSeries:
     """Records runs into a session; what was recorded stays whatever ends the job."""
 
-    def __init__(self, job: Job, session: Session, told: Told) -> None:
+    def __init__(self, job: Job, session: Session, reported: Told) -> None:
         self._job = job
         self._site = job.site
         self._session = session
-        self._tell_all = told
+        self._tell_all = reported
         self._index = self._count = 0
 
     async def record(self, runs: Sequence[PlannedRun]) -> None:
@@ -81,7 +81,7 @@ class RunSeries:
             self._site.reach_client,
             REACH_ACTION,
             ReachSupport.Goal(support=support_to_ros(support), run_id=self._site.run_id),
-            lambda told: self._tell("reaching", REACH_SHARE * told.progress, place),
+            lambda reported: self._tell("reaching", REACH_SHARE * reported.progress, place),
             self._site.job_settings.reach_timeout_s,
             Codes.SUPPORT_FAILED,
         )
@@ -120,14 +120,14 @@ class RunSeries:
         except ShoecalError as error:
             raise RefusedError(Codes.RECORDING_FAILED, str(error)) from error
 
-    def _hear_motion(self, run: PlannedRun, told: Plan.Feedback) -> None:
-        recorder, place = self._site.recorder, f"{run.motion}, landmark {told.landmark}"
-        if told.phase != "moving":
-            self._tell("planning", REACH_SHARE + PLAN_SHARE * told.progress, place)
+    def _hear_motion(self, run: PlannedRun, reported: Plan.Feedback) -> None:
+        recorder, place = self._site.recorder, f"{run.motion}, landmark {reported.landmark}"
+        if reported.phase != "moving":
+            self._tell("planning", REACH_SHARE + PLAN_SHARE * reported.progress, place)
             return
         if not recorder.recording and not recorder.problem:
             recorder.start(partial(self._session.new_run, run.motion, run.support, hint=run.hint))
-        share = REACH_SHARE + PLAN_SHARE + (1.0 - REACH_SHARE - PLAN_SHARE) * told.progress
+        share = REACH_SHARE + PLAN_SHARE + (1.0 - REACH_SHARE - PLAN_SHARE) * reported.progress
         self._tell("moving", share, place)
 
     def _tell(self, stage: str, of_run: float, message: str) -> None:

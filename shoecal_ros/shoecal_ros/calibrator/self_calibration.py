@@ -53,13 +53,13 @@ class SelfCalibrationServer:
         if self._job is None:
             return None
         state = self._job.state
-        told = {
+        reported = {
             "run_id": state.run_id,
             "stage": state.stage,
             "support": f"{state.support} of {state.supports}",
             "progress": f"{state.progress:.2f}",
         }
-        return Condition(Level.OK, "self-calibration under way", told)
+        return Condition(Level.OK, "self-calibration under way", reported)
 
     def _begin(
         self,
@@ -78,12 +78,12 @@ class SelfCalibrationServer:
                 f"all of them, and no more than {MOST_SUPPORTS} in all",
             )
         seed = goal.seed if goal.seed >= 0 else defaults.seed
-        node.desk.problem = None
+        node.calibration_server.problem = None
         node.listen_for_recording()
         self._job = CalibrationJob(
             node,
             Request(new_run_id(), supports, train, seed),
-            logged(node, feedback, lambda told: (told.stage, told.support)),
+            logged(node, feedback, lambda reported: (reported.stage, reported.support)),
             canceled,
         )
         return self._job
@@ -96,8 +96,8 @@ class SelfCalibrationServer:
                 calibration = await job.run()
                 # Also one that is refused comes back whole, and stays in the session's folder.
                 result.calibration = calibration_to_ros(calibration, node.origin)
-                job.tell_applying()
-                await node.desk.apply_found(
+                job.report_applying()
+                await node.calibration_server.apply_found(
                     calibration, job.request.run_id, warned=node.job_settings.apply_warned
                 )
             result.success = True
@@ -151,11 +151,11 @@ class SelfCalibrationServer:
         return response
 
     async def _do_alone(self, job: CalibrationJob) -> None:
-        desk = self._node.desk
+        calibration_server = self._node.calibration_server
         try:
             with faults_refused(self._node, Calibrate.Result.FAILED):
                 await self._do(job, Calibrate.Result())
         except RefusedError as refusal:
-            told = f"self-calibration {job.request.run_id} ended: {refusal}"
+            reported = f"self-calibration {job.request.run_id} ended: {refusal}"
             values = {"error_code": str(refusal.code)}
-            desk.problem = Problem(Code.SELF_CALIBRATION_ENDED, told, values)
+            calibration_server.problem = Problem(Code.SELF_CALIBRATION_ENDED, reported, values)

@@ -36,15 +36,15 @@ class Pacing:
     """Keeps feedback lean: another stage is told at once, the same one again after a while."""
 
     def __init__(self) -> None:
-        self._told = ("", -math.inf)
+        self._reported = ("", -math.inf)
 
     def due(self, stage: str) -> bool:
         """Whether to tell now; counts as told then."""
-        told, at = self._told
+        reported, at = self._reported
         now = time.monotonic()
-        if stage == told and now - at < FEEDBACK_S:
+        if stage == reported and now - at < FEEDBACK_S:
             return False
-        self._told = (stage, now)
+        self._reported = (stage, now)
         return True
 
 
@@ -60,12 +60,12 @@ def logged(
     """
     last: tuple[object, ...] = ()
 
-    def tell(told: Any) -> None:
+    def tell(reported: Any) -> None:
         nonlocal last
-        if (now := step(told)) != last:
+        if (now := step(reported)) != last:
             last = now
-            node.log(Level.OK, f"{' '.join(map(str, now))}: {told.message}")
-        feedback(told)
+            node.log(Level.OK, f"{' '.join(map(str, now))}: {reported.message}")
+        feedback(reported)
 
     return tell
 

@@ -109,5 +109,5 @@ class Problem:
 
 def joined(problems: Iterable[Problem]) -> Problem | None:
     """Several as one, by the code of the first; None where there is none."""
-    told = list(problems)
-    return Problem(told[0].code, "; ".join(map(str, told))) if told else None
+    reported = list(problems)
+    return Problem(reported[0].code, "; ".join(map(str, reported))) if reported else None

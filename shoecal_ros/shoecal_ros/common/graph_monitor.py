@@ -41,10 +41,10 @@ class GraphMonitor:
     def condition(self) -> Condition:
         """For diagnostics: everybody who does not fit, and the cure."""
         found = [problem for problems in self._found.values() for problem in problems]
-        told = joined([*found, *self._doubtful.values()])
-        if told is not None:
+        reported = joined([*found, *self._doubtful.values()])
+        if reported is not None:
             level = Level.ERROR if found else Level.WARN
-            return Condition(level, told.message, code=told.code)
+            return Condition(level, reported.message, code=reported.code)
         return Condition(Level.OK, "nobody on this node's topics stands in its way")
 
     def watch(self) -> None:
@@ -93,7 +93,9 @@ class GraphMonitor:
         own = next((info for info in ours if node_name(info) == own_name), None)
         if own is None:
             return []
-        found = [told for info in theirs if (told := _misfit(own, info, topic, sends=sends))]
+        found = [
+            reported for info in theirs if (reported := _misfit(own, info, topic, sends=sends))
+        ]
         return found + (self._rivals(topic) if sends and topic in self.alone else [])
 
     def _doubles(self, end: Publisher | Subscription) -> Problem | None:

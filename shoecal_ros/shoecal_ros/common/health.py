@@ -54,8 +54,8 @@ class Condition:
         """
         if problem is None:
             return cls(Level.OK, well, values or {})
-        told = {**(values or {}), **problem.values}
-        return cls(Level.ERROR, problem.message, told, problem.code)
+        reported = {**(values or {}), **problem.values}
+        return cls(Level.ERROR, problem.message, reported, problem.code)
 
 
 class Health:
@@ -94,8 +94,8 @@ class Health:
         self, subject: str, level: Level, message: str, code: Code = Code.OK, **values: object
     ) -> None:
         """Note how a subject fares."""
-        told = {key: str(value) for key, value in values.items()}
-        self.note(subject, Condition(level, message, told, code))
+        reported = {key: str(value) for key, value in values.items()}
+        self.note(subject, Condition(level, message, reported, code))
 
     def suppose(self, subject: str, condition: Condition) -> None:
         """How a subject fares unless something else is told: that is no news."""

@@ -10,5 +10,5 @@ LONGEST_NAME = 100
 
 def short_name(name: str) -> str:
     """In one printable line; cut off where it is too long."""
-    told = one_line(name[:LONGEST_NAME])
-    return told if len(name) <= LONGEST_NAME else f"{told}..."
+    reported = one_line(name[:LONGEST_NAME])
+    return reported if len(name) <= LONGEST_NAME else f"{reported}..."

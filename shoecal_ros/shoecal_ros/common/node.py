@@ -323,11 +323,11 @@ class ShoecalNode(Node):
 
     def log(self, level: Level, line: str) -> None:
         """Write a line, with the id of the job under way."""
-        told = f"[{self.run_id}] {line}" if self.run_id else line
+        reported = f"[{self.run_id}] {line}" if self.run_id else line
         # A logger's methods look for who called in all modules there are, and hold up what is live
         # for a twentieth of a second.
         rclpy_implementation.rclpy_logging_rcutils_log(
-            SEVERITIES[level], self.get_logger().name, told, "log", __file__, 0
+            SEVERITIES[level], self.get_logger().name, reported, "log", __file__, 0
         )
 
     # Inside
@@ -336,8 +336,8 @@ class ShoecalNode(Node):
         names = [parameter.name for parameter in parameters]
         if self.mirror and all(name.startswith(self.mirror) for name in names):
             return SetParametersResult(successful=True)
-        told = "parameters stay while a node runs; start it again with other ones"
-        return SetParametersResult(reason=f"{', '.join(names)}: {told}")
+        reported = "parameters stay while a node runs; start it again with other ones"
+        return SetParametersResult(reason=f"{', '.join(names)}: {reported}")
 
     def _log_news(self) -> None:
         news = self.health.news()

@@ -107,5 +107,5 @@ def _init(args: Sequence[str]) -> None:
         # The node ends before the middleware does: it may have to stop a robot yet.
         rclpy.init(args=list(args), signal_handler_options=SignalHandlerOptions.NO)
     except RuntimeError as error:
-        told = one_line(re.sub(r", at \S+:\d+", "", str(error)))
-        raise RosArgumentsError(f"ROS arguments: {told}; correct the command line") from error
+        reported = one_line(re.sub(r", at \S+:\d+", "", str(error)))
+        raise RosArgumentsError(f"ROS arguments: {reported}; correct the command line") from error

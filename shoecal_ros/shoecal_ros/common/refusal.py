@@ -46,13 +46,13 @@ def faults_refused(
         raise
     except Exception as error:
         node.log(Level.ERROR, traceback.format_exc())
-        told = f"ended by a fault: {worded(error)}; see the node's log, and report it"
-        raise RefusedError(code, told) from error
+        reported = f"ended by a fault: {worded(error)}; see the node's log, and report it"
+        raise RefusedError(code, reported) from error
 
 
 def worded(error: BaseException) -> str:
     """An error for a person; one that is nobody's on purpose with its kind."""
-    told = str(error)
+    reported = str(error)
     if isinstance(error, ShoecalError):
-        return told
-    return f"{type(error).__name__}: {told}" if told else type(error).__name__
+        return reported
+    return f"{type(error).__name__}: {reported}" if reported else type(error).__name__

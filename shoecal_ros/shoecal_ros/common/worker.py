@@ -230,11 +230,11 @@ def _answer(
         return pickle.dumps((_ERROR, error))
     except Exception as error:  # noqa: BLE001 (whatever it is, the node must hear of it)
         traceback.print_exc()
-        told = (
+        reported = (
             f"internal error in {function.__name__}: {type(error).__name__}: {error}; see the "
             "output of its node, and report it"
         )
-        return pickle.dumps((_ERROR, WorkerError(told)))
+        return pickle.dumps((_ERROR, WorkerError(reported)))
 
 
 def _end_with(node: int) -> None:

@@ -44,7 +44,7 @@ class Conductor:
 
     def __init__(self, nodes: Nodes, domain: int) -> None:
         self._nodes = nodes
-        self._told: dict[str, tuple[bytes, str]] = {}
+        self._reported: dict[str, tuple[bytes, str]] = {}
         self._asked = EndAsked()
         with ExitStack() as undo:
             undo.callback(self._asked.close)
@@ -75,13 +75,15 @@ class Conductor:
         }
 
         def ready() -> bool:
-            return all(self._told.get(name, (b"", ""))[1] == text for name, text in wanted.items())
+            return all(
+                self._reported.get(name, (b"", ""))[1] == text for name, text in wanted.items()
+            )
 
         def missing() -> str:
             waits = [
-                f"{name}: {self._told.get(name, (b'', 'not there yet'))[1]}"
+                f"{name}: {self._reported.get(name, (b'', 'not there yet'))[1]}"
                 for name, text in wanted.items()
-                if self._told.get(name, (b"", ""))[1] != text
+                if self._reported.get(name, (b"", ""))[1] != text
             ]
             return f"the nodes are not ready ({'; '.join(waits)})"
 
@@ -106,13 +108,13 @@ class Conductor:
         self._until(client.server_is_ready, ANSWER_S, lambda: "nobody offers shoe/calibrate")
         heard = time.monotonic()
 
-        def hear(message: Any) -> None:
+        def receive(message: Any) -> None:
             nonlocal heard
             heard = time.monotonic()
             feedback(message.feedback)
 
         goal = Calibrate.Goal(supports=supports, train=train, seed=seed)
-        sent = client.send_goal_async(goal, hear)
+        sent = client.send_goal_async(goal, receive)
         self._until(sent.done, ANSWER_S, lambda: "shoe/calibrate does not answer")
         answer = sent.result().get_result_async()
         while not answer.done():
@@ -132,11 +134,11 @@ class Conductor:
         """
         stamps: list[tuple[int, int]] = []
 
-        def hear(message: PointStamped) -> None:
+        def receive(message: PointStamped) -> None:
             stamp = message.header.stamp
             stamps.append((stamp.sec, stamp.nanosec))
 
-        self._node.create_subscription(PointStamped, "shoe/cop", hear, qos.LIVE)
+        self._node.create_subscription(PointStamped, "shoe/cop", receive, qos.LIVE)
         self._until(lambda: len(stamps) >= LIVE_MESSAGES, SILENCE_S, lambda: "shoe/cop is not live")
         if any(later <= earlier for earlier, later in pairwise(stamps)):
             raise DemoError("the stamps of shoe/cop do not increase")
@@ -155,7 +157,7 @@ class Conductor:
 
     def _hear(self, message: DiagnosticArray) -> None:
         for status in message.status:
-            self._told[status.name] = (status.level, status.message)
+            self._reported[status.name] = (status.level, status.message)
 
     def _spin(self) -> None:
         self._nodes.check()

@@ -25,7 +25,7 @@ class ArmedInput:
     """
 
     def __init__(self, node: ShoecalNode, clock: Callable[[], float] = time.monotonic) -> None:
-        self._told = self._repeats = self._taken_over = False
+        self._reported = self._repeats = self._taken_over = False
         self._disarmings = 0
         self._clock = clock
         self._heard_at = 0.0
@@ -34,17 +34,17 @@ class ArmedInput:
     @property
     def armed(self) -> bool:
         """Whether the robot may be moved at this moment."""
-        return self._told and not self.lapsed
+        return self._reported and not self.lapsed
 
     @property
-    def told(self) -> bool:
+    def reported(self) -> bool:
         """Whether the last word was that it may, be who said it still there or not."""
-        return self._told
+        return self._reported
 
     @property
     def lapsed(self) -> bool:
         """Whether who armed the robot is gone: left, or fallen silent after repeating it."""
-        if not self._told:
+        if not self._reported:
             return False
         silent = self._repeats and self._clock() - self._heard_at > LEASE_S
         return silent or self._subscription.get_publisher_count() == 0
@@ -61,10 +61,10 @@ class ArmedInput:
 
     def _hear(self, messages: list[Any]) -> None:
         for message in messages:
-            self._disarmings += self._told and not message.data
+            self._disarmings += self._reported and not message.data
             now = self._clock()
             quiet = self._repeats and now - self._heard_at > QUIET_S
             self._taken_over = not message.data and (quiet or self._taken_over)
-            self._repeats = message.data and (self._told or self._repeats)
-            self._told = message.data
+            self._repeats = message.data and (self._reported or self._repeats)
+            self._reported = message.data
             self._heard_at = now

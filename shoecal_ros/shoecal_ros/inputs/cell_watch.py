@@ -118,8 +118,8 @@ class CellWatch:
         spikes = zip(self._names, self.spikes.tolist(), strict=True)
         values = {f"spikes_of_{cell}": str(count) for cell, count in spikes if count}
         if found:
-            told = ", ".join(f"{cell} {_TOLD[code]}" for cell, code in found.items())
-            return Condition(Level.ERROR, f"{told}: {CURE}", values, next(iter(found.values())))
+            reported = ", ".join(f"{cell} {_TOLD[code]}" for cell, code in found.items())
+            return Condition(Level.ERROR, f"{reported}: {CURE}", values, next(iter(found.values())))
         return Condition(Level.OK, "no cell is seen to be broken", values)
 
     def take(self, joined: Sequence[Joined]) -> list[Joined]:

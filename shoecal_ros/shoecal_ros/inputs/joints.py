@@ -106,10 +106,10 @@ class JointInput:
         if self._mismatch:
             return self._mismatch
         if self.latest is None:
-            told = "no joint angles yet; start the robot's driver (joint_states)"
-            return Problem(Code.NO_JOINTS, told)
-        told = f"no joint angles for {self.age_s:.0f} s; check the robot's driver"
-        return Problem(Code.JOINTS_STALE, told)
+            reported = "no joint angles yet; start the robot's driver (joint_states)"
+            return Problem(Code.NO_JOINTS, reported)
+        reported = f"no joint angles for {self.age_s:.0f} s; check the robot's driver"
+        return Problem(Code.JOINTS_STALE, reported)
 
     def refuse(self, problem: Problem) -> None:
         """What came last could not be used."""
@@ -141,8 +141,8 @@ class JointInput:
     def _usable(self, stamps: NDArray[np.int64], angles: FloatArray) -> JointBatch | None:
         """What one sender told, each later than all before it; a clock may have been set back."""
         if not stamps.any():
-            told = "joint_states carries no stamps of time; mend its sender"
-            self._mismatch = Problem.of(UnusableJointsError(told))
+            reported = "joint_states carries no stamps of time; mend its sender"
+            self._mismatch = Problem.of(UnusableJointsError(reported))
             return None
         keep = self._sender.follows(stamps, angles)
         self._contradicted = self._sender.doubled
@@ -181,9 +181,9 @@ class JointInput:
         angles = self.robot.from_measured(names, np.array(positions, dtype=np.float64))
         missing = ~np.isfinite(angles).all(axis=0)
         if missing.any():
-            told = ", ".join(np.array(self.robot.joint_names)[missing])
+            reported = ", ".join(np.array(self.robot.joint_names)[missing])
             raise UnusableJointsError(
-                f"joint_states: no number for joint(s) {told}; check the robot's driver, or list "
-                "them under 'optional_joints' of the robot file"
+                f"joint_states: no number for joint(s) {reported}; check the robot's driver, or "
+                "list them under 'optional_joints' of the robot file"
             )
         return angles

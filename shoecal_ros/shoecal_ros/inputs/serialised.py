@@ -32,8 +32,8 @@ def understood(
             refuse(Problem.of(error))
             continue
         except RuntimeError as error:  # rclpy's, of several lines
-            told = f"{one_line(str(error).splitlines()[0])}; update what sends the message"
-            refuse(Problem(Code.UNREADABLE_MESSAGE, told))
+            reported = f"{one_line(str(error).splitlines()[0])}; update what sends the message"
+            refuse(Problem(Code.UNREADABLE_MESSAGE, reported))
             continue
         whole.append(one)
     return whole, found

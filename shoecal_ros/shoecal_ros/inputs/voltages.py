@@ -101,8 +101,8 @@ class VoltageInput:
         if not self.fresh:
             if self.latest is None:
                 return Problem(Code.NO_VOLTAGES, "no voltages yet; start shoe_driver")
-            told = f"no voltages for {self.age_s:.0f} s; check shoe_driver and its device"
-            return Problem(Code.VOLTAGES_STALE, told)
+            reported = f"no voltages for {self.age_s:.0f} s; check shoe_driver and its device"
+            return Problem(Code.VOLTAGES_STALE, reported)
         missing = self._joiner.missing
         if missing and now - self._began > REMEMBER_S:
             return Problem(

@@ -80,8 +80,8 @@ class MarkerPublisher:
             wanted[f"shoe/{foot}/cop"] = (PointStamped, qos.LIVE)
             wanted[f"shoe/{foot}/grf"] = (WrenchStamped, qos.LIVE)
         for topic, (kind, profile) in wanted.items():
-            hear = self._hearer(topic)
-            self._subscriptions.append(self._node.subscribe(kind, topic, hear, profile))
+            receive = self._hearer(topic)
+            self._subscriptions.append(self._node.subscribe(kind, topic, receive, profile))
 
     def _listen_no_more(self) -> None:
         for subscription in self._subscriptions:
@@ -90,10 +90,10 @@ class MarkerPublisher:
         self._heard = {}
 
     def _hearer(self, topic: str) -> Callable[[list[Any]], None]:
-        def hear(messages: list[Any]) -> None:
+        def receive(messages: list[Any]) -> None:
             self._heard[topic] = _Heard(messages[-1], self._clock())
 
-        return hear
+        return receive
 
     def _fresh(self, topic: str) -> Any | None:
         heard = self._heard.get(topic)
@@ -101,8 +101,8 @@ class MarkerPublisher:
 
     def _seen(self) -> Seen:
         cop, state = self._fresh("shoe/cop"), self._fresh("shoe/state")
-        told = {} if state is None else {one.foot: one for one in state.feet}
-        left, right = (self._foot(foot, told.get(foot)) for foot in FEET)
+        reported = {} if state is None else {one.foot: one for one in state.feet}
+        left, right = (self._foot(foot, reported.get(foot)) for foot in FEET)
         if cop is None or cop.header.frame_id not in self._soles:
             return Seen((left, right))
         frame = self._soles.index(cop.header.frame_id)

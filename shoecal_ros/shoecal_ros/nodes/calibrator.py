@@ -175,7 +175,7 @@ class Calibrator(ShoecalNode):
         self.drift = DriftMonitor(self)
         state_dir = Path(settings.state_dir).expanduser()
         store = CalibrationStore(state_dir, self.robot, self.shoe, simulated=self.simulated)
-        self.desk = CalibrationServer(self, store)
+        self.calibration_server = CalibrationServer(self, store)
         self.rezeroing = RezeroServer(self)
         self._recorded: list[Subscription] = []
         self._support: DoubleSupport | None = None
@@ -226,8 +226,8 @@ class Calibrator(ShoecalNode):
 
     def refuse_second_job(self) -> None:
         """Only one job at a time; RefusedError where there is one."""
-        if told := self.job_under_way:
-            raise RefusedError(Codes.BUSY, f"{told} is under way; wait for it or cancel it")
+        if reported := self.job_under_way:
+            raise RefusedError(Codes.BUSY, f"{reported} is under way; wait for it or cancel it")
 
     def input_problem(self) -> Problem | None:
         """What is wrong with joint angles or voltages, and its cure; None when all is well."""
@@ -240,7 +240,7 @@ class Calibrator(ShoecalNode):
         self.health.note("joints", Condition.of(problem, "joints come", figures))
         self.health.note("voltages", voltages_told(self.voltages))
         self.health.note("cells", self.cells.condition)
-        self._tell_calibration()
+        self._report_calibration()
         self.health.note("diagnosis", self._diagnoses.condition)
         self.drift.watch()
         self._publish_state()
@@ -276,8 +276,8 @@ class Calibrator(ShoecalNode):
         self._arming = ArmedInput(self)
         for topic, kind in RAW_TOPICS.items():
             if (read := frame_reader(topic, self.shoe)) is not None:
-                hear = partial(self._hear_readings, topic, kind, read)
-                self.realtime.subscribe(kind, relative(topic), hear, qos.RAW, raw=True)
+                receive = partial(self._hear_readings, topic, kind, read)
+                self.realtime.subscribe(kind, relative(topic), receive, qos.RAW, raw=True)
         joints = relative(schemas.JOINT_STATES)
         self.realtime.subscribe(JointState, joints, self._hear_joints, qos.RAW, raw=True)
 
@@ -308,7 +308,7 @@ class Calibrator(ShoecalNode):
         for stamp_ns, angles in zip(batch.stamp_ns.tolist(), batch.angles, strict=True):
             self.stillness.add(stamp_ns, angles)
         self.rezeroing.take_joints(batch)
-        self._halt.hear(batch)
+        self._halt.receive(batch)
         # Here, so that readings need not wait for it.
         self._states = self.kinematics.states(batch.angles[-1:])
         self._support = self._states.support()
@@ -338,7 +338,7 @@ class Calibrator(ShoecalNode):
         return self.live.flags((left.silent, right.silent))
 
     def _publish_state(self) -> None:
-        current = self.desk.store.current
+        current = self.calibration_server.store.current
         state = ShoeState.UNCALIBRATED if current is None else ShoeState.CALIBRATED
         self._out.publish_state(
             self.voltages.latest_ns or self.now_ns,
@@ -348,8 +348,8 @@ class Calibrator(ShoecalNode):
             joints_stale=self.joints.silent,
         )
 
-    def _tell_calibration(self) -> None:
-        found, job = self.desk.in_force, self._self_calibration.condition
+    def _report_calibration(self) -> None:
+        found, job = self.calibration_server.in_force, self._self_calibration.condition
         if job is not None:
             self.health.note("calibration", job)
             return
@@ -358,8 +358,8 @@ class Calibrator(ShoecalNode):
             condition = found.condition(
                 self.node_settings.temperature_gap, delay_s=f"{self._low_pass.delay_s:.4f}"
             )
-        if self.desk.problem is not None:
-            condition = Condition.of(self.desk.problem, "", condition.values)
+        if self.calibration_server.problem is not None:
+            condition = Condition.of(self.calibration_server.problem, "", condition.values)
         self.health.note("calibration", condition)
 
 

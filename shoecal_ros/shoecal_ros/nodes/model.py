@@ -63,8 +63,8 @@ class Model(ShoecalNode):
     def watch(self) -> None:
         """Tell whether joint angles come."""
         figures = self._joints.heard.figures()
-        told = Condition.of(self._joints.problem, "joint angles come", figures)
-        self.health.note("joints", told)
+        reported = Condition.of(self._joints.problem, "joint angles come", figures)
+        self.health.note("joints", reported)
         self._markers.watch(None if self._joints.silent else self._joints.latest)
         super().watch()
 

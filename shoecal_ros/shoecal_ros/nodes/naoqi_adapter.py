@@ -49,7 +49,7 @@ class NaoqiAdapter(StreamingAdapter):
     def send(self, names: Sequence[str], angles: FloatArray) -> None:
         """Tell joints that have a motor of their own."""
         followers = {self.robot.joint_names[motor.joint] for motor in self.robot.shared}
-        told = {
+        reported = {
             name: angle
             for name, angle in zip(names, angles.tolist(), strict=True)
             if name not in followers
@@ -57,8 +57,8 @@ class NaoqiAdapter(StreamingAdapter):
         self._publisher.publish(
             self._angles(
                 header=header_to_ros(self.now_ns, ""),
-                joint_names=list(told),
-                joint_angles=list(told.values()),
+                joint_names=list(reported),
+                joint_angles=list(reported.values()),
                 speed=self._settings.speed,
                 relative=0,
             )

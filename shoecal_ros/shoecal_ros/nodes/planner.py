@@ -122,8 +122,8 @@ class Planner(ShoecalNode):
         self._tell_planning()
         latest = self.joints.latest
         angles = None if latest is None else latest.angles[0]
-        told = watched(self.senses, self.kinematics, self.moving, angles)
-        for subject, condition in told.items():
+        reported = watched(self.senses, self.kinematics, self.moving, angles)
+        for subject, condition in reported.items():
             self.health.note(subject, condition)
         if self.moving.steps:
             self._tell_steps()

@@ -149,8 +149,8 @@ class Simulator(ShoecalNode):
             "frames_dropped": str(self._device.dropped),
         }
         if not self._body.robot.upright:
-            told = "the simulated robot has fallen; let it reach a support"
-            return Condition(Level.ERROR, told, figures, Code.ROBOT_FALLEN)
+            reported = "the simulated robot has fallen; let it reach a support"
+            return Condition(Level.ERROR, reported, figures, Code.ROBOT_FALLEN)
         if self._refused:
             return Condition(Level.WARN, self._refused, figures, Code.TRAJECTORY_REFUSED)
         return Condition(Level.OK, "stands", figures)

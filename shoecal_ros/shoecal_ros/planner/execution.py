@@ -111,8 +111,10 @@ class Execution:
         while not work.done and not self._interrupted:
             await until(lambda: work.done or self._interrupted, FEEDBACK_S)
             if isinstance(work.progress, Progress):
-                told = work.progress
-                self._order.feed("planning", told.landmark / max(1, told.landmarks), told.landmark)
+                reported = work.progress
+                self._order.feed(
+                    "planning", reported.landmark / max(1, reported.landmarks), reported.landmark
+                )
         if not work.done:
             worker.cancel()
             await until(lambda: work.done, ANSWER_S)

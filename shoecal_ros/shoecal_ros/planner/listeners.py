@@ -45,5 +45,5 @@ class Listeners:
             return Condition(Level.WARN, self.missing, code=Code.NOBODY_LISTENS)
         if self.missing:
             return Condition(Level.OK, self.missing)
-        told = ", ".join(f"'{name}'" for name in self._names)
-        return Condition(Level.OK, f"{self._publisher.topic_name} goes to {told}")
+        reported = ", ".join(f"'{name}'" for name in self._names)
+        return Condition(Level.OK, f"{self._publisher.topic_name} goes to {reported}")

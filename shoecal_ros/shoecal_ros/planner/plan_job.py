@@ -70,10 +70,10 @@ class PlanJob:
         if request.stream and not request.send:
             problem = "a motion is streamed to the robot: ask to send it"
         elif request.stream and not kind.streams:
-            told = ", ".join(name for name, kind in MOTION_KINDS.items() if kind.streams)
+            reported = ", ".join(name for name, kind in MOTION_KINDS.items() if kind.streams)
             problem = (
                 f"motion '{request.motion}' is planned as a whole and cannot be streamed; "
-                f"ask without stream, or for one of: {told}"
+                f"ask without stream, or for one of: {reported}"
             )
         if problem:
             raise RefusedError(Plan.Result.BAD_GOAL, problem)

@@ -50,8 +50,8 @@ def _tilt(
     if math.isinf(age_s):
         return Condition(Level.OK, "no imu: not watched", figures)
     if age_s > settings.stale_s:
-        told = f"no imu for {age_s:.0f} s: not watched; check its driver"
-        return Condition(Level.WARN, told, figures, Code.IMU_STALE)
+        reported = f"no imu for {age_s:.0f} s: not watched; check its driver"
+        return Condition(Level.WARN, reported, figures, Code.IMU_STALE)
     tilt = None
     if joint_angles is not None:
         tilt = tilt_now(senses, kinematics, settings, joint_angles)
@@ -74,8 +74,8 @@ def _shoes(senses: Senses, settings: MovingSettings) -> Condition:
     if math.isinf(heard.age_s):
         return Condition(Level.OK, "no shoe/voltages: not watched", figures)
     if heard.age_s > settings.stale_s:
-        told = f"no shoe/voltages for {heard.age_s:.0f} s: not watched; check the shoes' driver"
-        return Condition(Level.WARN, told, figures, Code.SHOES_STALE)
+        reported = f"no shoe/voltages for {heard.age_s:.0f} s: not watched; check the shoes' driver"
+        return Condition(Level.WARN, reported, figures, Code.SHOES_STALE)
     return Condition(Level.OK, "shoe/voltages comes", figures)
 
 
@@ -88,6 +88,6 @@ def _heat(senses: Senses, settings: MovingSettings) -> Condition:
         return Condition(Level.WARN, concern.message, figures, Code.MOTOR_HOT)
     gone = silent(senses.motor_ages, settings.heat_stale_s)
     if gone:
-        told = f"nothing comes any more from {gone}: not watched; check the robot's driver"
-        return Condition(Level.WARN, told, figures, Code.HEAT_STALE)
+        reported = f"nothing comes any more from {gone}: not watched; check the robot's driver"
+        return Condition(Level.WARN, reported, figures, Code.HEAT_STALE)
     return Condition(Level.OK, heat.margin(degc, settings.hot_degc), figures)

@@ -71,15 +71,15 @@ class DriverStatus:
             return self.source.problem
         if self.unknown:
             channels = ", ".join(map(str, self.unknown))
-            told = f"{name}: no cell for channel {channels}; add it to 'channels'"
-            return Problem(Code.CHANNEL_WITHOUT_CELL, told)
+            reported = f"{name}: no cell for channel {channels}; add it to 'channels'"
+            return Problem(Code.CHANNEL_WITHOUT_CELL, reported)
         if self.clock_stands:
-            told = f"{name}: frames come, but the clock stands still; start what tells /clock"
-            return Problem(Code.CLOCK_STANDS, told)
+            reported = f"{name}: frames come, but the clock stands still; start what tells /clock"
+            return Problem(Code.CLOCK_STANDS, reported)
         if self.unseen and self.source.counts.frames:
             cells = ", ".join(self.unseen)
-            told = f"{name}: the device sends nothing for {cells}; correct 'channels'"
-            return Problem(Code.CELL_WITHOUT_CHANNEL, told)
+            reported = f"{name}: the device sends nothing for {cells}; correct 'channels'"
+            return Problem(Code.CELL_WITHOUT_CHANNEL, reported)
         return None
 
 

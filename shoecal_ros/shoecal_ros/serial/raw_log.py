@@ -31,11 +31,11 @@ class RawLog:
         try:
             self._file.write(data)
         except OSError as error:
-            told = (
+            reported = (
                 f"{self._path}: log of raw bytes ended ({error.strerror}); make room on its disk "
                 "and start the driver again"
             )
-            self.problem = Problem(Code.RAW_LOG_ENDED, told)
+            self.problem = Problem(Code.RAW_LOG_ENDED, reported)
 
     def close(self) -> None:
         """Close the file."""

@@ -58,8 +58,8 @@ class ReplaySource:
         try:
             self._file = path.open("rb")
         except OSError as error:
-            told = f"{path}: cannot be read ({error.strerror}); correct 'port'"
-            raise ReplayError(told) from error
+            reported = f"{path}: cannot be read ({error.strerror}); correct 'port'"
+            raise ReplayError(reported) from error
 
     def open(self) -> None:
         """Nothing to do: the file is open."""
@@ -89,7 +89,7 @@ class ReplaySource:
     def status(self) -> SourceStatus:
         """How far the replay is."""
         ended = self._closed.is_set()
-        told = Problem(
+        reported = Problem(
             Code.REPLAY_ENDED,
             f"{self._path}: replayed to its end; start the driver again to replay it once more",
         )
@@ -101,7 +101,7 @@ class ReplaySource:
             counts=self._decoder.counts.copy(),
             reconnects=0,
             info=self._watch.info,
-            problem=told if ended else None,
+            problem=reported if ended else None,
         )
 
     def close(self) -> None:

@@ -65,7 +65,7 @@ class SerialSource:
         self._log = RawLog(raw_log) if raw_log is not None else None
         self._watch = StreamWatch(monotonic)
         self._port: serial.Serial | None = None
-        self._trouble = self._told(Code.PORT_NOT_OPEN, "not opened yet; wait")
+        self._trouble = self._reported(Code.PORT_NOT_OPEN, "not opened yet; wait")
         self._openings = self._failures = self._requests = 0
         self._next_request = self._next_attempt = -float("inf")
         self._closed = threading.Event()
@@ -114,7 +114,7 @@ class SerialSource:
             if connected:
                 text = not isinstance(self._decoder, BinaryDecoder)
                 found = self._watch.problem(self._alarm_s, self._baud, text=text)
-                problem = found and self._told(found.code, found.message)
+                problem = found and self._reported(found.code, found.message)
             if problem is None and self._log is not None:
                 problem = self._log.problem
             return SourceStatus(
@@ -132,7 +132,7 @@ class SerialSource:
         """Close port and log, once a read in progress has ended."""
         self._closed.set()
         with self._reading:
-            self._release(self._told(Code.PORT_CLOSED, "closed; start the driver again"))
+            self._release(self._reported(Code.PORT_CLOSED, "closed; start the driver again"))
             if self._log is not None:
                 self._log.close()
 
@@ -193,10 +193,10 @@ class SerialSource:
             self._lose(error)
 
     def _lose(self, error: Exception) -> None:
-        told = f"lost ({error}); plug it in again, it is then opened by itself"
-        self._release(self._told(Code.PORT_LOST, told))
+        reported = f"lost ({error}); plug it in again, it is then opened by itself"
+        self._release(self._reported(Code.PORT_LOST, reported))
 
-    def _told(self, code: str, message: str) -> Problem:
+    def _reported(self, code: str, message: str) -> Problem:
         return Problem(code, f"serial port {self._name}: {message}")
 
     def _release(self, trouble: Problem) -> None:

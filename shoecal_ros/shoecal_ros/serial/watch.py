@@ -87,10 +87,10 @@ class StreamWatch:
         useless = now - max(self._opened, self._last_frame or self._opened)
         if useless < alarm_s:
             return None
-        told = f"bytes, but no good frame for {useless:.1f} s"
+        reported = f"bytes, but no good frame for {useless:.1f} s"
         if self._fault and self._fault.kind is FaultKind.FOREIGN_VERSION:
-            return Problem(Code.FIRMWARE_VERSION, f"{told}: {self._fault.text}")
-        return Problem(Code.PORT_UNREADABLE, f"{told}: {self._cure(baud, text=text)}")
+            return Problem(Code.FIRMWARE_VERSION, f"{reported}: {self._fault.text}")
+        return Problem(Code.PORT_UNREADABLE, f"{reported}: {self._cure(baud, text=text)}")
 
     def _cure(self, baud: int, *, text: bool) -> str:
         looks_like_text = bool(self._sample) and (

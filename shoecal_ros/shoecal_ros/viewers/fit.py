@@ -28,7 +28,7 @@ def misfits(
     """
     known = dict(topics)
     found = [_misfit(split_path(one, known), known, set(ignore)) for one in shown_by(file)]
-    return [f"{file.name}: {told}" for told in found if told]
+    return [f"{file.name}: {reported}" for reported in found if reported]
 
 
 def _misfit(shown: Shown, topics: dict[str, Sequence[str]], ignore: set[str]) -> str:
@@ -60,8 +60,8 @@ def _fields_of(kind: str) -> dict[str, str]:
     if not name:
         return {}
     module = importlib.import_module(f"{package}.msg")
-    told = getattr(module, name.removeprefix("msg/")).get_fields_and_field_types()
-    return {field: _element(str(one)) for field, one in told.items()}
+    reported = getattr(module, name.removeprefix("msg/")).get_fields_and_field_types()
+    return {field: _element(str(one)) for field, one in reported.items()}
 
 
 def _element(kind: str) -> str:

@@ -63,8 +63,10 @@ def shown_by(file: Path) -> list[Shown]:
     try:
         found = list(dict.fromkeys(read(read_bytes(file, MAX_BYTES).decode())))
     except _NOT_A_LAYOUT as error:
-        told = " ".join(str(error).split())
-        raise FileSyntaxError(file, f"is no layout of its viewer ({told}); save it anew") from error
+        reported = " ".join(str(error).split())
+        raise FileSyntaxError(
+            file, f"is no layout of its viewer ({reported}); save it anew"
+        ) from error
     if not found:
         raise FileSyntaxError(file, "shows no topic; save the layout with something in it")
     return found

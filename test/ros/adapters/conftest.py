@@ -42,7 +42,7 @@ class Adapted:
             self._armed = world.publisher(Bool, "shoe/armed", qos.ARMED)
             self._armed.publish(Bool(data=False))
             self._commands = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
-        world.until(lambda: (told := self.told) and told.level < bytes([Level.ERROR]))
+        world.until(lambda: (reported := self.reported) and reported.level < bytes([Level.ERROR]))
         self.settle()
 
     def start_robot(self) -> None:
@@ -57,17 +57,17 @@ class Adapted:
         self.world.kill(self._adapter)
 
     @property
-    def told(self) -> Any:
+    def reported(self) -> Any:
         """What the adapter last told of the robot; none before there was something."""
         return self.world.diagnosis(self._adapter, "robot")
 
-    def until_told(self, text: str) -> Any:
+    def until_reported(self, text: str) -> Any:
         """Wait until the adapter tells that of the robot."""
-        return self.world.until_told(self._adapter, "robot", text)
+        return self.world.until_reported(self._adapter, "robot", text)
 
     def until_well(self, state: str) -> None:
         """Wait until the adapter tells nothing but whether it is armed."""
-        self.world.until(lambda: (told := self.told) and told.message == state)
+        self.world.until(lambda: (reported := self.reported) and reported.message == state)
 
     def arm(self, *changes: bool) -> None:
         """Arm, or say something else, or one thing just after the other."""
@@ -81,7 +81,7 @@ class Adapted:
 
     def settle(self) -> None:
         """Wait until the adapter has taken what was said and sent."""
-        self.world.until_known_to(self._adapter)
+        self.world.until_discovered_by(self._adapter)
 
     def send(self, trajectory: JointTrajectory) -> None:
         self._commands.publish(trajectory_to_ros(trajectory))

@@ -8,7 +8,7 @@ from sensor_msgs.msg import JointState
 
 from ros.adapters.conftest import Adapted
 from ros.bodies import nao
-from ros.world import Heard
+from ros.world import Received
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.common import qos
 
@@ -32,7 +32,7 @@ class Knee:
 
     def __init__(self, robot: Adapted) -> None:
         self._robot = robot
-        self._heard: Heard = robot.world.hear(JointState, "joint_states", qos.LIVE)
+        self._heard: Received = robot.world.receive(JointState, "joint_states", qos.LIVE)
         robot.world.until(lambda: len(self._heard) > 5)
         self.first = self._now()
 

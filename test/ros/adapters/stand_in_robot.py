@@ -82,8 +82,8 @@ def nao_lola() -> StandIn:
     temperatures = robot.create_publisher(heat, "sensors/joint_temperatures", 10)
 
     def take(message: Any) -> None:
-        told = zip(message.indexes, message.positions, strict=True)
-        robot.move({LOLA[index]: position for index, position in told})
+        reported = zip(message.indexes, message.positions, strict=True)
+        robot.move({LOLA[index]: position for index, position in reported})
 
     robot.create_subscription(
         foreign("nao_lola_command_msgs", "msg", "JointPositions"),
@@ -196,17 +196,17 @@ def action_controller(
 
 def refusing_controller() -> StandIn:
     """Cancels nothing before it is told to give in."""
-    gives_in = threading.Event()
+    accepts_cancel = threading.Event()
     robot = action_controller(
-        cancel=lambda _: CancelResponse.ACCEPT if gives_in.is_set() else CancelResponse.REJECT
+        cancel=lambda _: CancelResponse.ACCEPT if accepts_cancel.is_set() else CancelResponse.REJECT
     )
 
-    def give_in(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        gives_in.set()
+    def accept_cancel(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        accepts_cancel.set()
         response.success = True
         return response
 
-    robot.create_service(Trigger, "robot/give_in", give_in)
+    robot.create_service(Trigger, "robot/accept_cancel", accept_cancel)
     return robot
 
 

@@ -51,7 +51,7 @@ def robot(adapter: str, begin: Begin) -> Adapted:
 def test_it_follows_when_armed_and_stops_when_no_more(adapter: str, robot: Adapted) -> None:
     world, node, knee = robot.world, KINDS[adapter][1], Knee(robot)
     robot.send(squat(0.5))
-    world.until_told(node, "robot", "trajectory refused: not armed: call the service shoe/arm")
+    world.until_reported(node, "robot", "trajectory refused: not armed: call the service shoe/arm")
     assert knee.way == 0.0
     robot.arm()
     robot.send(squat(0.5))
@@ -61,7 +61,7 @@ def test_it_follows_when_armed_and_stops_when_no_more(adapter: str, robot: Adapt
     robot.send(squat(60.0, way=-0.3))
     world.until(lambda: knee.way < 0.0)
     robot.arm(False)
-    world.until_told(node, "robot", "not armed")
+    world.until_reported(node, "robot", "not armed")
     world.until(knee.rests)
 
 
@@ -83,13 +83,13 @@ def test_a_hold_counts_while_the_driver_is_gone(adapter: str, robot: Adapted) ->
     robot.send(squat(30.0, way=0.3))
     robot.world.until(lambda: knee.way > 0.005)
     robot.world.stop("robot")
-    robot.until_told(DRIVERS[adapter])
+    robot.until_reported(DRIVERS[adapter])
     robot.settle()
     robot.send(hold(nao(), bent(knee.way), 0.5))
-    robot.until_told("trajectory refused: nobody")
+    robot.until_reported("trajectory refused: nobody")
     robot.start_robot()
-    robot.until_told("armed")
-    robot.world.until(lambda: robot.told.level < bytes([Level.ERROR]))
+    robot.until_reported("armed")
+    robot.world.until(lambda: robot.reported.level < bytes([Level.ERROR]))
     robot.world.until(knee.rests)
     assert knee.way < 0.05
 
@@ -150,35 +150,35 @@ def test_an_adapter_that_ends_leaves_no_robot_on_its_way(adapter: str, robot: Ad
 
 def test_lola_s_motors_tell_their_heat(begin: Begin) -> None:
     robot = begin("nao_lola", "nao_lola_adapter", heat_rate=20.0)
-    heard = robot.world.hear(Temperature, "joint_temperatures", qos.LIVE)
+    heard = robot.world.receive(Temperature, "joint_temperatures", qos.LIVE)
     robot.world.until(lambda: len(heard) >= 25)
-    told = {message.header.frame_id: message.temperature for message in heard.messages}
+    reported = {message.header.frame_id: message.temperature for message in heard.messages}
     robot.world.until(lambda: len({m.header.frame_id for m in heard.messages}) == 25)
-    told = {message.header.frame_id: message.temperature for message in heard.messages}
-    assert told["HeadYaw"] == 30.0
-    assert told["LHipYawPitch"] == 37.0
-    assert told["RHipRoll"] == 43.0
+    reported = {message.header.frame_id: message.temperature for message in heard.messages}
+    assert reported["HeadYaw"] == 30.0
+    assert reported["LHipYawPitch"] == 37.0
+    assert reported["RHipRoll"] == 43.0
 
 
 def test_a_driver_that_is_gone_is_told(adapter: str, robot: Adapted) -> None:
     assert robot.world.stop("robot") == 0
-    robot.until_told(DRIVERS[adapter])
+    robot.until_reported(DRIVERS[adapter])
 
 
 def test_a_refusal_hides_nothing_that_lasts(adapter: str, robot: Adapted) -> None:
     robot.send(squat(0.5))
-    robot.until_told("trajectory refused: not armed")
+    robot.until_reported("trajectory refused: not armed")
     robot.world.kill("robot")
-    told = robot.until_told("no joint angles for")
-    codes = {value.key: value.value for value in told.values}
+    reported = robot.until_reported("no joint angles for")
+    codes = {value.key: value.value for value in reported.values}
     assert codes["code"] == Code.JOINTS_STALE
 
 
 def test_a_refusal_is_forgotten(begin: Begin) -> None:
     robot = begin("naoqi", "naoqi_adapter")
     robot.send(squat(0.5))
-    robot.until_told("trajectory refused: not armed")
-    robot.world.until(lambda: robot.told.message == "not armed")
+    robot.until_reported("trajectory refused: not armed")
+    robot.world.until(lambda: robot.reported.message == "not armed")
 
 
 def test_motions_beyond_limits_are_refused(begin: Begin) -> None:
@@ -186,7 +186,7 @@ def test_motions_beyond_limits_are_refused(begin: Begin) -> None:
     knee = Knee(robot)
     robot.arm()
     robot.send(squat(1.0, way=3.0))
-    robot.world.until_told("naoqi_adapter", "robot", "beyond its limits")
+    robot.world.until_reported("naoqi_adapter", "robot", "beyond its limits")
     assert knee.way == 0.0
 
 

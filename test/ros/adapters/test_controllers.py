@@ -46,7 +46,7 @@ def moving(robot: Adapted, duration: float) -> Knee:
     while knee.way <= 0.005:
         robot.send(squat(duration, way=0.3))
         robot.settle()
-        robot.world.until(lambda: knee.way > 0.005 or "send it again" in robot.told.message)
+        robot.world.until(lambda: knee.way > 0.005 or "send it again" in robot.reported.message)
     return knee
 
 
@@ -56,12 +56,12 @@ def squats_once_nothing_goes_on(robot: Adapted, knee: Knee) -> None:
         robot.send(squat(0.5))
         robot.settle()
         robot.world.until(
-            lambda: abs(knee.way - WAY) < 1e-6 or "send it again" in robot.told.message
+            lambda: abs(knee.way - WAY) < 1e-6 or "send it again" in robot.reported.message
         )
 
 
-def code(told: DiagnosticStatus) -> str:
-    return str(next(value.value for value in told.values if value.key == "code"))
+def code(reported: DiagnosticStatus) -> str:
+    return str(next(value.value for value in reported.values if value.key == "code"))
 
 
 def test_started_again_it_stops_what_nobody_watches(robot: Adapted) -> None:
@@ -80,11 +80,11 @@ def test_started_again_it_tells_a_controller_that_goes_on_and_sends_it_nothing_m
     knee = moving(robot, 120.0)
     robot.kill_adapter()
     robot.start_adapter()
-    assert code(robot.until_told(GOES_ON)) == Code.CONTROLLER_GOES_ON
+    assert code(robot.until_reported(GOES_ON)) == Code.CONTROLLER_GOES_ON
     robot.settle()
     robot.send(squat(0.5))
-    robot.until_told("trajectory refused: what was under way before is being stopped")
-    assert robot.world.call(Trigger, "robot/give_in", Trigger.Request()).success
+    robot.until_reported("trajectory refused: what was under way before is being stopped")
+    assert robot.world.call(Trigger, "robot/accept_cancel", Trigger.Request()).success
     robot.world.until(knee.rests)
     assert knee.way < 0.29
 
@@ -95,11 +95,11 @@ def test_started_again_it_leaves_a_controller_alone_that_comes_later(begin: Begi
     robot.world.stop("robot")
     robot.kill_adapter()
     robot.start_adapter()
-    robot.until_told("nobody offers")
+    robot.until_reported("nobody offers")
     robot.settle()
     end = time.monotonic() + FOUND_S
     robot.world.until(lambda: time.monotonic() > end)
-    sent = robot.world.hear(JointTrajectoryMsg, "legs/joint_trajectory", qos.COMMAND)
+    sent = robot.world.receive(JointTrajectoryMsg, "legs/joint_trajectory", qos.COMMAND)
     robot.start_robot()
     robot.until_well("armed")
     robot.settle()
@@ -127,7 +127,7 @@ def test_started_again_it_stops_as_well_what_somebody_else_sends_until_disarmed(
     robot = begin("topic", NODE, **INTERFACES["topic"])
     knee = Knee(robot)
     robot.arm()
-    sent = robot.world.hear(JointTrajectoryMsg, "legs/joint_trajectory", qos.COMMAND)
+    sent = robot.world.receive(JointTrajectoryMsg, "legs/joint_trajectory", qos.COMMAND)
     robot.kill_adapter()
     robot.start_adapter()
     robot.world.until(lambda: len(sent))
@@ -143,8 +143,8 @@ def test_a_goal_that_is_not_cancelled_is_told_and_asked_to_end_again(begin: Begi
     robot = behind_action(begin, "refusing_action")
     knee = moving(robot, 120.0)
     robot.arm(False)
-    assert code(robot.until_told(GOES_ON)) == Code.CONTROLLER_GOES_ON
-    assert robot.world.call(Trigger, "robot/give_in", Trigger.Request()).success
+    assert code(robot.until_reported(GOES_ON)) == Code.CONTROLLER_GOES_ON
+    assert robot.world.call(Trigger, "robot/accept_cancel", Trigger.Request()).success
     robot.world.until(knee.rests)
     assert knee.way < 0.29
     robot.until_well("not armed")
@@ -154,7 +154,7 @@ def test_a_goal_that_is_not_cancelled_may_end_by_itself(begin: Begin) -> None:
     robot = behind_action(begin, "refusing_action")
     knee = moving(robot, 8.0)
     robot.arm(False)
-    robot.until_told(GOES_ON)
+    robot.until_reported(GOES_ON)
     robot.until_well("not armed")
     assert knee.way == pytest.approx(0.3)
 
@@ -182,10 +182,10 @@ def test_a_goal_that_the_controller_does_not_know_has_ended(kind: str, begin: Be
     moving(robot, 60.0)
     if kind == "stuck_action":
         robot.arm(False)
-        robot.until_told(GOES_ON)
+        robot.until_reported(GOES_ON)
     robot.world.kill("robot")
     robot.start_robot()
-    robot.until_told("no joint angles")
+    robot.until_reported("no joint angles")
     robot.until_well("not armed" if kind == "stuck_action" else "armed")
     robot.arm(False)
     # Where it were supposed to go on, that would be told by then.
@@ -201,10 +201,10 @@ def test_what_a_controller_went_on_with_is_nothing_of_the_one_that_comes_after_i
     moving(robot, 60.0)
     robot.kill_adapter()
     robot.start_adapter()
-    robot.until_told(GOES_ON)
+    robot.until_reported(GOES_ON)
     robot.world.kill("robot")
     robot.start_robot()
-    robot.until_told("no joint angles")
+    robot.until_reported("no joint angles")
     robot.until_well("armed")
     robot.arm(False)
     robot.until_well("not armed")
@@ -217,8 +217,8 @@ def test_a_controller_that_refuses_is_told(begin: Begin) -> None:
     robot = begin("action", "controller_adapter", controller="legs")
     robot.arm()
     robot.send(squat(0.5))
-    told = robot.until_told("legs refused the trajectory")
-    assert {"rate_hz", "age_s"} <= {value.key for value in told.values}
+    reported = robot.until_reported("legs refused the trajectory")
+    assert {"rate_hz", "age_s"} <= {value.key for value in reported.values}
 
 
 def test_a_controller_that_takes_longer_is_stopped_all_the_same(begin: Begin) -> None:
@@ -235,14 +235,14 @@ def test_a_controller_that_takes_longer_is_stopped_all_the_same(begin: Begin) ->
 
 def test_before_anybody_has_said_whether_the_robot_is_armed_that_is_told(begin: Begin) -> None:
     robot = begin("topic", NODE, armed_by_test=False, **INTERFACES["topic"])
-    assert robot.until_told("nobody has said whether it is").level == DiagnosticStatus.OK
+    assert robot.until_reported("nobody has said whether it is").level == DiagnosticStatus.OK
 
 
 def test_a_controller_that_is_not_there_is_told(begin: Begin) -> None:
     robot = begin("topic", "controller_adapter", controller="arms", interface="topic")
     robot.arm()
     robot.send(squat(0.5))
-    robot.world.until_told(
+    robot.world.until_reported(
         "controller_adapter", "robot", "nobody offers /arms/joint_trajectory; start the controller"
     )
 
@@ -252,6 +252,6 @@ def test_a_controller_that_is_not_there_is_told_before_it_is_needed(
     interface: str, begin: Begin
 ) -> None:
     parameters = {**INTERFACES[interface], "controller": "arms"}
-    told = begin(interface, NODE, **parameters).until_told("nobody offers /arms/")
-    assert told.level == DiagnosticStatus.WARN
-    assert code(told) == Code.DRIVER_MISSING
+    reported = begin(interface, NODE, **parameters).until_reported("nobody offers /arms/")
+    assert reported.level == DiagnosticStatus.WARN
+    assert code(reported) == Code.DRIVER_MISSING

@@ -20,10 +20,10 @@ class Listener:
 
     def __init__(self) -> None:
         self.there: list[bytes] = []
-        self.hear: Callable[[GoalStatusArray], None]
+        self.receive: Callable[[GoalStatusArray], None]
 
-    def create_subscription(self, _kind: Any, _topic: str, hear: Any, _profile: Any) -> None:
-        self.hear = hear
+    def create_subscription(self, _kind: Any, _topic: str, receive: Any, _profile: Any) -> None:
+        self.receive = receive
 
     def get_publishers_info_by_topic(self, _topic: str) -> list[SimpleNamespace]:
         return [SimpleNamespace(endpoint_gid=list(gid)) for gid in self.there]
@@ -46,7 +46,7 @@ def answered(goals: AllGoals) -> None:
 def test_what_was_heard_before_its_teller_was_there_is_nothing_of_the_next_one() -> None:
     node = Listener()
     goals = all_goals(node)
-    node.hear(GOES_ON)
+    node.receive(GOES_ON)
     # As where the controller's services are not found yet.
     goals.forget()
     node.there = [b"first"]
@@ -67,14 +67,14 @@ def test_what_a_controller_told_may_come_later_than_its_answer() -> None:
     goals.cancel()
     answered(goals)
     assert not goals.ending
-    node.hear(GOES_ON)
+    node.receive(GOES_ON)
     assert goals.ending
     answered(goals)
     assert goals.ending
-    node.hear(GoalStatusArray())
+    node.receive(GoalStatusArray())
     answered(goals)
     assert not goals.ending
-    node.hear(GOES_ON)
+    node.receive(GOES_ON)
     assert not goals.ending, "that is a later one"
 
 
@@ -88,7 +88,7 @@ def test_what_comes_long_after_the_answer_is_a_later_one(monkeypatch: pytest.Mon
     goals.cancel()
     answered(goals)
     clock.now += UNSURE_S + 0.1
-    node.hear(GOES_ON)
+    node.receive(GOES_ON)
     assert not goals.ending
     assert not goals.overdue
 
@@ -102,7 +102,7 @@ def test_what_was_heard_late_is_given_its_time_to_end(monkeypatch: pytest.Monkey
     goals.cancel()
     answered(goals)
     clock.now += UNSURE_S - 0.1
-    node.hear(GOES_ON)
+    node.receive(GOES_ON)
     assert goals.ending
     assert not goals.overdue
     clock.now += PATIENCE_S + 0.1
@@ -116,5 +116,5 @@ def test_what_was_sent_since_is_not_taken_for_what_was_to_end() -> None:
     goals.cancel()
     answered(goals)
     goals.give_way()
-    node.hear(GOES_ON)
+    node.receive(GOES_ON)
     assert not goals.ending

@@ -125,8 +125,8 @@ def test_a_new_trajectory_is_passed_over_to(
     earlier = sampled(stream, np.array([now_s - STEP_S, now_s]))
     stream.begin(new, robot.posture, now_s)
     assert set(stream.names) == {*old.names, *new.names}
-    told = [stream.names.index(name) for name in old.names]
-    here, soon = sampled(stream, np.array([now_s, now_s + STEP_S]))[:, told]
+    reported = [stream.names.index(name) for name in old.names]
+    here, soon = sampled(stream, np.array([now_s, now_s + STEP_S]))[:, reported]
     assert here == pytest.approx(earlier[1])
     assert soon - here == pytest.approx(here - earlier[0], abs=MOST_ACCELERATION * STEP_S**2)
     points = sampled(stream, np.linspace(now_s, now_s + max(new.duration, STOP_S), 20))
@@ -157,9 +157,9 @@ def test_a_thousand_trajectories_in_a_second_are_borne() -> None:
     for index in range(1000):
         way = 0.3 if index % 2 else 0.0
         stream.begin(bend([0.0, 0.5], [0.0, way]), robot.posture, index / 1000)
-        told = stream.at(index / 1000)
-        assert told is not None
-        places.append(told[0] - robot.posture[knee])
+        reported = stream.at(index / 1000)
+        assert reported is not None
+        places.append(reported[0] - robot.posture[knee])
     assert abs(np.diff(places)).max() < 0.01
 
 

@@ -107,7 +107,7 @@ def test_a_damaged_file_is_told_and_not_taken(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("changes", "reported"),
     [
         ({"shoe_hash": "0" * 64}, "another shoe file"),
         ({"verdict": "FAIL", "reasons": ("blind",)}, "blind"),
@@ -115,11 +115,11 @@ def test_a_damaged_file_is_told_and_not_taken(tmp_path: Path) -> None:
     ],
 )
 def test_a_file_laid_there_is_taken_only_if_it_might_be_set(
-    tmp_path: Path, changes: dict[str, object], told: str
+    tmp_path: Path, changes: dict[str, object], reported: str
 ) -> None:
     save_calibration(made("one", **changes), tmp_path / CURRENT)
     again = store(tmp_path)
-    assert told in str(again.load(T0))
+    assert reported in str(again.load(T0))
     assert again.current is None
     warned = store(tmp_path)
     assert (warned.load(T0, warned=True) is not None) == (changes.get("verdict") != "WARN")
@@ -170,8 +170,8 @@ def test_a_simulated_calibration_is_refused_on_the_robot(tmp_path: Path) -> None
     demo.apply(made("demo", made_ns=SIMULATED_NS), SIMULATED_NS)
     demo.apply(made("next", made_ns=SIMULATED_NS), SIMULATED_NS)
     real = store(tmp_path)
-    told = str(real.load(T0))
-    assert told.count("was made in simulated time") == 2
+    reported = str(real.load(T0))
+    assert reported.count("was made in simulated time") == 2
     assert (real.current, real.before) == (None, None)
     for force in (False, True):
         with pytest.raises(NotApplicableError, match="calibrate on the robot itself"):
@@ -364,24 +364,24 @@ def test_whatever_the_disk_refuses_it_is_the_old_pair_or_the_new_one(
         for count, name in enumerate(names):
             kept.apply(forced(name), T0 + count)
         (old,) = set(states(kept, folder))
-        told = ""
+        reported = ""
         with BrokenDisk(kind, at, lasting=lasting) as disk:
             try:
                 kept.apply(forced("new"), T0 + SECOND)
             except FileError as error:
-                told = str(error)
+                reported = str(error)
         struck = disk.struck
         taken = ("new", old[0], T0 + SECOND)
-        assert states(kept, folder) == 2 * [old if told else taken]
-        assert str(folder) in told or not told
+        assert states(kept, folder) == 2 * [old if reported else taken]
+        assert str(folder) in reported or not reported
         # And with the disk mended it goes on.
         kept.apply(forced("last"), T0 + 2 * SECOND)
-        last = ("last", old[0] if told else "new", T0 + 2 * SECOND)
+        last = ("last", old[0] if reported else "new", T0 + 2 * SECOND)
         assert states(kept, folder) == 2 * [last]
         files = {path.name for path in folder.iterdir() if path.name[0] != "."}
         assert files <= {CURRENT, BEFORE, RECORD}
     assert at > 1 or kind == "unlink"
-    assert told == ""
+    assert reported == ""
 
 
 def test_what_cannot_be_taken_back_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

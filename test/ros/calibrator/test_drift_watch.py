@@ -27,11 +27,11 @@ def drift(grf: float, hanging: float = math.nan) -> Drift:
 def test_drift_is_told_when_it_is_confirmed_and_taken_back_likewise() -> None:
     watch = DriftWatch(5.0)
     assert "stand still for 5 s" in watch.condition.message
-    told = []
+    reported = []
     for grf in (0.1, 2.0, 0.1, 2.0, 2.1, 0.1, 2.2, 0.2, 0.1, 2.0):
         watch.judge(drift(grf))
-        told.append(watch.drifted)
-    assert told == [False] * 4 + [True] * 4 + [False] * 2
+        reported.append(watch.drifted)
+    assert reported == [False] * 4 + [True] * 4 + [False] * 2
 
 
 def test_what_is_told_belongs_to_what_is_shown() -> None:

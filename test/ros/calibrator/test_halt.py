@@ -39,7 +39,7 @@ class Scene:
         self.arming = ArmedInput(self, self.clock)  # type: ignore[arg-type]
         self.halt = Halt(self, self.arming)
         for _ in range(10):
-            self.hear(POSTURE)
+            self.receive(POSTURE)
 
     # Of a node
 
@@ -60,9 +60,9 @@ class Scene:
 
     # Of the robot and its planner
 
-    def hear(self, angles: FloatArray) -> None:
+    def receive(self, angles: FloatArray) -> None:
         self.joints.heard.note()
-        self.halt.hear(JointBatch(np.array([1]), angles[None]))
+        self.halt.receive(JointBatch(np.array([1]), angles[None]))
 
     def arm(self, armed: bool = True) -> None:
         self.arming._hear([Bool(data=armed)])
@@ -152,7 +152,7 @@ def test_one_false_message_or_two_do_not_move_it(scene: Scene, false: int) -> No
     angles = POSTURE.copy()
     angles[KNEE] += 0.8
     for _ in range(false):
-        scene.hear(angles)
+        scene.receive(angles)
     scene.planners = 0
     scene.halt.watch()
     assert scene.held == pytest.approx(POSTURE)
@@ -173,6 +173,6 @@ def test_who_has_told_no_joint_angles_is_not_commanded() -> None:
     scene.planners = 0
     scene.halt.watch()
     assert scene.sent == []
-    scene.hear(POSTURE)
+    scene.receive(POSTURE)
     scene.halt.watch()
     assert len(scene.sent) == 1

@@ -75,11 +75,11 @@ def test_both_feet_give_one_cop_in_the_left_soles_frame(
 
 def test_a_foot_of_which_nothing_new_came_is_not_told_again() -> None:
     live, both = sensing(), instant((20.0, 0.01, 0.0), (30.0, 0.02, 0.0))
-    assert one(live, both).told == (True, True)
+    assert one(live, both).reported == (True, True)
     for foot in (0, 1):
         new = np.zeros(len(SHOE.names), dtype=np.bool_)
         new[SHOE.of_foot(foot)[0]] = True
-        assert one(live, replace(both, new=new)).told == (foot == 0, foot == 1)
+        assert one(live, replace(both, new=new)).reported == (foot == 0, foot == 1)
 
 
 def test_a_foot_in_the_air_has_no_cop() -> None:

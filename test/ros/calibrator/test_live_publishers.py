@@ -31,14 +31,14 @@ def test_a_foot_is_told_only_what_is_new_of_it(world: World) -> None:
     for topic, kind in topics:
         stamps = heard[topic] = []
 
-        def hear(message: PointStamped | WrenchStamped, stamps: list[int] = stamps) -> None:
+        def receive(message: PointStamped | WrenchStamped, stamps: list[int] = stamps) -> None:
             stamps.append(time_from_ros(message.header.stamp))
 
-        world.node.create_subscription(kind, topic, hear, qos.LIVE)
+        world.node.create_subscription(kind, topic, receive, qos.LIVE)
     world.until(lambda: all(world.node.count_subscribers(topic) for topic, _ in topics))
     lives = [
-        replace(BOTH, stamp_ns=stamp_ns, told=told)
-        for stamp_ns, told in ((1, (True, False)), (2, (False, True)), (3, (True, True)))
+        replace(BOTH, stamp_ns=stamp_ns, reported=reported)
+        for stamp_ns, reported in ((1, (True, False)), (2, (False, True)), (3, (True, True)))
     ]
     out.publish(lives)
     world.until(lambda: all(stamps and stamps[-1] == 3 for stamps in heard.values()))

@@ -29,11 +29,11 @@ def test_motions_of_the_menu_need_nobody() -> None:
 
 
 def test_how_to_go_on_is_a_goal_and_what_comes_before_it() -> None:
-    told = how_to_go_on("unload_left", Path("/data/s1"))
-    assert told == "next unload_left: send the goal {session: 's1', motions: [unload_left]}"
-    told = how_to_go_on("turn_180", Path("/data/s1"))
-    assert "turn the robot by 180 degrees" in told
-    assert told.endswith("then send the goal {session: 's1', motions: [turn_180]}")
+    reported = how_to_go_on("unload_left", Path("/data/s1"))
+    assert reported == "next unload_left: send the goal {session: 's1', motions: [unload_left]}"
+    reported = how_to_go_on("turn_180", Path("/data/s1"))
+    assert "turn the robot by 180 degrees" in reported
+    assert reported.endswith("then send the goal {session: 's1', motions: [turn_180]}")
 
 
 def test_unknown_names_are_told_with_those_that_are_known() -> None:

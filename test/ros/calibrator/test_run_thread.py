@@ -8,7 +8,7 @@ from shoecal_ros.calibrator.run_thread import RunThread
 
 
 @pytest.mark.parametrize(
-    ("error", "told"),
+    ("error", "reported"),
     [
         (MemoryError(), "MemoryError"),
         (ZeroDivisionError("odd"), "ZeroDivisionError: odd"),
@@ -16,7 +16,7 @@ from shoecal_ros.calibrator.run_thread import RunThread
     ],
 )
 def test_a_run_that_cannot_be_made_is_never_taken_for_a_whole_one(
-    error: Exception, told: str
+    error: Exception, reported: str
 ) -> None:
     def make() -> RunWriter:
         raise error
@@ -24,4 +24,4 @@ def test_a_run_that_cannot_be_made_is_never_taken_for_a_whole_one(
     run = RunThread(make)
     run.end(whole=True)
     run.wait()
-    assert run.problem == told
+    assert run.problem == reported

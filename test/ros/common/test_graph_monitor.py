@@ -25,14 +25,14 @@ def peers(world: World) -> GraphMonitor:
     return peers
 
 
-def until_told(world: World, peers: GraphMonitor, code: Code, text: str) -> None:
+def until_reported(world: World, peers: GraphMonitor, code: Code, text: str) -> None:
     """Wait for what is said of somebody; a name is known a little later than what bears it."""
 
-    def told() -> bool:
+    def reported() -> bool:
         peers.watch()
         return peers.condition.code == code and peers.condition.message.startswith(text)
 
-    world.until(told)
+    world.until(reported)
     assert peers.condition.level is (Level.OK if code is Code.OK else Level.ERROR)
     assert code is Code.OK or names_a_cure(peers.condition.message)
 
@@ -55,15 +55,15 @@ def test_a_second_sender_is_told_until_it_is_gone(
 ) -> None:
     rival = world.companion(name)
     rival.create_publisher(PointStamped, TOPIC, qos.LIVE)
-    until_told(world, peers, Code.SECOND_SENDER, text)
+    until_reported(world, peers, Code.SECOND_SENDER, text)
     world.dismiss(rival)
-    until_told(world, peers, Code.OK, "nobody")
+    until_reported(world, peers, Code.OK, "nobody")
 
 
 def test_another_type_is_told_with_both(world: World, peers: GraphMonitor) -> None:
     world.companion("reader").create_subscription(String, TOPIC, lambda _: None, 1)
     text = "'/reader' listens to /shoe/cop as std_msgs/msg/String; it is geometry_msgs/msg/Point"
-    until_told(world, peers, Code.TYPE_MISFIT, text)
+    until_reported(world, peers, Code.TYPE_MISFIT, text)
 
 
 def test_another_quality_of_service_is_told_with_the_reason(
@@ -72,4 +72,4 @@ def test_another_quality_of_service_is_told_with_the_reason(
     reader = world.companion("reader")
     reader.create_subscription(PointStamped, TOPIC, lambda _: None, qos.LATCHED)
     text = "'/reader' listens to /shoe/cop with another quality of service ("
-    until_told(world, peers, Code.QOS_MISFIT, text)
+    until_reported(world, peers, Code.QOS_MISFIT, text)

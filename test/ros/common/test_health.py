@@ -94,9 +94,15 @@ def test_a_code_is_short_words_with_hyphens(code: str) -> None:
 
 def test_a_problem_is_told_as_what_it_is() -> None:
     assert Condition.of(None, "reading").code == Code.OK
-    told = Condition.of(Problem.of(NameNotFoundError("cell", "x", ())), "reading", {"frames": "1"})
-    assert (told.level, told.code, told.values) == (Level.ERROR, "name-not-found", {"frames": "1"})
-    assert told.message == "no cell named 'x' (there are: none)"
+    reported = Condition.of(
+        Problem.of(NameNotFoundError("cell", "x", ())), "reading", {"frames": "1"}
+    )
+    assert (reported.level, reported.code, reported.values) == (
+        Level.ERROR,
+        "name-not-found",
+        {"frames": "1"},
+    )
+    assert reported.message == "no cell named 'x' (there are: none)"
 
 
 def test_several_problems_have_the_code_of_the_first() -> None:

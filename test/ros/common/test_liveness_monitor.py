@@ -9,7 +9,7 @@ from shoecal_ros.common.health import Level
 from shoecal_ros.common.liveness_monitor import ADAPTERS, LivenessMonitor, end_notice
 
 
-def told(name: str, subject: str = "joints") -> DiagnosticArray:
+def reported(name: str, subject: str = "joints") -> DiagnosticArray:
     return DiagnosticArray(status=[DiagnosticStatus(name=f"{name}: {subject}", hardware_id=name)])
 
 
@@ -20,14 +20,14 @@ def level(call: LivenessMonitor) -> Level:
 def test_who_falls_silent_is_named_until_he_is_back() -> None:
     clock = Clock()
     call = LivenessMonitor("calibrator", clock)
-    call.take([told("planner"), told("model"), told("calibrator"), told("camera")])
+    call.take([reported("planner"), reported("model"), reported("calibrator"), reported("camera")])
     assert level(call) is Level.OK
     clock.now += 3.0
-    call.take([told("model")])
+    call.take([reported("model")])
     clock.now += 1.0
     assert level(call) is Level.ERROR
     assert call.condition.message.startswith("planner told nothing for 3.5 s")
-    call.take([told("planner")])
+    call.take([reported("planner")])
     assert level(call) is Level.OK
 
 
@@ -36,7 +36,7 @@ def test_who_moves_a_real_robot_is_missed_too() -> None:
     call = LivenessMonitor("planner", clock)
     for name in ADAPTERS:
         importlib.import_module(f"shoecal_ros.nodes.{name}")
-    call.take([told(name, "robot") for name in ADAPTERS])
+    call.take([reported(name, "robot") for name in ADAPTERS])
     clock.now += 4.0
     assert all(name in call.condition.message for name in ADAPTERS)
 
@@ -44,6 +44,6 @@ def test_who_moves_a_real_robot_is_missed_too() -> None:
 def test_who_says_that_he_ends_is_not_missed() -> None:
     clock = Clock()
     call = LivenessMonitor("calibrator", clock)
-    call.take([told("planner"), end_notice("planner")])
+    call.take([reported("planner"), end_notice("planner")])
     clock.now += 10.0
     assert level(call) is Level.OK

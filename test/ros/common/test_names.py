@@ -9,8 +9,8 @@ def test_a_name_is_told_as_it_is() -> None:
 
 
 def test_anybody_s_text_is_one_short_printable_line() -> None:
-    told = short_name("one\ntwo\x1b[31m" + 5000 * "x")
-    assert told.isprintable()
-    assert told.startswith("one two")
-    assert len(told) <= LONGEST_NAME + 3
-    assert told.endswith("...")
+    reported = short_name("one\ntwo\x1b[31m" + 5000 * "x")
+    assert reported.isprintable()
+    assert reported.startswith("one two")
+    assert len(reported) <= LONGEST_NAME + 3
+    assert reported.endswith("...")

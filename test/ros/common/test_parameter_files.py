@@ -82,12 +82,12 @@ def test_the_configuration_reaches_its_nodes_in_a_namespace(world: World) -> Non
 def test_what_is_meant_for_other_nodes_does_not_end_this_one(world: World, tmp_path: Path) -> None:
     text = "/**: {ros__parameters: {stale_s: 0.7, robot_description: text}}"
     world.start("model", {}, "--params-file", str(written(tmp_path, text)))
-    world.until_said("model", "robot_description: is given to all nodes")
+    world.until_logged("model", "robot_description: is given to all nodes")
     assert parameter(world, "model", "stale_s") == 0.7
 
 
 @pytest.mark.parametrize(
-    ("text", "told"),
+    ("text", "reported"),
     [
         ("model: {ros__parameters: {stale_s: 0.7}}", "model, which do not reach this node"),
         ("/**/model: {ros__parameters: {stale: 0.7}}", "has no such parameter (perhaps stale_s)"),
@@ -96,14 +96,14 @@ def test_what_is_meant_for_other_nodes_does_not_end_this_one(world: World, tmp_p
     ],
 )
 def test_a_bad_file_ends_a_node_with_one_line(
-    world: World, tmp_path: Path, text: str, told: str
+    world: World, tmp_path: Path, text: str, reported: str
 ) -> None:
     file = written(tmp_path, text) if text else tmp_path / "missing.yaml"
     world.start("model", {}, "--params-file", str(file), "-r", "__ns:=/left")
     assert world.ended("model") == 1
     (line,) = [each for each in world.output("model").splitlines() if "[" not in each[:1]]
     assert line.startswith("model: ")
-    assert told in line
+    assert reported in line
 
 
 @pytest.mark.parametrize("arguments", [("-r", "__ns:=bad-ns"), ("--unknown",), ("-p", "a:=[")])

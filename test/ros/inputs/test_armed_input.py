@@ -52,11 +52,11 @@ def test_who_armed_and_left_without_a_word_is_gone_at_once(node: ShoecalNode) ->
     publisher.publish(Bool(data=True))
     while not armed.armed:
         rclpy.spin_once(node, timeout_sec=0.01)
-    assert (armed.told, armed.lapsed) == (True, False)
+    assert (armed.reported, armed.lapsed) == (True, False)
     node.destroy_publisher(publisher)
     while armed.armed:
         rclpy.spin_once(node, timeout_sec=0.01)
-    assert (armed.told, armed.lapsed, armed.disarmings) == (True, True, 0)
+    assert (armed.reported, armed.lapsed, armed.disarmings) == (True, True, 0)
 
 
 def test_who_disarms_and_arms_at_once_is_heard_to_disarm(node: ShoecalNode) -> None:

@@ -41,8 +41,8 @@ def test_rate_and_age_are_told() -> None:
     for _ in range(30):
         clock.now += 0.1
         heard.note(10)
-        told = heard.figures()
-    assert told == {"rate_hz": "100.0", "age_s": "0.000"}
+        reported = heard.figures()
+    assert reported == {"rate_hz": "100.0", "age_s": "0.000"}
     clock.now += 1.0
     assert heard.figures()["age_s"] == "1.000"
     assert float(heard.figures()["rate_hz"]) < 60.0

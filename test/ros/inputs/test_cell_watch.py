@@ -63,7 +63,7 @@ def first_told(readings: list[Joined]) -> tuple[float, Code]:
 
 
 @pytest.mark.parametrize(
-    ("change", "told", "within"),
+    ("change", "reported", "within"),
     [
         (lambda _, __: np.nan, Code.CELL_SILENT, 0.0),
         (lambda _, __: np.inf, Code.CELL_SILENT, 0.0),
@@ -76,10 +76,10 @@ def first_told(readings: list[Joined]) -> tuple[float, Code]:
 )
 @pytest.mark.parametrize("rate", [80.0, 100.0, 1000.0])
 def test_a_broken_cell_is_told(
-    rate: float, change: Callable[[int, float], float], told: Code, within: float
+    rate: float, change: Callable[[int, float], float], reported: Code, within: float
 ) -> None:
     took, found = first_told(spoilt(stream(rate), change))
-    assert found == told
+    assert found == reported
     assert took <= within
 
 
@@ -199,20 +199,20 @@ def test_what_the_device_says_stays() -> None:
     (marked,) = taken(watch, [one])
     assert marked.status[CELL] == ShoeVoltages.FAULT
     assert watch.condition.level is Level.ERROR
-    told = f"{NAME} is broken, says its device: check cable, clamp and board"
-    assert watch.condition.message == told
+    reported = f"{NAME} is broken, says its device: check cable, clamp and board"
+    assert watch.condition.message == reported
     assert watch.condition.code == Code.CELL_FAULT
 
 
 def beside_slow(readings: list[Joined], slower: int = 4) -> list[Joined]:
     """As if the board of the cell's foot sent every fourth time only."""
     slow = nao_shoe().foot == nao_shoe().foot[CELL]
-    told: list[Joined] = []
+    reported: list[Joined] = []
     for number, one in enumerate(readings):
         new = ~slow | (number % slower == 0)
-        values = np.where(new, one.readings, told[-1].readings) if told else one.readings
-        told.append(replace(one, readings=values, new=new))
-    return told
+        values = np.where(new, one.readings, reported[-1].readings) if reported else one.readings
+        reported.append(replace(one, readings=values, new=new))
+    return reported
 
 
 def test_a_slow_boards_spike_is_one_however_long_it_stands_there() -> None:
@@ -251,9 +251,9 @@ def test_a_board_that_hangs_is_told_beside_a_faster_one() -> None:
         if number > 2000:
             one.readings[slow] = readings[2000].readings[slow]
     watch = CellWatch(nao_shoe())
-    told = beside_slow(readings, 2)
-    assert not any(one.status.any() for one in taken(watch, told[:2000]))
-    last = taken(watch, told[2000:2120])[-1]
+    reported = beside_slow(readings, 2)
+    assert not any(one.status.any() for one in taken(watch, reported[:2000]))
+    last = taken(watch, reported[2000:2120])[-1]
     assert np.flatnonzero(last.status).tolist() == slow.tolist()
 
 

@@ -14,7 +14,7 @@ FloatArray = NDArray[np.float64]
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def told(stamp_ns: int, turn: Rotation, *, orientation: bool = True, g: float = 9.81) -> Imu:
+def reported(stamp_ns: int, turn: Rotation, *, orientation: bool = True, g: float = 9.81) -> Imu:
     """What a sensor says on a torso that is turned so."""
     message = Imu(header=header_to_ros(stamp_ns, "base_link"))
     if orientation:
@@ -44,7 +44,7 @@ def test_nothing_heard() -> None:
 @pytest.mark.parametrize("orientation", [True, False])
 def test_up_whatever_the_heading(orientation: bool) -> None:
     imu = ImuInput(nao())
-    imu.take([told(10**9, LEANING, orientation=orientation)])
+    imu.take([reported(10**9, LEANING, orientation=orientation)])
     assert imu.up == pytest.approx(seen(LEANING))
     assert imu.age_s < 1.0
 
@@ -52,7 +52,7 @@ def test_up_whatever_the_heading(orientation: bool) -> None:
 def test_an_accelerometer_that_shakes_is_smoothed() -> None:
     imu, rng = ImuInput(nao()), np.random.default_rng(1)
     shaken = [
-        told(10**9 + index * 10_000_000, Rotation.from_rotvec(0.05 * rng.standard_normal(3)),
+        reported(10**9 + index * 10_000_000, Rotation.from_rotvec(0.05 * rng.standard_normal(3)),
              orientation=False)
         for index in range(200)
     ]  # fmt: skip
@@ -65,13 +65,13 @@ def test_a_sensor_that_tells_no_direction_is_not_heard() -> None:
     imu = ImuInput(nao())
     silent = Imu()
     silent.orientation_covariance[0] = -1.0
-    imu.take([silent, told(10**9, LEANING, orientation=False, g=0.1)])
+    imu.take([silent, reported(10**9, LEANING, orientation=False, g=0.1)])
     assert imu.up is None
     assert imu.age_s == np.inf
 
 
 def test_a_clock_that_was_set_back_begins_anew() -> None:
     imu = ImuInput(nao())
-    imu.take([told(10**12, Rotation.identity(), orientation=False)])
-    imu.take([told(10**9, LEANING, orientation=False)])
+    imu.take([reported(10**12, Rotation.identity(), orientation=False)])
+    imu.take([reported(10**9, LEANING, orientation=False)])
     assert imu.up == pytest.approx(seen(LEANING))

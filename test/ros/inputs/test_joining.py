@@ -96,19 +96,19 @@ def test_two_boards_meet_where_they_are_slow(
 ) -> None:
     join = joiner()
     period_ns = period_ms * 1_000_000 // slower
-    told = []
+    reported = []
     for board, cells, period, begin in (
         ("left", CELLS[:2], period_ns, 0.0),
         ("right", CELLS[2:], slower * period_ns, lag * slower * period_ns),
     ):
         for index in range(40 // (slower if board == "right" else 1)):
             shift = begin + (index + jitter[index]) * period
-            told.append(frame(0, cells, board, sequence=index, shift_ns=round(shift)))
-    last = max(one.stamp_ns for one in told if one.source == "right")
+            reported.append(frame(0, cells, board, sequence=index, shift_ns=round(shift)))
+    last = max(one.stamp_ns for one in reported if one.source == "right")
     # Once both periods are known.
     known = 10**9 + (4 + lag) * slower * period_ns
     instants = 0
-    for one in sorted(told, key=lambda one: one.stamp_ns):
+    for one in sorted(reported, key=lambda one: one.stamp_ns):
         found = join.add(one)
         if known < one.stamp_ns <= last and found is not None:
             assert np.isfinite(found.readings).all()
@@ -167,7 +167,7 @@ def test_boards_of_two_clocks_are_told_and_no_frame_counts_as_lost(behind_s: flo
     clock = Clock()
     join = joiner(clock)
     voltages = VoltageInput(join, 0.5, of_foot=[np.arange(2), np.arange(2, 4)])
-    told = []
+    reported = []
     stamps = []
     for index in range(500):
         # Now and then the program itself stands still, and finds the late board's frame first.
@@ -177,9 +177,9 @@ def test_boards_of_two_clocks_are_told_and_no_frame_counts_as_lost(behind_s: flo
         instants = voltages.take(pair[::-1] if pause else pair)
         stamps += [one.stamp_ns for one in instants]
         problem = voltages.problem
-        told.append(problem is not None and problem.code == "boards-apart")
-    assert not any(told[:75])
-    assert all(told[130:])
+        reported.append(problem is not None and problem.code == "boards-apart")
+    assert not any(reported[:75])
+    assert all(reported[130:])
     line = f"right/a, right/b are {behind_s:.2f} s behind those of the other cells"
     assert line in str(voltages.problem)
     assert np.diff(stamps).min() == STEP_NS

@@ -162,8 +162,8 @@ def test_two_senders_of_the_same_joints_are_told_by_name_and_neither_is_used(
         assert not heard or index < 10
     assert not joints.fresh
     assert joints.silent
-    told = "joint angles run to and fro between '/bag' and '/robot'; stop all but one"
-    assert str(joints.problem).startswith(told)
+    reported = "joint angles run to and fro between '/bag' and '/robot'; stop all but one"
+    assert str(joints.problem).startswith(reported)
     assert code(joints) == Code.JOINTS_CONTRADICT
     own = begin + 100 * STEP_NS
     heard = taken(joints, [message(own + index * STEP_NS) for index in range(60)])

@@ -40,8 +40,8 @@ class Scene:
                 self._tell_joints(stamp_ns)
             shoe_ns = stamp_ns + round(gap_s * SECOND)
             status = np.zeros(1, dtype=np.uint8)
-            told = VoltageFrame(shoe_ns, "shoe", self.step, (CELL,), np.ones(1), status)
-            self.voltages.take([told])
+            reported = VoltageFrame(shoe_ns, "shoe", self.step, (CELL,), np.ones(1), status)
+            self.voltages.take([reported])
             self.problem = self.one_clock.problem
 
     def _tell_joints(self, stamp_ns: int) -> None:

@@ -49,8 +49,8 @@ def test_unrest_is_that_of_the_force() -> None:
     for step, force in enumerate((-3.0, 3.0) * 5):
         outputs = np.full(COUNT, 5.0)
         outputs[2] += force
-        told = readings(shoe, parameters(shoe), outputs)
+        reported = readings(shoe, parameters(shoe), outputs)
         standstill.take_readings(
-            [Joined(step, told, np.zeros(COUNT, np.uint8), np.ones(COUNT, dtype=np.bool_))]
+            [Joined(step, reported, np.zeros(COUNT, np.uint8), np.ones(COUNT, dtype=np.bool_))]
         )
     assert standstill.unrest(sensing) == pytest.approx(3.0)

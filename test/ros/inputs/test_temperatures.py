@@ -9,19 +9,21 @@ from shoecal_ros.common.conversions import header_to_ros
 from shoecal_ros.inputs.temperatures import KEEP_S, TemperatureInput
 
 
-def told(joint: str, degc: float) -> Temperature:
+def reported(joint: str, degc: float) -> Temperature:
     return Temperature(header=header_to_ros(0, joint), temperature=degc)
 
 
 def test_one_message_a_motor() -> None:
     heard = TemperatureInput(nao())
-    heard.take([told("LKneePitch", 40.0), told("RKneePitch", 50.0), told("LKneePitch", 41.0)])
+    heard.take(
+        [reported("LKneePitch", 40.0), reported("RKneePitch", 50.0), reported("LKneePitch", 41.0)]
+    )
     assert heard.degc == {"LKneePitch": 41.0, "RKneePitch": 50.0}
 
 
 def test_what_is_no_motor_of_the_robot_does_not_count() -> None:
     heard = TemperatureInput(nao())
-    heard.take([told("Battery", 90.0), told("LKneePitch", float("nan"))])
+    heard.take([reported("Battery", 90.0), reported("LKneePitch", float("nan"))])
     assert heard.degc == {}
 
 
@@ -45,7 +47,7 @@ def test_diagnostics_of_joints() -> None:
 def test_old_temperatures_are_forgotten() -> None:
     clock = Clock()
     heard = TemperatureInput(nao(), clock)
-    heard.take([told("LKneePitch", 40.0)])
+    heard.take([reported("LKneePitch", 40.0)])
     clock.now += KEEP_S - 1.0
     assert heard.degc
     clock.now += 2.0

@@ -31,7 +31,7 @@ def test_markers_come_while_somebody_looks(world: World) -> None:
     # Nobody looks, so nobody listens to forces.
     assert cop.get_subscription_count() == 0
 
-    seen = world.hear(MarkerArray, TOPIC, qos.MARKERS)
+    seen = world.receive(MarkerArray, TOPIC, qos.MARKERS)
 
     def shown(space: str, *, there: bool) -> bool:
         stamp_ns = next(stamps)

@@ -25,7 +25,7 @@ def tf(world: World) -> Iterator[World]:
     try:
         with messages_of("tf"):
             world.start("tf_listener", script=LISTENER)
-            world.until_said("tf_listener", "listening")
+            world.until_logged("tf_listener", "listening")
             yield world
             world.kill("tf_listener")
     except NoMessagesError as error:
@@ -48,14 +48,14 @@ def test_names_and_prefix_are_those_asked_for(tf: World) -> None:
     tell_joints(tf)
     states = Kinematics(nao()).states(nao().posture[None])
     height = states.left_translation[0, 2]
-    tf.until_said("tf_listener", f"left/base_link left/l_shoe {height:.3f}")
-    tf.until_said("tf_listener", "left/base_link left/r_sole")
+    tf.until_logged("tf_listener", f"left/base_link left/l_shoe {height:.3f}")
+    tf.until_logged("tf_listener", "left/base_link left/r_sole")
 
 
 def test_it_can_be_switched_off(tf: World) -> None:
     tf.start("model", {"publish_tf": False})
     tell_joints(tf)
-    tf.until_told("model", "joints", "joint angles come")
+    tf.until_reported("model", "joints", "joint angles come")
     names = [name for name, _ in tf.node.get_publisher_names_and_types_by_node("model", "/")]
     assert "/shoe/model/com" in names
     assert "/tf" not in names

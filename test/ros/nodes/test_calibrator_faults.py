@@ -23,10 +23,10 @@ def faulty(world: World) -> World:
     """Where the node's next job of each kind fails."""
     StandingRobot(world, DoubleSupport(0.0, -0.112, 0.0))
     folders = {name: world.folder / name for name in ("state_dir", "sessions_dir")}
-    world.start("calibrator", {**folders, "stale_s": 3.0}, script=FAULTY)
+    world.start("calibrator", {**folders, "stale_s": 10.0}, script=FAULTY)
     world.arm("calibrator")
-    world.until_told("calibrator", "voltages", "come")
-    world.until_told("calibrator", "joints", "come")
+    world.until_reported("calibrator", "voltages", "come")
+    world.until_reported("calibrator", "joints", "come")
     return world
 
 
@@ -40,8 +40,8 @@ def test_actions_are_answered(faulty: World) -> None:
         assert (result.success, result.error_code) == (False, kind.Result.FAILED)
         assert TOLD in result.message
         assert result.run_id
-    faulty.until_told("calibrator", "diagnosis", f"ended: {TOLD}")
-    faulty.until_said("calibrator", "Traceback")
+    faulty.until_reported("calibrator", "diagnosis", f"ended: {TOLD}")
+    faulty.until_logged("calibrator", "Traceback")
     # The next job begins.
     after = faulty.goal(Calibrate, "shoe/calibrate", calibrate)
     faulty.until(lambda: after.feedback)
@@ -52,7 +52,7 @@ def test_actions_are_answered(faulty: World) -> None:
 def test_a_job_that_a_service_began_tells_it(faulty: World) -> None:
     request = SelfCalibrate.Request(supports=2, train=2, seed=1)
     assert faulty.call(SelfCalibrate, "shoe/self_calibrate", request).accepted
-    faulty.until_told("calibrator", "calibration", TOLD)
+    faulty.until_reported("calibrator", "calibration", TOLD)
 
 
 def test_services_are_answered(faulty: World) -> None:

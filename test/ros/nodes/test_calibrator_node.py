@@ -21,7 +21,7 @@ from ros.bodies import ROOT, calibration, nao, nao_shoe
 from ros.obliging_robot import ObligingRobot
 from ros.standing_robot import StandingRobot
 from ros.waiting_supports import WaitingSupports
-from ros.world import Goal, Heard, World
+from ros.world import Goal, Received, World
 from shoecal_core.calibration.calibration import load_calibration, save_calibration
 from shoecal_core.calibration.checks import tell_reasons
 from shoecal_core.model.double_support import DoubleSupport
@@ -41,7 +41,7 @@ from shoecal_ros.common.health import Level
 
 EXAMPLE = ROOT / "shoecal_ros/shoecal_ros/examples/controller.py"
 SUPPORT = DoubleSupport(0.0, -0.112, 0.0)
-PATIENT = {"stale_s": 3.0}
+PATIENT = {"stale_s": 10.0}
 LIVE = {
     "shoe/cop": PointStamped,
     "shoe/left/cop": PointStamped,
@@ -64,8 +64,8 @@ def start(world: World, **parameters: object) -> None:
     )
 
 
-def hear_all(world: World) -> dict[str, Heard]:
-    return {topic: world.hear(kind, topic, qos.LIVE) for topic, kind in LIVE.items()}
+def hear_all(world: World) -> dict[str, Received]:
+    return {topic: world.receive(kind, topic, qos.LIVE) for topic, kind in LIVE.items()}
 
 
 def set_calibration(world: World, *, force: bool = False, **changes: object) -> Any:
@@ -79,7 +79,7 @@ def in_force(world: World) -> str:
     return str(found.calibration.id) if found.calibrated else ""
 
 
-def fresh(world: World, heard: Heard, count: int = 2 * qos.LIVE.depth) -> Any:
+def fresh(world: World, heard: Received, count: int = 2 * qos.LIVE.depth) -> Any:
     """A message that was sampled after now: what is under way comes first."""
     seen = len(heard)
     world.until(lambda: len(heard) >= seen + count)
@@ -87,7 +87,7 @@ def fresh(world: World, heard: Heard, count: int = 2 * qos.LIVE.depth) -> Any:
 
 
 def state(world: World, condition: Callable[[Any], bool]) -> Any:
-    heard = world.hear(ShoeState, "shoe/state", qos.LATCHED)
+    heard = world.receive(ShoeState, "shoe/state", qos.LATCHED)
     world.until(lambda: len(heard) and condition(heard.last))
     return heard.last
 
@@ -122,14 +122,14 @@ def test_forces_and_places_are_live(live: World, robot: StandingRobot) -> None:
     force, about_x, about_y = wrench_from_ros(grf)
     assert force == pytest.approx(sum(robot.forces))
     np.testing.assert_allclose([-about_y / force, about_x / force], expected, atol=1e-8)
-    told = state(live, lambda one: one.state == ShoeState.CALIBRATED and one.feet[0].valid)
-    assert told.calibration_id == "made-1"
-    assert [foot.loaded for foot in told.feet] == [True, True]
-    assert tuple(told.feet[1].cell) == nao_shoe().names[4:]
+    reported = state(live, lambda one: one.state == ShoeState.CALIBRATED and one.feet[0].valid)
+    assert reported.calibration_id == "made-1"
+    assert [foot.loaded for foot in reported.feet] == [True, True]
+    assert tuple(reported.feet[1].cell) == nao_shoe().names[4:]
 
 
 def test_a_whole_sample_comes_in_one_message(live: World, robot: StandingRobot) -> None:
-    forces = live.hear(ShoeForces, "shoe/forces", qos.LIVE)
+    forces = live.receive(ShoeForces, "shoe/forces", qos.LIVE)
     found = fresh(live, forces)
     assert (found.calibration, found.header.frame_id) == ("made-1", "l_sole")
     for foot, one in enumerate((found.left, found.right)):
@@ -137,7 +137,7 @@ def test_a_whole_sample_comes_in_one_message(live: World, robot: StandingRobot) 
         assert one.wrench.force.z == pytest.approx(robot.forces[foot])
         np.testing.assert_allclose([one.cop.x, one.cop.y], robot.places[foot], atol=1e-9)
     assert found.both.valid
-    robot.tells_right = False
+    robot.publishes_right = False
     robot.apart = True
     live.until(lambda: forces.last.right.stale)
     assert not forces.last.right.valid
@@ -147,7 +147,7 @@ def test_a_whole_sample_comes_in_one_message(live: World, robot: StandingRobot) 
 def test_the_sum_may_have_a_frame_that_stays(world: World, robot: StandingRobot) -> None:
     start(world, sum_frame="left", frame_prefix="one/")
     assert set_calibration(world).success
-    forces = world.hear(ShoeForces, "shoe/forces", qos.LIVE)
+    forces = world.receive(ShoeForces, "shoe/forces", qos.LIVE)
     robot.forces = (0.5, nao().weight - 0.5)
     world.until(lambda: len(forces) and not forces.last.left.loaded)
     found = fresh(world, forces).both
@@ -159,16 +159,16 @@ def test_the_sum_may_have_a_frame_that_stays(world: World, robot: StandingRobot)
 def test_the_example_controller_uses_what_it_may(live: World, robot: StandingRobot) -> None:
     # Its clock is the computer's, and so are the stamps.
     robot.stamped_now = True
-    error = live.hear(Vector3Stamped, "example/cop_error", qos.LIVE)
+    error = live.receive(Vector3Stamped, "example/cop_error", qos.LIVE)
     live.start("example_controller", {"target_x": 0.01}, script=EXAMPLE)
-    cop = live.hear(PointStamped, "shoe/cop", qos.LIVE)
+    cop = live.receive(PointStamped, "shoe/cop", qos.LIVE)
     live.until(lambda: len(error) > 3)
     stamps = {time_from_ros(one.header.stamp): one for one in cop.messages}
     newest = error.last
     measured = stamps[time_from_ros(newest.header.stamp)].point
     assert newest.vector.x == pytest.approx(measured.x - 0.01, abs=1e-6)
     robot.status = {nao_shoe().names[0]: ShoeVoltages.SATURATED}
-    forces = live.hear(ShoeForces, "shoe/forces", qos.LIVE)
+    forces = live.receive(ShoeForces, "shoe/forces", qos.LIVE)
     live.until(lambda: len(forces) and not forces.last.both.valid)
     invalid_from = time_from_ros(forces.last.header.stamp)
     fresh(live, forces)
@@ -202,9 +202,9 @@ def test_a_broken_cell_silences_what_it_spoils(live: World, robot: StandingRobot
     live.until(lambda: len(heard["shoe/cop"]))
     state(live, lambda one: one.feet[0].valid)
     robot.status = {"left/rear_left": ShoeVoltages.NO_DATA}
-    told = state(live, lambda one: not one.feet[0].valid)
-    assert list(told.feet[0].status) == [0, 0, ShoeVoltages.NO_DATA, 0]
-    assert told.feet[1].valid
+    reported = state(live, lambda one: not one.feet[0].valid)
+    assert list(reported.feet[0].status) == [0, 0, ShoeVoltages.NO_DATA, 0]
+    assert reported.feet[1].valid
     fresh(live, heard["shoe/right/cop"])
     silent = {topic: len(one) for topic, one in heard.items()}
     fresh(live, heard["shoe/right/cop"])
@@ -221,17 +221,17 @@ def test_stale_joints_silence_the_sum_and_stale_voltages_everything(world: World
     heard = hear_all(world)
     world.until(lambda: len(heard["shoe/cop"]))
     state(world, lambda one: one.feet[0].valid and not one.joints_stale)
-    robot.tells_joints = False
+    robot.publishes_joints = False
     state(world, lambda one: one.joints_stale and one.feet[0].valid)
-    world.until_told("calibrator", "joints", "no joint angles for")
+    world.until_reported("calibrator", "joints", "no joint angles for")
     fresh(world, heard["shoe/left/cop"])
     silent = len(heard["shoe/cop"])
     fresh(world, heard["shoe/left/cop"])
     assert len(heard["shoe/cop"]) == silent
-    robot.tells_voltages = False
-    told = state(world, lambda one: all(foot.stale for foot in one.feet))
-    assert not any(foot.valid for foot in told.feet)
-    robot.tells_joints = robot.tells_voltages = True
+    robot.publishes_voltages = False
+    reported = state(world, lambda one: all(foot.stale for foot in one.feet))
+    assert not any(foot.valid for foot in reported.feet)
+    robot.publishes_joints = robot.publishes_voltages = True
     state(world, lambda one: not one.joints_stale and one.feet[0].valid)
     fresh(world, heard["shoe/cop"])
 
@@ -247,8 +247,8 @@ def test_a_foot_whose_board_is_silent_is_stale_beside_the_other(world: World, aw
     fresh(world, heard["shoe/cop"])
     gone, there = FEET[away], FEET[1 - away]
     setattr(robot, f"tells_{gone}", False)
-    told = state(world, lambda one: one.feet[away].stale and not one.feet[1 - away].stale)
-    assert (told.feet[1 - away].valid, told.feet[away].valid) == (True, False)
+    reported = state(world, lambda one: one.feet[away].stale and not one.feet[1 - away].stale)
+    assert (reported.feet[1 - away].valid, reported.feet[away].valid) == (True, False)
     fresh(world, heard[f"shoe/{there}/cop"])
     silent = {topic: len(heard[topic]) for topic in ("shoe/cop", "shoe/grf", f"shoe/{gone}/grf")}
     fresh(world, heard[f"shoe/{there}/cop"])
@@ -261,10 +261,10 @@ def test_a_foot_whose_board_is_silent_is_stale_beside_the_other(world: World, aw
 def test_uncalibrated_nothing_is_published(world: World, robot: StandingRobot) -> None:
     start(world)
     heard = hear_all(world)
-    world.until_known_to("calibrator")
-    world.until_told("calibrator", "calibration", "uncalibrated")
-    told = state(world, lambda one: not one.feet[0].stale)
-    assert told.state == ShoeState.UNCALIBRATED
+    world.until_discovered_by("calibrator")
+    world.until_reported("calibrator", "calibration", "uncalibrated")
+    reported = state(world, lambda one: not one.feet[0].stale)
+    assert reported.state == ShoeState.UNCALIBRATED
     assert not any(len(one) for one in heard.values())
     assert in_force(world) == ""
 
@@ -274,18 +274,18 @@ def test_two_sources_of_one_cell_are_a_fault(live: World, robot: StandingRobot) 
     other = ShoeVoltages(cell=["left/rear_left"], voltage=[1.0], status=[0])
     other.header.frame_id = "rival"
 
-    def told() -> bool:
+    def reported() -> bool:
         other.header.stamp.sec += 1
         rival.publish(other)
         status = live.diagnosis("calibrator", "voltages")
         return status is not None and "'rival'" in status.message
 
-    live.until(told)
+    live.until(reported)
     assert "left/rear_left" in live.diagnosis("calibrator", "voltages").message
 
 
 def test_the_calibration_is_latched_mirrored_and_read_only(live: World) -> None:
-    latched = live.hear(ShoeCalibration, "shoe/calibration", qos.LATCHED)
+    latched = live.receive(ShoeCalibration, "shoe/calibration", qos.LATCHED)
     live.until(lambda: len(latched))
     assert latched.last.id == "made-1"
     request = GetParameters.Request(names=["in_force.id", "in_force.gains"])
@@ -327,22 +327,22 @@ def test_a_damaged_state_is_told(world: World, robot: StandingRobot) -> None:
     folder.mkdir()
     (folder / "calibration.yaml").write_text("format: 99\n")
     start(world)
-    status = world.until_told("calibrator", "calibration", "calibration.yaml")
+    status = world.until_reported("calibrator", "calibration", "calibration.yaml")
     assert "update shoecal" in status.message
 
 
 def rezero(world: World) -> Rezero.Response:
     """Once the calibrator hears the robot."""
     for subject in ("joints", "voltages"):
-        world.until_told("calibrator", subject, "come")
+        world.until_reported("calibrator", subject, "come")
     return world.call(Rezero, "shoe/rezero", Rezero.Request())
 
 
 def test_offsets_are_corrected_at_a_standstill(live: World, robot: StandingRobot) -> None:
     robot.stand_as_modelled()
     robot.drift[:] = np.linspace(-0.5, 0.8, len(robot.drift))
-    cop = live.hear(PointStamped, "shoe/cop", qos.LIVE)
-    grf = live.hear(WrenchStamped, "shoe/grf", qos.LIVE)
+    cop = live.receive(PointStamped, "shoe/cop", qos.LIVE)
+    grf = live.receive(WrenchStamped, "shoe/grf", qos.LIVE)
     answer = rezero(live)
     assert answer.success, answer.message
     assert tuple(answer.channel) == nao_shoe().names
@@ -376,15 +376,15 @@ def calibrate(world: World, **goal: int) -> Goal:
 def test_a_job_needs_arming_inputs_and_sense(world: World, robot: StandingRobot) -> None:
     start(world)
     codes = Calibrate.Result
-    world.until_told("calibrator", "voltages", "come")
+    world.until_reported("calibrator", "voltages", "come")
     refused = calibrate(world).result()
     assert refused.error_code == codes.NOT_ARMED
     assert "shoe/arm" in refused.message
     world.arm("calibrator")
     bad = calibrate(world, supports=3, train=4).result()
     assert bad.error_code == codes.BAD_GOAL
-    robot.tells_voltages = False
-    world.until_told("calibrator", "voltages", "no voltages for")
+    robot.publishes_voltages = False
+    world.until_reported("calibrator", "voltages", "no voltages for")
     stale = calibrate(world).result()
     assert stale.error_code == codes.STALE_INPUT
     assert "shoe_driver" in stale.message
@@ -396,7 +396,7 @@ def test_one_job_at_a_time_and_an_end_when_nobody_reaches_supports(
     supports = WaitingSupports(world)
     start(world)
     world.arm("calibrator")
-    world.until_told("calibrator", "voltages", "come")
+    world.until_reported("calibrator", "voltages", "come")
     goal = calibrate(world, supports=2, train=2)
     world.until(lambda: goal.feedback)
     assert goal.feedback[0].stage == "drawing"
@@ -411,8 +411,8 @@ def test_one_job_at_a_time_and_an_end_when_nobody_reaches_supports(
     result = goal.result()
     assert result.error_code == Calibrate.Result.SUPPORT_FAILED
     assert "not reached: nobody walks here" in result.message
-    world.until_said("calibrator", f"[{result.run_id}] drawing 0: ")
-    world.until_said("calibrator", f"[{result.run_id}] self-calibration ended: ")
+    world.until_logged("calibrator", f"[{result.run_id}] drawing 0: ")
+    world.until_logged("calibrator", f"[{result.run_id}] self-calibration ended: ")
     assert (Path(result.session) / "session.yaml").is_file()
     assert state(world, lambda one: one.state == ShoeState.UNCALIBRATED)
     supports.end()
@@ -425,7 +425,7 @@ def test_a_job_is_cancelled_at_once(world: World, robot: StandingRobot) -> None:
     WaitingSupports(world)
     start(world)
     world.arm("calibrator")
-    world.until_told("calibrator", "voltages", "come")
+    world.until_reported("calibrator", "voltages", "come")
     goal = calibrate(world, supports=5, train=3)
     world.until(lambda: goal.feedback)
     goal.cancel()
@@ -433,8 +433,8 @@ def test_a_job_is_cancelled_at_once(world: World, robot: StandingRobot) -> None:
     answer = world.call(SelfCalibrate, "shoe/self_calibrate", SelfCalibrate.Request(seed=-1))
     assert answer.accepted
     assert answer.run_id
-    robot.tells_joints = False
-    world.until_told("calibrator", "calibration", "no joint angles")
+    robot.publishes_joints = False
+    world.until_reported("calibrator", "calibration", "no joint angles")
     values = {pair.key: pair.value for pair in world.diagnosis("calibrator", "calibration").values}
     assert values["code"] == Code.SELF_CALIBRATION_ENDED
     assert values["error_code"] == str(Calibrate.Result.STALE_INPUT)
@@ -442,16 +442,16 @@ def test_a_job_is_cancelled_at_once(world: World, robot: StandingRobot) -> None:
 
 def test_it_answers_at_once_that_it_is_not_armed(world: World, robot: StandingRobot) -> None:
     start(world)
-    world.until_told("calibrator", "voltages", "come")
-    world.until_told("calibrator", "joints", "come")
+    world.until_reported("calibrator", "voltages", "come")
+    world.until_reported("calibrator", "joints", "come")
     request = SelfCalibrate.Request(seed=-1)
     answer = world.call(SelfCalibrate, "shoe/self_calibrate", request)
     assert (answer.accepted, answer.run_id) == (False, "")
     assert answer.error_code == Calibrate.Result.NOT_ARMED
     assert "call the service shoe/arm" in answer.message
     world.arm("calibrator")
-    robot.tells_joints = False
-    world.until_told("calibrator", "joints", "no joint angles")
+    robot.publishes_joints = False
+    world.until_reported("calibrator", "joints", "no joint angles")
     answer = world.call(SelfCalibrate, "shoe/self_calibrate", request)
     assert answer.error_code == Calibrate.Result.STALE_INPUT
     assert state(world, lambda one: one.state == ShoeState.UNCALIBRATED)
@@ -475,7 +475,7 @@ def test_a_warning_can_be_accepted_afterwards(live: World) -> None:
     accepted = live.call(Apply, "shoe/apply", Apply.Request(run_id="run-1"))
     assert accepted.success, accepted.message
     assert in_force(live) == "run-1"
-    status = live.until_told("calibrator", "calibration", "'run-1' in force (WARN): odd")
+    status = live.until_reported("calibrator", "calibration", "'run-1' in force (WARN): odd")
     assert status.level == bytes([Level.WARN])
 
 
@@ -483,14 +483,14 @@ def test_two_clocks_are_told(world: World, robot: StandingRobot) -> None:
     robot.ahead_ns = 5_000_000_000
     start(world)
     world.arm("calibrator")
-    world.until_told("calibrator", "voltages", "come")
-    world.until_told("calibrator", "joints", "come")
+    world.until_reported("calibrator", "voltages", "come")
+    world.until_reported("calibrator", "joints", "come")
     result = calibrate(world).result()
     assert result.error_code == Calibrate.Result.STALE_INPUT
     assert "one clock" in result.message
-    world.until_told("calibrator", "joints", "one clock")
+    world.until_reported("calibrator", "joints", "one clock")
     robot.ahead_ns = 0
-    world.until_told("calibrator", "joints", "joints come")
+    world.until_reported("calibrator", "joints", "joints come")
 
 
 def test_joints_of_another_robot_are_named(world: World) -> None:
@@ -499,7 +499,7 @@ def test_joints_of_another_robot_are_named(world: World) -> None:
     odd = JointState(name=["elbow"], position=[0.1])
     odd.header.stamp.sec = 5
     publisher.publish(odd)
-    status = world.until_told("calibrator", "joints", "needs joint(s)")
+    status = world.until_reported("calibrator", "joints", "needs joint(s)")
     assert "elbow" in status.message
 
 
@@ -518,15 +518,15 @@ def test_a_simulated_calibration_is_not_put_in_force_on_a_robot(live: World) -> 
 
 
 def test_reasons_of_a_refusal_come_back(live: World) -> None:
-    for verdict, told in (("WARN", "with force"), ("FAIL", "calibrate anew")):
+    for verdict, reported in (("WARN", "with force"), ("FAIL", "calibrate anew")):
         refused = set_calibration(live, identity="made-2", verdict=verdict, reasons=("a", "b"))
         assert not refused.success
         assert refused.error_code == SetCalibration.Response.NOT_APPLICABLE
         assert "(a; b)" in refused.message
-        assert told in refused.message
+        assert reported in refused.message
     warned = set_calibration(live, identity="made-2", verdict="WARN", reasons=("a",), force=True)
     assert warned.success
-    status = live.until_told("calibrator", "calibration", "'made-2' in force (WARN): a")
+    status = live.until_reported("calibrator", "calibration", "'made-2' in force (WARN): a")
     assert status.level == bytes([Level.WARN])
     values = {value.key: value.value for value in status.values}
     assert values["id"] == "made-2"
@@ -553,7 +553,7 @@ def test_since_when_survives_whatever_ends_the_node(live: World) -> None:
     killed.kill()
     killed.wait()
     start(live)
-    latched = live.hear(ShoeCalibration, "shoe/calibration", qos.LATCHED)
+    latched = live.receive(ShoeCalibration, "shoe/calibration", qos.LATCHED)
     live.until(lambda: len(latched))
     assert latched.last.id == "made-1"
 
@@ -563,12 +563,12 @@ def test_another_temperature_asks_for_a_rezero(world: World, robot: StandingRobo
     robot.stand_as_modelled()
     robot.temperature = 31.25
     assert set_calibration(world, temperature=22.0).success
-    told = world.until_told("calibrator", "calibration", "calibrated at 22 degC, now 31")
-    assert told.level == bytes([Level.WARN])
+    reported = world.until_reported("calibrator", "calibration", "calibrated at 22 degC, now 31")
+    assert reported.level == bytes([Level.WARN])
     found = got(world)
     assert (found.calibration.temperature, found.temperature) == (22.0, 31.25)
     assert rezero(world).success
-    world.until_told("calibrator", "calibration", "' in force (PASS)")
+    world.until_reported("calibrator", "calibration", "' in force (PASS)")
     assert got(world).calibration.temperature == 31.25
 
 
@@ -593,16 +593,20 @@ def test_a_prior_of_other_shoes_ends_the_node_with_one_line(world: World) -> Non
 def test_drift_is_told_and_cured(world: World, robot: StandingRobot) -> None:
     start(world, drift_time=0.5, rezero_time=0.5)
     robot.stand_as_modelled()
-    world.until_told("calibrator", "drift", "no calibration")
+    world.until_reported("calibrator", "drift", "no calibration")
     covariance = 1e-4 * np.eye(2 * len(robot.drift))
     assert set_calibration(world, covariance=covariance, fitted_runs=("ab",)).success
-    told = world.until_told("calibrator", "drift", "as calibrated: GRF is")
-    assert told.level == bytes([Level.OK])
+    reported = world.until_reported("calibrator", "drift", "as calibrated: GRF is")
+    assert reported.level == bytes([Level.OK])
     robot.drift[2] = 1.0
-    told = world.until_told("calibrator", "drift", "drifted: GRF is +1.00 N off the weight")
-    assert told.level == bytes([Level.WARN])
-    assert "call shoe/rezero" in told.message
-    assert {value.key for value in told.values} >= {"grf_error_n", "grf_limit_n", "cop_error_mm"}
+    reported = world.until_reported("calibrator", "drift", "drifted: GRF is +1.00 N off the weight")
+    assert reported.level == bytes([Level.WARN])
+    assert "call shoe/rezero" in reported.message
+    assert {value.key for value in reported.values} >= {
+        "grf_error_n",
+        "grf_limit_n",
+        "cop_error_mm",
+    }
     answer = rezero(world)
     assert answer.success, answer.message
     assert (answer.directions, answer.channels) == (3, 8)
@@ -614,8 +618,8 @@ def test_drift_is_told_and_cured(world: World, robot: StandingRobot) -> None:
     assert "corrected GRF by 1.00 N" in answer.message
     assert "3 of 8 directions" in answer.message
     assert "lift each foot once" in answer.message
-    told = world.until_told("calibrator", "drift", "as calibrated: GRF is")
-    assert told.level == bytes([Level.OK])
+    reported = world.until_reported("calibrator", "drift", "as calibrated: GRF is")
+    assert reported.level == bytes([Level.OK])
 
 
 def test_somebody_who_touches_the_robot_is_no_drift(world: World, robot: StandingRobot) -> None:
@@ -639,16 +643,16 @@ def test_somebody_who_touches_the_robot_is_no_drift(world: World, robot: Standin
 def test_a_refused_result_comes_back_whole(world: World) -> None:
     robot = ObligingRobot(world, SUPPORT)
     start(world, motion="landmarks")
-    world.until_told("calibrator", "voltages", "come")
-    world.until_told("calibrator", "joints", "come")
+    world.until_reported("calibrator", "voltages", "come")
+    world.until_reported("calibrator", "joints", "come")
     result = calibrate(world, supports=2, train=2).result()
     assert result.error_code == Calibrate.Result.NOT_APPLIED, result.message
     assert not result.success
     found = calibration_from_ros(result.calibration)
     assert found.verdict in {"WARN", "FAIL"}
     assert tell_reasons(found.reasons) in result.message
-    told_how = f"shoe/apply shoecal_msgs/srv/Apply \"{{run_id: '{result.run_id}'}}\""
-    assert (told_how in result.message) == (found.verdict == "WARN")
+    advice = f"shoe/apply shoecal_msgs/srv/Apply \"{{run_id: '{result.run_id}'}}\""
+    assert (advice in result.message) == (found.verdict == "WARN")
     assert result.calibration.host == socket.gethostname()
     assert (result.calibration.simulated_time, result.calibration.device) == (
         False,
@@ -658,7 +662,7 @@ def test_a_refused_result_comes_back_whole(world: World) -> None:
     assert (kept.id, kept.verdict, kept.reasons) == (found.id, found.verdict, found.reasons)
     np.testing.assert_array_equal(kept.parameters.gain, found.parameters.gain)
     assert in_force(world) == ""
-    world.until_said("calibrator", found.reasons[0])
+    world.until_logged("calibrator", found.reasons[0])
     # Whoever moves the robot is told for which job.
     assert robot.run_ids == 4 * [result.run_id] != 4 * [""]
     # What only a recording needs was heard while it lasted.

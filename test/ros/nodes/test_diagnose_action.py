@@ -25,7 +25,7 @@ def start(world: World, **parameters: object) -> None:
     world.start(
         "calibrator",
         {
-            "stale_s": 3.0,
+            "stale_s": 10.0,
             "state_dir": world.folder / "state",
             "sessions_dir": world.folder / "sessions",
             **parameters,
@@ -52,18 +52,18 @@ def test_codes_are_those_of_calibrate() -> None:
 
 def test_recording_needs_arming_and_inputs(world: World, robot: StandingRobot) -> None:
     start(world)
-    world.until_told("calibrator", "voltages", "come")
+    world.until_reported("calibrator", "voltages", "come")
     refused = diagnose(world).result()
     assert (refused.success, refused.error_code) == (False, CODES.NOT_ARMED)
     assert "shoe/arm" in refused.message
     assert (refused.verdict, refused.json, refused.session) == ("", "", "")
     world.arm("calibrator")
-    robot.tells_voltages = False
-    world.until_told("calibrator", "voltages", "no voltages for")
+    robot.publishes_voltages = False
+    world.until_reported("calibrator", "voltages", "no voltages for")
     stale = diagnose(world, motions=["landmarks"]).result()
     assert stale.error_code == CODES.STALE_INPUT
     assert "shoe_driver" in stale.message
-    world.until_told("calibrator", "diagnosis", "ended: no voltages")
+    world.until_reported("calibrator", "diagnosis", "ended: no voltages")
 
 
 def empty_session(folder: Path, robot: Path, shoe: Path) -> Path:
@@ -75,7 +75,7 @@ def test_bad_goals_are_refused_before_anything_is_done(world: World) -> None:
     start(world)
     odd = empty_session(world.folder / "sessions" / "odd", ODD, ODD_SHOE)
     (world.folder / "sessions" / "empty").mkdir()
-    for goal, told in (
+    for goal, reported in (
         ({"motions": ["landmarks", "somersault"]}, "somersault"),
         ({"session": "nowhere"}, f"{world.folder}/sessions/nowhere: does not exist"),
         ({"session": "empty"}, "is no session"),
@@ -88,14 +88,14 @@ def test_bad_goals_are_refused_before_anything_is_done(world: World) -> None:
     ):
         result = diagnose(world, **goal).result()
         assert result.error_code == CODES.BAD_GOAL, result.message
-        assert told in result.message
+        assert reported in result.message
 
 
 def test_one_job_at_a_time_and_cancelling_wins(world: World, robot: StandingRobot) -> None:
     supports = WaitingSupports(world)
     start(world)
     world.arm("calibrator")
-    world.until_told("calibrator", "voltages", "come")
+    world.until_reported("calibrator", "voltages", "come")
     goal = diagnose(world, motions=["landmarks"])
     world.until(lambda: goal.feedback)
     assert goal.feedback[0].phase == "drawing"
@@ -107,7 +107,7 @@ def test_one_job_at_a_time_and_cancelling_wins(world: World, robot: StandingRobo
     request = SelfCalibrate.Request(seed=-1)
     assert not world.call(SelfCalibrate, "shoe/self_calibrate", request).accepted
     assert not world.call(Rezero, "shoe/rezero", Rezero.Request()).success
-    world.until_told("calibrator", "diagnosis", "under way")
+    world.until_reported("calibrator", "diagnosis", "under way")
     goal.cancel()
     result = goal.result()
     assert result.error_code == CODES.CANCELED

@@ -40,12 +40,12 @@ def world(tmp_path_factory: pytest.TempPathFactory) -> Iterator[World]:
         write_device(device, nao_shoe(), port, 24)
         world.start("simulator", {"port": port, "speed": 5.0})
         world.start("shoe_driver", {"use_sim_time": True, "config_file": device})
-        world.start("planner", {"use_sim_time": True, "stale_s": 3.0, **QUICK})
+        world.start("planner", {"use_sim_time": True, "stale_s": 10.0, **QUICK})
         folders = {"state_dir": world.folder / "state", "sessions_dir": world.folder / "sessions"}
-        world.start("calibrator", {"use_sim_time": True, "stale_s": 3.0, **folders})
-        world.until_told("planner", "planning", "ready")
+        world.start("calibrator", {"use_sim_time": True, "stale_s": 10.0, **folders})
+        world.until_reported("planner", "planning", "ready")
         for subject in ("voltages", "joints"):
-            world.until_told("calibrator", subject, "come")
+            world.until_reported("calibrator", subject, "come")
         yield world
 
 
@@ -57,17 +57,17 @@ def diagnose(world: World, **goal: object) -> Goal:
     return world.goal(Diagnose, "shoe/diagnose", Diagnose.Goal(**{"seed": -1, **goal}))
 
 
-def told(goal: Goal, phase: str) -> bool:
+def reported(goal: Goal, phase: str) -> bool:
     assert not goal.done, goal.result().message
     return any(one.phase == phase for one in goal.feedback)
 
 
 def test_cancelled_while_it_records_the_robot_stops_gently(world: World) -> None:
     arm(world)
-    commands = world.hear(JointTrajectory, "joint_trajectory", qos.COMMAND)
-    world.until_known_to("planner")
+    commands = world.receive(JointTrajectory, "joint_trajectory", qos.COMMAND)
+    world.until_discovered_by("planner")
     goal = diagnose(world, motions=["landmarks"])
-    world.until(lambda: told(goal, "moving"))
+    world.until(lambda: reported(goal, "moving"))
     goal.cancel()
     result = goal.result()
     assert result.error_code == CODES.CANCELED
@@ -78,7 +78,7 @@ def test_cancelled_while_it_records_the_robot_stops_gently(world: World) -> None
     session = Session.open(Path(result.session))
     assert not session.runs
     assert [path.name for path in session.unfinished] == ["run_001.mcap.part"]
-    world.until_told("calibrator", "diagnosis", "ended: cancelled")
+    world.until_reported("calibrator", "diagnosis", "ended: cancelled")
 
 
 @pytest.fixture(scope="module")
@@ -133,7 +133,7 @@ def test_a_recorded_session_needs_no_arming_and_the_search_is_cancelled(
     assert refused.error_code == CODES.NOT_ARMED
     before = Session.open(folder).runs
     goal = diagnose(world, session=folder.name)
-    world.until(lambda: told(goal, "diagnosing"))
+    world.until(lambda: reported(goal, "diagnosing"))
     goal.cancel()
     result = goal.result()
     assert (result.error_code, result.session) == (CODES.CANCELED, str(folder))

@@ -80,7 +80,7 @@ def rows() -> list[Row]:
 
 
 def test_every_diagnostic_is_on_the_page(world: World) -> None:
-    heard = world.hear(DiagnosticArray, "diagnostics", qos.DIAGNOSTICS)
+    heard = world.receive(DiagnosticArray, "diagnostics", qos.DIAGNOSTICS)
     port = {"port": world.folder / "port"}
     folders = {"state_dir": world.folder / "state", "sessions_dir": world.folder / "sessions"}
     world.start("shoe_driver", {**port, "use_sim_time": True})
@@ -89,16 +89,16 @@ def test_every_diagnostic_is_on_the_page(world: World) -> None:
     world.start("calibrator", {"use_sim_time": True, **folders})
     world.start("voltage_stream", {"use_sim_time": True}, script=STREAM)
     for node in ("calibrator", "voltage_stream"):
-        world.until_told(node, "voltages", "no voltages yet")
-    world.until_told("shoe_driver", "device", "does not exist")
+        world.until_reported(node, "voltages", "no voltages yet")
+    world.until_reported("shoe_driver", "device", "does not exist")
     for node in ("model", "planner", "calibrator"):
-        world.until_told(node, "joints", "no joint angles yet")
+        world.until_reported(node, "joints", "no joint angles yet")
     world.start("simulator", {**port, "offer_reach_support": False})
     for node in ("calibrator", "voltage_stream"):
-        world.until_told(node, "voltages", "voltages come")
-    world.until_told("planner", "joints", "joint angles come")
-    world.until_told("shoe_driver", "device", "reading")
-    world.until_told("simulator", "robot", "stands")
+        world.until_reported(node, "voltages", "voltages come")
+    world.until_reported("planner", "joints", "joint angles come")
+    world.until_reported("shoe_driver", "device", "reading")
+    world.until_reported("simulator", "robot", "stands")
 
     def well(name: str) -> bool:
         """Whether an input tells a rate, after something was wrong with it."""
@@ -106,10 +106,10 @@ def test_every_diagnostic_is_on_the_page(world: World) -> None:
         return status is not None and float(value(status, "rate_hz") or 0.0) > 10.0
 
     world.until(lambda: all(well(name) for name in {*INPUTS, "planner: shoes", SIMULATED}))
-    told = {status.name for message in heard.messages for status in message.status}
+    reported = {status.name for message in heard.messages for status in message.status}
     subjects = {row.subject for row in rows() if not row.subject.startswith("ADAPTER")}
     everybody = {subject for subject in subjects if ": " not in subject}
-    assert told == (subjects - everybody) | {
+    assert reported == (subjects - everybody) | {
         f"{node}: {one}" for node in NODES for one in everybody
     }
     for message in heard.messages:

@@ -11,7 +11,7 @@ from rclpy.publisher import Publisher
 from sensor_msgs.msg import JointState
 
 from ros.bodies import ODD, ODD_SHOE, nao
-from ros.world import Heard, World
+from ros.world import Received, World
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import JointSample, joints_to_ros, point_from_ros
@@ -25,8 +25,8 @@ def message(index: int) -> JointState:
 
 def test_com_and_cop_of_every_sample(world: World) -> None:
     world.start("model")
-    com = world.hear(PointStamped, "shoe/model/com", qos.RAW)
-    cop = world.hear(PointStamped, "shoe/model/cop", qos.RAW)
+    com = world.receive(PointStamped, "shoe/model/com", qos.RAW)
+    cop = world.receive(PointStamped, "shoe/model/cop", qos.RAW)
     publisher = world.publisher(JointState, "joint_states")
     sent = [message(index) for index in range(20)]
     # One at a time: live topics keep but the last few.
@@ -46,7 +46,7 @@ def test_com_and_cop_of_every_sample(world: World) -> None:
         )
 
 
-def _both(one: Heard, other: Heard, count: int) -> bool:
+def _both(one: Received, other: Received, count: int) -> bool:
     return len(one) >= count and len(other) >= count
 
 
@@ -55,7 +55,7 @@ def test_joints_that_do_not_match_are_told_once(world: World) -> None:
     publisher = world.publisher(JointState, "joint_states")
     for index in range(50):
         publisher.publish(message(index))
-    status = world.until_told("model", "joints", "needs joint(s)")
+    status = world.until_reported("model", "joints", "needs joint(s)")
     assert "left_hip_yaw" in status.message
     assert "LKneePitch" in status.message
     assert status.level == b"\x02"
@@ -66,16 +66,18 @@ def test_joints_that_do_not_match_are_told_once(world: World) -> None:
 def test_a_node_that_is_started_twice_is_told(world: World) -> None:
     world.start("model")
     world.start("model", name="twin")
-    told = world.until_told("model", "peers", "another node named '/model' publishes /shoe/model/")
-    assert told.level == b"\x02"
-    assert "stop one of them" in told.message
+    reported = world.until_reported(
+        "model", "peers", "another node named '/model' publishes /shoe/model/"
+    )
+    assert reported.level == b"\x02"
+    assert "stop one of them" in reported.message
     world.stop("twin")
-    world.until_told("model", "peers", "nobody on this node's topics stands in its way")
+    world.until_reported("model", "peers", "nobody on this node's topics stands in its way")
 
 
 def test_a_second_sender_is_a_warning_until_it_contradicts(world: World) -> None:
     world.start("model")
-    com = world.hear(PointStamped, "shoe/model/com", qos.LIVE)
+    com = world.receive(PointStamped, "shoe/model/com", qos.LIVE)
     own = world.publisher(JointState, "joint_states")
     other = world.companion("player").create_publisher(JointState, "joint_states", qos.RAW)
     same, away = message(0).position, [0.5 * angle for angle in nao().upper]
@@ -86,14 +88,14 @@ def test_a_second_sender_is_a_warning_until_it_contradicts(world: World) -> None
         names = nao().joint_names
         publisher.publish(joints_to_ros(JointSample(stamp[0], names, np.array(angles))))
 
-    def told(subject: str, text: str, angles: Sequence[float]) -> DiagnosticStatus:
-        def hear() -> bool:
+    def reported(subject: str, text: str, angles: Sequence[float]) -> DiagnosticStatus:
+        def receive() -> bool:
             tell(own, same)
             tell(other, angles)
             status = world.diagnosis("model", subject)
             return status is not None and text in status.message
 
-        world.until(hear)
+        world.until(receive)
         return world.diagnosis("model", subject)
 
     def used() -> None:
@@ -106,12 +108,12 @@ def test_a_second_sender_is_a_warning_until_it_contradicts(world: World) -> None
         world.until(comes)
 
     # Its name is known a little later than it itself.
-    status = told("peers", "'/player'", same)
+    status = reported("peers", "'/player'", same)
     assert "publish /joint_states; where they tell the same joints" in status.message
     assert status.level == b"\x01"
-    assert told("joints", "joint angles come", same).level == b"\x00"
+    assert reported("joints", "joint angles come", same).level == b"\x00"
     used()
-    status = told("joints", "joint angles run to and fro", away)
+    status = reported("joints", "joint angles run to and fro", away)
     assert "'/player'" in status.message
     assert status.level == b"\x02"
 
@@ -121,7 +123,7 @@ def test_a_second_sender_is_a_warning_until_it_contradicts(world: World) -> None
             tell(own, same)
             tell(other, away)
             # Once it answers, it has taken what was told before.
-            world.until_known_to("model")
+            world.until_discovered_by("model")
         return len(com)
 
     # What was under way comes first.
@@ -132,7 +134,7 @@ def test_a_second_sender_is_a_warning_until_it_contradicts(world: World) -> None
 
 def test_names_follow_namespaces_and_remapping(world: World) -> None:
     world.start("model", None, "-r", "__ns:=/lab", "-r", "joint_states:=robot/joints")
-    cop = world.hear(PointStamped, "/lab/shoe/model/cop", qos.LIVE)
+    cop = world.receive(PointStamped, "/lab/shoe/model/cop", qos.LIVE)
     publisher = world.publisher(JointState, "/lab/robot/joints")
     publisher.publish(message(0))
     world.until(lambda: len(cop))

@@ -37,11 +37,11 @@ def test_a_node_goes_on_and_says_it_once_somebody_reads(
     world: World, full_pipe: tuple[int, int]
 ) -> None:
     held, into = full_pipe
-    world.start("model", {"robot_file": NAO, "shoe_file": NAO_SHOE}, told_to=into)
+    world.start("model", {"robot_file": NAO, "shoe_file": NAO_SHOE}, log_to=into)
     # It has something to say by now, and works all the same.
-    world.until_told("model", "joints", "no joint angles yet")
+    world.until_reported("model", "joints", "no joint angles yet")
     StandingRobot(world, DoubleSupport(0.02, -0.11, 0.1))
-    world.until_told("model", "joints", "joint angles come")
+    world.until_reported("model", "joints", "joint angles come")
     said = b""
     while b"joint angles come" not in said:
         said += os.read(held, 65_536)

@@ -19,17 +19,17 @@ from shoecal_ros.common.conversions import trajectory_from_ros
 
 def test_the_robot_is_stopped_and_the_goal_answered(world: World) -> None:
     robot = FollowingRobot(world, DoubleSupport(0.02, -0.11, 0.1))
-    commands = world.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    commands = world.receive(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
     faulty = Path(__file__).with_name("faulty_planner.py")
-    world.start("planner", {"stale_s": 3.0, "follow_late": 4.0}, script=faulty)
-    world.until_told("planner", "planning", "ready")
-    world.until_told("planner", "joints", "come")
+    world.start("planner", {"stale_s": 10.0, "follow_late": 4.0}, script=faulty)
+    world.until_reported("planner", "planning", "ready")
+    world.until_reported("planner", "joints", "come")
     assert world.call(SetBool, "shoe/arm", SetBool.Request(data=True)).success
 
     result = world.goal(Plan, "shoe/plan", Plan.Goal(motion="landmarks", send=True)).result()
     assert (result.success, result.error_code) == (False, Plan.Result.FAILED)
     assert "ZeroDivisionError: made up, of two lines; see the node's log" in result.message
-    world.until_said("planner", "Traceback")
+    world.until_logged("planner", "Traceback")
     world.until(lambda: len(commands.last.points) == 1)
     hold = trajectory_from_ros(commands.last).full(nao(), robot.angles)
     assert hold.positions[-1] == pytest.approx(robot.angles, abs=0.05)

@@ -13,7 +13,7 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.bodies import nao
 from ros.rest import until_still
-from ros.world import Goal, Heard, World
+from ros.world import Goal, Received, World
 from shoecal_core.model.double_support import DoubleSupport as Support
 from shoecal_core.planning.posture import stance
 from shoecal_ros.common import qos
@@ -25,7 +25,7 @@ from shoecal_ros.common.conversions import (
 
 SUPPORT = DoubleSupport(dx=0.02, dy=-0.11, dtheta=0.1)
 QUICK = {
-    "stale_s": 3.0,
+    "stale_s": 10.0,
     "follow_late": 4.0,
     "planning.horizon": 5,
     "planning.landmark_radius": 0.012,
@@ -51,7 +51,7 @@ def has_begun(goal: Goal) -> bool:
     return bool(goal.feedback) or goal.done
 
 
-def has(heard: Heard, count: int) -> bool:
+def has(heard: Received, count: int) -> bool:
     return len(heard) == count
 
 
@@ -75,8 +75,8 @@ def still(world: World) -> World:
     """A planner beside a robot that does not move."""
     StillRobot(world)
     world.start("planner", QUICK)
-    world.until_told("planner", "planning", "ready")
-    world.until_told("planner", "joints", "come")
+    world.until_reported("planner", "planning", "ready")
+    world.until_reported("planner", "joints", "come")
     return world
 
 
@@ -85,8 +85,8 @@ def simulated(world: World) -> World:
     """A planner beside the simulated robot, which stands in a double support."""
     world.start("simulator", {"port": world.folder / "port", "speed": 4.0})
     world.start("planner", {**QUICK, "use_sim_time": True})
-    world.until_told("planner", "planning", "ready")
-    world.until_told("planner", "joints", "come")
+    world.until_reported("planner", "planning", "ready")
+    world.until_reported("planner", "joints", "come")
     arm(world)
     reached = world.goal(ReachSupport, "robot/reach_support", ReachSupport.Goal(support=SUPPORT))
     assert reached.result().success
@@ -97,7 +97,7 @@ def test_lines_of_a_goal_bear_the_id_of_its_job(still: World) -> None:
     anything = "one\ntwo/../" + 5000 * "x"
     refused = plan(still, motion="dance\nnow", run_id=anything).result()
     assert refused.error_code == Plan.Result.BAD_GOAL
-    still.until_said("planner", "xxx...] motion 'dance now' ended: no motion named")
+    still.until_logged("planner", "xxx...] motion 'dance now' ended: no motion named")
     said = still.output("planner").splitlines()
     lines = [line for line in said if "[one two/../xxx" in line]
     assert [line.rpartition("] ")[2].partition(":")[0] for line in lines] == [
@@ -105,16 +105,16 @@ def test_lines_of_a_goal_bear_the_id_of_its_job(still: World) -> None:
     ]  # fmt: skip
     assert max(map(len, lines)) < 500
     assert still.call(SetBool, "shoe/arm", SetBool.Request(data=True)).success
-    still.until_said("planner", "]: arming: armed")
+    still.until_logged("planner", "]: arming: armed")
 
 
 def test_a_plan_without_sending_moves_nothing(still: World) -> None:
-    commands = still.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    commands = still.receive(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
     goal = plan(still, run_id="20261122T034512123")
     result = goal.result()
-    still.until_said("planner", "[20261122T034512123] motion 'landmarks' done")
+    still.until_logged("planner", "[20261122T034512123] motion 'landmarks' done")
     # Whatever else it says meanwhile, too.
-    still.until_said("planner", "[20261122T034512123] planning: at work")
+    still.until_logged("planner", "[20261122T034512123] planning: at work")
     assert (result.success, result.error_code) == (True, Plan.Result.OK), result.message
     trajectory = trajectory_from_ros(result.trajectory)
     robot = nao()
@@ -144,8 +144,8 @@ def test_bad_goals(still: World, goal: dict[str, object], problem: str) -> None:
 
 
 def test_a_robot_that_does_not_follow_is_told_to_hold(still: World) -> None:
-    commands = still.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
-    still.until_told("planner", "commands", "goes to '/tester'")
+    commands = still.receive(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    still.until_reported("planner", "commands", "goes to '/tester'")
     arm(still)
     result = plan(still, send=True).result()
     assert result.error_code == Plan.Result.NOT_FOLLOWED
@@ -159,19 +159,19 @@ def test_a_robot_that_does_not_follow_is_told_to_hold(still: World) -> None:
 
 def test_nothing_is_sent_while_nobody_listens(still: World) -> None:
     arm(still)
-    still.until_told("planner", "commands", "nobody listens to /joint_trajectory")
+    still.until_reported("planner", "commands", "nobody listens to /joint_trajectory")
     recorder = still.companion("calibrator")
     recorder.create_subscription(JointTrajectoryMsg, "joint_trajectory", print, qos.COMMAND)
-    still.until_known_to("planner", recorder)
+    still.until_discovered_by("planner", recorder)
     # By its name, too.
     still.forget("planner")
-    still.until_told("planner", "commands", "nobody listens to /joint_trajectory")
+    still.until_reported("planner", "commands", "nobody listens to /joint_trajectory")
     result = plan(still, send=True).result()
     assert result.error_code == Plan.Result.NOT_FOLLOWED
     assert "not begun: nobody listens to /joint_trajectory" in result.message
     robot = still.companion("robot")
     robot.create_subscription(JointTrajectoryMsg, "joint_trajectory", print, qos.COMMAND)
-    still.until_told("planner", "commands", "goes to '/robot'")
+    still.until_reported("planner", "commands", "goes to '/robot'")
     goal = plan(still, send=True)
     still.until(lambda: goal.done or any(one.phase == "moving" for one in goal.feedback))
     still.dismiss(robot)
@@ -185,15 +185,15 @@ def test_one_motion_at_a_time_and_cancelling_while_planning(world: World) -> Non
     # being planned when something comes, on a busy machine too.
     StillRobot(world)
     slow = {
-        "stale_s": 3.0,
+        "stale_s": 10.0,
         "planning.solver": "ipopt",
         "planning.horizon": 40,
         "planning.joint_speed": 0.005,
         "planning.steps_max": 10_000,
     }
     world.start("planner", slow)
-    world.until_told("planner", "planning", "ready")
-    world.until_told("planner", "joints", "come")
+    world.until_reported("planner", "planning", "ready")
+    world.until_reported("planner", "joints", "come")
     for _ in range(2):
         goal = plan(world)
         world.until(partial(has_begun, goal))
@@ -211,7 +211,7 @@ def test_without_joint_angles(world: World) -> None:
 
 def test_arming_ends_by_itself(world: World) -> None:
     world.start("planner", {**QUICK, "arm_timeout_s": 1.0})
-    armed = world.hear(Bool, "shoe/armed", qos.ARMED)
+    armed = world.receive(Bool, "shoe/armed", qos.ARMED)
     world.until(lambda: len(armed))
     assert not armed.last.data
     arm(world)
@@ -221,7 +221,7 @@ def test_arming_ends_by_itself(world: World) -> None:
 
 def test_a_motion_is_sent_and_followed_to_its_end(simulated: World) -> None:
     # A fast robot tells more than this client takes in: only what it does now counts.
-    joints = simulated.hear(JointState, "joint_states", qos.NEWEST)
+    joints = simulated.receive(JointState, "joint_states", qos.NEWEST)
     goal = plan(simulated, send=True)
     result = goal.result()
     assert (result.success, result.error_code) == (True, Plan.Result.OK), result.message
@@ -235,7 +235,7 @@ def test_a_motion_is_sent_and_followed_to_its_end(simulated: World) -> None:
 
 
 def test_cancelling_and_disarming_stop_the_robot(simulated: World) -> None:
-    commands = simulated.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    commands = simulated.receive(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
     for stop, code in (("cancel", Plan.Result.CANCELED), ("disarm", Plan.Result.NOT_ARMED)):
         sent = len(commands)
         goal = plan(simulated, send=True)
@@ -254,9 +254,9 @@ def test_cancelling_and_disarming_stop_the_robot(simulated: World) -> None:
 def test_without_a_job_too_a_robot_whose_planner_is_killed_comes_to_rest(simulated: World) -> None:
     folders = {name: simulated.folder / name for name in ("state_dir", "sessions_dir")}
     simulated.start("calibrator", {"use_sim_time": True, **folders})
-    simulated.until_told("calibrator", "joints", "joints come")
-    commands = simulated.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
-    simulated.until_known_to("calibrator")
+    simulated.until_reported("calibrator", "joints", "joints come")
+    commands = simulated.receive(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    simulated.until_discovered_by("calibrator")
     goal = plan(simulated, send=True)
     simulated.until(partial(is_moving, goal))
     simulated.kill("planner")
@@ -267,7 +267,7 @@ def test_without_a_job_too_a_robot_whose_planner_is_killed_comes_to_rest(simulat
 
 
 def test_a_streamed_motion_is_planned_from_where_the_robot_is(simulated: World) -> None:
-    commands = simulated.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+    commands = simulated.receive(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
     result = plan(simulated, send=True, stream=True).result()
     assert (result.success, result.error_code) == (True, Plan.Result.OK), result.message
     assert len(commands) > 2
@@ -278,6 +278,6 @@ def test_a_streamed_motion_is_planned_from_where_the_robot_is(simulated: World) 
 def test_a_parameter_that_no_node_has_is_told_and_nothing_starts(world: World) -> None:
     world.start("planner", {"horizon": 5})
     assert world.ended("planner") == 1
-    told = world.output("planner").strip().splitlines()[-1]
-    assert "planner: horizon: node planner has no such parameter" in told
-    assert "planning.horizon" in told
+    reported = world.output("planner").strip().splitlines()[-1]
+    assert "planner: horizon: node planner has no such parameter" in reported
+    assert "planning.horizon" in reported

@@ -11,14 +11,14 @@ from shoecal_msgs.msg import DoubleSupport
 from std_srvs.srv import SetBool
 
 from ros.bodies import nao
-from ros.world import Goal, Heard, World
+from ros.world import Goal, Received, World
 from shoecal_core.model.double_support import DoubleSupport as Support
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.common.health import Level
 
-PATIENT = {"stale_s": 3.0, "follow_late": 4.0}
+PATIENT = {"stale_s": 10.0, "follow_late": 4.0}
 """For a busy machine."""
 NEAR = DoubleSupport(dx=0.02, dy=-0.115, dtheta=0.1)
 FAR = DoubleSupport(dx=-0.02, dy=-0.12, dtheta=-0.1)
@@ -29,18 +29,18 @@ def reach(world: World, support: DoubleSupport) -> Goal:
     return world.goal(ReachSupport, "robot/reach_support", ReachSupport.Goal(support=support))
 
 
-def stands(joints: Heard) -> Support:
+def stands(joints: Received) -> Support:
     angles = nao().from_measured(joints.last.name, np.array(joints.last.position))
     return Kinematics(nao()).states(angles[None]).support()
 
 
-def lifted(joints: Heard) -> float:
+def lifted(joints: Received) -> float:
     """Height of the right sole over the left one, as encoders tell it [m]."""
     angles = nao().from_measured(joints.last.name, np.array(joints.last.position))
     return float(Kinematics(nao()).states(angles[None]).translation[0, 2])
 
 
-def until_still(world: World, joints: Heard) -> None:
+def until_still(world: World, joints: Received) -> None:
     """Wait until the joints are where they were a second of the robot's time ago."""
     before = joints.last
 
@@ -62,18 +62,18 @@ def walking(world: World) -> World:
     body = {"port": world.folder / "port", "speed": 3.0, "offer_reach_support": False}
     world.start("simulator", body)
     world.start("planner", {**PATIENT, "use_sim_time": True, "steps": True})
-    world.until_told("planner", "planning", "ready")
-    world.until_told("planner", "joints", "come")
+    world.until_reported("planner", "planning", "ready")
+    world.until_reported("planner", "joints", "come")
     return world
 
 
 def test_a_support_is_reached_by_own_steps(walking: World) -> None:
     # A fast robot tells more than this client takes in: only what it does now counts.
-    joints = walking.hear(JointState, "joint_states", qos.NEWEST)
+    joints = walking.receive(JointState, "joint_states", qos.NEWEST)
     asked = ReachSupport.Goal(support=NEAR, run_id="20261122T034512123")
     refused = walking.goal(ReachSupport, "robot/reach_support", asked).result()
     assert refused.error_code == ReachSupport.Result.NOT_ARMED
-    walking.until_said("planner", "[20261122T034512123] stepping to a double support ended: not")
+    walking.until_logged("planner", "[20261122T034512123] stepping to a double support ended: not")
     assert walking.call(SetBool, "shoe/arm", SetBool.Request(data=True)).success
     for nowhere in (DoubleSupport(dx=0.5, dy=-0.1), DoubleSupport(dx=float("nan"))):
         far = reach(walking, nowhere).result()
@@ -85,13 +85,13 @@ def test_a_support_is_reached_by_own_steps(walking: World) -> None:
     assert busy.error_code == Plan.Result.BUSY
     result = goal.result()
     assert (result.success, result.error_code) == (True, ReachSupport.Result.OK), result.message
-    told = [one.progress for one in goal.feedback]
-    assert told == sorted(told)
+    reported = [one.progress for one in goal.feedback]
+    assert reported == sorted(reported)
     there = stands(joints)
     assert there.dx == pytest.approx(NEAR.dx, abs=0.005)
     assert there.dy == pytest.approx(NEAR.dy, abs=0.005)
     assert there.dtheta == pytest.approx(NEAR.dtheta, abs=0.03)
-    walking.until_told("simulator", "robot", "stands")
+    walking.until_reported("simulator", "robot", "stands")
 
     unloaded = walking.goal(Plan, "shoe/plan", Plan.Goal(motion="unload_left", send=True))
     assert unloaded.result().success, unloaded.result().message
@@ -106,12 +106,14 @@ def test_a_support_is_reached_by_own_steps(walking: World) -> None:
 
 def test_two_nodes_that_offer_to_step_are_told_of(world: World) -> None:
     world.start("planner", {**PATIENT, "steps": True})
-    world.until_told("planner", "steps", "this node offers robot/reach_support")
+    world.until_reported("planner", "steps", "this node offers robot/reach_support")
     other = ActionServer(world.node, ReachSupport, "robot/reach_support", lambda _: None)
-    told = world.until_told("planner", "steps", "another node offers robot/reach_support too")
-    assert told.level == bytes([Level.WARN])
+    reported = world.until_reported(
+        "planner", "steps", "another node offers robot/reach_support too"
+    )
+    assert reported.level == bytes([Level.WARN])
     other.destroy()
-    world.until_told("planner", "steps", "this node offers robot/reach_support")
+    world.until_reported("planner", "steps", "this node offers robot/reach_support")
 
 
 def _put_down(world: World) -> None:
@@ -124,7 +126,7 @@ def _step_on(world: World) -> None:
     assert result.success, result.message
 
 
-def _stop_in_mid_swing(world: World, joints: Heard, support: DoubleSupport) -> None:
+def _stop_in_mid_swing(world: World, joints: Received, support: DoubleSupport) -> None:
     """Cancel a step while its foot is up: again from elsewhere where the foot was down too soon."""
     while True:
         goal = reach(world, support)

@@ -13,14 +13,14 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.bodies import nao
 from ros.following_robot import FollowingRobot
-from ros.world import Goal, Heard, World
+from ros.world import Goal, Received, World
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_from_ros
 
 FloatArray = NDArray[np.float64]
-PATIENT = {"stale_s": 3.0, "follow_late": 4.0}
+PATIENT = {"stale_s": 10.0, "follow_late": 4.0}
 """For a busy machine."""
 SUPPORT = DoubleSupport(0.02, -0.11, 0.1)
 
@@ -36,17 +36,17 @@ class Scene:
     def __init__(self, world: World) -> None:
         self.world = world
         self.robot = FollowingRobot(world, SUPPORT)
-        self.commands: Heard = world.hear(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
+        self.commands: Received = world.receive(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
         world.start("planner", PATIENT)
-        world.until_told("planner", "planning", "ready")
+        world.until_reported("planner", "planning", "ready")
         self.recover()
 
     def recover(self) -> None:
         self.robot.recover()
         self.world.forget("planner")
-        for subject, told in (("joints", "come"), ("tilt", "comes"), ("shoes", "comes")):
-            self.world.until_told("planner", subject, told)
-        self.world.until_told("planner", "heat", "'RKneePitch' at 40")
+        for subject, reported in (("joints", "come"), ("tilt", "comes"), ("shoes", "comes")):
+            self.world.until_reported("planner", subject, reported)
+        self.world.until_reported("planner", "heat", "'RKneePitch' at 40")
         assert self.world.call(SetBool, "shoe/arm", SetBool.Request(data=True)).success
 
     def plan(self, motion: str = "landmarks") -> Goal:
@@ -99,7 +99,9 @@ def lose_load(robot: FollowingRobot) -> None:
 
 
 def fall_silent(robot: FollowingRobot) -> None:
-    robot.tells_voltages = False
+    # So slowly that the motion is still under way when that is noticed.
+    robot.pace = 1
+    robot.publishes_voltages = False
 
 
 def heat(robot: FollowingRobot) -> None:
@@ -111,7 +113,7 @@ def slip(robot: FollowingRobot) -> None:
 
 
 @pytest.mark.parametrize(
-    ("cause", "code", "told"),
+    ("cause", "code", "reported"),
     [
         (lean, Plan.Result.TILTED, "rad otherwise than its joints make it"),
         (lose_load, Plan.Result.LOAD_LOST, "foot carries nothing"),
@@ -121,20 +123,20 @@ def slip(robot: FollowingRobot) -> None:
     ],
 )
 def test_each_cause_stops_the_robot_where_it_is(
-    scene: Scene, cause: Callable[[FollowingRobot], None], code: int, told: str
+    scene: Scene, cause: Callable[[FollowingRobot], None], code: int, reported: str
 ) -> None:
     goal = scene.moving()
     cause(scene.robot)
     result = goal.result()
     assert result.error_code == code, result.message
-    assert told in result.message
+    assert reported in result.message
     # No stop moves a joint far: that which slipped is held `follow_error` off its trajectory.
     assert scene.held() == pytest.approx(scene.robot.angles, abs=0.05 if cause != slip else 0.1)
 
 
 def test_joint_angles_that_stop_stop_the_motion(scene: Scene) -> None:
     goal = scene.moving()
-    scene.robot.tells_joints = False
+    scene.robot.publishes_joints = False
     result = goal.result()
     assert result.error_code == Plan.Result.NO_JOINT_STATES
     assert "stopped while moving" in result.message
@@ -143,7 +145,7 @@ def test_joint_angles_that_stop_stop_the_motion(scene: Scene) -> None:
 
 def test_nothing_begins_with_hot_motors(scene: Scene) -> None:
     scene.robot.degc = 65.0  # not as cool as to begin
-    scene.world.until_told("planner", "heat", "at 65")
+    scene.world.until_reported("planner", "heat", "at 65")
     sent = len(scene.commands)
     result = scene.plan().result()
     assert result.error_code == Plan.Result.HOT_JOINTS
@@ -204,7 +206,7 @@ def test_a_motion_done_tells_how_warm_it_left_the_motors(scene: Scene) -> None:
     scene.robot.pace = 16
     goal = scene.plan("unload_right")
     scene.until(goal, lambda: scene.robot.lifted > 0.003)
-    scene.robot.tell_garbled_joints()
+    scene.robot.publish_garbled_joints()
     result = goal.result()
     assert result.success, result.message
     assert "hottest joint 'RKneePitch' at 40 degC, 28 degC below the limit" in result.message

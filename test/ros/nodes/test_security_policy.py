@@ -97,11 +97,11 @@ def test_the_page_tells_of_this_policy() -> None:
 
 
 def test_the_page_tells_when_arming_ends_by_itself() -> None:
-    (told,) = re.findall(r"\((\d+) s unless", PAGE)
-    assert float(told) == MovingSettings().arm_timeout_s
+    (reported,) = re.findall(r"\((\d+) s unless", PAGE)
+    assert float(reported) == MovingSettings().arm_timeout_s
     # That page is made from the code and the files of config/.
     parameters = (ROOT / "docs/reference/parameters.md").read_text()
-    assert f"| `arm_timeout_s` | `{told}` | s |" in parameters
+    assert f"| `arm_timeout_s` | `{reported}` | s |" in parameters
 
 
 def holders(rule: str, name: str) -> set[str]:

@@ -18,7 +18,7 @@ from rosgraph_msgs.msg import Clock
 from shoecal_msgs.msg import ShoeVoltages
 
 from ros.bodies import nao_shoe
-from ros.world import Heard, World
+from ros.world import Received, World
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import time_from_ros, time_to_ros
@@ -53,7 +53,7 @@ def _send_one(device: SimulatedDevice, sequence: int) -> bool:
     return device.send(sequence, now_us, COUNTS, [0] * 8, temperature=21.5)
 
 
-def connect(world: World, device: SimulatedDevice, heard: Heard) -> int:
+def connect(world: World, device: SimulatedDevice, heard: Received) -> int:
     """Send frames until messages come: what nobody listens to yet is lost; the next sequence."""
     sequence = count()
 
@@ -65,14 +65,14 @@ def connect(world: World, device: SimulatedDevice, heard: Heard) -> int:
     return next(sequence)
 
 
-def _told(world: World) -> dict[str, str]:
+def _reported(world: World) -> dict[str, str]:
     status = world.diagnosis("shoe_driver", "device")
     return {} if status is None else {pair.key: pair.value for pair in status.values}
 
 
 def test_every_frame_becomes_a_message(world: World, device: SimulatedDevice, port: Path) -> None:
     world.start("shoe_driver", {"port": port})
-    voltages = world.hear(ShoeVoltages, "shoe/voltages")
+    voltages = world.receive(ShoeVoltages, "shoe/voltages")
     begin = connect(world, device, voltages)
     send(world, device, begin, 50)
     world.until(lambda: voltages.last.sequence == begin + 49)
@@ -85,16 +85,16 @@ def test_every_frame_becomes_a_message(world: World, device: SimulatedDevice, po
     assert last.header.frame_id == "shoe_driver"
     stamps = [one.header.stamp.sec + 1e-9 * one.header.stamp.nanosec for one in voltages.messages]
     assert np.all(np.diff(stamps) > 0.0)
-    world.until_told("shoe_driver", "device", "reading")
+    world.until_reported("shoe_driver", "device", "reading")
     # The first of its diagnostics may be older than what the device says of itself.
-    world.until(lambda: _told(world).get("firmware") == "test")
+    world.until(lambda: _reported(world).get("firmware") == "test")
 
 
 def test_a_simulated_device_and_the_host_share_simulated_time(
     world: World, device: SimulatedDevice, port: Path
 ) -> None:
     world.start("shoe_driver", {"port": port, "use_sim_time": True})
-    voltages = world.hear(ShoeVoltages, "shoe/voltages")
+    voltages = world.receive(ShoeVoltages, "shoe/voltages")
     clock = world.publisher(Clock, "/clock", qos.CLOCK)
     sequence = count(100)
 
@@ -113,10 +113,10 @@ def test_a_simulated_device_and_the_host_share_simulated_time(
 
 def test_unplugging_and_plugging_again(world: World, device: SimulatedDevice, port: Path) -> None:
     world.start("shoe_driver", {"port": port})
-    voltages = world.hear(ShoeVoltages, "shoe/voltages")
+    voltages = world.receive(ShoeVoltages, "shoe/voltages")
     begin = connect(world, device, voltages)
     device.unplug()
-    world.until_told("shoe_driver", "device", "plug the device in")
+    world.until_reported("shoe_driver", "device", "plug the device in")
     device.plug()
     sequence = count(begin)
 
@@ -129,7 +129,7 @@ def test_unplugging_and_plugging_again(world: World, device: SimulatedDevice, po
 
 def test_a_port_that_is_not_there(world: World, port: Path) -> None:
     world.start("shoe_driver", {"port": port})
-    status = world.until_told("shoe_driver", "device", "does not exist")
+    status = world.until_reported("shoe_driver", "device", "does not exist")
     assert status.level == b"\x02"
     assert str(port) in status.message
 
@@ -147,7 +147,7 @@ def test_a_port_that_sends_nothing(
     world: World, device: SimulatedDevice, port: Path, tmp_path: Path
 ) -> None:
     world.start("shoe_driver", {"port": port})
-    world.until_told("shoe_driver", "device", "check the device's power and cable")
+    world.until_reported("shoe_driver", "device", "check the device's power and cable")
 
 
 def test_a_port_that_sends_garbage(world: World, port: Path) -> None:
@@ -157,12 +157,12 @@ def test_a_port_that_sends_garbage(world: World, port: Path) -> None:
     world.start("shoe_driver", {"port": port})
     rng = np.random.default_rng(1)
 
-    def told() -> bool:
+    def reported() -> bool:
         os.write(line, rng.bytes(50))
         status = world.diagnosis("shoe_driver", "device")
         return status is not None and "no good frame" in status.message
 
-    world.until(told)
+    world.until(reported)
     assert "'baud'" in world.diagnosis("shoe_driver", "device").message
     os.close(line)
     os.close(end)
@@ -170,19 +170,19 @@ def test_a_port_that_sends_garbage(world: World, port: Path) -> None:
 
 def test_two_sources_of_one_cell(world: World, device: SimulatedDevice, port: Path) -> None:
     world.start("shoe_driver", {"port": port})
-    sequence = count(connect(world, device, world.hear(ShoeVoltages, "shoe/voltages")))
+    sequence = count(connect(world, device, world.receive(ShoeVoltages, "shoe/voltages")))
     rival = world.publisher(ShoeVoltages, "shoe/voltages")
     other = ShoeVoltages(cell=["left/rear_left"], voltage=[1.0], status=[0])
     # Any peer may send any name.
     other.header.frame_id = "rival\n" + 5000 * "x"
     other.header.stamp.sec = 7
 
-    def told() -> bool:
+    def reported() -> bool:
         rival.publish(other)
         status = world.diagnosis("shoe_driver", "device")
         return status is not None and "also come from 'rival xxx" in status.message
 
-    world.until(told)
+    world.until(reported)
     message = world.diagnosis("shoe_driver", "device").message
     assert "left/rear_left" in message
     assert len(message) < 300
@@ -203,7 +203,7 @@ def _one_foot(foot: str) -> Shoe:
 
 def test_boards_of_one_foot_each_do_not_disturb_each_other(world: World, tmp_path: Path) -> None:
     names = nao_shoe().names
-    heard = world.hear(ShoeVoltages, "shoe/voltages")
+    heard = world.receive(ShoeVoltages, "shoe/voltages")
     with (
         SimulatedDevice(tmp_path / "left", INFO) as left,
         SimulatedDevice(tmp_path / "right", INFO) as right,

@@ -46,9 +46,9 @@ def test_joints_readings_clock_and_truth_are_of_one_time(world: World, tmp_path:
     truth_file = tmp_path / "truth.mcap"
     port = start(world, truth_file=truth_file)
     world.start("shoe_driver", {"port": port, "use_sim_time": True})
-    joints = world.hear(JointState, "joint_states")
-    voltages = world.hear(ShoeVoltages, "shoe/voltages")
-    clock = world.hear(Clock, "/clock", qos.CLOCK)
+    joints = world.receive(JointState, "joint_states")
+    voltages = world.receive(ShoeVoltages, "shoe/voltages")
+    clock = world.receive(Clock, "/clock", qos.CLOCK)
     world.until(lambda: len(joints) > 300 and len(voltages) > 300 and len(clock))
     assert tuple(joints.last.name) == nao().joint_names
     assert tuple(voltages.last.cell) == nao_shoe().names
@@ -67,7 +67,7 @@ def test_joints_readings_clock_and_truth_are_of_one_time(world: World, tmp_path:
 def test_a_support_is_reached(world: World) -> None:
     start(world)
     # A fast robot tells more than this client takes in: only what it does now counts.
-    joints = world.hear(JointState, "joint_states", qos.NEWEST)
+    joints = world.receive(JointState, "joint_states", qos.NEWEST)
     world.until(lambda: len(joints))
     world.arm("simulator")
     goal = reach(world)
@@ -87,8 +87,8 @@ def test_a_support_is_reached(world: World) -> None:
 
 def test_it_tells_how_warm_its_motors_are_and_which_way_is_up(world: World) -> None:
     start(world)
-    temperatures = world.hear(Temperature, "joint_temperatures")
-    imu = world.hear(Imu, "imu")
+    temperatures = world.receive(Temperature, "joint_temperatures")
+    imu = world.receive(Imu, "imu")
     world.until(lambda: len(temperatures) >= 2 * (len(nao().joint_names) - 1) and len(imu))
     joints = {one.header.frame_id for one in temperatures.messages}
     assert joints == {*nao().joint_names} - {"RHipYawPitch"}, "one message a motor"
@@ -100,7 +100,7 @@ def test_it_tells_how_warm_its_motors_are_and_which_way_is_up(world: World) -> N
 
 def test_it_leaves_supports_to_others_where_told_to(world: World) -> None:
     start(world, offer_reach_support=False)
-    world.until_told("simulator", "robot", "stands")
+    world.until_reported("simulator", "robot", "stands")
     client = ActionClient(world.node, ReachSupport, "robot/reach_support")
     assert not client.server_is_ready()
 
@@ -111,7 +111,7 @@ def test_nothing_moves_before_it_is_armed(world: World) -> None:
     result = world.goal(ReachSupport, "robot/reach_support", asked).result()
     assert result.error_code == ReachSupport.Result.NOT_ARMED
     assert "shoe/arm" in result.message
-    world.until_said("simulator", "[20261122T034512123] placing the robot ended: not armed")
+    world.until_logged("simulator", "[20261122T034512123] placing the robot ended: not armed")
 
 
 @pytest.mark.parametrize(
@@ -127,7 +127,7 @@ def test_supports_out_of_reach(world: World, support: DoubleSupport) -> None:
 
 def test_trajectories_are_followed_or_refused_by_name(world: World) -> None:
     start(world, needs_arming=False)
-    joints = world.hear(JointState, "joint_states")
+    joints = world.receive(JointState, "joint_states")
     command = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
     world.until(lambda: len(joints))
     goal = nao().posture[nao().joint("HeadYaw")] + 0.3
@@ -137,7 +137,7 @@ def test_trajectories_are_followed_or_refused_by_name(world: World) -> None:
     world.until(lambda: abs(joints.last.position[column] - goal) < 0.02)
     wrong = JointTrajectory(("Tail",), np.array([0.5]), np.array([[0.1]]))
     command.publish(trajectory_to_ros(wrong))
-    world.until_told("simulator", "robot", "no joint named 'Tail'")
+    world.until_reported("simulator", "robot", "no joint named 'Tail'")
 
 
 def test_another_robot_on_other_shoes(world: World, tmp_path: Path) -> None:
@@ -147,7 +147,7 @@ def test_another_robot_on_other_shoes(world: World, tmp_path: Path) -> None:
     shoe = load_shoe(ODD_SHOE)
     write_device(device, shoe, port, 24)
     world.start("shoe_driver", {"config_file": device, "use_sim_time": True})
-    voltages = world.hear(ShoeVoltages, "shoe/voltages")
+    voltages = world.receive(ShoeVoltages, "shoe/voltages")
     world.until(lambda: len(voltages) > 10)
     assert tuple(voltages.last.cell) == shoe.names
     assert set(voltages.last.status) == {0}
@@ -155,18 +155,18 @@ def test_another_robot_on_other_shoes(world: World, tmp_path: Path) -> None:
 
 def test_trajectories_are_refused_unless_armed(world: World) -> None:
     start(world)
-    joints = world.hear(JointState, "joint_states")
+    joints = world.receive(JointState, "joint_states")
     command = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
     world.until(lambda: len(joints))
     goal = nao().posture[nao().joint("HeadYaw")] + 0.3
     motion = JointTrajectory(("HeadYaw",), np.array([0.5]), np.array([[goal]]))
     command.publish(trajectory_to_ros(motion))
-    world.until_told("simulator", "robot", "not armed")
+    world.until_reported("simulator", "robot", "not armed")
 
 
 def test_disarmed_a_command_to_hold_stops_it_and_never_moves_it(world: World) -> None:
     start(world)
-    joints = world.hear(JointState, "joint_states")
+    joints = world.receive(JointState, "joint_states")
     command = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
     world.until(lambda: len(joints))
     column = nao().joint_names.index("HeadYaw")
@@ -187,7 +187,7 @@ def test_disarmed_a_command_to_hold_stops_it_and_never_moves_it(world: World) ->
     tell(1.0, 20.0)
     world.until(lambda: abs(where() - begin) > 0.05)
     armed.publish(Bool(data=False))
-    world.until_known_to("simulator")
+    world.until_discovered_by("simulator")
     tell(0.19, 0.01)
     settle()
     rest = where()
@@ -227,7 +227,7 @@ def hanging_listener() -> Iterator[None]:
 
 def test_a_listener_that_hangs_is_not_waited_for_for_ever(world: World) -> None:
     """Else the simulator could not be ended either: each message would wait anew."""
-    clock = world.hear(Clock, "/clock", qos.CLOCK)
+    clock = world.receive(Clock, "/clock", qos.CLOCK)
     with hanging_listener():
         world.start("simulator", {"port": world.folder / "port", "rate": 1000.0, "speed": 20.0})
         world.until(lambda: len(clock) > 0)
@@ -238,11 +238,11 @@ def test_a_listener_that_hangs_is_not_waited_for_for_ever(world: World) -> None:
 
 
 def test_a_listener_that_hangs_is_named_until_it_is_gone(world: World) -> None:
-    world.hear(JointState, "joint_states", qos.EITHER)
+    world.receive(JointState, "joint_states", qos.EITHER)
     with hanging_listener():
         world.start("simulator", {"port": world.folder / "port", "rate": 1000.0, "speed": 20.0})
-        told = world.until_told("simulator", "listeners", "takes nothing")
-        assert told.level == bytes([Level.WARN])
-        assert told.message.startswith("'/hanging' listens to /joint_states"), "nobody else"
-        assert {pair.key: pair.value for pair in told.values}["code"] == Code.LISTENER_HANGS
-    world.until_told("simulator", "listeners", "nobody who listens hangs")
+        reported = world.until_reported("simulator", "listeners", "takes nothing")
+        assert reported.level == bytes([Level.WARN])
+        assert reported.message.startswith("'/hanging' listens to /joint_states"), "nobody else"
+        assert {pair.key: pair.value for pair in reported.values}["code"] == Code.LISTENER_HANGS
+    world.until_reported("simulator", "listeners", "nobody who listens hangs")

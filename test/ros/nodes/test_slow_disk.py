@@ -29,7 +29,7 @@ class Calls:
         self._world = world
         self._client: Client = world.node.create_client(kind, name)
         world.until(self._client.service_is_ready)
-        world.until_known_to("calibrator")
+        world.until_discovered_by("calibrator")
 
     def begin(self, request: Any) -> Any:
         return self._client.call_async(request)
@@ -56,7 +56,7 @@ def test_a_slow_disk_holds_up_no_force(world: World, monkeypatch: pytest.MonkeyP
     get = Calls(world, GetCalibration, "shoe/get_calibration")
     for identity in ("one", "two"):
         assert change.answer(request(identity)).success
-    cop = world.hear(PointStamped, "shoe/cop", qos.LIVE)
+    cop = world.receive(PointStamped, "shoe/cop", qos.LIVE)
     for begin, target in (
         (lambda: change.begin(request("three")), "three"),
         (lambda: rollback.begin(Trigger.Request()), "two"),

@@ -29,9 +29,9 @@ def test_commands_never_lead_by_more_than_the_bound() -> None:
 
 def test_a_robot_that_does_not_move_ends_the_motion() -> None:
     give = Give(("a", "b"), 0.03, 3)
-    told = [give.learn(part(0.0, 0.005), np.zeros(2), np.zeros(2)) for _ in range(3)]
-    assert told[:2] == ["", ""]
-    assert "not moved in 3 parts" in told[2]
+    reported = [give.learn(part(0.0, 0.005), np.zeros(2), np.zeros(2)) for _ in range(3)]
+    assert reported[:2] == ["", ""]
+    assert "not moved in 3 parts" in reported[2]
 
 
 def test_progress_renews_patience() -> None:

@@ -90,14 +90,16 @@ class Watched:
 
 def test_which_feet_carry() -> None:
     watch = Watched().watch
-    told = [watch.support_phase(time).value for time in (0.0, 2.9, 3.1, 5.9, 6.1, 8.9, 99.0)]
-    assert told == ["both", "both", "left", "left", "both", "both", "both"]
+    reported = [watch.support_phase(time).value for time in (0.0, 2.9, 3.1, 5.9, 6.1, 8.9, 99.0)]
+    assert reported == ["both", "both", "left", "left", "both", "both", "both"]
 
 
 def test_both_feet_carry_once_a_late_robot_has_put_its_foot_down() -> None:
     watch, late = Watched().watch, SETTINGS.follow_late
-    told = [watch.both_carry(time) for time in (0.0, 2.9, 3.1, 5.9, 6.1, 5.9 + late, 6.1 + late)]
-    assert told == [True, True, False, False, False, False, True]
+    reported = [
+        watch.both_carry(time) for time in (0.0, 2.9, 3.1, 5.9, 6.1, 5.9 + late, 6.1 + late)
+    ]
+    assert reported == [True, True, False, False, False, False, True]
     assert watch.both_carry(99.0)
 
 
@@ -120,7 +122,7 @@ def test_a_healthy_motion_raises_no_concern() -> None:
 
 
 @pytest.mark.parametrize(
-    ("told", "code", "can_wait", "words"),
+    ("reported", "code", "can_wait", "words"),
     [
         ({"pitch": 0.15}, Plan.Result.TILTED, False, "leans 0.15 rad"),
         ({"degc": 70.0}, Plan.Result.HOT_JOINTS, True, "'LKneePitch' is at 70 degC"),
@@ -128,9 +130,9 @@ def test_a_healthy_motion_raises_no_concern() -> None:
         ({"pitch": 0.15, "degc": 70.0}, Plan.Result.TILTED, False, "leans"),
     ],
 )
-def test_each_cause(told: dict[str, object], code: int, can_wait: bool, words: str) -> None:
+def test_each_cause(reported: dict[str, object], code: int, can_wait: bool, words: str) -> None:
     watched = Watched()
-    watched.tell(**told)  # type: ignore[arg-type]
+    watched.tell(**reported)  # type: ignore[arg-type]
     concern = None
     for elapsed in (4.5, 5.0):
         concern = watched.look(elapsed)

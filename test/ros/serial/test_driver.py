@@ -135,8 +135,8 @@ def test_a_clock_that_stands_is_told_until_it_runs_again(
     for sequence in range(25):
         device.send(sequence, 100_000 * sequence, [1, 2], [0, 0])
         assert len(read(driver, 1)) == 1
-        told = str(driver.status().problem)
-        assert ("the clock stands still" in told) == (sequence > 20)
+        reported = str(driver.status().problem)
+        assert ("the clock stands still" in reported) == (sequence > 20)
     clock.seconds = 50.1
     device.send(25, 2_500_000, [1, 2], [0, 0])
     assert len(read(driver, 1)) == 1

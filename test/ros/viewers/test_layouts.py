@@ -86,7 +86,7 @@ def test_a_missing_topic_is_told_with_what_looks_like_it(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(
-    ("path", "told"),
+    ("path", "reported"),
     [
         ("/shoe/cop.point.x", ""),
         ("/shoe/cop.header.stamp.sec", ""),
@@ -96,29 +96,33 @@ def test_a_missing_topic_is_told_with_what_looks_like_it(tmp_path: Path) -> None
         ("/shoe/state.feet[0].force", "shoecal_msgs/FootState has no field 'force'"),
     ],
 )
-def test_fields_are_looked_up_in_the_messages(tmp_path: Path, path: str, told: str) -> None:
+def test_fields_are_looked_up_in_the_messages(tmp_path: Path, path: str, reported: str) -> None:
     topics = {"/shoe/cop": POINT, "/shoe/state": ("shoecal_msgs/msg/ShoeState",)}
     found = misfits(foxglove(tmp_path, path), topics)
-    assert (told in found[0]) if told else not found
+    assert (reported in found[0]) if reported else not found
 
 
 def test_plotjuggler_writes_topics_and_fields_alike(tmp_path: Path) -> None:
     topics = {"/shoe/left/cop": POINT, "/shoe/left": POINT}
     good = plotjuggler(tmp_path, "/shoe/left/cop/point/x", "/shoe/left/point/y")
     assert not misfits(good, topics)
-    (told,) = misfits(plotjuggler(tmp_path, "/shoe/left/cop/points/x"), topics)
-    assert "has no field 'points'" in told
+    (reported,) = misfits(plotjuggler(tmp_path, "/shoe/left/cop/points/x"), topics)
+    assert "has no field 'points'" in reported
     (gone,) = misfits(plotjuggler(tmp_path, "/other/point/x"), topics)
     assert "nobody publishes this topic" in gone
 
 
 def test_a_display_of_another_type_is_told(tmp_path: Path) -> None:
-    (told,) = (line for line in misfits(LAYOUTS[0], {"/shoe/markers": POINT}) if "drawn as" in line)
-    assert "is geometry_msgs/msg/PointStamped, drawn as visualization_msgs/msg/MarkerArray" in told
+    (reported,) = (
+        line for line in misfits(LAYOUTS[0], {"/shoe/markers": POINT}) if "drawn as" in line
+    )
+    assert (
+        "is geometry_msgs/msg/PointStamped, drawn as visualization_msgs/msg/MarkerArray" in reported
+    )
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "told"),
+    ("name", "content", "reported"),
     [
         ("layout.txt", "", "is no layout: expected"),
         ("layout.json", "{", "is no layout of its viewer"),
@@ -129,10 +133,10 @@ def test_a_display_of_another_type_is_told(tmp_path: Path) -> None:
         ("layout.rviz", "\0", "is no layout of its viewer"),
     ],
 )
-def test_files_that_are_no_layout(tmp_path: Path, name: str, content: str, told: str) -> None:
+def test_files_that_are_no_layout(tmp_path: Path, name: str, content: str, reported: str) -> None:
     file = tmp_path / name
     file.write_text(content)
-    with pytest.raises(FileError, match=told):
+    with pytest.raises(FileError, match=reported):
         shown_by(file)
 
 
