@@ -26,11 +26,14 @@ def row(page: str, start: str) -> list[str]:
 def test_readme_quotes_the_demo() -> None:
     head, values = row("demo.md", "seed")[1:], row("demo.md", "**median**")[1:]
     median = dict(zip(head, map(float, values), strict=True))
+    lines = (EVIDENCE / "demo.md").read_text().splitlines()
+    seeds = sum(bool(re.match(r"\| \d+ \|", line)) for line in lines)
+    assert f"(median of {seeds} robots)" in README
     before, after = median["guess CoP [mm]"], median["test CoP [mm]"]
     assert f"CoP {before:.1f} → {after:.1f} mm" in README
     before, after = median["guess GRF [N]"], median["test GRF [N]"]
     assert f"GRF {before:.1f} → {after:.2f} N" in README
-    assert f"| {median['total [s]']:.0f} s (median of 10)" in README
+    assert f"| {median['total [s]']:.0f} s (median of {seeds}" in README
 
 
 def test_readme_quotes_the_blind_test() -> None:

@@ -127,6 +127,15 @@ def test_nothing_is_reported_of_what_was_meant(whole: Recording) -> None:
     assert Fault.LIFTED not in faults
 
 
+def test_only_a_foot_that_hangs_by_its_load_counts_as_in_the_air(whole: Recording) -> None:
+    """Heights alone do not do: screening says at which samples load and height agree."""
+    free, pressed = (
+        made(whole, "unload_left", lifting(whole, 0, carried=carried))[1] for carried in (0.0, 0.3)
+    )
+    assert free.air[RUN].any()
+    assert not pressed.air[RUN].any()
+
+
 def test_the_same_in_another_motion_is_a_fault(whole: Recording) -> None:
     _, screening = made(whole, "landmarks", lifting(whole, 0))
     assert [one.fault for one in screening.findings] == [Fault.LIFTED]
