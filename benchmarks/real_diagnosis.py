@@ -249,16 +249,14 @@ causes; excess is the mean square of GRF and CoP errors in units of the noise, l
 {causes}
 
 Interpretation:
-- `inertia` (angular momentum that a single mass lacks) exceeds its physical size, a factor of 1. It
-  stands for another cause that alternates with the steps; do not trust its size.
-- With reversed sideways axes the residual of the walks is smaller from the start, and the slopes
-  of `fy` agree. So the axes are probably reversed: `polarity: -1` for `fx` and `fy`.
+- With parallel axes nothing known explains the residual. With reversed sideways axes it is smaller
+  from the start, and the slopes of `fy` agree. So the axes are probably reversed: `polarity: -1`
+  for `fx` and `fy`.
 - The remaining CoP residual alternates: left in every step on the left foot, right on the right,
   constant over the trial. Its cause is fixed to the feet: a foot or sensor position, or, nearly
   indistinguishable in walking, tilted soles or encoders of the ankle rolls.
-- With both, the CoP residual of a held-out walk falls to about its noise floor.
-- GRF does not improve: the zeros change from trial to trial. Lifting each foot at the start of
-  every trial would have measured them.
+- GRF does not improve: the zeros change from trial to trial, and a diagnosis uses one set of
+  offsets. With each trial's own zeros it does (above).
 - The stepping trial cannot be predicted from the walks, probably because they have almost no double
   support with shared load.
 

@@ -50,8 +50,9 @@ def test_readme_quotes_the_blind_test() -> None:
 
 
 def test_readme_quotes_the_real_recordings() -> None:
-    before, after = map(float, row("real-robots.md", "parallel | walking b")[4].split(" → "))
-    assert f"held-out walk {before:.0f} → {after:.0f} mm" in README
+    found = row("real-robots.md", "stepping + walking a | walking b")
+    before, after = (float(found[column].split(" ± ")[0]) for column in (2, 4))
+    assert f"GRF error in a held-out walk {before:.0f} → {after:.0f} N" in README
 
 
 def quoted() -> Iterator[tuple[str, Path]]:
