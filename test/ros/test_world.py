@@ -14,7 +14,7 @@ from pathlib import Path
 from ros.world import World
 with World(Path(sys.argv[1])) as world:
     node = world.start("model")
-    world.until_known_to("model")
+    world.until_discovered_by("model")
     print(node.pid, flush=True)
     node.wait()
 """

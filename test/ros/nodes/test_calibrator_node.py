@@ -246,14 +246,14 @@ def test_a_foot_whose_board_is_silent_is_stale_beside_the_other(world: World, aw
     state(world, lambda one: all(foot.valid for foot in one.feet))
     fresh(world, heard["shoe/cop"])
     gone, there = FEET[away], FEET[1 - away]
-    setattr(robot, f"tells_{gone}", False)
+    setattr(robot, f"publishes_{gone}", False)
     reported = state(world, lambda one: one.feet[away].stale and not one.feet[1 - away].stale)
     assert (reported.feet[1 - away].valid, reported.feet[away].valid) == (True, False)
     fresh(world, heard[f"shoe/{there}/cop"])
     silent = {topic: len(heard[topic]) for topic in ("shoe/cop", "shoe/grf", f"shoe/{gone}/grf")}
     fresh(world, heard[f"shoe/{there}/cop"])
     assert silent == {topic: len(heard[topic]) for topic in silent}
-    setattr(robot, f"tells_{gone}", True)
+    setattr(robot, f"publishes_{gone}", True)
     state(world, lambda one: all(foot.valid for foot in one.feet))
     fresh(world, heard["shoe/cop"])
 
