@@ -23,7 +23,6 @@ PROBLEM = HorizonProblem(
         np.array([[0.0, 1.0]]),
         np.zeros((1, 3, 2)),
         np.zeros((1, 3)),
-        np.ones((1, 2), dtype=bool),
         STILL,
     ),
 )

@@ -15,8 +15,8 @@ from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import Foot, Robot
 from shoecal_core.model.symbolic import SymbolicKinematics
 from shoecal_core.planning.capsules import segment_distance_squared
-from shoecal_core.planning.load_sharing import LoadSharing
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.torques import holding_torques
 from shoecal_core.sensing.shoe import FEET
 from shoecal_core.settings import SettingError
 
@@ -93,10 +93,7 @@ class LegExpressions:
         cop: (2, 1) ground projection of the CoM in the left sole's frame [m].
         foot_error: (6, 1) how far the right sole is from that pose: way [m], turn [rad].
         distances: (p, 1) of the robot's collision pairs [m].
-        balance: (4, 1) vertical force on left and right, and how much more sideways force left
-            and right could take [N].
         torques: (k, 1) of the leg motors, to hold the posture [N m].
-        relative_jacobian: (6, k) see LoadSharing.
         lean: (2, 1) direction of the torso's upward axis along the floor; zero when upright.
         height: of the base above the left sole [m].
     """
@@ -120,9 +117,7 @@ class LegExpressions:
         self.lean = left.rotation.T[:2, 2]
         self.height = left.inverse_act(ca.SX.zeros(3))[2]
         self.distances = _distances(robot, body)
-        sharing = LoadSharing(robot, body, self.foot_pose, self.share, self.cop)
-        self.torques, self.relative_jacobian = sharing.torques, sharing.relative_jacobian
-        self.balance = ca.vertcat(sharing.loads, sharing.grips)
+        self.torques = holding_torques(robot, body, self.foot_pose, self.share, self.cop)
 
 
 class Legs:

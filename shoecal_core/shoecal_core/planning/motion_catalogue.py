@@ -58,18 +58,9 @@ class InitialStance:
         """Of the landmarks."""
         return Contour.of(self.robot, self.foot_pose.support)
 
-    def pursuing(
-        self, name: str, targets: FloatArray, loaded: SupportPhase = SupportPhase.BOTH
-    ) -> MotionSegment:
-        """Targets (L, 5) on both feet, the torso's lean and height among them.
-
-        Args:
-            name: of the segment.
-            targets: CoP [m], lean, height [m].
-            loaded: the feet that have to keep load: not one that is, or was, in the air.
-        """
-        weights = self.settings.task_weights
-        return MotionSegment(name, targets, weights, (self.foot_pose,), loaded=loaded.feet)
+    def pursuing(self, name: str, targets: FloatArray) -> MotionSegment:
+        """Targets (L, 5) on both feet, the torso's lean and height among them."""
+        return MotionSegment(name, targets, self.settings.task_weights, (self.foot_pose,))
 
 
 @dataclass(frozen=True)
@@ -160,10 +151,10 @@ def _unload(standing: InitialStance, support_phase: SupportPhase) -> tuple[Motio
     )
     aim = in_standing(tasks, pose, support_phase)
     return (
-        standing.pursuing("shift", tasks[None], support_phase),
+        standing.pursuing("shift", tasks[None]),
         swing_segment("lift", aim, up, support_phase, settings, pause=settings.unloaded_time),
         swing_segment("lower", aim, up[::-1], support_phase, settings),
-        standing.pursuing("back", standing.tasks[None], support_phase),
+        standing.pursuing("back", standing.tasks[None]),
     )
 
 
@@ -177,9 +168,7 @@ def _put_down(standing: InitialStance) -> tuple[MotionSegment, ...]:
     ended = in_left(aim, down, support_phase)
     ended[:2] = middle(standing.robot, down.support)
     ended[2:4] = 0.0
-    back = MotionSegment(
-        "back", ended[None], settings.task_weights, (down,), loaded=support_phase.feet
-    )
+    back = MotionSegment("back", ended[None], settings.task_weights, (down,))
     return (
         swing_segment(
             "lower",

@@ -110,12 +110,8 @@ class PlannerSettings(Settings):
         minimum=0.0,
     )  # fmt: skip
     torque_share: float = setting(
-        0.8, "", "part of a motor's torque limit that holding a posture may need, however the feet "
-        "share the load", minimum=0.01, maximum=1.0,
-    )  # fmt: skip
-    load_share: float = setting(
-        0.1, "", "part of the weight that each foot keeps at least while both stand, however they "
-        "share it", minimum=0.0, maximum=0.5,
+        0.8, "", "part of a motor's torque limit that holding a posture may need",
+        minimum=0.01, maximum=1.0,
     )  # fmt: skip
     upright_weight: float = setting(
         5.0, "", "weight of an upright torso against joint angles near the nominal ones",

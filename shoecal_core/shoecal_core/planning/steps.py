@@ -154,8 +154,8 @@ class Stepper:
         ended = planner.standing(planner.stance(goal))
         aim = in_standing(standing.on_one(end, support_phase), end, support_phase)
         segments = (
-            standing.pursuing("shift", standing.on_one(begin, support_phase)[None], support_phase),
+            standing.pursuing("shift", standing.on_one(begin, support_phase)[None]),
             swing_segment("swing", aim, way, support_phase, settings),
-            ended.pursuing("back", ended.tasks[None], support_phase),
+            ended.pursuing("back", ended.tasks[None]),
         )
         return planner.follow(joint_angles, NAME, segments, progress=progress, canceled=canceled)

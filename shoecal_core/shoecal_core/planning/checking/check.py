@@ -18,7 +18,6 @@ from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
-from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 
@@ -26,8 +25,6 @@ _WINDOW = 0.1
 """s; accelerations are differences over this time, as the CoP feels them through a shoe."""
 _TORQUE_SLACK = 1.02
 """Between planned states torques may exceed the planned ones by this factor."""
-_NO_LOAD = 1e-3
-"""N; a foot with less cannot take any sideways force."""
 _DRAGGED = 0.006
 """m; a foot in the air that is farther than this from where it stood and will stand is carried."""
 _RATE_SLACK = 1.1
@@ -63,7 +60,6 @@ def check_motion(legs: Legs, motion: Motion, settings: PlannerSettings) -> Repor
             *_feet(legs, span, body, motion.time, settings),
             _joint_speed(legs, span, motion, paced),
             *_com(span, body, motion.time, paced),
-            *_loads(legs, span, body, motion.time, settings),
         ]
     return Report(worst(found))
 
@@ -267,36 +263,11 @@ def _com(
 
 
 def _torque(legs: Legs, body: BodyTrack, time: FloatArray, settings: PlannerSettings) -> Finding:
-    """However the feet share the load."""
     robot = legs.robot
     most = robot.effort_limit[robot.legs]
-    held, margin = np.abs(body.torques), settings.margin_kept * body.spread.torque
-    # Of a begin beyond the limit the torque must not grow; its interval may.
-    begin = held[0] + margin.max(axis=0)
-    limit = np.maximum(most * settings.torque_share, begin) * _TORQUE_SLACK
+    limit = np.maximum(most * settings.torque_share, np.abs(body.torques[0])) * _TORQUE_SLACK
     limit = np.minimum(limit, most)
-    return at_most("static torque", "N m", held + margin, limit, time, robot.leg_names)
-
-
-def _loads(
-    legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
-) -> tuple[Finding, ...]:
-    """Of feet that have to keep load: however they share it, enough of it, and no slip."""
-    robot, feet = legs.robot, [index for index in (0, 1) if span.phase.loaded[index]]
-    if span.phase.support_phase is not SupportPhase.BOTH or not feet:
-        return ()
-    names, at = tuple(FEET[index] for index in feet), time[span.samples]
-    margin = settings.margin_kept * body.spread.load[span.samples, None]
-    loads = body.loads[span.samples][:, feet] - margin
-    ratio = body.sideways[span.samples, None] / np.maximum(loads, _NO_LOAD)
-    slip = np.full(len(feet), robot.friction)
-    if span.first:
-        slip = np.maximum(slip, ratio[0])
-    least = settings.load_share * robot.weight
-    return (
-        at_least("load of a foot that stands", "N", loads, least, at, names, from_begin=span.first),
-        at_most("sideways force over load of a foot", "", ratio, slip, at, names),
-    )
+    return at_most("static torque", "N m", np.abs(body.torques), limit, time, robot.leg_names)
 
 
 def _rest(motion: Motion, settings: PlannerSettings) -> Finding:

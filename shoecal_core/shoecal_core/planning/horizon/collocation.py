@@ -8,14 +8,10 @@
                 TF(q[i]) = T0                       foot transform
                 |u[i]| < joint speed * step time
                 |torque(q[i])| < torque limit
-                load(q[i]) > least load             of each foot that stands
-                |sideways force(q[i])| < friction * load(q[i])
 
-The last four are not the paper's: a small robot's motors are slow and weak, and a foot without load
-slips. Loads, sideways forces and torques are those of load_sharing; loads and torques keep half the
-width of their interval as a margin. For motions that the paper does not have, the torso's lean and
-height may be pursued beside the CoP, and polygon and foot transform may change from state to state:
-so a foot is lifted, carried and put down.
+The last two are not the paper's: a small robot's motors are slow and weak. For motions that the
+paper does not have, the torso's lean and height may be pursued beside the CoP, and polygon and
+foot transform may change from state to state: so a foot is lifted, carried and put down.
 
 The transitions u are differences of states, so the states alone are unknowns and the state
 equation holds exactly. Solvers stand behind one protocol; what they return is certified here.
@@ -36,13 +32,9 @@ from shoecal_core.planning.horizon.problem import (
     StateValues,
 )
 from shoecal_core.planning.legs import LegExpressions, Legs
-from shoecal_core.planning.load_sharing import SharingSpread
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
-
-_SHIFTED = 0.03
-"""Of the weight: what of it goes from foot to foot between two states."""
 
 
 class Collocation:
@@ -51,8 +43,8 @@ class Collocation:
     Attributes:
         legs: what moves.
         settings: weights and margins.
-        state: angles, foot pose, others, share -> tasks, foot error, distances, balance, torques
-            of one state.
+        state: angles, foot pose, others, share -> tasks, foot error, distances, torques of one
+            state.
     """
 
     def __init__(self, legs: Legs, settings: PlannerSettings) -> None:
@@ -65,15 +57,11 @@ class Collocation:
             ca.vertcat(terms.cop, terms.lean, terms.height),
             terms.foot_error,
             terms.distances,
-            terms.balance,
             terms.torques,
         ]
         self.state = ca.Function("state", given, found, {"cse": True})
         rows = ca.Function("state_rows", [ca.vertcat(*given)], [ca.vertcat(*found)], {"cse": True})
         self._rows = Batch(rows, least=1)
-        self._relative_jacobian = ca.Function(
-            "relative_jacobian", [terms.angles, terms.others], [terms.relative_jacobian]
-        )
 
     @property
     def edges(self) -> int:
@@ -92,7 +80,7 @@ class Collocation:
 
     @property
     def torque(self) -> FloatArray:
-        """(k,) largest |torque| of the motors, however the feet share the load [N m]."""
+        """(k,) largest |torque| of the motors [N m]."""
         robot = self.legs.robot
         torque: FloatArray = robot.effort_limit[robot.legs] * self.settings.torque_share
         return torque
@@ -121,33 +109,14 @@ class Collocation:
         # Edges that move with a foot are those of the foot that stands: of the first state.
         first = scene.first
         beyond = first.beyond(_seen_at_first(now, first)) - first.offsets
-        spread = self._spread(problem)
         return Limits(
             lower=np.minimum(self.lower, problem.start + turn),
             upper=np.maximum(self.upper, problem.start - turn),
             offsets=scene.offsets + np.maximum(0.0, beyond - way),
             clearances=np.minimum(settings.capsule_clearance, now.distances[0] + way),
-            balance=self._balance(scene, now, spread),
             transition=self.transition,
-            torque=np.maximum(self.torque - spread.torque[0], np.abs(now.torques[0])),
+            torque=np.maximum(self.torque, np.abs(now.torques[0])),
         )
-
-    def _spread(self, problem: HorizonProblem) -> SharingSpread:
-        """Of the sharing of the load at the start; on one foot there is none."""
-        robot = self.legs.robot
-        if not np.ptp(problem.scene.shares[0]):
-            return SharingSpread(np.zeros(1), np.zeros((1, len(robot.legs))))
-        jacobian = np.array(self._relative_jacobian(problem.start, problem.scene.others))
-        return SharingSpread.of(robot, jacobian[None])
-
-    def _balance(self, scene: Scene, now: StateValues, spread: SharingSpread) -> FloatArray:
-        """(N, 4) least loads and grips [N]; a start outside is led back."""
-        settings, robot, margin = self.settings, self.legs.robot, spread.load[0]
-        load, grip = settings.load_share * robot.weight + margin, robot.friction * margin
-        least = np.where(np.tile(scene.loaded, 2), [load, load, grip, grip], -np.inf)
-        steps = np.arange(1, settings.horizon + 1)[:, None]
-        back = settings.recovery * steps * _SHIFTED * robot.weight
-        return np.minimum(least, now.balance + back)
 
     def outside(self, state: FloatArray, scene: Scene) -> tuple[str, ...]:
         """What a state (k,) [rad] does not keep of the first state's scene, for people."""
@@ -211,7 +180,6 @@ class Collocation:
             limits.lower - states,
             states - limits.upper,
             limits.clearances - values.distances,
-            limits.balance - values.balance,
             np.abs(values.torques) - limits.torque,
             np.abs(moves) - limits.transition,
         ]

@@ -21,8 +21,6 @@ TASKS = 5
 """What is pursued: CoP forward and sideways, lean forward and sideways, height."""
 FOOT_ROWS = 6
 """Of the foot transform: way and turn."""
-BALANCE = 4
-"""Loads and grips of left and right; see LegExpressions."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +33,6 @@ class Scene:
         shares: (n, 2) least and greatest share of the weight on the left foot.
         normals: (n, h, 2) outward, of the edges of where the CoP may be.
         offsets: (n, h) a CoP c is inside where normals @ c <= offsets [m].
-        loaded: (n, 2) whether left, right have to keep load and grip.
         others: (m,) all joint angles, of which those beside the legs count [rad].
     """
 
@@ -43,7 +40,6 @@ class Scene:
     shares: FloatArray
     normals: FloatArray
     offsets: FloatArray
-    loaded: NDArray[np.bool_]
     others: FloatArray
 
     @classmethod
@@ -54,7 +50,6 @@ class Scene:
         foot_pose: FootPose,
         others: FloatArray,
         share: tuple[float, float] = (0.0, 1.0),
-        loaded: tuple[bool, bool] = (True, True),
     ) -> Scene:
         """Half planes of a convex polygon, moved inwards by a margin [m]."""
         if polygon.buffer(-margin).is_empty:
@@ -67,9 +62,8 @@ class Scene:
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         offsets = np.sum(normals * corners[:-1], axis=1) - margin
         return cls(
-            foot_pose.parameters[None], np.array([share]), normals[None], offsets[None],
-            np.array([loaded]), others,
-        )  # fmt: skip
+            foot_pose.parameters[None], np.array([share]), normals[None], offsets[None], others
+        )
 
     @classmethod
     def row(cls, scenes: Sequence[Scene]) -> Scene:
@@ -83,7 +77,6 @@ class Scene:
             np.concatenate([scene.shares for scene in padded]),
             np.concatenate([scene.normals for scene in padded]),
             np.concatenate([scene.offsets for scene in padded]),
-            np.concatenate([scene.loaded for scene in padded]),
             padded[0].others,
         )
 
@@ -109,7 +102,6 @@ class Scene:
             shares=self.shares[:count],
             normals=self.normals[:count],
             offsets=self.offsets[:count],
-            loaded=self.loaded[:count],
         )
 
     def beyond(self, cop: FloatArray) -> FloatArray:
@@ -162,7 +154,6 @@ class Limits:
         lower, upper: (N, k) of the leg angles [rad].
         offsets: (N, h) of the half planes [m].
         clearances: (N, p) of the capsule pairs' distances [m].
-        balance: (N, 4) least, of what LegExpressions.balance lists [N].
         transition: (k,) of |u| [rad].
         torque: (k,) of the motors [N m].
     """
@@ -171,7 +162,6 @@ class Limits:
     upper: FloatArray
     offsets: FloatArray
     clearances: FloatArray
-    balance: FloatArray
     transition: FloatArray
     torque: FloatArray
 
@@ -183,7 +173,6 @@ class Limits:
             upper=self.upper[:count],
             offsets=self.offsets[:count],
             clearances=self.clearances[:count],
-            balance=self.balance[:count],
         )
 
 
@@ -195,21 +184,19 @@ class StateValues:
         tasks: (n, 5) CoP [m], lean, height [m], as in Aim.
         foot_error: (n, 6) way [m] and turn [rad] from T0.
         distances: (n, p) of the capsule pairs [m].
-        balance: (n, 4) as LegExpressions.balance [N].
         torques: (n, k) of the motors [N m].
     """
 
     tasks: FloatArray
     foot_error: FloatArray
     distances: FloatArray
-    balance: FloatArray
     torques: FloatArray
 
     @classmethod
     def of_rows(cls, rows: FloatArray, motors: int) -> StateValues:
         """From (n, r) all of them side by side, torques of k motors last."""
-        ends = np.cumsum([TASKS, FOOT_ROWS, rows.shape[1] - TASKS - FOOT_ROWS - BALANCE - motors])
-        return cls(*np.split(rows, [*ends, rows.shape[1] - motors], axis=1))
+        foot, torques = TASKS + FOOT_ROWS, rows.shape[1] - motors
+        return cls(rows[:, :TASKS], rows[:, TASKS:foot], rows[:, foot:torques], rows[:, torques:])
 
     @property
     def cop(self) -> FloatArray:

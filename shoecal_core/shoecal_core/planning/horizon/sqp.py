@@ -24,13 +24,7 @@ from shoecal_core.planning.horizon.linearisation import (
     Linearisation,
     Linearised,
 )
-from shoecal_core.planning.horizon.problem import (
-    BALANCE,
-    TASKS,
-    HorizonProblem,
-    Limits,
-    Solution,
-)
+from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, Limits, Solution
 from shoecal_core.planning.horizon.quadratic_program import QuadraticProgram, Step
 
 FloatArray = NDArray[np.float64]
@@ -78,7 +72,7 @@ class SqpSolver:
         count, size = settings.horizon, len(collocation.lower)
         self._edges = collocation.edges
         self._applied = min(settings.applied_states, count)
-        rows = self._edges + len(collocation.legs.robot.collision_pairs) + BALANCE + 3 * size
+        rows = self._edges + len(collocation.legs.robot.collision_pairs) + 3 * size
         self._linearised = Linearisation(collocation)
         self._curvature = Curvature(collocation)
         self._program = QuadraticProgram(count, size, rows, settings.transition_weight)
