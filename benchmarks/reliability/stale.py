@@ -156,7 +156,7 @@ class Scene:
             one.heard[:] = one.heard[-1:]
         robot.longest_s = 0.0
         needed = self._needed()
-        setattr(robot, f"tells_{what}", False)
+        setattr(robot, f"publishes_{what}", False)
         last = robot.published_at[what]
         late = robot.longest_s > max(LATE_S, LATE_PERIODS * period_s)
         at = self.told(stale, last)
@@ -173,7 +173,7 @@ class Scene:
             f"of the feet {feet} went on, not {beside}": feet != beside,
             "something was told stale before": before and not late,
         }
-        setattr(robot, f"tells_{what}", True)
+        setattr(robot, f"publishes_{what}", True)
         again = time.monotonic()
         self.world.until(lambda: all(one.after(again) for one in (self.cop, self.grf, *self.feet)))
         self.told(lambda state: not _any_stale(state) and all(f.valid for f in state.feet), again)

@@ -20,7 +20,7 @@ from shoecal_core.calibration.drift import FALSE_ALARM
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.standstill import ModelTolerance
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FieldError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.planning.settings import PlannerSettings
@@ -260,7 +260,7 @@ class Calibrator(ShoecalNode):
         return load_settings(PlannerSettings, Path(file), planner, "planning")
 
     def _load_manual(self) -> Calibration | None:
-        """The prior of the fit; FileError where its file is none of these shoes."""
+        """The prior of the fit; FieldError where its file is none of these shoes."""
         if not self.job_settings.manual_file:
             return None
         path = Path(self.job_settings.manual_file).expanduser()
@@ -268,7 +268,7 @@ class Calibrator(ShoecalNode):
         try:
             manual.sensing(self.shoe)
         except WrongShoeError as error:
-            raise FileError(path, f"{error}; name another manual_file") from error
+            raise FieldError(path, f"{error}; name another manual_file") from error
         return manual
 
     def _subscribe(self) -> None:
