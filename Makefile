@@ -10,7 +10,7 @@ unexport ROS_DISTRO ROS_VERSION ROS_PYTHON_VERSION RMW_IMPLEMENTATION
 BIN := .venv/bin
 FLOOR_PYTHON ?= python3.11
 DOCS_PYTHON ?= python3
-LOCK := uv pip compile --quiet --upgrade --generate-hashes --no-annotate --no-emit-index-url \
+LOCK := $(BIN)/uv pip compile --quiet --upgrade --generate-hashes --no-annotate --no-emit-index-url \
 	--custom-compile-command "make lock"
 
 help:  ## list what can be made
@@ -35,7 +35,7 @@ test-floor: .venv-floor/.complete  ## core tests with the oldest versions, those
 lint: setup  ## ruff and mypy
 	$(BIN)/ruff check
 	$(BIN)/ruff format --check
-	$(BIN)/mypy
+	@scripts/still_running.sh mypy $(BIN)/mypy
 
 # Each measurement has arguments of its own.
 bench: override ARGS :=
@@ -131,11 +131,10 @@ robots: setup descriptions  ## public humanoids drafted, planned and calibrated,
 descriptions: setup .venv/.descriptions  ## descriptions of public humanoids, for tests and figures
 
 .venv/.descriptions: requirements-robots.txt
-	$(BIN)/python -m pip --disable-pip-version-check install --quiet --no-deps --require-hashes \
-		--requirement $<
+	@scripts/still_running.sh descriptions scripts/install_lock.sh .venv $<
 	@touch $@
 
-lock:  ## resolve the lock files anew (needs uv)
+lock: setup  ## resolve the lock files anew
 	$(LOCK) --universal --fork-strategy fewest --python-version 3.11 \
 		--output-file requirements.txt requirements.in shoecal_core/setup.py shoecal_ros/setup.py
 	$(LOCK) --override requirements-floor.in --python-version 3.11 \
@@ -150,14 +149,14 @@ clean:  ## remove all that was built, but no results (out/)
 	find shoecal_core shoecal_ros test scripts -name __pycache__ -type d -prune -exec rm -rf {} +
 
 .venv-floor/.complete: requirements-floor.txt
+	@command -v $(FLOOR_PYTHON) >/dev/null || { echo "test-floor: $(FLOOR_PYTHON) is missing;" \
+		"install Python 3.11 or name it: make test-floor FLOOR_PYTHON=PATH" >&2; exit 1; }
 	$(FLOOR_PYTHON) -m venv --clear .venv-floor
-	.venv-floor/bin/python -m pip --disable-pip-version-check install --quiet \
-		--no-deps --require-hashes --requirement $<
+	@scripts/still_running.sh test-floor scripts/install_lock.sh .venv-floor $<
 	realpath shoecal_core >$$(echo .venv-floor/lib/python3.*/site-packages)/shoecal_core.pth
 	touch $@
 
 .venv-docs/.complete: requirements-docs.txt
 	$(DOCS_PYTHON) -m venv --clear .venv-docs
-	.venv-docs/bin/python -m pip --disable-pip-version-check install --quiet \
-		--require-hashes --requirement $<
+	@scripts/still_running.sh docs scripts/install_lock.sh .venv-docs $<
 	touch $@

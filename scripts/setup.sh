@@ -69,19 +69,16 @@ install_packages() {
     local python
     check_machine
     python=$(find_python) || exit 1
-    echo "setup: installing packages into .venv (some minutes)"
+    echo "setup: installing packages into .venv"
     rm -rf build install log
     "$python" -m venv --clear "$venv"
-    local pip=("$venv/bin/python" -m pip --disable-pip-version-check install --quiet)
-    # setuptools comes first: source packages are built with the locked one, not with the newest.
-    sed -n '/^setuptools==/,/[^\]$/p' requirements.txt >"$venv/setuptools.txt"
-    "${pip[@]}" --require-hashes --requirement "$venv/setuptools.txt"
-    "${pip[@]}" --require-hashes --no-build-isolation --use-pep517 --requirement requirements.txt
+    scripts/still_running.sh setup scripts/install_lock.sh "$venv" requirements.txt
     "$venv/bin/python" scripts/fix_ros_wheels.py
 }
 
 colcon_build() { # folders...
-    env PATH="$venv/bin:$PATH" AMENT_PREFIX_PATH="$venv" CMAKE_PREFIX_PATH="$venv" \
+    scripts/still_running.sh setup env PATH="$venv/bin:$PATH" \
+        AMENT_PREFIX_PATH="$venv" CMAKE_PREFIX_PATH="$venv" \
         LD_LIBRARY_PATH="$venv/lib" COLCON_HOME="$root/build" MAKEFLAGS="-j$(nproc)" \
         "$venv/bin/colcon" --log-level error build --merge-install --base-paths "$@" \
         --cmake-args -DBUILD_TESTING=OFF "-DPython3_EXECUTABLE=$venv/bin/python"
@@ -128,7 +125,8 @@ main() {
     flock 9 # two calls at once: the second waits
 
     [ -x "$venv/bin/python" ] || rm -f "$venv/.complete"
-    step install_packages "$venv/.complete" requirements.txt scripts/setup.sh scripts/fix_ros_wheels.py
+    step install_packages "$venv/.complete" requirements.txt \
+        scripts/{setup.sh,install_lock.sh,fix_ros_wheels.py}
 
     mapfile -t messages < <(files_of shoecal_msgs)
     step build_messages "$root/install/.messages" "$venv/.complete" "${messages[@]}"

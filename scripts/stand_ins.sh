@@ -18,8 +18,9 @@ main() {
     fi
     echo "stand_ins: building messages for the tests of adapters (a minute or two)"
     rm -rf "$out"
-    env -u CMAKE_PREFIX_PATH PATH="$venv/bin:$PATH" AMENT_PREFIX_PATH="$venv" \
-        CMAKE_PREFIX_PATH="$venv" LD_LIBRARY_PATH="$venv/lib" COLCON_HOME="$root/build" \
+    scripts/still_running.sh stand_ins env PATH="$venv/bin:$PATH" \
+        AMENT_PREFIX_PATH="$venv" CMAKE_PREFIX_PATH="$venv" \
+        LD_LIBRARY_PATH="$venv/lib" COLCON_HOME="$root/build" \
         MAKEFLAGS="-j$(nproc)" \
         "$venv/bin/colcon" --log-base "$out/log" --log-level error build --merge-install \
         --build-base "$out/build" --install-base "$out/install" --base-paths test/interfaces \
