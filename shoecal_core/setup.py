@@ -42,7 +42,7 @@ setup(
     ],
     python_requires=">=3.11",
     install_requires=[
-        "casadi==3.8.2",
+        "casadi>=3.6.7",
         "coal>=3.0",
         "jinja2>=3.1",
         "markupsafe>=2.1",
@@ -61,7 +61,6 @@ setup(
         "zstandard>=0.21",
     ],
     extras_require={
-        "dask": ["distributed>=2024.1"],  # shoecal diagnose --scheduler
         "test": ["hypothesis", "pytest", "pytest-timeout"],  # colcon test takes pytest by this
     },
     entry_points={"console_scripts": ["shoecal = shoecal_core.cli:main"]},

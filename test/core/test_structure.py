@@ -26,6 +26,7 @@ MAY_IMPORT = {
     "batch_source": FOUNDATION,
     "compiled": FOUNDATION,
     "compiler": FOUNDATION,
+    "end_with_parent": set[str](),
     "errors": set[str](),
     "files": FOUNDATION,
     "parameter_file": FOUNDATION,

@@ -109,6 +109,15 @@ def test_what_is_imported_is_needed(package: str) -> None:
 
 
 @pytest.mark.parametrize("package", ["shoecal_core", "shoecal_ros"])
+def test_what_rosdep_takes_from_pypi_is_no_version_of_its_own(package: str) -> None:
+    """It installs the newest, so a package that asks for another one would not start."""
+    declared = (ROOT / package / "setup.py").read_text().lower()
+    from_pypi = [name for name, key in KEY_OF_IMPORT.values() if key.endswith("-pip")]
+    assert from_pypi
+    assert not [name for name in from_pypi if f'"{name}==' in declared]
+
+
+@pytest.mark.parametrize("package", ["shoecal_core", "shoecal_ros"])
 def test_what_tests_import_is_needed(package: str) -> None:
     """So that `rosdep install` brings what `colcon test` takes."""
     beside = {

@@ -5,7 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from ros.stranger import Stranger
+from core.stranger import Stranger
 from shoecal_core.workspace import ros_environment
 
 ALONE = """

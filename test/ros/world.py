@@ -22,9 +22,9 @@ from rclpy.publisher import Publisher
 from std_msgs.msg import Bool
 
 from ros.introduction import Introduction
+from shoecal_core.end_with_parent import ending_with_parent
 from shoecal_core.workspace import ros_environment
 from shoecal_ros.common import qos
-from shoecal_ros.common.end_with_parent import ending_with_parent
 
 TIMEOUT_S = 900.0
 """Ends a wait that is in vain: a busy machine compiles the functions of a robot for minutes."""

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -23,7 +24,7 @@ NODES = ("simulator", "shoe_driver", "model", "planner", "calibrator")
 class Demo:
     """A demo process and its output."""
 
-    def __init__(self, folder: Path, *arguments: str) -> None:
+    def __init__(self, folder: Path, program: Sequence[str] = ("shoecal_ros.demo",)) -> None:
         self.out = folder / "out"
         self._log = folder / "demo.log"
         # Children that outlive it can be told by this.
@@ -32,12 +33,11 @@ class Demo:
         with self._log.open("wb") as log:
             self.process = subprocess.Popen(
                 [
-                    sys.executable, "-m", "shoecal_ros.demo",
+                    sys.executable, "-m", *program,
                     "--out", str(self.out),
                     "--robot", str(DATA / "robots/odd_biped.yaml"),
                     "--shoe", str(DATA / "shoes/odd_shoe.yaml"),
                     "--supports", "3", "--train", "2",
-                    *arguments,
                 ],
                 env={**ros_environment(), name: value},
                 stdout=log,
@@ -83,13 +83,22 @@ class Demo:
         return next(pid for pid, line in self.pids().items() if f"nodes.{node} " in line)
 
 
+@contextlib.contextmanager
+def started(folder: Path, *program: str) -> Iterator[Demo]:
+    """A demo of which nothing is left afterwards."""
+    demo = Demo(folder, program=program)
+    try:
+        yield demo
+    finally:
+        for pid in demo.pids():
+            os.kill(pid, signal.SIGKILL)
+        demo.process.wait()
+
+
 @pytest.fixture
 def demo(tmp_path: Path) -> Iterator[Demo]:
-    demo = Demo(tmp_path)
-    yield demo
-    for pid in demo.pids():
-        os.kill(pid, signal.SIGKILL)
-    demo.process.wait()
+    with started(tmp_path, "shoecal_ros.demo") as demo:
+        yield demo
 
 
 def test_an_interrupted_demo_leaves_nothing_running(demo: Demo) -> None:
@@ -110,6 +119,23 @@ def test_told_to_end_twice_it_ends_as_when_told_once(demo: Demo) -> None:
     assert demo.end() == 130
     assert "Traceback" not in demo.output
     demo.until_gone()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGKILL])
+def test_the_command_that_is_ended_ends_all_it_started(
+    tmp_path: Path, number: signal.Signals
+) -> None:
+    """Whatever the signal, and although it reaches the command alone."""
+    with started(tmp_path, "shoecal_core.cli", "demo") as demo:
+        demo.until(lambda: "drawing" in demo.output)
+        assert len(demo.pids()) > len(NODES)
+        demo.process.send_signal(number)
+        if number == signal.SIGKILL:
+            assert demo.end() == -number
+            demo.until_gone()
+        else:
+            assert demo.end() == 130
+            assert demo.pids() == {}
 
 
 def test_a_node_that_dies_is_named(demo: Demo) -> None:

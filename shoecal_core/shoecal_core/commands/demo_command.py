@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import signal
 import subprocess
 import sys
 from collections.abc import Mapping
@@ -17,6 +18,7 @@ from typing import cast
 from rich.console import Console
 
 from shoecal_core.commands.arguments import add_shoe, seed_number, shoe_file
+from shoecal_core.end_with_parent import ending_with_parent
 from shoecal_core.errors import ShoecalError, ToldError
 from shoecal_core.files import read_bytes
 from shoecal_core.workspace import config_dir, ros_environment
@@ -59,11 +61,14 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     ]  # fmt: skip
     if args.reality is not None:
         command += ["--reality", str(args.reality)]
-    process = subprocess.Popen(command, env=ros_environment())
+    environment = ros_environment()
+    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends the demo as Ctrl-C does
+    process = subprocess.Popen(ending_with_parent(command), env=environment)
     try:
         code = process.wait()
     except KeyboardInterrupt:
-        # The demo gets the same interrupt from the terminal and stops its nodes itself.
+        # It stops its nodes itself. From a terminal it got the same interrupt; twice does no harm.
+        process.terminate()
         process.wait()
         raise
     if code != 0:

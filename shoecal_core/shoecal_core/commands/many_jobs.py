@@ -16,8 +16,8 @@ Result = TypeVar("Result")
 CONNECT_S = 10.0
 """How long a scheduler may take to answer."""
 NO_DASK = (
-    "--scheduler needs Dask, which is not installed: pip install 'shoecal_core[dask]', "
-    "here and on the workers"
+    "--scheduler needs Dask, which is not installed: pip install distributed, here and "
+    "on the workers"
 )
 
 

@@ -13,7 +13,9 @@ from typing import NoReturn, Protocol, cast
 
 from rich.console import Console
 
-from shoecal_core.commands.suggestions import nearest
+from shoecal_core.commands.suggestions import nearest, short_path
+from shoecal_core.errors import ShoecalError
+from shoecal_core.workspace import config_dir
 
 COMMANDS = {
     "demo": "the main job on the simulated robot, over real ROS 2 nodes",
@@ -31,7 +33,7 @@ COMMANDS = {
 }
 EPILOG = """\
 a first calibration, on a simulated robot:
-  shoecal simulate config/robots/nao.yaml config/shoes/nao_shoe.yaml --out out/session
+  shoecal simulate {robot} {shoe} --out out/session
   shoecal calibrate out/session --out out/calibration.yaml --report out/report.html
 
 shoecal COMMAND --help tells of each. Results go to standard output, progress and errors to
@@ -84,7 +86,7 @@ def command_line(wanted: Sequence[str]) -> Parser:
     parser = Parser(
         prog="shoecal",
         description="Humanoids calibrate the force sensors in their own feet.",
-        epilog=EPILOG,
+        epilog=_epilog(),
         formatter_class=_Help,
     )
     parser.add_argument("--version", action="version", version=f"shoecal {_version()}")
@@ -131,6 +133,17 @@ class _Help(argparse.RawDescriptionHelpFormatter):
         if told is None or silent or not action.option_strings or "default" in told:
             return told
         return f"{told} (default: %(default)s)"
+
+
+def _epilog() -> str:
+    """The first commands, with files that exist."""
+    try:
+        config = short_path(config_dir())
+    except ShoecalError:  # an installation without its files; commands say so
+        return EPILOG.format(robot="ROBOT.yaml", shoe="SHOE.yaml")
+    return EPILOG.format(
+        robot=config / "robots" / "nao.yaml", shoe=config / "shoes" / "nao_shoe.yaml"
+    )
 
 
 def _version() -> str:

@@ -37,7 +37,7 @@ def nearest_file(path: Path) -> str:
     files = {file.stem: file for folder in FOLDERS for file in _entries(config_dir() / folder)
              if file.suffix == ".yaml"}  # fmt: skip
     found = get_close_matches(path.stem, sorted(files), n=1)
-    return f"; did you mean '{_short(files[found[0]])}'?" if found else ""
+    return f"; did you mean '{short_path(files[found[0]])}'?" if found else ""
 
 
 def _entries(folder: Path) -> list[Path]:
@@ -47,6 +47,7 @@ def _entries(folder: Path) -> list[Path]:
         return []
 
 
-def _short(file: Path) -> Path:
+def short_path(file: Path) -> Path:
+    """Relative to the current folder where it is in there."""
     here = Path.cwd()
     return file.relative_to(here) if file.is_relative_to(here) else file

@@ -22,3 +22,13 @@ class RobotFellError(ShoecalError):
 
 class SupportNotReachedError(ShoecalError):
     """The robot could not be brought to stand still in a double support."""
+
+
+class SimulationDivergedError(ShoecalError):
+    """The physics engine met a state that is not finite."""
+
+    def __init__(self, time: float) -> None:
+        super().__init__(
+            f"the simulation diverged after {time:.2f} s; lower step_s in the reality file, and "
+            "check the masses and inertias of the URDF"
+        )

@@ -20,6 +20,7 @@ from shoecal_core.simulation.shoe_physics import (
     ShoeBuilder,
     add_floor,
 )
+from shoecal_core.simulation.stepping import advance
 
 FloatArray = NDArray[np.float64]
 
@@ -125,7 +126,7 @@ class _Bench:
         steps = max(1, math.ceil(_SETTLE / model.opt.timestep))
         speed = math.inf
         while speed > _REST_SPEED:
-            mujoco.mj_step(model, data, nstep=steps)
+            advance(model, data, steps)
             speed = float(np.abs(data.qvel).max())
             if data.time > _PATIENCE or abs(data.xmat[self._plate, 8] - 1.0) > 0.01:
                 raise ShoecalError(

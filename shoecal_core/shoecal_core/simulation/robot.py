@@ -28,6 +28,7 @@ from shoecal_core.simulation.sensor_chain import NO_SIDEWAYS, SensorChain
 from shoecal_core.simulation.set_points import SERVO_PERIOD, SetPoints
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader, floor_rotation
 from shoecal_core.simulation.snapshot import Snapshot
+from shoecal_core.simulation.stepping import advance
 
 if TYPE_CHECKING:
     from shoecal_core.simulation.disturbances import Disturbance
@@ -163,7 +164,7 @@ class SimulatedRobot:
         self._standing_height = float(self.data.xpos[self._base, 2])
         self._chain.lift()
         self._friction.release(self.data)
-        mujoco.mj_step(self._model, self.data)
+        advance(self._model, self.data)
         self._remember()
 
     def place(self, joint_angles: FloatArray, *, patience: float = 10.0) -> None:
@@ -297,11 +298,11 @@ class SimulatedRobot:
     def _step(self, count: int) -> None:
         """Let the physics run for some steps; friction slips before each."""
         if not self._friction.acts:
-            mujoco.mj_step(self._model, self.data, nstep=count)
+            advance(self._model, self.data, count)
             return
         for _ in range(count):
             self._friction.slip(self.data)
-            mujoco.mj_step(self._model, self.data)
+            advance(self._model, self.data)
 
     def _motor_angles(self, told: FloatArray) -> FloatArray:
         """(a,) what the servos aim at so that their encoders show joint angles (m,)."""

@@ -10,9 +10,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
+from shoecal_core.end_with_parent import ending_with_parent
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import make_folder
-from shoecal_ros.common.end_with_parent import ending_with_parent
 
 END_S = 15.0
 """How long a node may take to end."""

@@ -134,4 +134,4 @@ def test_over_a_cluster(shoecal: Run, simulated: Path, tmp_path: Path) -> None:
 def test_without_dask_it_says_how_to_get_it(shoecal: Run, simulated: Path) -> None:
     code, _, error = shoecal("diagnose", simulated, "--scheduler", "tcp://127.0.0.1:1")
     assert code == 1
-    assert "shoecal_core[dask]" in error
+    assert "pip install distributed" in error

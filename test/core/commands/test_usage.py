@@ -108,6 +108,28 @@ def test_help_tells_of_every_command(capsys: pytest.CaptureFixture[str]) -> None
         assert any(line.split()[:1] == [name] and summary[:20] in line for line in lines)
 
 
+def test_help_names_files_that_exist(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for folder in (config_dir().parent, tmp_path):
+        monkeypatch.chdir(folder)
+        assert cli.main([]) == 2
+        (line,) = (
+            one for one in capsys.readouterr().err.splitlines() if "shoecal simulate " in one
+        )
+        _, _, robot, shoe, *_ = line.split()
+        assert Path(robot).is_file()
+        assert Path(shoe).is_file()
+
+
+def test_without_its_files_help_names_none(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SHOECAL_CONFIG", str(tmp_path / "gone"))
+    assert cli.main([]) == 2
+    assert "shoecal simulate ROBOT.yaml SHOE.yaml" in capsys.readouterr().err
+
+
 def test_without_a_command_help_is_told_as_an_error(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main([]) == 2
     out, error = capsys.readouterr()

@@ -4,12 +4,12 @@ import signal
 import subprocess
 import sys
 
-from ros.stranger import Stranger
-from shoecal_ros.common.end_with_parent import ending_with_parent
+from core.stranger import Stranger
+from shoecal_core.end_with_parent import ending_with_parent
 
 PARENT = """
 import subprocess
-from shoecal_ros.common.end_with_parent import ending_with_parent
+from shoecal_core.end_with_parent import ending_with_parent
 with subprocess.Popen(ending_with_parent(["sleep", "1000"])) as child:
     print(child.pid, flush=True)
 """
