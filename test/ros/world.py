@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import inspect
 import signal
 import subprocess
 import sys
@@ -28,6 +29,8 @@ from shoecal_ros.common import qos
 
 TIMEOUT_S = 900.0
 """Ends a wait that is in vain: a busy machine compiles the functions of a robot for minutes."""
+EVENT_S = 60.0
+"""The same where no robot's functions are compiled."""
 END_S = 300.0
 
 
@@ -54,6 +57,7 @@ class World:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self.timeout_s = TIMEOUT_S
         self.processes: dict[str, subprocess.Popen[bytes]] = {}
         self._context = rclpy.Context()
         rclpy.init(context=self._context)
@@ -106,7 +110,7 @@ class World:
 
     def until_logged(self, node: str, text: str) -> None:
         """Wait until a text stands in a node's output."""
-        self.until(lambda: text in self.output(node))
+        self.until(lambda: text in self.output(node), waited_for=f"'{text}' in the log of {node}")
 
     def stop(self, node: str) -> int:
         """End a node as Ctrl-C does; its exit code."""
@@ -122,7 +126,7 @@ class World:
 
     def ended(self, node: str) -> int:
         """Wait until a node ends by itself; its exit code."""
-        return self.processes.pop(node).wait(TIMEOUT_S)
+        return self.processes.pop(node).wait(self.timeout_s)
 
     # The client
 
@@ -148,14 +152,29 @@ class World:
             self.node.create_subscription(kind, topic, heard.messages.append, profile)
         return heard
 
-    def until(self, condition: Callable[[], object], timeout_s: float = TIMEOUT_S) -> None:
-        """Wait for a condition; fail with the nodes' output where it does not come."""
-        deadline = time.monotonic() + timeout_s
+    def until(
+        self,
+        condition: Callable[[], object],
+        timeout_s: float | None = None,
+        waited_for: str = "",
+    ) -> None:
+        """Wait for a condition.
+
+        Args:
+            condition: looked at again and again.
+            timeout_s: in place of the world's; then it fails, with the nodes' output [s].
+            waited_for: in the error message, in place of the condition's source.
+        """
+        limit_s = self.timeout_s if timeout_s is None else timeout_s
+        deadline = time.monotonic() + limit_s
         while not condition():
             for name, process in self.processes.items():
                 assert process.poll() is None, f"{name} ended:\n{self.output(name)}"
-            assert time.monotonic() < deadline, "waited in vain:\n" + "\n".join(
-                f"--- {name}\n{self.output(name)}" for name in self.processes
+            assert time.monotonic() < deadline, "\n".join(
+                [
+                    f"waited {limit_s:g} s in vain for {waited_for or _source(condition)}",
+                    *(f"--- {name}\n{self.output(name)}" for name in self.processes),
+                ]
             )
             self._executor.spin_once(timeout_sec=0.05)
             for executor in self._companions.values():
@@ -180,7 +199,7 @@ class World:
             companion: in place of the client.
         """
         introduction = Introduction(companion or self.node, node)
-        self.until(lambda: introduction.done)
+        self.until(lambda: introduction.done, waited_for=f"an answer of {node}")
         introduction.end()
 
     def arm(self, node: str) -> Publisher:
@@ -223,11 +242,13 @@ class World:
         self._diagnostics_before[node] = len(self._diagnostics.messages)
 
     def until_reported(
-        self, node: str, subject: str, text: str, timeout_s: float = TIMEOUT_S
+        self, node: str, subject: str, text: str, timeout_s: float | None = None
     ) -> Any:
         """Wait until a node's diagnostic of a subject contains a text."""
         self.until(
-            lambda: (found := self.diagnosis(node, subject)) and text in found.message, timeout_s
+            lambda: (found := self.diagnosis(node, subject)) and text in found.message,
+            timeout_s,
+            f"'{text}' in the diagnostic {node}: {subject}",
         )
         return self.diagnosis(node, subject)
 
@@ -315,9 +336,17 @@ class Goal:
     def cancel(self) -> None:
         self._world.until(self._handle.cancel_goal_async().done)
 
-    def result(self, timeout_s: float = TIMEOUT_S) -> Any:
-        self._world.until(self._result.done, timeout_s)
+    def result(self, timeout_s: float | None = None) -> Any:
+        self._world.until(self._result.done, timeout_s, "the result of a goal")
         return self._result.result().result
+
+
+def _source(condition: Callable[[], object]) -> str:
+    """Of a lambda expression; of other functions the name."""
+    name = getattr(condition, "__qualname__", repr(condition))
+    if "<lambda>" not in name:
+        return str(name)
+    return inspect.getsource(condition).strip()
 
 
 def _yaml(value: object) -> str:

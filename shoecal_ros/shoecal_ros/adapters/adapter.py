@@ -59,6 +59,7 @@ class Adapter(ShoecalNode):
         self._begun_s = self.now_s
         self._refused_s = -math.inf
         self._refusal = ""
+        self._accepted = self._refused = 0
         self.subscribe(JointTrajectoryMsg, "joint_trajectory", self._take, qos.COMMAND)
 
     @abstractmethod
@@ -118,7 +119,12 @@ class Adapter(ShoecalNode):
         errors = [problem for problem in (self.trouble, self.joints.problem, refused) if problem]
         missing = self.missing if self.now_s - self._begun_s > FOUND_S else ""
         warnings = [Problem(Code.DRIVER_MISSING, missing)] if missing else []
-        reported, figures = joined([*errors, *warnings]), self.joints.heard.figures()
+        reported = joined([*errors, *warnings])
+        # A topic has no answer: this shows a sender whether its command was accepted.
+        figures = self.joints.heard.figures() | {
+            "trajectories_accepted": str(self._accepted),
+            "trajectories_refused": str(self._refused),
+        }
         if reported is None:
             return Condition(Level.OK, well, figures)
         level = Level.ERROR if errors else Level.WARN
@@ -142,8 +148,10 @@ class Adapter(ShoecalNode):
         for message in messages:
             try:
                 self._admit(trajectory_from_ros(message))
+                self._accepted += 1
                 self._refused_s = -math.inf
             except ShoecalError as error:
+                self._refused += 1
                 self._refused_s, self._refusal = self.now_s, f"trajectory refused: {error}"
 
     def _admit(self, trajectory: JointTrajectory) -> None:

@@ -11,8 +11,9 @@ from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.adapters.driver_messages import SCRIPT, NoMessagesError, messages_of
-from ros.world import World
+from ros.world import EVENT_S, World
 from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_ros.adapters.adapter import NOT_HEARD
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.health import Level
@@ -36,13 +37,15 @@ class Adapted:
         self._kind = kind
         self._adapter = adapter
         self._parameters = parameters
+        self._sent = 0
+        world.timeout_s = EVENT_S
         self.start_robot()
         self.start_adapter()
         if armed_by_test:
             self._armed = world.publisher(Bool, "shoe/armed", qos.ARMED)
             self._armed.publish(Bool(data=False))
             self._commands = world.publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
-        world.until(lambda: (reported := self.reported) and reported.level < bytes([Level.ERROR]))
+        world.until(lambda: self._is_ready(heard=armed_by_test), waited_for="a ready adapter")
         self.settle()
 
     def start_robot(self) -> None:
@@ -51,6 +54,7 @@ class Adapted:
         self.world.start("robot", parameters, script=SCRIPT)
 
     def start_adapter(self) -> None:
+        self._sent = 0
         self.world.start(self._adapter, self._parameters)
 
     def kill_adapter(self) -> None:
@@ -67,7 +71,10 @@ class Adapted:
 
     def until_well(self, state: str) -> None:
         """Wait until the adapter tells nothing but whether it is armed."""
-        self.world.until(lambda: (reported := self.reported) and reported.message == state)
+        self.world.until(
+            lambda: (reported := self.reported) and reported.message == state,
+            waited_for=f"the diagnostic '{state}' of {self._adapter}",
+        )
 
     def arm(self, *changes: bool) -> None:
         """Arm, or say something else, or one thing just after the other."""
@@ -84,7 +91,45 @@ class Adapted:
         self.world.until_discovered_by(self._adapter)
 
     def send(self, trajectory: JointTrajectory) -> None:
+        """Send it once; it may be refused."""
+        self._sent += 1
         self._commands.publish(trajectory_to_ros(trajectory))
+
+    def command(self, trajectory: JointTrajectory) -> None:
+        """Send it again and again until the adapter has accepted it."""
+        self.settle()
+        self.world.until(self._has_answered, waited_for="answers to earlier trajectories")
+        before = self._count("accepted")
+
+        def accepted() -> bool:
+            if not self._has_answered():
+                return False
+            if self._count("accepted") > before:
+                return True
+            self.send(trajectory)
+            return False
+
+        self.world.until(accepted, waited_for="a trajectory to be accepted")
+
+    def _has_answered(self) -> bool:
+        """Whether the adapter has accepted or refused each trajectory since it was started."""
+        if self.reported is None:
+            return False
+        return self._count("accepted") + self._count("refused") == self._sent
+
+    def _count(self, answer: str) -> int:
+        values = {value.key: value.value for value in self.reported.values}
+        return int(values[f"trajectories_{answer}"])
+
+    def _is_ready(self, *, heard: bool) -> bool:
+        """Whether it reports no error, and has heard that the robot is not armed.
+
+        One that is armed before that stops what may be under way first, and refuses motions.
+        """
+        reported = self.reported
+        if reported is None or reported.level >= bytes([Level.ERROR]):
+            return False
+        return not heard or reported.message != NOT_HEARD
 
 
 @pytest.fixture

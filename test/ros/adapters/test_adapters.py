@@ -54,11 +54,11 @@ def test_it_follows_when_armed_and_stops_when_no_more(adapter: str, robot: Adapt
     world.until_reported(node, "robot", "trajectory refused: not armed: call the service shoe/arm")
     assert knee.way == 0.0
     robot.arm()
-    robot.send(squat(0.5))
+    robot.command(squat(0.5))
     world.until(lambda: abs(knee.way - WAY) < 1e-6)
     world.until(lambda: world.diagnosis(node, "robot").message == "armed")
     # Back, slowly; in the middle of it whoever armed the robot takes it back and says no more.
-    robot.send(squat(60.0, way=-0.3))
+    robot.command(squat(60.0, way=-0.3))
     world.until(lambda: knee.way < 0.0)
     robot.arm(False)
     world.until_reported(node, "robot", "not armed")
@@ -68,11 +68,11 @@ def test_it_follows_when_armed_and_stops_when_no_more(adapter: str, robot: Adapt
 def test_armed_again_at_once_it_does_not_go_on(adapter: str, robot: Adapted) -> None:
     knee = Knee(robot)
     robot.arm()
-    robot.send(squat(60.0, way=-0.3))
+    robot.command(squat(60.0, way=-0.3))
     robot.world.until(lambda: knee.way < 0.0)
     robot.arm(False, True)
     robot.world.until(knee.rests)
-    robot.send(squat(0.5))
+    robot.command(squat(0.5))
     robot.world.until(lambda: abs(knee.way - WAY) < 1e-6)
 
 
@@ -80,7 +80,7 @@ def test_a_hold_counts_while_the_driver_is_gone(adapter: str, robot: Adapted) ->
     """Else one that comes back would be told to be where the motion has come to meanwhile."""
     knee = Knee(robot)
     robot.arm()
-    robot.send(squat(30.0, way=0.3))
+    robot.command(squat(30.0, way=0.3))
     robot.world.until(lambda: knee.way > 0.005)
     robot.world.stop("robot")
     robot.until_reported(DRIVERS[adapter])
@@ -98,10 +98,9 @@ def test_a_command_to_hold_is_followed_to_its_end(adapter: str, robot: Adapted) 
     """Whoever disarms a robot that is coming to rest lets it do so."""
     world, knee = robot.world, Knee(robot)
     robot.arm()
-    robot.send(squat(30.0, way=0.3))
+    robot.command(squat(30.0, way=0.3))
     world.until(lambda: knee.way > 0.02)
-    robot.send(hold(nao(), bent(0.01), 2.0))
-    robot.settle()
+    robot.command(hold(nao(), bent(0.01), 4.0))
     robot.arm(False)
     world.until(lambda: abs(knee.way - 0.01) < 1e-6)
 
@@ -109,8 +108,7 @@ def test_a_command_to_hold_is_followed_to_its_end(adapter: str, robot: Adapted) 
 def test_what_takes_long_to_hold_is_stopped_like_a_motion(adapter: str, robot: Adapted) -> None:
     world, knee, takes_s = robot.world, Knee(robot), LONGEST_S + 1.0
     robot.arm()
-    robot.send(hold(nao(), bent(0.19), takes_s))
-    robot.settle()
+    robot.command(hold(nao(), bent(0.19), takes_s))
     robot.arm(False)
     end = time.monotonic() + takes_s + 1.0
     world.until(lambda: time.monotonic() > end)
@@ -122,18 +120,19 @@ def test_not_armed_a_command_to_hold_stops_the_robot_and_never_moves_it(
 ) -> None:
     """Whoever disarms a moving robot stops it just after that; nobody walks it by such commands."""
     world, knee = robot.world, Knee(robot)
-    robot.send(hold(nao(), bent(0.19), 0.01))
+    robot.command(hold(nao(), bent(0.19), 0.01))
     assert knee.rests()
     robot.arm()
-    robot.send(squat(30.0, way=0.3))
+    robot.command(squat(30.0, way=0.3))
     world.until(lambda: knee.way > 0.02)
     robot.arm(False)
-    robot.send(hold(nao(), bent(0.19), 0.01))
+    robot.until_well("not armed")
+    robot.command(hold(nao(), bent(0.19), 0.01))
     world.until(knee.rests)
     rest = knee.way
     assert 0.0 < rest < 0.1
     for _ in range(5):
-        robot.send(hold(nao(), bent(knee.way + 0.19), 0.01))
+        robot.command(hold(nao(), bent(knee.way + 0.19), 0.01))
         assert knee.rests()
     assert knee.way == pytest.approx(rest, abs=1e-9)
 
@@ -141,7 +140,7 @@ def test_not_armed_a_command_to_hold_stops_the_robot_and_never_moves_it(
 def test_an_adapter_that_ends_leaves_no_robot_on_its_way(adapter: str, robot: Adapted) -> None:
     world, node, knee = robot.world, KINDS[adapter][1], Knee(robot)
     robot.arm()
-    robot.send(squat(10.0, way=0.5))
+    robot.command(squat(20.0, way=0.5))
     world.until(lambda: knee.way > 0.05)
     assert world.stop(node) == 0
     world.until(knee.rests)
@@ -185,6 +184,7 @@ def test_motions_beyond_limits_are_refused(begin: Begin) -> None:
     robot = begin("naoqi", "naoqi_adapter")
     knee = Knee(robot)
     robot.arm()
+    robot.until_well("armed")
     robot.send(squat(1.0, way=3.0))
     robot.world.until_reported("naoqi_adapter", "robot", "beyond its limits")
     assert knee.way == 0.0
