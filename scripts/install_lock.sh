@@ -2,7 +2,7 @@
 # Installs a lock file into a virtual environment as it is: install_lock.sh VENV LOCK
 #
 # The lock file is whole, so nothing is resolved: a release of tomorrow changes nothing. uv, pinned
-# like all else, needs a third of pip's time. pip installs the same files where it is configured
+# like all else, needs an eighth of pip's time. pip installs the same files where it is configured
 # with an index of its own, and where uv cannot (a proxy that only pip knows).
 set -Eeuo pipefail
 
