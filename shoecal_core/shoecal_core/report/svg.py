@@ -37,6 +37,7 @@ _LINK = "{http://www.w3.org/1999/xlink}href"
 _LONG_NUMBER = re.compile(r"-?\d+\.\d{3,}")
 _FONT_FAMILY = re.compile(r"font-family:[^;]*;?\s*")
 _FONT = re.compile(r"font:\s*(?:\d+\s+)?([\d.]+px)[^;]*")
+_CLIP_PATH = re.compile(r'<clipPath id="([^"]*)"')
 _REFERENCE = re.compile(r"url\(#([^)]*)\)")
 
 
@@ -170,6 +171,9 @@ def readable(text: str, most: int = 28) -> str:
 
 
 def _inline(document: str, alt: str) -> str:
+    # Matplotlib before 3.8 names some of them by their place in memory.
+    for number, name in enumerate(_CLIP_PATH.findall(document)):
+        document = document.replace(name, f"clip{number}")
     prefix = f"f{hashlib.sha256(document.encode()).hexdigest()[:8]}"
     root = ElementTree.fromstring(document)  # noqa: S314 - written by Matplotlib a moment ago
     for child in list(root):
