@@ -9,6 +9,16 @@ import pytest
 from reliability.soak import LOST, ROW, an_hour, resident_mb, stand
 
 HELD = 64_000_000
+HOLDER = f"""
+import mmap
+print("idle", flush=True)
+input()
+held = mmap.mmap(-1, {HELD})
+for place in range(0, {HELD}, mmap.PAGESIZE):
+    held[place] = 1
+print("held", flush=True)
+input()
+"""
 SECONDS, BEGINNING = 60, 10
 KEPT_MB = 1.0
 """Two hundred bytes of each of the 5,000 frames after the beginning: a message that is kept is
@@ -37,26 +47,16 @@ def test_growth_is_told_an_hour() -> None:
 
 def test_memory_of_a_process_is_told_in_mb() -> None:
     # Of a process that does nothing else: this one's own threads and imports would count.
-    holder = (
-        "import mmap\n"
-        "input()\n"
-        f"held = mmap.mmap(-1, {HELD})\n"
-        f"for place in range(0, {HELD}, mmap.PAGESIZE): held[place] = 1\n"
-        "print('held', flush=True)\n"
-        "input()"
-    )
     with subprocess.Popen(
-        [sys.executable, "-c", "print('idle', flush=True)\n" + holder],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-    ) as process:
-        assert process.stdin is not None
-        assert process.stdout is not None
-        assert process.stdout.readline() == "idle\n"
-        before = resident_mb(process.pid)
-        print(file=process.stdin, flush=True)
-        assert process.stdout.readline() == "held\n"
-        after = resident_mb(process.pid)
-        print(file=process.stdin, flush=True)
+        [sys.executable, "-c", HOLDER], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as holder:
+        assert holder.stdout is not None
+        assert holder.stdout.readline() == b"idle\n"
+        before = resident_mb(holder.pid)
+        assert holder.stdin is not None
+        holder.stdin.write(b"\n")
+        holder.stdin.flush()
+        assert holder.stdout.readline() == b"held\n"
+        after = resident_mb(holder.pid)
+        holder.communicate(b"\n")
     assert after - before == pytest.approx(HELD / 1e6, rel=0.05)
