@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench solve-speed kinematics planner-speed planner-supports live-path demo-table paper trust accuracy repeats chosen-supports caught-faults faults blind own-steps motion-menu pictures figures reference docs wheel lock clean
+.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench solve-speed planner-speed live-path demo-table paper trust accuracy repeats caught-faults faults blind own-steps motion-menu pictures figures reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -39,23 +39,15 @@ lint: setup  ## ruff and mypy
 
 # Each measurement has arguments of its own.
 bench: override ARGS :=
-bench: solve-speed kinematics planner-speed planner-supports live-path demo-table paper  ## all measurements
+bench: solve-speed planner-speed live-path demo-table paper  ## all measurements
 
 solve-speed: export OPENBLAS_NUM_THREADS := 1
 solve-speed: setup  ## least squares compared with scipy's, into docs/evidence/performance.md
 	$(BIN)/python benchmarks/solve_speed.py $(ARGS)
 
-kinematics: export OPENBLAS_NUM_THREADS := 1
-kinematics: setup  ## CoM and soles compared with a loop over Pinocchio, into docs/evidence/performance.md
-	$(BIN)/python benchmarks/kinematics.py $(ARGS)
-
 planner-speed: export OPENBLAS_NUM_THREADS := 1
-planner-speed: setup  ## the planner's solvers side by side (ARGS="--supports 1 --problems 8")
+planner-speed: setup  ## the planner's solver beside IPOPT, motions in many supports (ARGS="--supports 1 --nao 20")
 	$(BIN)/python benchmarks/planner_speed.py $(ARGS)
-
-planner-supports: export OPENBLAS_NUM_THREADS := 1
-planner-supports: setup  ## motions in many double supports (ARGS="--nao 20 --wren 5")
-	$(BIN)/python benchmarks/planner_supports.py $(ARGS)
 
 live-path: export OPENBLAS_NUM_THREADS := 1
 live-path: setup  ## latency from frame to CoP, compared with a bare chain (ARGS="--seconds 5")
@@ -82,7 +74,7 @@ motion-menu: setup  ## every motion of the menu and how long it takes, into docs
 paper: setup  ## the paper's evaluation over ten robots, into docs/evidence/paper.md (ARGS="--seeds 20")
 	$(BIN)/python benchmarks/paper.py $(ARGS)
 
-trust: chosen-supports accuracy repeats caught-faults  ## what trust in a calibration rests on, into docs/evidence/trust.md
+trust: accuracy repeats caught-faults  ## what trust in a calibration rests on, into docs/evidence/trust.md
 
 accuracy: export OPENBLAS_NUM_THREADS := 1
 accuracy: setup  ## errors of a calibration, and do stated ones hold? (ARGS="--seeds 2 --realities default")
@@ -91,10 +83,6 @@ accuracy: setup  ## errors of a calibration, and do stated ones hold? (ARGS="--s
 repeats: export OPENBLAS_NUM_THREADS := 1
 repeats: setup  ## one robot calibrated again and again (ARGS="--repeats 5")
 	$(BIN)/python benchmarks/repeats.py $(ARGS)
-
-chosen-supports: export OPENBLAS_NUM_THREADS := 1
-chosen-supports: setup  ## double supports chosen against random ones (ARGS="--seeds 24")
-	$(BIN)/python benchmarks/chosen_supports.py $(ARGS)
 
 caught-faults: export OPENBLAS_NUM_THREADS := 1
 caught-faults: setup  ## faults put into recordings, how many are caught (ARGS="--draws 5 --clean 10")

@@ -6,7 +6,7 @@
 Sessions are those of `accuracy_sessions.py`, made where they are missing; another run only
 calibrates them anew: those of the standard set in the default reality with a manual calibration as
 prior, too. Writes a section of docs/evidence/trust.md and the key `accuracy` of
-out/trust.json. Seeds 1 to 8 are there to develop with: by default none of them is in the table.
+out/bench.json. Seeds 1 to 8 are there to develop with: by default none of them is in the table.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dataclasses import replace
 from accuracy_page import figures, section
 from accuracy_results import Result, measure
 from accuracy_sessions import MOTIONS, REALITIES, cases, make, names
-from pages import write_trust
+from pages import TRUST, record, write_section
 from shoecal_core.commands.many_jobs import over_cores
 
 
@@ -51,7 +51,8 @@ def main() -> None:
         print(body)
         print(json.dumps(figures(ordered), indent=1))
     else:
-        write_trust("accuracy", body, figures(ordered))
+        record("accuracy", figures(ordered))
+        write_section("accuracy", body, TRUST)
 
 
 if __name__ == "__main__":

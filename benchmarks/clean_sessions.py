@@ -4,7 +4,8 @@
 
 Wren is a made-up robot, its shoe has three cells a foot: nothing of the diagnosis was tried on it
 while it was made. Every seed draws supports, gains, offsets, noise and an engine; nothing else
-differs from the model. Writes a section of docs/evidence/diagnosis.md and out/clean.json.
+differs from the model. Writes a section of docs/evidence/diagnosis.md and the key `clean_sessions`
+of out/bench.json.
 """
 
 from __future__ import annotations
@@ -18,10 +19,9 @@ from pathlib import Path
 
 import numpy as np
 
-import bench_json
 from blind.intervals import clopper_pearson
 from blind.world import draw_world, write_reality
-from pages import ROOT, table, write_section
+from pages import EVIDENCE, record, table, write_section
 from shoecal_core.commands.simulated_session import SimulationPlan, simulate_session
 from shoecal_core.diagnosis.diagnose import diagnose
 from shoecal_core.model.robot_file import load_robot
@@ -125,8 +125,8 @@ def main() -> None:
         "alarms": sum(one.verdict != "no_gap" for one in outcomes),
         "outcomes": [vars(one) for one in outcomes],
     }
-    bench_json.record("clean_sessions", figures, ROOT / "out" / "clean.json")
-    page = ROOT / "docs" / "evidence" / "diagnosis.md"
+    record("clean_sessions", figures)
+    page = EVIDENCE / "diagnosis.md"
     write_section("clean-sessions", section(outcomes, args.seeds), page, "# Diagnosis\n")
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from scipy.stats import beta
 
-from pages import table, write_trust
+from pages import TRUST, record, table, write_section
 from shoecal_core.calibration.screening.faults import Fault
 
 Results = Sequence[Mapping[str, Any]]
@@ -70,15 +70,13 @@ def write_page(results: Mapping[str, Results], clean: str) -> None:
         cases=_cases(results[clean]),
         met=_met(figures, alarms),
     )
-    write_trust(
-        "faults",
-        body,
-        {
-            "faults": figures,
-            "clean": {**alarms, "left_out": lost},
-            "met": _missed(figures, alarms) == [],
-        },
-    )
+    figures_of_all = {
+        "faults": figures,
+        "clean": {**alarms, "left_out": lost},
+        "met": _missed(figures, alarms) == [],
+    }
+    record("caught_faults", figures_of_all)
+    write_section("faults", body, TRUST)
 
 
 def clopper_pearson(count: int, draws: int) -> tuple[float, float]:

@@ -25,8 +25,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-import bench_json
-from pages import ROOT, table, write_section
+from pages import ROOT, record, table, write_section
 from shoecal_core.commands.simulated_walk import walk
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
@@ -278,7 +277,7 @@ def main() -> int:
     measured = {
         name: figures([walked for walked in walks if walked.robot == name]) for name in args.robots
     }
-    bench_json.record("own_steps", measured)
+    record("own_steps", measured)
     write_section("own-steps", section(measured), PAGE, "# Walks by own steps\n")
     print(json.dumps(measured, indent=1))
     return 0 if all(walked.reached == walked.asked for walked in walks) else 1

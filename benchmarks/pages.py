@@ -1,65 +1,91 @@
-"""Pages that several benchmarks write: performance.md and trust.md of docs/evidence.
+"""Figures as JSON, and pages made of them: docs/evidence and out/bench.json.
 
 Each benchmark owns one section of a page, between `<!-- name -->` and `<!-- /name -->`, and one
-key of the file; it replaces its own and leaves the others' as they are.
+key of a file of figures; it replaces its own and leaves the others' as they are.
 """
 
 from __future__ import annotations
 
+import fcntl
+import json
+import os
+import platform
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import bench_json
+import numpy as np
+
 from shoecal_core.files import atomic_write
 
 ROOT = Path(__file__).resolve().parents[1]
-PERFORMANCE = ROOT / "docs" / "evidence" / "performance.md"
-PERFORMANCE_HEAD = """\
-# Speed and memory
+FIGURES = ROOT / "out" / "bench.json"
+EVIDENCE = ROOT / "docs" / "evidence"
+PERFORMANCE = EVIDENCE / "performance.md"
+TRUST = EVIDENCE / "trust.md"
+HEADS = {
+    PERFORMANCE: """\
+# Speed
 
 Each section names its command; `make bench` runs them all. The figures depend on the machine:
 compare ratios.
-"""
-PAGE = ROOT / "docs" / "evidence" / "trust.md"
-FIGURES = ROOT / "out" / "trust.json"
-HEAD = """\
+""",
+    TRUST: """\
 # Accuracy and uncertainty of a calibration
 
 Everything here is simulated; each section names its command.
-"""
+""",
+}
+"""What a page begins with that is not there yet."""
+
+Row = Mapping[str, object]
+"""One row of a table: its cells by the heads of their columns."""
 
 
-def write_trust(
-    name: str, body: str, figures: Mapping[str, object], page: Path = PAGE, file: Path = FIGURES
-) -> None:
-    """Write one benchmark's section and figures.
-
-    Args:
-        name: of the section, and key of the figures.
-        body: Markdown, with its own heading.
-        figures: for the file.
-        page: Markdown page.
-        file: JSON.
-    """
-    bench_json.record(name, figures, file)
-    write_section(name, body, page, HEAD)
+def record(key: str, value: object, path: Path = FIGURES) -> None:
+    """Write one benchmark's figures, keeping the others', also while another one writes."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.with_suffix(".lock").open("w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        known = json.loads(path.read_text()) if path.is_file() else {}
+        known[key] = value
+        atomic_write(path, json.dumps(known, indent=1, sort_keys=True, allow_nan=False) + "\n")
 
 
-def write_performance(name: str, body: str, page: Path = PERFORMANCE) -> None:
-    """Write one benchmark's section, Markdown with its own heading, on time and memory."""
-    write_section(name, body, page, PERFORMANCE_HEAD)
-
-
-def write_section(name: str, body: str, page: Path, head: str) -> None:
+def write_section(name: str, body: str, page: Path, head: str = "") -> None:
     """Write a section in its place, or behind the others; a new page begins with `head`."""
-    text = page.read_text() if page.is_file() else head
+    text = page.read_text() if page.is_file() else head or HEADS[page]
     begin, end = f"<!-- {name} -->", f"<!-- /{name} -->"
     before, found, rest = text.partition(begin)
     after = rest.partition(end)[2] if found else "\n"
     atomic_write(page, f"{before.rstrip()}\n\n{begin}\n{body.strip()}\n{end}{after}")
 
 
+def markdown(rows: Sequence[Row]) -> str:
+    """A Markdown table; its columns are the keys of the first row, in their order."""
+    heads = list(rows[0])
+    return table([heads, *([cell(row[head]) for head in heads] for row in rows)])
+
+
+def cell(value: object) -> str:
+    """A figure as it stands in a table: three digits, or all of a whole number."""
+    if value is None:
+        return "-"
+    if isinstance(value, float):
+        # Never 1.2e+03.
+        return f"{value:,.0f}" if 1e3 <= abs(value) < 1e15 else f"{value:.3g}"
+    return f"{value:,}" if isinstance(value, int) else str(value)
+
+
 def table(rows: Sequence[Sequence[str]]) -> str:
     """A Markdown table; the first row is its head."""
     lines = [list(rows[0]), ["---"] * len(rows[0]), *(list(row) for row in rows[1:])]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def machine() -> str:
+    """What figures of speed were measured on."""
+    return (
+        f"Measured on {os.cpu_count()} cores ({platform.machine()}), OPENBLAS_NUM_THREADS "
+        f"{os.environ.get('OPENBLAS_NUM_THREADS', 'not set')}, with Python "
+        f"{platform.python_version()} and numpy {np.__version__}."
+    )

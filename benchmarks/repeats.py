@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/repeats.py [--repeats 10] [--robot 1]
 
-Writes a section of docs/evidence/trust.md and the key `repeats` of out/trust.json.
+Writes a section of docs/evidence/trust.md and the key `repeats` of out/bench.json.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from pages import write_trust
+from pages import TRUST, record, write_section
 from population import Member, one_robot, sessions
 from shoecal_core.calibration.assessment import NORMAL_95
 from shoecal_core.calibration.pipeline import calibrate_session
@@ -67,7 +67,8 @@ def main() -> None:
     made = [member for member, _ in sessions(one_robot(args.robot, args.repeats))]
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         again = repeats(list(pool.map(gains, made)))
-    write_trust("repeats", section(again), again)
+    record("repeats", again)
+    write_section("repeats", section(again), TRUST)
     print(again)
 
 

@@ -29,7 +29,6 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
-import bench_json
 import pages
 from population import OUT
 from solve_task import Rows, Task, make_task
@@ -186,8 +185,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     told = subprocess.run(command, check=True, capture_output=True, text=True).stdout
     memory: dict[str, float] = json.loads(told.splitlines()[-1])
     figures = compare(task) | {"extra_mb": max(memory.values())}
-    bench_json.record("calibration", figures)
-    pages.write_performance("solve", body(figures, memory))
+    pages.record("calibration", figures)
+    pages.write_section("solve", body(figures, memory), pages.PERFORMANCE)
     print(json.dumps(figures, indent=1))
     met = {
         f"at least {FASTER:g} times faster": figures["vs_scipy_fd"] >= FASTER,

@@ -1,13 +1,10 @@
-"""What all tests share: repeatable draws, compiled functions, and ROS 2 traffic that no other
-process hears.
-"""
+"""What all tests share: repeatable draws, and ROS 2 traffic that no other process hears."""
 
 from __future__ import annotations
 
 import os
 import signal
 import socket
-import tempfile
 import threading
 from pathlib import Path
 
@@ -23,7 +20,6 @@ settings.register_profile("shoecal", derandomize=True, deadline=None)
 settings.load_profile("shoecal")
 
 _reservation = pytest.StashKey[socket.socket]()
-_cache = pytest.StashKey["tempfile.TemporaryDirectory[str]"]()
 
 
 def pytest_configure(config: pytest.Config) -> None:
@@ -35,19 +31,10 @@ def pytest_configure(config: pytest.Config) -> None:
     os.environ["ROS_DOMAIN_ID"] = str(domain)
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
     os.environ["FASTRTPS_DEFAULT_PROFILES_FILE"] = str(_QUICK_DISCOVERY)
-    # Functions are compiled once for all workers, which inherit the folder, and none is the user's.
-    if "PYTEST_XDIST_WORKER" not in os.environ:
-        config.stash[_cache] = tempfile.TemporaryDirectory(prefix="shoecal-cache-")
-        # Matplotlib stays with its own cache, or it would look for all fonts anew.
-        fonts = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "matplotlib"
-        os.environ.setdefault("MPLCONFIGDIR", str(fonts))
-        os.environ["XDG_CACHE_HOME"] = config.stash[_cache].name
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
     config.stash[_reservation].close()
-    if _cache in config.stash:
-        config.stash[_cache].cleanup()
 
 
 def _reserve_domain() -> tuple[int, socket.socket]:

@@ -26,7 +26,6 @@ from shoecal_ros.serial.config import load_driver_config
 BITS = 24
 END_S = 20.0
 CHAINS = ("shoecal", "bare")
-SESSIONS = "sessions"
 
 
 class Chains:
@@ -58,7 +57,7 @@ class Chains:
         self.start("bare_first", "-m", "live.relay", "first", str(ports["bare"]))
         self.start("bare_second", "-m", "live.relay", "second")
         self.start_node("shoe_driver", {"config_file": device})
-        self.start_node("calibrator", {"state_dir": state, "sessions_dir": folder / SESSIONS})
+        self.start_node("calibrator", {"state_dir": state, "sessions_dir": folder / "sessions"})
 
     def start_node(self, node: str, parameters: Mapping[str, object]) -> None:
         """Start one of shoecal's nodes."""

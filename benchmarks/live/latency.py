@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -23,14 +23,12 @@ class Turn:
 
     Attributes:
         chain: which.
-        activity: what went on meanwhile.
         rate: of the frames [Hz].
         sent: the frames.
         latency_ms: (m,) of each frame, NaN where it is lost.
     """
 
     chain: str
-    activity: str
     rate: float
     sent: list[Sent]
     latency_ms: FloatArray = field(default_factory=lambda: np.zeros(0))
@@ -55,33 +53,19 @@ def latencies_ms(
     return latency
 
 
-def summary(turns: Sequence[Turn], activity: str, rate: float) -> dict[str, float]:
-    """Median and 99th percentile of both chains [ms], frames lost, and the ratios."""
-    found: dict[str, float] = {}
-    for chain in ("shoecal", "bare"):
+def summary(turns: Sequence[Turn], rate: float) -> dict[str, float]:
+    """A row of the table: median and 99th percentile of both chains, their ratios, frames lost."""
+    found, lost = {"rate [Hz]": rate}, {}
+    for chain, before in (("shoecal", ""), ("bare", "bare ")):
         each = np.concatenate(
-            [
-                turn.latency_ms
-                for turn in turns
-                if (turn.chain, turn.activity, turn.rate) == (chain, activity, rate)
-            ]
+            [turn.latency_ms for turn in turns if (turn.chain, turn.rate) == (chain, rate)]
         )
         heard = each[np.isfinite(each)]
         if not len(heard):
-            raise ShoecalError(f"nothing was heard of the chain {chain} ({activity}, {rate:g} Hz)")
-        found[f"{chain}_lost"] = float(len(each) - len(heard))
-        found[f"{chain}_median_ms"] = float(np.median(heard))
-        found[f"{chain}_p99_ms"] = float(np.percentile(heard, 99))
-    for name in ("median", "p99"):
-        found[f"vs_relay_{name}"] = found[f"shoecal_{name}_ms"] / found[f"bare_{name}_ms"]
-    return found
-
-
-def disturbance(busy: Mapping[str, float], quiet: Mapping[str, float], figure: str) -> float:
-    """A figure while something goes on over the same while nothing does.
-
-    Args:
-        busy, quiet: summaries.
-        figure: for example shoecal_p99.
-    """
-    return busy[f"{figure}_ms"] / quiet[f"{figure}_ms"]
+            raise ShoecalError(f"nothing was heard of the chain {chain} at {rate:g} Hz")
+        lost[f"{before}lost"] = float(len(each) - len(heard))
+        found[f"{before}median [ms]"] = float(np.median(heard))
+        found[f"{before}99 % [ms]"] = float(np.percentile(heard, 99))
+    for name in ("median", "99 %"):
+        found[f"ratio, {name}"] = found[f"{name} [ms]"] / found[f"bare {name} [ms]"]
+    return found | lost

@@ -6,15 +6,15 @@ from collections.abc import Callable
 from contextlib import suppress
 
 import rclpy
-from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 
 
-def spin(make: Callable[[], Node], threads: int = 1) -> Node:
+def spin(make: Callable[[], Node]) -> Node:
     """Spin a node until an interrupt; the node, to see what it has."""
     rclpy.init()
     node = make()
-    executor = SingleThreadedExecutor() if threads == 1 else MultiThreadedExecutor(threads)
+    executor = SingleThreadedExecutor()
     executor.add_node(node)
     with suppress(KeyboardInterrupt, ExternalShutdownException):
         executor.spin()

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live import bodies
-from live.latency import LONGEST_NS, Turn, disturbance, latencies_ms, summary
+from live.latency import LONGEST_NS, Turn, latencies_ms, summary
 from live.line import Sent
 from shoecal_core.errors import ShoecalError
 
@@ -27,21 +27,16 @@ def test_each_frame_gets_its_own_time() -> None:
     np.testing.assert_allclose(found, [1.0, 2.5, np.nan, np.nan])
 
 
-def test_ratios_are_of_the_same_rate_and_activity() -> None:
-    def turn(chain: str, activity: str, *latency_ms: float) -> Turn:
-        return Turn(chain, activity, 100.0, [], np.array(latency_ms))
+def test_ratios_are_of_the_same_rate() -> None:
+    def turn(chain: str, rate: float, *latency_ms: float) -> Turn:
+        return Turn(chain, rate, [], np.array(latency_ms))
 
     turns = [
-        turn("shoecal", "nothing", 3.0, np.nan), turn("shoecal", "nothing", 3.0),
-        turn("bare", "nothing", 2.0), turn("shoecal", "solving", np.nan),
+        turn("shoecal", 100.0, 3.0, np.nan), turn("shoecal", 100.0, 3.0),
+        turn("bare", 100.0, 2.0), turn("shoecal", 1000.0, np.nan),
     ]  # fmt: skip
-    found = summary(turns, "nothing", 100.0)
-    assert found["vs_relay_median"] == found["vs_relay_p99"] == 1.5
-    assert (found["shoecal_lost"], found["bare_lost"]) == (1.0, 0.0)
-    slow = summary(
-        [turn("shoecal", "solving", 4.5), turn("bare", "solving", 2.0)], "solving", 100.0
-    )
-    assert disturbance(slow, found, "shoecal_p99") == 1.5
-    assert disturbance(slow, found, "bare_p99") == 1.0
+    found = summary(turns, 100.0)
+    assert found["ratio, median"] == found["ratio, 99 %"] == 1.5
+    assert (found["lost"], found["bare lost"]) == (1.0, 0.0)
     with pytest.raises(ShoecalError, match="nothing was heard of the chain shoecal"):
-        summary(turns, "solving", 100.0)
+        summary(turns, 1000.0)

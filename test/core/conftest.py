@@ -10,7 +10,7 @@ import pytest
 from core.calibration import synthetic
 from core.diagnosis.drawn import Urn
 from core.sensing import shoes
-from shoecal_core import cli, compiled
+from shoecal_core import cli
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
@@ -29,17 +29,6 @@ joints: {encoder_error_std_rad: 0.0, play_rad: {}, compliance_rad_per_nm: {}}
 cells: {position_error_std_m: 0.0}
 shoes: {clamp_share: {}}
 """
-
-
-@pytest.fixture
-def library_cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A test's own folder of compiled libraries, not made yet; nothing was compiled or said."""
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
-    monkeypatch.delenv("CC", raising=False)
-    monkeypatch.delenv("SHOECAL_COMPILE", raising=False)
-    monkeypatch.setattr(compiled, "_interpreted", {})
-    monkeypatch.setattr(compiled, "_compiled", set())
-    return tmp_path / "cache" / "shoecal"
 
 
 @pytest.fixture(params=shoes.NAMES)

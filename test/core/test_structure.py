@@ -16,16 +16,15 @@ import shoecal_core
 ROOT = Path(shoecal_core.__file__).parent
 
 FOUNDATION = {
-    "batch", "batch_source", "compiled", "compiler", "errors", "files", "parameter_file",
-    "settings", "workspace",
-}  # fmt: skip
+    "errors",
+    "files",
+    "parameter_file",
+    "settings",
+    "workspace",
+}
 METHOD = {"sensing", "model"}
 ESTIMATION = {"samples", "error_sources", "estimation"}
 MAY_IMPORT = {
-    "batch": FOUNDATION,
-    "batch_source": FOUNDATION,
-    "compiled": FOUNDATION,
-    "compiler": FOUNDATION,
     "end_with_parent": set[str](),
     "errors": set[str](),
     "files": FOUNDATION,

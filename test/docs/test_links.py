@@ -19,7 +19,6 @@ MADE = {
         "paper-test.svg",
         "paper-train.svg",
     ),
-    "planner-speed": ("planner-growth.svg",),
     "blind": ("blind-detection.svg",),
 }
 """Pictures of README and docs, by what `make` calls the command that draws them."""

@@ -19,7 +19,7 @@ from ros.introduction import Introduction
 from shoecal_core.workspace import ros_environment
 
 ROBOT = Path(__file__).with_name("echo_robot.py")
-TIMEOUT_S = 900.0
+TIMEOUT_S = 120.0
 
 from_wheels = pytest.mark.skipif(
     not Path(sys.prefix, "share/ament_index/resource_index/packages/rclpy").is_file(),

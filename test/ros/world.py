@@ -27,10 +27,8 @@ from shoecal_core.end_with_parent import ending_with_parent
 from shoecal_core.workspace import ros_environment
 from shoecal_ros.common import qos
 
-TIMEOUT_S = 900.0
-"""Ends a wait that is in vain: a busy machine compiles the functions of a robot for minutes."""
-EVENT_S = 60.0
-"""The same where no robot's functions are compiled."""
+TIMEOUT_S = 120.0
+"""Ends a wait that is in vain, on a busy machine too."""
 END_S = 300.0
 
 

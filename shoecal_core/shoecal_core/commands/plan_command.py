@@ -19,7 +19,6 @@ from shoecal_core.commands.arguments import (
 from shoecal_core.commands.forecast_lines import addition_lines, forecast_table, weak_lines
 from shoecal_core.commands.plan_folder import PlanFolder
 from shoecal_core.commands.progress import shown_progress
-from shoecal_core.compiled import compiler_state
 from shoecal_core.errors import PartialError, ShoecalError
 from shoecal_core.files import atomic_write
 from shoecal_core.model.double_support import DoubleSupport
@@ -87,7 +86,6 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         "motions": plan.rows,
         "unplanned": [_unplanned_row(one) for one in plan.unplanned],
         "forecast": told,
-        "compiler": compiler_state(),
     }
     earlier.replace(figures)
     if plan.unplanned:

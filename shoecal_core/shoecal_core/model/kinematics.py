@@ -8,11 +8,10 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.batch import Batch
 from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
-from shoecal_core.model.symbolic import SymbolicKinematics
+from shoecal_core.model.symbolic import SymbolicKinematics, evaluate
 
 FloatArray = NDArray[np.float64]
 
@@ -64,7 +63,7 @@ class BodyStates:
 
 
 class Kinematics:
-    """Forward kinematics of one robot, compiled where that pays."""
+    """Forward kinematics of one robot."""
 
     def __init__(self, robot: Robot) -> None:
         self.robot = robot
@@ -78,9 +77,8 @@ class Kinematics:
             ca.reshape(left.rotation, 9, 1),
             left.translation,
         ]
-        self._body = Batch(
-            ca.Function("body", [symbolic.joint_angles], [ca.vertcat(*outputs)], {"cse": True}),
-            fused=True,
+        self._body = ca.Function(
+            "body", [symbolic.joint_angles], [ca.vertcat(*outputs)], {"cse": True}
         )
 
     def states(self, joint_angles: FloatArray) -> BodyStates:
@@ -92,7 +90,7 @@ class Kinematics:
         expected = len(self.robot.joint_names)
         if joint_angles.ndim != 2 or joint_angles.shape[1] != expected:
             raise ShapeError("joint angles", f"(T, {expected})", joint_angles.shape)
-        values = self._body(joint_angles)
+        values = evaluate(self._body, joint_angles)
         return BodyStates(
             com=values[:, :6].reshape(-1, 2, 3),
             # CasADi stores matrices by columns.

@@ -13,8 +13,10 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from shoecal_core.errors import ShoecalError
+from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.model.robot import Robot
+
+FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -24,7 +26,7 @@ class SymbolicPose:
     rotation: ca.SX
     translation: ca.SX
 
-    def act(self, point: ca.SX | NDArray[np.float64]) -> ca.SX:
+    def act(self, point: ca.SX | FloatArray) -> ca.SX:
         """A point of this frame, in the base."""
         return self.rotation @ ca.SX(point) + self.translation
 
@@ -81,7 +83,7 @@ class SymbolicKinematics:
         )
 
 
-def joint_axis(model: pin.Model, index: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def joint_axis(model: pin.Model, index: int) -> tuple[FloatArray, FloatArray]:
     """Axis of a one-degree-of-freedom joint: (linear (3,), angular (3,)), one of them zero."""
     joint = model.joints[index]
     data = joint.createData()
@@ -93,3 +95,18 @@ def joint_axis(model: pin.Model, index: int) -> tuple[NDArray[np.float64], NDArr
             f"joint '{model.names[index]}' is a screw; only revolute and prismatic ones are known"
         )
     return linear, angular
+
+
+def evaluate(function: ca.Function, samples: FloatArray) -> FloatArray:
+    """(T, m) values of a function of one vector (n,) -> (m,), of samples (T, n).
+
+    Raises:
+        ShapeError: for samples of another shape.
+    """
+    width = function.size1_in(0)
+    if samples.ndim != 2 or samples.shape[1] != width:
+        raise ShapeError("samples", f"(T, {width})", samples.shape)
+    if not len(samples):
+        return np.zeros((0, function.size1_out(0)))
+    # CasADi takes one sample a column.
+    return np.array(function(samples.T)).T

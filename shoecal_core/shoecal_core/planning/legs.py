@@ -123,7 +123,7 @@ class LegExpressions:
 class Legs:
     """The moved joints of one robot and the functions of them that planning needs.
 
-    Holding one means that they have been compiled.
+    Holding one means that they have been written out.
 
     Raises:
         LegsError: for legs that cannot move the CoP while both feet stay, or without limits.

@@ -39,7 +39,7 @@ class StartError(PlanningError):
 
 
 class Planner:
-    """Plans motions of one robot; holding one means that its problem has been compiled.
+    """Plans motions of one robot; holding one means that its problem has been written out.
 
     Attributes:
         legs: what moves.

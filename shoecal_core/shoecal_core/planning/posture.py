@@ -83,7 +83,7 @@ class FeetOverlapError(UnreachableError):
 
 
 class StanceSolver:
-    """Inverse kinematics of one robot, compiled once for all its stances."""
+    """Inverse kinematics of one robot, written out once for all its stances."""
 
     def __init__(self, legs: Legs, settings: PlannerSettings) -> None:
         self._legs = legs

@@ -65,7 +65,7 @@ class Planner(ShoecalNode):
         self.joints = JointInput(self.robot, self.moving.stale_s, senders=senders)
         self.arming = Arming(self.moving.arm_timeout_s, time.monotonic)
         self.worker = Worker(self.wake)
-        self._compiled = self.worker.do(planning_work.prepare, self.files, self.planning)
+        self._prepared = self.worker.do(planning_work.prepare, self.files, self.planning)
         self._busy = False
         self._execution: Execution | None = None
         self._command = self.create_publisher(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
@@ -141,9 +141,9 @@ class Planner(ShoecalNode):
         self.worker.close()
 
     def _tell_planning(self) -> None:
-        well, error = "at work" if self._busy else "ready", self.worker.lost or self._compiled.error
-        if not self._compiled.done:
-            well = "compiling the planning problem"
+        well, error = "at work" if self._busy else "ready", self.worker.lost or self._prepared.error
+        if not self._prepared.done:
+            well = "preparing"
         problem = None if error is None else Problem.of(error)
         self.health.note("planning", Condition.of(problem, well))
 

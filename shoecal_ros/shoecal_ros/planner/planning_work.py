@@ -42,7 +42,7 @@ class Chunk:
 
 
 def prepare(link: Link, files: RobotFiles, settings: PlannerSettings) -> None:
-    """Compile the planning problem now, so that the first motion is not slow."""
+    """Write the planning problem out now, so that the first motion need not wait for it."""
     del link
     _planner(files, settings)
 

@@ -52,11 +52,10 @@ def test_forecast_of_the_planned_double_supports(planned: Path) -> None:
     assert len(whole["gain_std"]) == len(whole["offset_std_n"])
 
 
-def test_shoe_and_compiler_are_told(planned: Path) -> None:
+def test_the_shoe_is_told(planned: Path) -> None:
     told = json.loads((planned / "plan.json").read_text())
     assert told["shoe"] == "wren_shoe"
     assert told["unplanned"] == []
-    assert set(told["compiler"]) >= {"enabled", "compiled", "interpreted"}
 
 
 def test_the_shoe_that_belongs_to_a_robot(

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from core.model import robots
 from core.sensing import shoes
-from shoecal_core.batch import LEAST
 from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import BodyStates, Kinematics
@@ -136,17 +135,6 @@ def test_batches_equal_single_samples(kinematics: Kinematics, robot: Robot) -> N
         one = kinematics.states(angles[index : index + 1])
         for name in ("com", "rotation", "translation", "left_rotation", "left_translation"):
             np.testing.assert_array_equal(getattr(one, name)[0], getattr(whole, name)[index])
-
-
-def test_many_samples_are_pinocchio_s_and_those_of_few(
-    kinematics: Kinematics, robot: Robot
-) -> None:
-    angles = robots.random_angles(robot, LEAST + 3, seed=2)
-    many, few = kinematics.states(angles), kinematics.states(angles[-SAMPLES:])
-    for name in ("com", "rotation", "translation", "left_rotation", "left_translation"):
-        found = getattr(many, name)[-SAMPLES:]
-        np.testing.assert_allclose(found, getattr(few, name), rtol=0.0, atol=1e-14)
-    assert_pinocchio_s(many, angles, robot, step=200)
 
 
 def test_no_samples_and_wrong_shapes(kinematics: Kinematics, robot: Robot) -> None:

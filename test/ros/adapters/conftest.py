@@ -11,7 +11,7 @@ from std_msgs.msg import Bool
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.adapters.driver_messages import SCRIPT, NoMessagesError, messages_of
-from ros.world import EVENT_S, World
+from ros.world import World
 from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_ros.adapters.adapter import NOT_HEARD
 from shoecal_ros.common import qos
@@ -38,7 +38,6 @@ class Adapted:
         self._adapter = adapter
         self._parameters = parameters
         self._sent = 0
-        world.timeout_s = EVENT_S
         self.start_robot()
         self.start_adapter()
         if armed_by_test:

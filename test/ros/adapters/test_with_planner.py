@@ -12,7 +12,7 @@ from std_srvs.srv import SetBool
 from ros.adapters.conftest import Begin
 from ros.bodies import nao
 from ros.nodes.test_planner_node import QUICK
-from ros.world import TIMEOUT_S, Received
+from ros.world import Received
 from shoecal_ros.common import qos
 
 FAST = {**QUICK, "planning.com_speed": 0.1, "planning.hold_time": 0.2, "planning.joint_speed": 0.4}
@@ -30,8 +30,7 @@ def test_a_motion_is_planned_sent_and_done(begin: Begin) -> None:
     world = begin("nao_lola", "nao_lola_adapter", armed_by_test=False).world
     heard = world.receive(JointState, "joint_states", qos.LIVE)
     world.start("planner", FAST)
-    # It compiles the robot's functions first.
-    world.until_reported("planner", "planning", "ready", TIMEOUT_S)
+    world.until_reported("planner", "planning", "ready")
     world.until_reported("planner", "joints", "come")
     first = legs(heard)
     order = Plan.Goal(motion="landmarks", send=True)

@@ -23,7 +23,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.batch import Batch
+from shoecal_core.model.symbolic import evaluate
 from shoecal_core.planning.horizon.problem import (
     HorizonProblem,
     Limits,
@@ -60,8 +60,9 @@ class Collocation:
             terms.torques,
         ]
         self.state = ca.Function("state", given, found, {"cse": True})
-        rows = ca.Function("state_rows", [ca.vertcat(*given)], [ca.vertcat(*found)], {"cse": True})
-        self._rows = Batch(rows, least=1)
+        self._rows = ca.Function(
+            "state_rows", [ca.vertcat(*given)], [ca.vertcat(*found)], {"cse": True}
+        )
 
     @property
     def edges(self) -> int:
@@ -87,7 +88,9 @@ class Collocation:
 
     def evaluate(self, states: FloatArray, scene: Scene) -> StateValues:
         """Values of states (n, k) [rad] in their scenes."""
-        return StateValues.of_rows(self._rows(self.inputs(states, scene)), states.shape[1])
+        return StateValues.of_rows(
+            evaluate(self._rows, self.inputs(states, scene)), states.shape[1]
+        )
 
     def inputs(self, states: FloatArray, scene: Scene) -> FloatArray:
         """(n, i) what `state` takes, side by side, of states (n, k) [rad] in their scenes."""

@@ -66,7 +66,7 @@ def ipopt_options(settings: PlannerSettings) -> dict[str, bool | int | float | s
 
 
 class IpoptSolver:
-    """Solves the whole problem at once; one compiled object for every step and support."""
+    """Solves the whole problem at once; one for every step and support."""
 
     def __init__(self, collocation: Collocation, solver: ca.Function | None = None) -> None:
         """Build the problem.

@@ -8,7 +8,7 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.batch import Batch
+from shoecal_core.model.symbolic import evaluate
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.problem import (
     FOOT_ROWS,
@@ -41,7 +41,7 @@ class Linearised:
 
 
 class Linearisation:
-    """Derivatives of one robot's states; holding one means that they have been compiled."""
+    """Derivatives of one robot's states; holding one means that they have been written out."""
 
     def __init__(self, collocation: Collocation) -> None:
         self._collocation = collocation
@@ -49,18 +49,17 @@ class Linearisation:
         slopes = ca.densify(ca.jacobian(rows, given[0]))
         self._shape = slopes.shape
         # CasADi stores by columns.
-        function = ca.Function(
+        self._slopes = ca.Function(
             "state_slopes",
             [ca.vertcat(*given)],
             [ca.vertcat(rows, ca.vec(slopes.T))],
             {"cse": True},
         )
-        self._slopes = _compiled(function)
 
     def __call__(self, states: FloatArray, scene: Scene) -> Linearised:
         """Of states (N, k) [rad] in their scenes."""
         count, size = self._shape
-        found = self._slopes(self._collocation.inputs(states, scene))
+        found = evaluate(self._slopes, self._collocation.inputs(states, scene))
         slopes = found[:, count:].reshape(len(states), count, size)
         foot = TASKS + FOOT_ROWS
         return Linearised(
@@ -76,7 +75,7 @@ class Curvature:
     """Second derivatives of what is pursued and of the foot transform, weighted and summed.
 
     Those of capsule distances and torques are left out: they matter little, and are most of the
-    work. Holding one means that they have been compiled.
+    work. Holding one means that they have been written out.
     """
 
     def __init__(self, collocation: Collocation) -> None:
@@ -84,19 +83,18 @@ class Curvature:
         given, rows = _expressions(collocation)
         prices = ca.SX.sym("prices", TASKS + FOOT_ROWS)
         second = ca.hessian(ca.dot(prices, rows[: TASKS + FOOT_ROWS]), given[0])[0]
-        function = ca.Function(
+        self._second = ca.Function(
             "state_curvature",
             [ca.vertcat(*given, prices)],
             [ca.vec(ca.densify(second))],
             {"cse": True},
         )
-        self._second = _compiled(function)
 
     def __call__(self, states: FloatArray, scene: Scene, prices: FloatArray) -> FloatArray:
         """(N, k, k) of states (N, k) [rad] in their scenes, with prices (N, 11) of the rows."""
         count, size = states.shape
         given = np.hstack([self._collocation.inputs(states, scene), prices])
-        return self._second(given).reshape(count, size, size)
+        return evaluate(self._second, given).reshape(count, size, size)
 
 
 class Inequalities:
@@ -149,10 +147,3 @@ def _expressions(collocation: Collocation) -> tuple[list[ca.SX], ca.SX]:
     given = [ca.SX.sym(state.name_in(i), state.size1_in(i)) for i in range(state.n_in())]
     rows: ca.SX = ca.vertcat(*state.call(given))
     return given, rows
-
-
-def _compiled(function: ca.Function) -> Batch:
-    """Now, not at the first solve."""
-    batch = Batch(function, least=1)
-    batch(np.zeros((1, function.size1_in(0))))
-    return batch

@@ -13,7 +13,6 @@ from scipy.optimize import lsq_linear
 from core.planning.bodies import Body, load_body
 from core.planning.horizons import lifting, problems
 from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
-from shoecal_core.compiler import SWITCH
 from shoecal_core.planning.horizon import sqp
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver
@@ -185,16 +184,6 @@ def test_the_same_problem_gives_the_same_bits(nao: Body) -> None:
     for solution in (again, fresh):
         np.testing.assert_array_equal(first.states, solution.states)
         assert (first.cost, first.iterations) == (solution.cost, solution.iterations)
-
-
-def test_without_a_compiler(nao: Body, monkeypatch: pytest.MonkeyPatch) -> None:
-    problem, guess = problems(nao)[0]
-    compiled = in_mode("nao", "converged").solve(problem, guess)
-    monkeypatch.setenv(SWITCH, "0")
-    interpreted = SqpSolver(Collocation(nao.legs, SETTINGS)).solve(problem, guess)
-    assert interpreted.converged
-    assert interpreted.cost == pytest.approx(compiled.cost, rel=1e-9)
-    np.testing.assert_allclose(interpreted.states, compiled.states, atol=1e-7)
 
 
 def test_motions_need_no_other_solver() -> None:
