@@ -132,15 +132,7 @@ def mutate_tree(tree: Any, rng: Rng) -> None:
 
 
 def _change_tree(inside: Any, key: Any, other: object, its: object, rng: Rng) -> None:
-    """Change one place of a tree.
-
-    Args:
-        inside: the dictionary or list.
-        key: of the value in it.
-        other: a value elsewhere in the tree.
-        its: the key of that.
-        rng: draws the change.
-    """
+    """Change the value of a key; `other` is a value elsewhere in the tree, with its key."""
     old, change = inside[key], int(rng.integers(10))
     is_number = isinstance(old, int | float) and not isinstance(old, bool)
     if change == 0:
@@ -174,9 +166,29 @@ def _places(tree: object) -> Iterator[tuple[Any, Any]]:
         yield from _places(part)
 
 
+def hostile(folder: Path) -> tuple[str, ...]:
+    """Texts that a careless parser of YAML or XML would run, fetch or unfold."""
+    run, trap = f"touch {folder}/canary", f"{folder}/trap"
+    return (
+        f'!!python/object/apply:os.system ["{run}"]', f"!!python/object/new:os.system ['{run}']",
+        f"!!python/object/apply:eval [\"__import__('os').system('{run}')\"]", f"$({run})",
+        "!!python/name:os.system", "!!binary aGVsbG8=", "!!set {a, b}", "!!float 'x'",
+        "!!timestamp 2026-01-02", "!include trap", "!<tag:yaml.org,2002:int> 5", "&a [*a, *a]",
+        "*nowhere", "<<: {x: 1}", "2026-13-45", "2026-01-02 25:61:61", "--- ", "%YAML 9.9\n---",
+        "\t", "? {a: 1}\n: 2", trap, "/dev/zero", "file:///etc/passwd", "[" * 3000, "{a: " * 3000,
+        "- " * 3000, "&amp;", "&a;", "&#0;", "&#x110000;", "<![CDATA[<robot>]]>", "<!-- ",
+        "<?xml?>", "<!DOCTYPE robot>", f'<xi:include href="{trap}"/>',
+        f'<?xml-stylesheet href="{trap}"?>',
+        f'<visual><geometry><mesh filename="{trap}"/></geometry></visual>', "<robot>", "</robot>",
+        '<visual><geometry><mesh filename="package://../../trap"/></geometry></visual>',
+        '<collision><geometry><mesh filename="http://127.0.0.1:9/a.stl"/></geometry></collision>',
+        "<a>" * 100_000, "<link name='x'/>" * 1000, 'a="1" a="2"', "\ufeff", "<\0>",
+    )  # fmt: skip
+
+
 def mutate_yaml(text: bytes, rng: Rng, folder: Path) -> bytes:
     """A mutant of a YAML file: of its bytes, of its tree, or with a text that a parser may run."""
-    texts, kind = _yaml_texts(folder), rng.random()
+    texts, kind = hostile(folder), rng.random()
     if kind < 0.35:
         return mutate_bytes(text, rng, texts)
     tree = yaml.load(text, Loader=_LOADER)  # noqa: S506 - a safe one
@@ -196,21 +208,6 @@ def mutate_yaml(text: bytes, rng: Rng, folder: Path) -> bytes:
     return str(written).replace(_MARK, raw).encode()
 
 
-def _yaml_texts(folder: Path) -> tuple[str, ...]:
-    """Texts that a careless reader of YAML would run, fetch or unfold."""
-    run = f"touch {folder}/canary"
-    return (
-        f'!!python/object/apply:os.system ["{run}"]', f"!!python/object/new:os.system ['{run}']",
-        f'!!python/object/apply:subprocess.Popen [["touch", "{folder}/canary"]]',
-        f"!!python/object/apply:eval [\"__import__('os').system('{run}')\"]",
-        "!!python/name:os.system", "!!binary aGVsbG8=", "!!set {a, b}", "!!float 'x'",
-        "!!timestamp 2026-01-02", "!include trap", "!<tag:yaml.org,2002:int> 5", "&a [*a, *a]",
-        "*nowhere", "<<: {x: 1}", "2026-13-45", "2026-01-02 25:61:61", "--- ", "%YAML 9.9\n---",
-        "\t", "? {a: 1}\n: 2", "? [1, 2]\n: 2", f"$({run})", f"{folder}/trap", "/dev/zero",
-        "file:///etc/passwd", "[" * 3000, "{a: " * 3000, "- " * 3000, "? " * 3000, "&" * 3000,
-    )  # fmt: skip
-
-
 def mutate_xml(text: bytes, rng: Rng, folder: Path) -> bytes:
     """A mutant of an XML file: of its bytes, of its tree, or with a document type."""
     kind = rng.random()
@@ -224,7 +221,7 @@ def mutate_xml(text: bytes, rng: Rng, folder: Path) -> bytes:
                 return bytes(ElementTree.tostring(_element(tree[0])))
         except RecursionError:
             pass
-    return mutate_bytes(text, rng, _xml_texts(folder))
+    return mutate_bytes(text, rng, hostile(folder))
 
 
 def _plain(element: ElementTree.Element) -> dict[str, Any]:
@@ -243,20 +240,6 @@ def _element(tree: Any) -> ElementTree.Element:
         made.set(name, " ".join(map(str, words)) if isinstance(words, list) else str(words))
     made.extend(map(_element, inside if isinstance(inside, list) else ()))
     return made
-
-
-def _xml_texts(folder: Path) -> tuple[str, ...]:
-    """Texts that some readers of XML take for more than text."""
-    trap = f"{folder}/trap"
-    return (
-        "&amp;", "&a;", "&#0;", "&#x110000;", "<![CDATA[<robot>]]>", "<!-- ", "-->", "<?xml?>",
-        "<!DOCTYPE robot>", f'<xi:include href="{trap}"/>', f'<?xml-stylesheet href="{trap}"?>',
-        f'<visual><geometry><mesh filename="{trap}"/></geometry></visual>', "<robot>", "</robot>",
-        '<visual><geometry><mesh filename="package://../../trap"/></geometry></visual>',
-        '<collision><geometry><mesh filename="http://127.0.0.1:9/a.stl"/></geometry></collision>',
-        "<a>" * 100_000, "<link name='x'/>" * 1000, 'a="1" a="2"', "\ufeff", "<\0>",
-        f"$(touch {folder}/canary)", f"${{__import__('os').system('touch {folder}/canary')}}",
-    )  # fmt: skip
 
 
 def _document_type(text: bytes, rng: Rng, folder: Path) -> bytes:

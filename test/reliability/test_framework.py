@@ -194,7 +194,7 @@ def test_page(tmp_path: Path) -> None:
 
 def test_every_row_explains_itself_and_its_steps_fill_it() -> None:
     found = find_rows()
-    assert len(found) > 20
+    assert found
     for key, one in found.items():
         assert one.about, f"{key}: its module has no docstring"
         assert one.row.tries % one.row.step == 0, key

@@ -6,12 +6,14 @@ import importlib
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
-from reliability import loading, mutations
-from reliability.mutants import CONFIGURATION, ROWS, lay_config
+from reliability import loading, mcap_mutations, mutations, originals
+from reliability.mutants import ROWS
+from reliability.mutated_files import CONFIGURATION, lay_config
 from reliability.row import Result, Row
 from shoecal_core.errors import FileError, FileMissingError, ShoecalError, error_code
 
@@ -37,9 +39,27 @@ def test_a_mutant_depends_on_seed_and_number_alone(tmp_path: Path) -> None:
     folder = tmp_path / "mutants"
     folder.mkdir()
     alone = mutant(folder, 7)
-    (folder).rename(tmp_path / "before")
+    folder.rename(tmp_path / "before")
     folder.mkdir()
     assert mutant(folder, 5, 6, 7) == alone
+
+
+def test_an_integer_that_no_float_holds_is_mutated_too(tmp_path: Path) -> None:
+    for seed in range(100):
+        mutations.mutate_yaml(b"mass: 1" + 400 * b"0", np.random.default_rng(seed), tmp_path)
+
+
+def test_what_is_not_mutated_stays(tmp_path: Path) -> None:
+    """A file that is taken apart and put together again is the same."""
+    run = originals.session(tmp_path / "session", runs=1).runs[0].path.read_bytes()
+    assert mcap_mutations._file(mcap_mutations._outer(run)) == run
+    robot = ElementTree.parse(originals.URDF).getroot()
+    for element in robot.iter():
+        element.text = element.tail = None
+        for name, text in element.attrib.items():
+            element.set(name, " ".join(text.split()))
+    again = mutations._element(mutations._plain(robot))
+    assert ElementTree.tostring(again) == ElementTree.tostring(robot)
 
 
 def test_codes_say_what_is_wrong() -> None:
