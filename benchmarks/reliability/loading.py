@@ -1,42 +1,45 @@
-"""Loading files that were tampered with, in a process of its own whose memory and time are bound.
+"""Loading mutants of files in their own process, with bounded memory and processor time.
 
-A module of mutants has a function `target(folder)`. What its mutants come to is judged here: a
-mutant is refused with one line that names its file and a code that belongs to files of its kind,
-or loaded as it stands. Whatever else happens is a failure: another exception, too much memory asked
-for, too much time, code that runs, a file outside the folder that is opened, a child or a
-connection.
+A mutant must be refused with one line that names its file and with a code of its kind of file, or
+load as it says. All else is a failure: another exception, too much memory or time, code that runs,
+a file outside the folder that is opened, a child process or a connection.
+
+`lay(folder)(np.random.default_rng([seed, index]))` makes one mutant again.
 """
 
 from __future__ import annotations
 
-import contextlib
-import json
+import multiprocessing
 import os
 import resource
-import select
 import signal
-import subprocess
 import sys
 import tempfile
 import time
 import warnings
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import IO, Any, Protocol, TextIO
+from typing import NamedTuple
 
 import numpy as np
 
 from reliability.row import Progress, Result
 from shoecal_core.errors import ShoecalError, error_code
 
+Load = Callable[[], object]
+"""Loads a mutant; raises ShoecalError when it is refused, WrongLoadError when loaded wrongly."""
+Draw = Callable[[np.random.Generator], Load]
+"""Lays a mutant in place of the one before."""
+Lay = Callable[[Path], Draw]
+"""Lays whole files into a folder, loads them, and returns what makes mutants of them."""
+
 MEMORY = 2 * 2**30
-"""Bytes of address space that a process of mutants may have."""
+"""Bytes of address space that a load may take."""
 SECONDS = 10.0
-"""Of the processor's time for one load."""
-_SILENCE_S = 300.0
-"""Nobody waits longer for a load that waits itself, for a pipe for example; a busy machine does."""
-_END_S = 5.0
+"""Of the processor's time that a load may take."""
+SILENCE_S = 300.0
+"""A load that takes longer waits for something, for example for a pipe."""
 _START_S = 600.0
 """A busy machine takes its time to start a process."""
 _LONGEST_MESSAGE = 2100
@@ -46,290 +49,175 @@ _NEVER = {
     "pickle.find_class", "socket.connect", "socket.getaddrinfo", "subprocess.Popen",
     "urllib.Request",
 }  # fmt: skip
-"""Events of the interpreter that no file may cause."""
-
-_WORKER = """\
-import sys
-sys.path[:0] = {path!r}
-from reliability import loading, {module}
-loading.work({module}.target, {order!r})
-"""
+"""Audit events of Python that no file may cause."""
 
 
 class WrongLoadError(Exception):
-    """A mutant that was loaded, but not as it stands."""
+    """A mutant that was loaded, but not as it says."""
 
 
-class Target(Protocol):
-    """Files of one kind, whole at first.
+class Try(NamedTuple):
+    """Result of one mutant: what failed (empty: nothing), and the load's processor time [s]."""
 
-    Attributes:
-        codes: one of them tells a program why a mutant is refused.
-    """
-
-    codes: frozenset[str]
-
-    def load(self) -> None:
-        """Load what is there.
-
-        Raises:
-            ShoecalError: it is refused.
-            WrongLoadError: it is loaded wrongly.
-        """
-
-    def mutate(self, rng: np.random.Generator) -> str:
-        """Lay a mutant there instead of what was there before; what was done to it."""
-
-
-@dataclass(frozen=True)
-class Try:
-    """What one mutant came to.
-
-    Attributes:
-        index: its number.
-        what: was done to the file.
-        refused: the message; empty where it was loaded.
-        code: of the refusal.
-        failed: what must not have happened; empty where all is well.
-        seconds: the load took, of the processor's time.
-        mebibytes: the most that the process held meanwhile.
-    """
-
-    index: int
-    what: str
-    refused: str = ""
-    code: str = ""
-    failed: str = ""
+    failed: str
+    refused: bool = False
     seconds: float = 0.0
-    mebibytes: float = 0.0
 
 
-def try_mutants(module: str, first: int, count: int, seed: int, progress: Progress) -> Result:
-    """What a row of mutants comes to.
-
-    Args:
-        module: of this package; it has a function `target`.
-        first, count: which mutants.
-        seed: they are drawn from it and their number.
-        progress: is told how many are done.
-    """
-    failed, worst, figure, most, refused = 0, "", 0.0, 0.0, 0
-    for done, one in enumerate(tries(module, first, count, seed), start=1):
-        if one.failed and not failed:
-            worst = f"mutant {one.index} ({one.what}): {one.failed}"
-        failed += bool(one.failed)
-        refused += bool(one.refused)
-        figure, most = max(figure, one.seconds), max(most, one.mebibytes)
-        progress(done)
-    if not failed:
-        worst = f"{figure:.2f} s, {most:.0f} MiB"
-    return Result(count, failed, worst, figure, {"refused": refused})
-
-
-def tries(module: str, first: int, count: int, seed: int) -> Iterator[Try]:
-    """Every mutant, one after the other; a process that dies is followed by another."""
-    at, last = first, first + count
-    while at < last:
-        begun = at
-        # What one process leaves behind is nothing for the next.
-        with (
-            tempfile.TemporaryDirectory(prefix="shoecal-mutants-") as folder,
-            tempfile.TemporaryFile() as errors,
-        ):
-            order = {"first": at, "last": last, "seed": seed, "folder": folder}
-            for one in _watched(module, order, errors):
-                yield one
-                at = one.index + 1
-        if at == begun:
-            raise RuntimeError(f"{module}: the process of the mutants tried none")
-
-
-def _watched(module: str, order: dict[str, Any], errors: IO[bytes]) -> Iterator[Try]:
-    """Mutants of one process, to the one that it dies of.
+def try_mutants(
+    lay: Lay, codes: frozenset[str], first: int, count: int, seed: int, progress: Progress
+) -> Result:
+    """Try some mutants: the `run` of a row.
 
     Args:
-        module: of the row.
-        order: what it is to try.
-        errors: file of its standard error: a pipe that nobody empties may stop it.
+        lay: makes the files of one kind.
+        codes: with which such a file may be refused.
+        first: number of the first mutant.
+        count: how many.
+        seed: from which, with its number, a mutant is drawn.
+        progress: called with the number of finished ones.
     """
-    paths = [str(Path(__file__).parents[1]), *sys.path]
-    process = subprocess.Popen(
-        [sys.executable, "-c", _WORKER.format(path=paths, module=module, order=order)],
-        stdout=subprocess.PIPE,
-        stderr=errors,
-        stdin=subprocess.DEVNULL,
-        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
-    )
-    assert process.stdout is not None
-    begun: Try | None = None
-    with process:
-        try:
-            for line in _lines(process.stdout.fileno()):
-                found = Try(**line["try"])
-                if line["done"]:
-                    begun = None
-                    yield found
-                else:
-                    begun = found
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                process.wait(_END_S)  # how it ended by itself
-        finally:
-            process.kill()
-        status = process.wait()
-        errors.seek(0)
-        told = errors.read()
-    if begun is not None:
-        yield Try(begun.index, begun.what, failed=f"the process died of it: {_death(status)}")
-    elif status not in (0, -signal.SIGKILL):
-        raise RuntimeError(f"mutants cannot be tried: {told.decode(errors='replace')[-2000:]}")
+    tries: list[Try] = []
+    for one in _tries(lay, codes, range(first, first + count), seed):
+        tries.append(one)
+        progress(len(tries))
+    slowest = max(one.seconds for one in tries)
+    failures = [f"mutant {first + at}: {one.failed}" for at, one in enumerate(tries) if one.failed]
+    worst = failures[0] if failures else f"{slowest:.2f} s"
+    refused = sum(one.refused for one in tries)
+    return Result(count, len(failures), worst, slowest, {"refused": refused})
 
 
-def _lines(stream: int) -> Iterator[dict[str, Any]]:
-    """Lines of a process until it ends, or says nothing for too long."""
-    rest, patience_s = b"", _START_S
-    while select.select([stream], [], [], patience_s)[0]:
-        patience_s = _SILENCE_S
-        data = os.read(stream, 65536)
-        if not data:
-            return
-        *complete, rest = (rest + data).split(b"\n")
-        yield from map(json.loads, complete)
+def _tries(lay: Lay, codes: frozenset[str], numbers: range, seed: int) -> Iterator[Try]:
+    """Try every mutant; a process that dies of one is followed by another."""
+    context = multiprocessing.get_context("spawn")
+    while numbers:
+        receiver, sender = context.Pipe(duplex=False)
+        with tempfile.TemporaryDirectory(prefix="shoecal-mutants-") as folder, receiver:
+            process = context.Process(
+                target=work, args=(sender, lay, codes, Path(folder), numbers, seed)
+            )
+            process.start()
+            sender.close()
+            patience_s = _START_S
+            try:
+                while receiver.poll(patience_s):
+                    if (one := receiver.recv()) is not None:
+                        yield one
+                        numbers = numbers[1:]
+                    patience_s = SILENCE_S
+            except EOFError:  # it has ended, well or not
+                process.join(SILENCE_S)
+            finally:
+                process.kill()
+                process.join()
+        if patience_s == _START_S:
+            raise RuntimeError(f"the whole files cannot be loaded: exit code {process.exitcode}")
+        if numbers:
+            yield Try(f"its process died: {_death(process.exitcode)}")
+            numbers = numbers[1:]
 
 
-def _death(status: int) -> str:
+def _death(status: int | None) -> str:
     if status == -signal.SIGPROF:
-        return f"more than {SECONDS:g} s"
+        return f"more than {SECONDS:g} s of the processor"
     if status == -signal.SIGKILL:
-        return f"it waited for more than {_SILENCE_S:g} s"
-    return signal.Signals(-status).name if status < 0 else f"exit code {status}"
+        return f"it waited for more than {SILENCE_S:g} s"
+    return f"exit code {status}"
 
 
 # In the process of the mutants
 
 
-def work(make: Callable[[Path], Target], order: dict[str, Any]) -> None:
-    """Try the mutants of an order, of a target that is made here; tell of each before and after."""
-    lines = os.fdopen(os.dup(1), "w")
-    # Parsers tell their trouble on both; nobody reads it.
+def work(
+    sender: Connection,
+    lay: Lay,
+    codes: frozenset[str],
+    folder: Path,
+    numbers: range,
+    seed: int,
+) -> None:
+    """Try mutants and send a `Try` of each; None before the first, when whole files have loaded."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    os.mkfifo(folder / "trap")  # mutants name this pipe; opening it waits for ever
+    draw = lay(folder)
+    watch = Watch(folder)
+    sender.send(None)
+    # Parsers write to both streams; tracebacks of this process are still printed.
+    sys.stderr = os.fdopen(os.dup(2), "w")
     silent = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silent, 1)
-    folder = Path(order["folder"])
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    target = make(folder)
-    target.load()
-    # What Python says of an exception here is still told; nobody empties the rest.
-    sys.stderr = os.fdopen(os.dup(2), "w")
-    warnings.simplefilter("ignore")
     os.dup2(silent, 2)
-    watch = _Watch(folder)
-    for index in range(order["first"], order["last"]):
-        # Mutants that unfold into gigabytes take some to make.
-        _allow(resource.RLIM_INFINITY)
-        what = target.mutate(np.random.default_rng([order["seed"], index]))
-        _allow(MEMORY)
-        _tell(lines, Try(index, what), done=False)
-        _tell(lines, _judge(target, watch, index, what), done=True)
+    warnings.simplefilter("ignore")
+    for index in numbers:
+        load = draw(np.random.default_rng([seed, index]))
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        limit = pages * resource.getpagesize() + MEMORY
+        resource.setrlimit(resource.RLIMIT_AS, (limit, resource.RLIM_INFINITY))
+        found = judge(load, codes, watch)
+        resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+        sender.send(found)
 
 
-def _allow(memory: int) -> None:
-    """So much memory from now on; what was held at most is forgotten."""
-    resource.setrlimit(resource.RLIMIT_AS, (memory, resource.RLIM_INFINITY))
-    Path("/proc/self/clear_refs").write_text("5")
-
-
-def _held_mebibytes() -> float:
-    """The most that this process has held since it was last allowed memory."""
-    status = Path("/proc/self/status").read_text()
-    return int(status.split("VmHWM:")[1].split()[0]) / 1024
-
-
-def _tell(lines: TextIO, one: Try, *, done: bool) -> None:
-    print(json.dumps({"done": done, "try": asdict(one)}), file=lines, flush=True)
-
-
-def _judge(target: Target, watch: _Watch, index: int, what: str) -> Try:
-    refused, code, failed = "", "", ""
-    watch.begin()
+def judge(load: Load, codes: frozenset[str], watch: Watch) -> Try:
+    """Load a mutant; the process is killed by SIGPROF when that takes too long."""
+    refused, failed = False, ""
+    watch.events.clear()
     begun = time.process_time()
     signal.setitimer(signal.ITIMER_PROF, SECONDS)
     try:
-        target.load()
+        load()
     except ShoecalError as error:
-        refused, code = str(error), error_code(type(error))
-        failed = _wrong_message(error, watch.folder)
-        if code not in target.codes:
-            failed = failed or f"refused with the code {code}, of no such file: {refused[:200]}"
+        refused, failed = True, _wrong_refusal(error, codes, watch.folder)
     except WrongLoadError as error:
         failed = f"loaded wrongly: {error}"
-    except BaseException as error:  # noqa: BLE001 - whatever comes is what is looked for
+    except BaseException as error:  # noqa: BLE001 - any other exception is a failure
         failed = f"{type(error).__name__}: {error}"[:300]
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0.0)
     seconds = time.process_time() - begun
-    held = round(_held_mebibytes(), 1)
-    return Try(index, what, refused, code, failed or watch.seen(), round(seconds, 4), held)
+    if watch.canary.exists():
+        watch.canary.unlink()
+        watch.events.append("code of the file ran")
+    return Try(failed or "; ".join(watch.events)[:300], refused, seconds)
 
 
-def _wrong_message(error: ShoecalError, folder: Path) -> str:
+def _wrong_refusal(error: ShoecalError, codes: frozenset[str], folder: Path) -> str:
     """What is wrong with a refusal; empty where nothing is."""
     cause: BaseException | None = error
     while cause is not None:
         if isinstance(cause, MemoryError):
             return "refused only after more memory was asked for than there is"
         cause = cause.__cause__ or cause.__context__
-    message = str(error)
+    message, code = str(error), error_code(type(error))
     if "\n" in message or len(message) > _LONGEST_MESSAGE:
         return f"a message of {len(message)} letters: {message[:100]}"
     if str(folder) not in message:
         return f"the message does not name the file: {message[:200]}"
-    return ""
+    return "" if code in codes else f"refused with the code {code}: {message[:200]}"
 
 
-class _Watch:
-    """Sees what a load does beside reading its own files.
+class Watch:
+    """Notes what a load must not do.
 
     Attributes:
-        folder: of the files, and of a file `canary` that must never appear.
+        folder: of the files.
+        canary: file that appears when code of a mutant runs.
+        events: what was noted, in words.
     """
 
     def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self._canary = folder / "canary"
-        self._seen: list[str] = []
-        self._ours = (str(folder), sys.prefix, sys.base_prefix, "/proc/self", str(_root()))
+        self.folder, self.canary = folder, folder / "canary"
+        self.events: list[str] = []
+        checkout = Path(__file__).parents[2]  # modules are loaded from there when first used
+        ours = (folder, sys.prefix, sys.base_prefix, "/proc/self", checkout)
+        self._ours = tuple(map(str, ours))
         sys.addaudithook(self._audit)
-
-    def begin(self) -> None:
-        self._seen.clear()
-
-    def seen(self) -> str:
-        """What must not have been; empty where nothing was."""
-        if self._canary.exists():
-            self._canary.unlink()
-            self._seen.append("code of the file ran")
-        return "; ".join(self._seen)[:300]
 
     def _audit(self, event: str, arguments: tuple[object, ...]) -> None:
         if event in _NEVER:
-            self._seen.append(f"{event}{arguments}")
+            self.events.append(f"{event}{arguments}")
         elif event == "open" and isinstance(arguments[0], str | bytes):
             path = os.fsdecode(arguments[0])
             if Path(path).is_absolute() and not path.startswith(self._ours):
-                self._seen.append(f"opens {path}")
-
-
-def _root() -> Path:
-    """The checkout: modules are loaded from there when first used."""
-    return Path(__file__).parents[2]
-
-
-PLAIN = frozenset({"file-missing", "file-unreadable", "file-too-large", "file-syntax"})
-"""Codes of files of every kind, by what the system and the parser say of them."""
-
-
-def make_trap(folder: Path) -> Path:
-    """A pipe that nobody writes to: who opens it for reading waits for ever."""
-    trap = folder / "trap"
-    with contextlib.suppress(FileExistsError):
-        os.mkfifo(trap)
-    return trap
+                self.events.append(f"opens {path}")

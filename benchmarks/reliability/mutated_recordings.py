@@ -1,261 +1,212 @@
-"""Run files (MCAP) that were tampered with, read and recovered.
-
-Mutants of the bytes as they lie there, and of what is inside: records altered, dropped, repeated or
-swapped with every length and checksum made right again, messages of wrong content and stamps at
-their extremes, chunks that unfold into gigabytes, endless files of zeros. A run is refused with one
-line that names the file, or read; where no checksum was forged, what is read is what was recorded,
-to the last number. What `shoecal recover` saves of it are values that were recorded.
-"""
+"""Mutants of recorded runs, of sessions and of logs of serial bytes."""
 
 from __future__ import annotations
 
-import struct
-import zlib
+import os
+import shutil
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from zlib import crc32
 
 import numpy as np
-import zstandard
 
 from reliability import originals
-from reliability.byte_mutations import mutate_bytes
-from reliability.loading import WrongLoadError, try_mutants
-from reliability.row import Row
-from shoecal_core.recording import schemas
+from reliability.loading import Draw, Load, WrongLoadError
+from reliability.mcap_mutations import mutate_records, unfold
+from reliability.mutations import Rng, mutate_bytes, mutate_yaml, pick
+from shoecal_core.recording import session as sessions
 from shoecal_core.recording.reader import read_run
 from shoecal_core.recording.recover import recover
 from shoecal_core.recording.run import Run
-from shoecal_core.recording.writer import RunWriter
+from shoecal_core.recording.session import Session
+from shoecal_ros.serial.channel_map import Channel, ChannelMap, Converter, Encoding
+from shoecal_ros.serial.cobs import stuff, unstuff
+from shoecal_ros.serial.driver import ShoeDriver
+from shoecal_ros.serial.frame import Frame, Info
+from shoecal_ros.serial.protocol import BinaryDecoder, encode_frame, encode_info
+from shoecal_ros.serial.replay import ReplaySource
+from shoecal_ros.serial.text_protocol import TextDecoder, TextTime
 
-Rng = np.random.Generator
 SAMPLES = 60
-_MAGIC = b"\x89MCAP0\r\n"
-_SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _INDEX, _DATA_END = 3, 4, 5, 6, 7, 15
-_STAMPS = (0, 1, 2**31 * 10**9 - 1, 10**9, originals.START_NS - 3600 * 10**9,
-           originals.START_NS + 3600 * 10**9)  # fmt: skip
-_HUGE = 3 * 2**30
-_CHUNK_HEAD = struct.calcsize("<QQQI") + struct.calcsize("<I4sQ")
-"""Bytes before what a chunk holds: times, size, checksum; name of the compression and its size."""
+"""Of a run."""
+FRAMES, CELLS = 150, 4
+"""Of a serial log."""
+_MOST_READS = 100_000
+"""More than any log of this size gives."""
+_RENAMED = (
+    "run_1.mcap", "run_007.mcap", "run_000.mcap", "run_001.mcap.part", "run_٠٠١.mcap",
+    f"run_{'9' * 200}.mcap", "session.yml",
+)  # fmt: skip
 
 
-def target(folder: Path) -> RunFile:
-    """One run."""
-    return RunFile(folder)
+def lay_run(folder: Path) -> Draw:
+    """One run, read or recovered."""
+    path = originals.session(folder / "session", runs=1, samples=SAMPLES).runs[0].path
+    recovered, whole = folder / "recovered.mcap", path.read_bytes()
 
-
-class RunFile:
-    """A run, a mutant soon."""
-
-    codes = frozenset({"recording", "damaged", "version", "file-too-large"})
-
-    def __init__(self, folder: Path) -> None:
-        session = originals.session(folder / "session", runs=1, samples=SAMPLES)
-        self._path = session.runs[0].path
-        self._info = session.runs[0].info
-        self._out, self._made = folder / "recovered.mcap", folder / "made.mcap"
-        self._whole = self._path.read_bytes()
-        self._forged = self._recovers = False
-
-    def mutate(self, rng: Rng) -> str:
-        kind = rng.random()
-        self._forged = kind >= 0.45
-        if kind < 0.45:
-            what, mutant = mutate_bytes(self._whole, rng)
-        elif kind < 0.75:
-            what, mutant = _of_records(self._whole, rng)
-        elif kind < 0.97:
-            what, mutant = self._of_messages(rng)
-        else:
-            what, mutant = _huge(self._whole, rng)
-        self._path.write_bytes(mutant)
-        if what.startswith("zeros"):
-            with self._path.open("r+b") as file:
-                file.truncate(_HUGE)
-        self._recovers = bool(rng.integers(2))
-        return what
-
-    def load(self) -> None:
-        """Read it, or recover what is left of it."""
-        if self._recovers:
-            self._out.unlink(missing_ok=True)
-            recover(self._path, self._out)
-            self._check(read_run(self._out, originals.shoe()), whole=False)
-        else:
-            self._check(read_run(self._path, originals.shoe()), whole=True)
-
-    def _check(self, run: Run, *, whole: bool) -> None:
-        if self._forged:
+    def load(*, recovers: bool, forged: bool) -> None:
+        if recovers:
+            recovered.unlink(missing_ok=True)
+            recover(path, recovered)
+        run = read_run(recovered if recovers else path, originals.shoe())
+        if forged:
             return
-        count = len(run.readings.time)
-        if whole and (count != SAMPLES or len(run.joints.time) != SAMPLES):
-            raise WrongLoadError(f"read {count} of {SAMPLES} readings")
-        for time, values, wanted in (
-            (run.readings.time, run.readings.value, originals.volts),
-            (run.joints.time, run.joints.position, originals.angles),
-        ):
-            stamps = run.start_ns - originals.START_NS + time * 1e9
-            rows = np.rint(stamps / originals.STEP_NS).astype(int)
-            expected = np.stack([wanted(int(row)) for row in rows])
-            if not np.array_equal(values, expected):
-                raise WrongLoadError("a value that was not recorded at its time")
+        if not (recovers or len(run.readings.time) == len(run.joints.time) == SAMPLES):
+            raise WrongLoadError(f"{len(run.readings.time)} of {SAMPLES} readings")
+        _check_recorded(run)
 
-    def _of_messages(self, rng: Rng) -> tuple[str, bytes]:
-        """A run of whose messages some are altered before they are written."""
-        messages: list[tuple[str, bytes, int]] = []
-        for index in range(SAMPLES):
-            stamp = originals.START_NS + index * originals.STEP_NS
-            wrong = _STAMPS[int(rng.integers(len(_STAMPS)))] if rng.random() < 0.05 else None
-            for topic, data in originals.sample(index, wrong).items():
-                messages.append((topic, data, stamp))
-        done = []
-        for _ in range(int(rng.geometric(0.4))):
-            at = int(rng.integers(len(messages)))
-            topic, data, stamp = messages[at]
-            if rng.random() < 0.2:
-                topic = str(rng.choice(list(schemas.RUN_TOPICS)))
-                what = f"sent on {topic}"
-            elif rng.random() < 0.5:
-                what, data = _count(data, rng)
-            else:
-                what, data = mutate_bytes(data, rng)
-            messages[at] = (topic, data, stamp)
-            done.append(f"{topic}: {what}")
-        self._made.unlink(missing_ok=True)
-        with RunWriter(self._made, self._info, live=False) as writer:
-            for topic, data, stamp in messages:
-                writer.write(topic, data, stamp)
-        return ", ".join(done)[:200], self._made.read_bytes()
+    def draw(rng: Rng) -> Load:
+        kind = rng.random()
+        forged = kind < 0.5
+        if kind < 0.47:
+            path.write_bytes(mutate_records(whole, rng))
+        elif forged:
+            path.write_bytes(unfold(whole, rng))
+        else:
+            path.write_bytes(mutate_bytes(whole, rng))
+        if kind > 0.995:
+            os.truncate(path, 3 * 2**30)  # zeros that take no room on the disk
+        return partial(load, recovers=bool(rng.integers(2)), forged=forged)
+
+    load(recovers=False, forged=False)
+    return draw
 
 
-def _count(data: bytes, rng: Rng) -> tuple[str, bytes]:
-    """Another count where a message of CDR may have one: every four bytes."""
-    at = 4 + 4 * int(rng.integers(max(1, (len(data) - 8) // 4)))
-    value = int(rng.choice([0, 1, 2, 2**16, 2**31 - 1, 2**32 - 1, 1000]))
-    return f"count {value} at byte {at}", data[:at] + struct.pack("<I", value) + data[at + 4 :]
+def _check_recorded(run: Run) -> None:
+    """Check that every value of a run was recorded at its time."""
+    for time, values, wanted in (
+        (run.readings.time, run.readings.value, originals.volts),
+        (run.joints.time, run.joints.position, originals.angles),
+    ):
+        stamps = run.start_ns - originals.START_NS + time * 1e9
+        indices = np.rint(stamps / originals.STEP_NS).astype(int)
+        if not np.array_equal(values, np.stack([wanted(int(index)) for index in indices])):
+            raise WrongLoadError("a value that was not recorded at its time")
 
 
-@dataclass(frozen=True)
-class _Record:
-    """One record of MCAP: its kind and what is in it."""
+def lay_session(folder: Path) -> Draw:
+    """A session of two runs, of which all is read."""
+    whole, path = folder / "whole", folder / "session"
+    originals.session(whole, runs=2)
+    shutil.copytree(whole, path)
 
-    opcode: int
-    body: bytes
+    def load() -> None:
+        session = Session.open(path)
+        entries = session.runs
+        _ = session.missing, session.unfinished
+        session.check_hashes()
+        for entry in entries:
+            _check_recorded(session.read(entry.run))
 
-    @property
-    def bytes(self) -> bytes:
-        return struct.pack("<BQ", self.opcode, len(self.body)) + self.body
+    def draw(rng: Rng) -> Load:
+        shutil.rmtree(path)
+        shutil.copytree(whole, path)
+        if rng.random() < 0.7:
+            file = path / sessions.FILE
+            file.write_bytes(mutate_yaml(file.read_bytes(), rng, folder))
+        else:
+            _rearrange(path, rng)
+        return load
 
-
-def _records(data: bytes) -> list[_Record]:
-    found, at = [], 0
-    while at < len(data):
-        opcode, length = struct.unpack_from("<BQ", data, at)
-        found.append(_Record(opcode, data[at + 9 : at + 9 + length]))
-        at += 9 + length
-    return found
-
-
-def _of_records(whole: bytes, rng: Rng) -> tuple[str, bytes]:
-    """Records altered, with all lengths and checksums right again."""
-    outer = _records(whole[len(_MAGIC) : -len(_MAGIC)])
-    chunks = [place for place, record in enumerate(outer) if record.opcode == _CHUNK]
-    if chunks and rng.random() < 0.7:
-        at = int(rng.choice(chunks))
-        start, end, _, _ = struct.unpack_from("<QQQI", outer[at].body)
-        unpacker = zstandard.ZstdDecompressor().decompressobj()
-        inner = _records(unpacker.decompress(outer[at].body[_CHUNK_HEAD:]))
-        what, inner = _altered(inner, rng)
-        outer[at] = _chunk(start, end, b"".join(record.bytes for record in inner))
-    else:
-        what, outer = _altered(outer, rng)
-    return what, _sealed(outer)
+    load()
+    return draw
 
 
-def _chunk(start: int, end: int, content: bytes, size: int | None = None) -> _Record:
-    packed = zstandard.compress(content)
-    told = len(content) if size is None else size
-    head = struct.pack("<QQQI", start, end, told, zlib.crc32(content))
-    return _Record(_CHUNK, head + struct.pack("<I4sQ", 4, b"zstd", len(packed)) + packed)
-
-
-def _altered(records: list[_Record], rng: Rng) -> tuple[str, list[_Record]]:
-    """One record altered, dropped, repeated or elsewhere."""
-    changed = list(records)
-    at, other = (int(rng.integers(len(records))) for _ in range(2))
-    kind, name = int(rng.integers(6)), f"record {records[at].opcode}"
-    if kind == 0:
-        del changed[at]
-        return f"{name} dropped", changed
-    if kind == 1:
-        times = int(10 ** rng.uniform(0.0, 4.0)) if len(records[at].body) < 200 else 3
-        return f"{name} repeated {times} times", changed[:at] + [records[at]] * times + changed[at:]
-    if kind == 2:
-        changed[at], changed[other] = changed[other], changed[at]
-        return f"{name} swapped with {records[other].opcode}", changed
-    if kind == 3:
-        opcode = int(rng.integers(256))
-        changed[at] = _Record(opcode, records[at].body)
-        return f"{name} made {opcode}", changed
-    what, body = mutate_bytes(records[at].body or b" ", rng)
-    changed[at] = _Record(records[at].opcode, body)
-    return f"{name}: {what}", changed
-
-
-def _sealed(outer: list[_Record]) -> bytes:
-    """A file of records whose data checksum is right."""
-    parts, crc = [_MAGIC], zlib.crc32(_MAGIC)
-    for record in outer:
-        ends = record.opcode == _DATA_END
-        sealed = _Record(_DATA_END, struct.pack("<I", crc)) if ends else record
-        parts.append(sealed.bytes)
-        crc = zlib.crc32(sealed.bytes, crc)
-    return b"".join([*parts, _MAGIC])
-
-
-def _huge(whole: bytes, rng: Rng) -> tuple[str, bytes]:
-    """Little on the disk, much in memory."""
-    outer = _records(whole[len(_MAGIC) : -len(_MAGIC)])
-    at = next(place for place, record in enumerate(outer) if record.opcode == _CHUNK)
-    makers: tuple[tuple[str, Callable[[], bytes]], ...] = (
-        ("zeros to 3 GiB", lambda: whole[: int(rng.integers(len(whole)))]),
-        ("a chunk of many messages", lambda: _many(outer, at, 2**22, 1)),
-        ("many chunks of many messages", lambda: _many(outer, at, 2**17, 40)),
-        ("a chunk of zeros", lambda: _with(outer, at, _chunk(0, 1, bytes(2**28)))),
-        ("a chunk that tells little", lambda: _with(outer, at, _chunk(0, 1, bytes(2**27), 100))),
-        ("a chunk that tells much", lambda: _with(outer, at, _chunk(0, 1, bytes(99), 2**60))),
-        ("a chunk without its size", lambda: _with(outer, at, _unsized(2**27))),
+def _rearrange(session: Path, rng: Rng) -> None:
+    """Put something else in the place of one of the session's files, or nothing."""
+    runs = ("run_001.mcap", "run_002.mcap")
+    names = (sessions.FILE, sessions.ROBOT, sessions.SHOE, sessions.URDF, *runs)
+    file, other = session / pick(rng, names), session / pick(rng, names)
+    content, elsewhere = file.read_bytes(), other.read_bytes()
+    file.unlink()
+    changes: tuple[Callable[[], object], ...] = (
+        lambda: None,
+        file.touch,
+        file.mkdir,
+        lambda: os.mkfifo(file),
+        lambda: file.symlink_to("nowhere"),
+        lambda: file.symlink_to(file.name),
+        lambda: file.write_bytes(elsewhere),
+        lambda: file.write_bytes(mutate_bytes(content, rng)),
+        lambda: (session / pick(rng, _RENAMED)).write_bytes(content),
     )
-    what, make = makers[int(rng.integers(len(makers)))]
-    return what, make()
+    pick(rng, changes)()
 
 
-def _with(outer: list[_Record], at: int, *fresh: _Record) -> bytes:
-    return _sealed([*outer[:at], *fresh, *outer[at:]])
+def lay_serial_log(folder: Path) -> Draw:
+    """A log of raw bytes, binary or text, replayed by the driver."""
+    path = folder / "raw.log"
+    sent = [_frame(index) for index in range(FRAMES)]
+    packets = [encode_info(Info("test 1.0", 1, CELLS, 100.0)), *map(encode_frame, sent)]
+    lines = [",".join(map(str, (one.device_time_us, *one.counts))) + "\n" for one in sent]
+
+    def draw(rng: Rng) -> Load:
+        kind = rng.random()
+        if kind < 0.4:
+            path.write_bytes(mutate_bytes("".join(lines).encode(), rng))
+            return partial(_replay, path, TextDecoder(TextTime.MICROSECONDS, CELLS))
+        if kind < 0.6:
+            at = int(rng.integers(len(packets)))
+            forged = _forge(pick(rng, sent), rng)
+            path.write_bytes(b"".join([*packets[:at], forged, *packets[at + 1 :]]))
+            return partial(_replay, path, BinaryDecoder())
+        path.write_bytes(mutate_bytes(b"".join(packets), rng))
+        return partial(_replay, path, BinaryDecoder(), sent)
+
+    path.write_bytes(b"".join(packets))
+    _replay(path, BinaryDecoder(), sent)
+    return draw
 
 
-def _many(outer: list[_Record], at: int, messages: int, chunks: int) -> bytes:
-    """Empty messages on the first channel, so many."""
-    empty = _Record(_MESSAGE, struct.pack("<HIQQ", 1, 0, 5, 5)).bytes
-    fresh = _chunk(5, 5, empty * messages)
-    return _sealed([*outer[: at + 1], *[fresh] * chunks, *outer[at + 1 :]])
+def _frame(index: int) -> Frame:
+    return Frame(
+        sequence=index,
+        device_time_us=5_000_000 + index * 10_000,
+        index=tuple(range(CELLS)),
+        status=(0,) * CELLS,
+        counts=tuple((index * 37 + cell * 1000) % 8000 - 4000 for cell in range(CELLS)),
+        temperature=25.0,
+    )
 
 
-def _unsized(size: int) -> _Record:
-    """A chunk whose compressed content does not say how large it is."""
-    packer = zstandard.ZstdCompressor(write_content_size=False)
-    packed = packer.compress(bytes(size))
-    head = struct.pack("<QQQI", 0, 1, 100, 0)
-    return _Record(_CHUNK, head + struct.pack("<I4sQ", 4, b"zstd", len(packed)) + packed)
+def _forge(frame: Frame, rng: Rng) -> bytes:
+    """A mutant of a packet whose checksum is right."""
+    content = unstuff(encode_frame(frame)[:-1])
+    assert content is not None
+    forged = mutate_bytes(content[:-4], rng)[:250]
+    return stuff(forged + crc32(forged).to_bytes(4, "little")) + b"\0"
 
 
-ROW = Row(
-    key="mutants-mcap",
-    fault="mutated recording (MCAP), read and recovered",
-    holds="refused with one line that names the file, or read as it was recorded; at most 2 GiB "
-    "and 10 s of the processor",
-    tries=10_000,
-    step=500,
-    run=partial(try_mutants, "mutated_recordings"),
-)
+def _replay(
+    path: Path, decoder: BinaryDecoder | TextDecoder, sent: list[Frame] | None = None
+) -> None:
+    """Replay a log to its end.
+
+    Args:
+        path: of the log.
+        decoder: of its protocol.
+        sent: the frames that may appear; None where any may.
+    """
+    converter = Converter(1e-6, 24, Encoding.SIGNED)
+    cells = ChannelMap(tuple(Channel(cell, f"cell_{cell}", converter) for cell in range(CELLS)))
+    # The clock is far in the future: every frame is due.
+    driver = ShoeDriver(ReplaySource(path, decoder, lambda: 2**62, start_ns=10**18), cells)
+    last_ns, resets = 0, 0
+    try:
+        for _ in range(_MOST_READS):
+            readings, status = driver.read(0.0), driver.status()
+            for reading in readings:
+                if status.clock_resets == resets and reading.stamp_ns <= last_ns:
+                    raise WrongLoadError(f"stamp {reading.stamp_ns} after {last_ns}")
+                last_ns, at = reading.stamp_ns, reading.sequence
+                if sent is not None:
+                    counts = np.array(sent[at].counts if at < len(sent) else np.nan)
+                    if not np.allclose(reading.cells.voltage, counts * 1e-6, rtol=0, atol=1e-12):
+                        raise WrongLoadError(f"frame {at} was not sent like this")
+            resets = status.clock_resets
+            if not status.source.connected and not readings:
+                return
+    finally:
+        driver.close()
+    raise WrongLoadError(f"not at its end after {_MOST_READS} reads")

@@ -1,4 +1,4 @@
-"""All rows: the modules of this package that have one."""
+"""All rows: those that the modules of this package declare."""
 
 from __future__ import annotations
 
@@ -9,41 +9,37 @@ from dataclasses import dataclass
 
 import reliability
 from reliability.row import Row
-from reliability.sources import digest
 
 
 @dataclass(frozen=True)
 class Found:
-    """A row, its module's docstring, which explains it, and the module's name."""
+    """A row, the name of its module, and the first paragraph of that module's docstring."""
 
     row: Row
-    about: str
     module: str
-
-    @property
-    def code(self) -> str:
-        """Digest of the sources that the row would run with now."""
-        return digest(self.module)
+    about: str
 
 
 def find_rows() -> dict[str, Found]:
     """Every row by its key, in the order of the modules' names.
 
     Raises:
-        ValueError: when two modules give their rows one key.
+        ValueError: when two rows have one key.
     """
     rows: dict[str, Found] = {}
     for info in pkgutil.iter_modules(reliability.__path__):
-        found = find_row(info.name)
-        if found is not None:
-            if found.row.key in rows:
-                raise ValueError(f"two rows have the key {found.row.key}; rename one")
-            rows[found.row.key] = found
+        for key, found in rows_of(info.name).items():
+            if key in rows:
+                raise ValueError(f"two rows have the key {key}; rename one")
+            rows[key] = found
     return rows
 
 
-def find_row(name: str) -> Found | None:
-    """The row of one module, None where it has none."""
+def rows_of(name: str) -> dict[str, Found]:
+    """The rows of one module, by key."""
     module = importlib.import_module(f"{reliability.__name__}.{name}")
-    row = getattr(module, "ROW", None)
-    return Found(row, inspect.getdoc(module) or "", name) if isinstance(row, Row) else None
+    declared: tuple[Row, ...] = getattr(module, "ROWS", ())
+    if row := getattr(module, "ROW", None):
+        declared = (*declared, row)
+    about = (inspect.getdoc(module) or "").partition("\n\n")[0]
+    return {row.key: Found(row, name, about) for row in declared}
