@@ -1,116 +1,105 @@
-"""A process with one thread, which may fork; it tells of its tries line by line."""
+"""Processes for tries that fork: one with a single thread, and children of it that are killed."""
 
 from __future__ import annotations
 
+import ctypes
+import importlib
 import json
+import multiprocessing
 import os
 import signal
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from multiprocessing.sharedctypes import RawValue
 from pathlib import Path
-from typing import Any
 
-Order = dict[str, Any]
+from reliability.row import Progress, Result
+from reliability.tries import BrokenError
 
-_PROGRAM = "import sys; sys.path[:0] = {path!r}; from reliability import {module}; {call}"
+Steps = ctypes.c_int64
+"""Counted up by a child's job, read by whoever kills it."""
+PATIENCE_S = 60.0
 
 
-def served(module: str, order: Order, before: Sequence[str] = ()) -> Iterator[dict[str, Any]]:
-    """What `serve(order)` of a module of this package yields, in a process of its own.
+def run_apart(
+    module: str, first: int, count: int, seed: int, progress: Progress, before: Sequence[str] = ()
+) -> Result:
+    """What `tries(first, count, seed, progress)` of a module gives in a process of its own.
 
     Args:
-        module: its name.
-        order: plain data.
-        before: words of a command line that are to start the process, as those of `unshare`.
+        module: of this package.
+        first: number of the first try.
+        count: how many.
+        seed: of all draws.
+        progress: is told how many are done.
+        before: words of a command line that start the process, as those of `unshare`.
 
     Raises:
         RuntimeError: when the process fails.
     """
-    path = [str(Path(__file__).parents[1]), *sys.path]
-    call = f"from reliability import spawning; spawning.tell({module}.serve({order!r}))"
-    process = subprocess.Popen(
-        [*before, sys.executable, "-c", _PROGRAM.format(path=path, module=module, call=call)],
-        stdout=subprocess.PIPE,
-        stdin=subprocess.DEVNULL,
-        text=True,
-        env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
-    )
-    assert process.stdout is not None
-    with process:
-        try:
-            for line in process.stdout:
-                yield json.loads(line)
-        except GeneratorExit:
-            process.kill()
-            raise
-    if process.returncode != 0:
+    command = [*before, sys.executable, "-m", __name__, module, str(first), str(count), str(seed)]
+    path = os.pathsep.join([str(Path(__file__).parents[1]), *sys.path])
+    environment = {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"}
+    told: object = None
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            told = json.loads(line)
+            if isinstance(told, int):
+                progress(told)
+    if process.returncode or not isinstance(told, dict):
         raise RuntimeError(f"{module}: the process of the tries ended with {process.returncode}")
-
-
-def tell(results: Iterator[dict[str, Any]]) -> None:
-    """Print results as lines."""
-    for result in results:
-        print(json.dumps(result), flush=True)
+    return Result(**told)
 
 
 class Child:
-    """A forked process that tells bytes until it is killed."""
+    """A forked process that does a job until it is killed."""
 
-    def __init__(self, work: Callable[[Callable[[bytes], None]], None]) -> None:
+    def __init__(self, job: Callable[[Steps], None]) -> None:
         """Begin.
 
         Args:
-            work: is given what tells bytes.
+            job: counts up, in the value that it is given, the steps that are done.
         """
-        self._reading, writing = os.pipe()
-        sys.stdout.flush()
-        self._process = os.fork()
-        if self._process == 0:
-            status = 1
-            try:
-                work(lambda data: void(os.write(writing, data)))
-                status = 0
-            except BaseException as error:  # noqa: BLE001 - told below, in the parent
-                os.write(writing, b"!" + repr(error).encode()[:1000])
-            finally:
-                os._exit(status)
-        os.close(writing)
-        os.set_blocking(self._reading, False)
-        self._told = b""
+        self._steps = RawValue(Steps, 0)
+        fork = multiprocessing.get_context("fork")
+        self._process = fork.Process(target=job, args=(self._steps,), daemon=True)
+        self._process.start()
 
-    def told(self) -> bytes:
-        """What it has told by now.
+    def wait(self, steps: int) -> None:
+        """Wait until so many steps are done, or a minute is over."""
+        until = time.monotonic() + PATIENCE_S
+        while self._steps.value < steps and time.monotonic() < until:
+            time.sleep(0.0005)
+
+    def kill(self) -> int:
+        """Kill it with SIGKILL; how many steps it has done.
 
         Raises:
-            RuntimeError: it failed before it was killed.
+            BrokenError: when it had ended before.
         """
-        while True:
-            try:
-                data = os.read(self._reading, 65536)
-            except BlockingIOError:
-                break
-            if not data:
-                break
-            self._told += data
-        if b"!" in self._told:
-            raise RuntimeError(self._told[self._told.index(b"!") :].decode())
-        return self._told
-
-    def kill(self) -> bytes:
-        """Kill it; all that it has told."""
-        os.kill(self._process, signal.SIGKILL)
-        os.waitpid(self._process, 0)
-        told = self.told()
-        os.close(self._reading)
-        return told
-
-
-def void(_: object) -> None:
-    """Nothing."""
+        self._process.kill()
+        self._process.join()
+        if self._process.exitcode != -signal.SIGKILL:
+            raise BrokenError(f"its process ended with {self._process.exitcode}")
+        return self._steps.value
 
 
 def wait_until(moment: float) -> None:
     """Sleep until a moment of the monotonic clock [s]."""
     time.sleep(max(0.0, moment - time.monotonic()))
+
+
+def main() -> None:
+    """Do the tries of a module; print how many are done, then the result."""
+    module, *numbers = sys.argv[1:]
+    tries = importlib.import_module(f"reliability.{module}").tries
+    result = tries(*map(int, numbers), lambda done: print(done, flush=True))
+    print(json.dumps(asdict(result)))
+
+
+if __name__ == "__main__":
+    main()
