@@ -1,6 +1,6 @@
 """A disk that is full, read-only or broken, before and while a run is recorded.
 
-The disk is a small tmpfs of its own, in a mount namespace that nobody else sees (`unshare`), filled
+The disk is a small tmpfs of its own, in a mount namespace that nobody else sees, filled
 up or mounted read-only; a folder whose rights are taken away during a recording stands for the one
 that becomes read-only. A broken one refuses a drawn fsync or rename, or all from then on (the calls
 of the operating system are made to fail), while a calibration is applied and a run recorded; that
@@ -17,10 +17,11 @@ before, for this process and for the next; and with room again, all of it works.
 from __future__ import annotations
 
 import contextlib
+import multiprocessing
 import shutil
-import subprocess
 import tempfile
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,8 +31,7 @@ from reliability import originals
 from reliability.broken_disk import BrokenDisk
 from reliability.recovered import recovered_samples
 from reliability.row import Progress, Result, Row
-from reliability.small_disk import SmallDisk
-from reliability.spawning import run_apart
+from reliability.small_disk import SmallDisk, hide_mounts
 from reliability.tries import BrokenError, run_tries
 from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.errors import FileError, ShoecalError, error_code
@@ -46,20 +46,18 @@ MOST_CALLS = 14
 """Of fsync or replace while a calibration is applied, and some more."""
 TOO_MANY = 20_000
 """Samples that no disk here has room for."""
-NAMESPACE = ("unshare", "--mount")
-"""Starts a process whose mounts nobody else sees."""
 
 
 def run(first: int, count: int, seed: int, progress: Progress) -> Result:
-    """One disk a try; mounted where that is allowed."""
-    try:
-        refused = subprocess.run([*NAMESPACE, "true"], check=False, capture_output=True).returncode
-    except OSError:
-        refused = 1
-    return run_apart("full_disk", first, count, seed, progress, () if refused else NAMESPACE)
+    """One disk a try, all in a process of their own, whose mounts nobody else sees."""
+    spawn = multiprocessing.get_context("spawn")
+    with ProcessPoolExecutor(1, spawn, initializer=hide_mounts) as process:
+        result = process.submit(tries, first, count, seed).result()
+    progress(count)
+    return result
 
 
-def tries(first: int, count: int, seed: int, progress: Progress) -> Result:
+def tries(first: int, count: int, seed: int) -> Result:
     """Fill disks up, make them read-only or break them."""
     mounted = True
 
@@ -77,7 +75,7 @@ def tries(first: int, count: int, seed: int, progress: Progress) -> Result:
                 raise BrokenError(f"{kind}: {error}") from error
         return 0.0
 
-    result = run_tries(attempt, first, count, seed, progress)
+    result = run_tries(attempt, first, count, seed, lambda _: None)
     how = "on a tmpfs" if mounted else "with RLIMIT_FSIZE, as nothing may be mounted here"
     return replace(result, worst=result.worst or f"each told in one line, {how}")
 

@@ -19,9 +19,9 @@ from pathlib import Path
 import numpy as np
 
 from reliability import originals
+from reliability.child import Child, Steps
 from reliability.recovered import recovered_samples
 from reliability.row import Progress, Result, Row, merge
-from reliability.spawning import Child, Steps, run_apart, wait_until
 from reliability.tries import BrokenError, run_tries
 from shoecal_core.recording.session import Session
 from shoecal_ros.calibrator.recorder import Recorder
@@ -36,7 +36,7 @@ MOST_LOST_S = 1.0
 LEAD_S = 0.5
 
 
-def tries(first: int, count: int, seed: int, progress: Progress) -> Result:
+def run(first: int, count: int, seed: int, progress: Progress) -> Result:
     """Record, kill and recover, some at once."""
     originals.robot(), originals.sample(0)  # cached before the forks
     end, results = first + count, []
@@ -81,7 +81,7 @@ class _Recording:
         self._given = 0
 
     def kill(self) -> None:
-        wait_until(self.kill_at)
+        _wait_until(self.kill_at)
         self._given = self._child.kill()
 
     def lost_s(self) -> float:
@@ -98,6 +98,10 @@ class _Recording:
         return lost_s
 
 
+def _wait_until(moment: float) -> None:
+    time.sleep(max(0.0, moment - time.monotonic()))
+
+
 def _record(folder: Path, stop_at: float, given: Steps) -> None:
     """Record until a moment of the monotonic clock [s]; count the samples given to the recorder."""
     begun_ns, begun = time.time_ns(), time.monotonic()
@@ -107,7 +111,7 @@ def _record(folder: Path, stop_at: float, given: Steps) -> None:
     recorder.start(lambda: session.new_run("landmarks", originals.SUPPORT))
     while given.value == 0 or time.monotonic() < stop_at:
         index = given.value
-        wait_until(begun + index / RATE)
+        _wait_until(begun + index / RATE)
         for topic, data in originals.sample(index, begun_ns + round(index / RATE * 1e9)).items():
             recorder.take(topic, [data])
         given.value += 1
@@ -122,5 +126,5 @@ ROW = Row(
     holds="every file recovers, at most 1 s lost",
     tries=200,
     step=20,
-    run=partial(run_apart, "killed_recording"),
+    run=run,
 )

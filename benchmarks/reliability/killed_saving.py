@@ -20,9 +20,9 @@ from pathlib import Path
 import numpy as np
 
 from reliability import originals
+from reliability.child import Child, Steps
 from reliability.row import Progress, Result, Row
 from reliability.same import same
-from reliability.spawning import Child, Steps, run_apart
 from reliability.tries import BrokenError, run_tries
 from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
 from shoecal_core.sensing.wrench import ChannelParameters
@@ -38,7 +38,7 @@ State = tuple[str, str, str]
 """Ids of the calibrations in the file, in force and before that; empty: none."""
 
 
-def tries(first: int, count: int, seed: int, progress: Progress) -> Result:
+def run(first: int, count: int, seed: int, progress: Progress) -> Result:
     """Save, apply, kill and load."""
     made = {one.id: one for one in map(made_from, range(MADE))}
     fresh = 0
@@ -120,5 +120,5 @@ ROW = Row(
     holds="the old one or the new one, whole",
     tries=1_000,
     step=100,
-    run=partial(run_apart, "killed_saving"),
+    run=run,
 )

@@ -25,7 +25,7 @@ def test_it_holds(row: Row, count: int) -> None:
 
 def test_a_disk_that_nobody_can_mount_is_limited(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(SmallDisk, "__enter__", lambda disk: disk)
-    found = full_disk.tries(0, 5, 1, lambda _: None)
+    found = full_disk.tries(0, 5, 1)
     assert found.failed == 0, found.worst
     assert "RLIMIT_FSIZE" in found.worst
 
@@ -39,7 +39,7 @@ def test_a_store_that_reports_no_refusal_fails(monkeypatch: pytest.MonkeyPatch) 
 
     monkeypatch.setattr(SmallDisk, "__enter__", lambda disk: disk)
     monkeypatch.setattr(CalibrationStore, "apply", silent)
-    found = full_disk.tries(0, 1, 1, lambda _: None)
+    found = full_disk.tries(0, 1, 1)
     assert found.worst == "try 0: full before: nothing was refused"
 
 

@@ -21,7 +21,7 @@ def test_nothing_is_lost_that_was_whole(row: Row, count: int) -> None:
 
 def test_a_run_that_is_not_recovered_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(recovered, "recover", lambda _run, _out: None)
-    found = killed_recording.tries(0, 10, 1, lambda _: None)
+    found = killed_recording.ROW.run(0, 10, 1, lambda _: None)
     assert found.failed
     assert " s lost" in found.worst
 
@@ -38,7 +38,7 @@ def test_a_file_that_is_cut_fails(monkeypatch: pytest.MonkeyPatch) -> None:
                 time.sleep(0.01)
 
     monkeypatch.setattr(killed_saving, "save_calibration", write_slowly)
-    found = killed_saving.tries(0, 20, 1, lambda _: None)
+    found = killed_saving.ROW.run(0, 20, 1, lambda _: None)
     assert found.failed > 1
     assert "calibration.yaml" in found.worst
 
