@@ -1,11 +1,11 @@
 """A disk that is full, read-only or broken, before and while a run is recorded.
 
-The disk is a small tmpfs of its own, in a mount namespace that nobody else sees, filled
-up or mounted read-only; a folder whose rights are taken away during a recording stands for the one
-that becomes read-only. A broken one refuses a drawn fsync or rename, or all from then on (the calls
-of the operating system are made to fail), while a calibration is applied and a run recorded; that
-change may come about, then it is in force for good. Where nothing may be mounted, the size of files
-is limited instead (RLIMIT_FSIZE), and the worst try says so.
+The disk is a small tmpfs in a mount namespace of its own, filled up or mounted read-only; a folder
+whose rights are taken away during a recording stands for a disk that becomes read-only. A broken
+one refuses a drawn fsync or rename, or all from then on (the calls of the operating system are made
+to fail), while a calibration is applied and a run recorded; that change may come about, then it is
+in force for good. Where nothing may be mounted, the size of files is limited instead
+(RLIMIT_FSIZE), and the worst try says so.
 
 A session, a run, a log of raw bytes and a calibration are to be written there; in the read-only
 tries there is also what is left of a change of the calibration that was cut. Each is refused with
@@ -61,7 +61,7 @@ def tries(first: int, count: int, seed: int) -> Result:
     """Fill disks up, make them read-only or break them."""
     mounted = True
 
-    def attempt(number: int, rng: np.random.Generator) -> float:
+    def attempt(number: int, rng: np.random.Generator) -> None:
         nonlocal mounted
         kind = KINDS[number % len(KINDS)]
         with (
@@ -73,7 +73,6 @@ def tries(first: int, count: int, seed: int) -> Result:
                 _Try(disk).run(kind, rng)
             except (BrokenError, ShoecalError, OSError) as error:
                 raise BrokenError(f"{kind}: {error}") from error
-        return 0.0
 
     result = run_tries(attempt, first, count, seed, lambda _: None)
     how = "on a tmpfs" if mounted else "with RLIMIT_FSIZE, as nothing may be mounted here"

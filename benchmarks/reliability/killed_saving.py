@@ -43,7 +43,7 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
     made = {one.id: one for one in map(made_from, range(MADE))}
     fresh = 0
 
-    def attempt(_: int, rng: np.random.Generator) -> float:
+    def attempt(_: int, rng: np.random.Generator) -> None:
         nonlocal fresh
         with tempfile.TemporaryDirectory(prefix="shoecal-killed-") as name:
             child = Child(partial(_change, Path(name), list(made.values())))
@@ -55,7 +55,6 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
         if loaded not in (old, new):
             raise BrokenError(f"loaded {loaded}, expected {old} or {new}")
         fresh += loaded == new
-        return 0.0
 
     result = run_tries(attempt, first, count, seed, progress)
     kept = count - result.failed - fresh

@@ -32,14 +32,13 @@ def run(first: int, count: int, seed: int, progress: Progress) -> Result:
     """One damaged frame a try."""
     reached = 0
 
-    def attempt(_: int, rng: np.random.Generator) -> float:
+    def attempt(_: int, rng: np.random.Generator) -> None:
         nonlocal reached
         decoder = BinaryDecoder()
         try:
             _read_damaged(decoder, rng)
         finally:
             reached += checksums_failed(decoder)
-        return 0.0
 
     return replace(run_tries(attempt, first, count, seed, progress), counts={CHECKED: reached})
 

@@ -8,8 +8,9 @@ import numpy as np
 
 from reliability.row import Progress, Result
 
-Attempt = Callable[[int, np.random.Generator], float]
-"""Does the try of a number. Returns its figure, larger is worse; any exception is a failure."""
+Attempt = Callable[[int, np.random.Generator], float | None]
+"""Does the try of a number. Returns its figure if it has one, larger is worse; any exception is a
+failure."""
 
 
 class BrokenError(Exception):
@@ -33,7 +34,7 @@ def run_tries(
     figure, failures = 0.0, []
     for number in range(first, first + count):
         try:
-            figure = max(figure, attempt(number, np.random.default_rng([seed, number])))
+            figure = max(figure, attempt(number, np.random.default_rng([seed, number])) or 0.0)
         except BrokenError as error:
             failures.append(f"try {number}: {error}")
         except Exception as error:  # noqa: BLE001 - whatever is raised is a failure of the try
