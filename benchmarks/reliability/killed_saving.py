@@ -1,73 +1,64 @@
-"""A process that saves or applies calibrations is killed with SIGKILL at a random moment.
+"""A process that saves and applies calibrations is killed with SIGKILL at a random moment.
 
-Each try is a forked process that puts one calibration after the other in force in the calibrator's
-store, and goes back now and then (every second try: that writes one calibration file again and
-again). It is killed a random while after a random one of them. No two of the calibrations have a
-gain or an offset in common. What is loaded then is what was in force before the change that was cut
-or after it, whole, to the last number, with the one before it to roll back to; never an older one.
+Each try is a forked process that in turns writes one calibration file again and puts a calibration
+in force in the calibrator's store, the next one or, every third time, the one before. It is killed
+a random while after a random one of these steps. No two of the calibrations have a gain or an
+offset in common. What is loaded then, from the file and by the store, is what was there before the
+step that was cut or after it, whole, to the last number, with the one before it to roll back to;
+never an older one.
 """
 
 from __future__ import annotations
 
-import itertools
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from reliability import originals
+from reliability.child import Child, Steps
 from reliability.row import Progress, Result, Row
 from reliability.same import same
-from reliability.spawning import Child, Order, served
+from reliability.tries import BrokenError, run_tries
 from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
-from shoecal_core.errors import ShoecalError
 from shoecal_core.sensing.wrench import ChannelParameters
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
 
-MOST_CHANGES = 3
+MOST_STEPS = 6
 LONGEST_S = 0.03
-"""From one change to the kill; longer than a change takes."""
-_FILE = "calibration.yaml"
-_PATIENCE_S = 60.0
+"""From one step to the kill; longer than a step takes."""
+MADE = 100
+"""More calibrations than are used until then."""
 
-Pair = tuple[str, str]
-"""In force, and before; empty: none."""
-Made = Mapping[str, Calibration]
-"""All that were made, by their ids."""
+State = tuple[str, str, str]
+"""Ids of the calibrations in the file, in force and before that; empty: none."""
 
 
 def run(first: int, count: int, seed: int, progress: Progress) -> Result:
-    failed, fresh, worst = 0, 0, ""
-    order = {"first": first, "count": count, "seed": seed}
-    for done, one in enumerate(served("killed_saving", order), start=1):
-        failed += bool(one["problem"])
-        fresh += one["fresh"]
-        worst = worst or one["problem"]
-        progress(done)
-    counts = {"times the old one": count - fresh, "times the new one": fresh}
-    return Result(count, failed, worst, counts=counts)
+    """Save, apply, kill and load."""
+    made = {one.id: one for one in map(made_from, range(MADE))}
+    fresh = 0
 
-
-def serve(order: Order) -> Iterator[dict[str, Any]]:
-    """Fork, kill and load."""
-    made = [made_from(number) for number in range(100)]
-    for number in range(order["first"], order["first"] + order["count"]):
-        rng = np.random.default_rng([order["seed"], number])
+    def attempt(_: int, rng: np.random.Generator) -> None:
+        nonlocal fresh
         with tempfile.TemporaryDirectory(prefix="shoecal-killed-") as name:
-            folder = Path(name)
-            work, found, pairs = (_store, _stored, _pairs()) if number % 2 else (
-                _save, _saved, ((f"made-{count}", "") for count in itertools.count())
-            )  # fmt: skip
-            if number % 2 == 0:
-                save_calibration(made[0], folder / _FILE)
-            changes = _killed(partial(work, folder, made), rng)
-            allowed = list(itertools.islice(pairs, changes, changes + 2))
-            yield _verdict(partial(found, folder, {one.id: one for one in made}), allowed)
+            child = Child(partial(_change, Path(name), list(made.values())))
+            child.wait(int(rng.integers(MOST_STEPS + 1)))
+            time.sleep(rng.uniform(0.0, LONGEST_S))
+            steps = child.kill()
+            loaded = _load(Path(name), made)
+        old, new = state_after(steps), state_after(steps + 1)
+        if loaded not in (old, new):
+            raise BrokenError(f"loaded {loaded}, expected {old} or {new}")
+        fresh += loaded == new
+
+    result = run_tries(attempt, first, count, seed, progress)
+    kept = count - result.failed - fresh
+    return replace(result, counts={"times the old one": kept, "times the new one": fresh})
 
 
 def made_from(number: int) -> Calibration:
@@ -79,67 +70,47 @@ def made_from(number: int) -> Calibration:
     return replace(small, id=f"made-{number}", parameters=numbers)
 
 
-def _killed(work: Callable[[Callable[[bytes], None]], None], rng: np.random.Generator) -> int:
-    """Kill a process some while after some change; how many it has made."""
-    child = Child(work)
-    changes, while_s = int(rng.integers(MOST_CHANGES + 1)), rng.uniform(0.0, LONGEST_S)
-    patience = time.monotonic() + _PATIENCE_S
-    while len(child.told()) < changes and time.monotonic() < patience:
-        time.sleep(0.0005)
-    time.sleep(while_s)
-    return len(child.kill())
-
-
-def _verdict(found: Callable[[], Pair], allowed: list[Pair]) -> dict[str, Any]:
-    try:
-        pair = found()
-    except ShoecalError as error:
-        return {"problem": f"refused: {error}", "fresh": False}
-    problem = "" if pair in allowed else f"loaded {pair}, expected one of {allowed}"
-    return {"problem": problem, "fresh": pair == allowed[1]}
-
-
-def _save(folder: Path, made: list[Calibration], tell: Callable[[bytes], None]) -> None:
-    for calibration in made[1:]:
-        save_calibration(calibration, folder / _FILE)
-        tell(b".")
-
-
-def _saved(folder: Path, made: Made) -> Pair:
-    return name_of(load_calibration(folder / _FILE), made), ""
-
-
-def _store(folder: Path, made: list[Calibration], tell: Callable[[bytes], None]) -> None:
-    """Two applied, then one step back, and so on."""
-    store = CalibrationStore(folder, originals.robot(), originals.shoe())
-    store.load(originals.START_NS)
-    for number, calibration in enumerate(made):
-        applied = store.one_before()[0] if number % 3 == 2 else calibration
-        store.apply(applied, originals.START_NS + number)
-        tell(b".")
-
-
-def _pairs() -> Iterator[Pair]:
-    """What is in force after each change of `_store`."""
-    current, before = "", ""
-    for number in itertools.count():
-        yield current, before
-        current, before = (before if number % 3 == 2 else f"made-{number}"), current
-
-
-def _stored(folder: Path, made: Made) -> Pair:
-    store = CalibrationStore(folder, originals.robot(), originals.shoe())
-    problem = store.load(originals.START_NS)
-    if problem is not None:
-        raise ShoecalError(problem.message)
-    return name_of(store.current, made), name_of(store.before, made)
-
-
-def name_of(loaded: Calibration | None, made: Made) -> str:
+def name_of(loaded: Calibration | None, made: Mapping[str, Calibration]) -> str:
     """Id of a calibration that is whole; empty for none."""
     if loaded is None:
         return ""
     return loaded.id if same(loaded, made.get(loaded.id)) else f"{loaded.id} with other content"
+
+
+def state_after(steps: int) -> State:
+    """What is there after so many steps of `_change`."""
+    saved, current, before = "", "", ""
+    for step in range(steps):
+        number = step // 2
+        if step % 2 == 0:
+            saved = f"made-{number}"
+        else:
+            current, before = (before if number % 3 == 2 else f"made-{number}"), current
+    return saved, current, before
+
+
+def _change(folder: Path, made: Sequence[Calibration], steps: Steps) -> None:
+    """Save and apply one after the other until killed."""
+    store = _store(folder)
+    store.load(originals.START_NS)
+    for number, calibration in enumerate(made):
+        save_calibration(calibration, folder / "calibration.yaml")
+        steps.value += 1
+        applied = store.one_before()[0] if number % 3 == 2 else calibration
+        store.apply(applied, originals.START_NS + number)
+        steps.value += 1
+
+
+def _load(folder: Path, made: Mapping[str, Calibration]) -> State:
+    path, store = folder / "calibration.yaml", _store(folder)
+    if problem := store.load(originals.START_NS):
+        raise BrokenError(problem.message)
+    saved = load_calibration(path) if path.exists() else None
+    return name_of(saved, made), name_of(store.current, made), name_of(store.before, made)
+
+
+def _store(folder: Path) -> CalibrationStore:
+    return CalibrationStore(folder / "state", originals.robot(), originals.shoe())
 
 
 ROW = Row(

@@ -13,112 +13,85 @@ Bytes, terminal, driver and times are real; the device is simulated.
 from __future__ import annotations
 
 import itertools
-import random
 import time
-from collections.abc import Callable
+
+import numpy as np
 
 from reliability.row import Progress, Result, Row
-from reliability.serial_bytes import PERIOD_US, BrokenError
-from reliability.serial_line import Line, descriptors
+from reliability.serial_bytes import PERIOD_US
+from reliability.serial_line import Line, check_descriptors, descriptors
+from reliability.tries import BrokenError, run_tries
 
 BACK_S = 2.0
 NEAR_NS = 10**9
 UPTIME = 2000
-
-Fault = Callable[[Line, random.Random], int]
-"""Lets something happen; how many frames that loses."""
-
-
-def restart(line: Line, rng: random.Random) -> int:
-    """The power was off for a moment; then frames are lost."""
-    line.sequence = line.time_us = 0
-    return drop(line, rng)
-
-
-def jump_ahead(line: Line, rng: random.Random) -> int:
-    """The counter alone."""
-    step = round(2 ** rng.uniform(0.0, 30.9))
-    line.sequence = (line.sequence + step) % 2**32
-    return step
-
-
-def wrap(line: Line, rng: random.Random) -> int:
-    """Over the end of the counter: first near to it, which nobody can tell from a restart there."""
-    line.sequence = 2**32 - rng.randint(1, 50)
-    line.sample()
-    return drop(line, rng)
-
-
-def drop(line: Line, rng: random.Random) -> int:
-    """Frames that are sampled, but not sent."""
-    count = rng.randint(0, 100)
-    line.sample(count, send=False)
-    return count
-
-
-def damage(line: Line, rng: random.Random) -> int:
-    """Bits of a frame flip on the line."""
-    line.device.corrupt_next(*rng.sample(range(60), rng.randint(1, 3)))
-    line.sample()
-    return 1
-
-
-def clock_ahead(line: Line, rng: random.Random) -> int:
-    """The device's clock jumps, in the same read as what came before it, or not."""
-    line.time_us += round(2 ** rng.uniform(0.0, 59.0))
-    return 0
-
-
-def twice(line: Line, _: random.Random) -> int:
-    """The counter stands still for a frame; its time goes on."""
-    line.sequence = (line.sequence - 1) % 2**32
-    return 0
-
-
-FAULTS = (restart, jump_ahead, wrap, drop, damage, clock_ahead, twice)
-
-
-def _try(line: Line, fault: Fault, rng: random.Random) -> float:
-    """Let it happen; seconds until a frame is read again."""
-    readings, lost = line.reader.readings, line.reader.lost
-    known, sent = len(readings), line.device.sent
-    missing = fault(line, rng)
-    back_s = line.until_read(BACK_S)
-    line.sample(3)
-    line.settle()
-    whole = line.device.sent - sent - (fault is damage)
-    if len(readings) - known != whole:
-        raise BrokenError(f"{whole} frames were sent whole, {len(readings) - known} read")
-    if line.reader.lost - lost != missing:
-        raise BrokenError(f"{missing} frames were lost, {line.reader.lost - lost} counted")
-    stamps, now = [one.stamp_ns for one in readings[known - 1 :]], time.time_ns()
-    if any(after <= before for before, after in itertools.pairwise(stamps)):
-        raise BrokenError("stamps go back")
-    if max(abs(now - stamp) for stamp in stamps) > NEAR_NS + round(back_s * 1e9):
-        raise BrokenError("a stamp is far from the present")
-    return back_s
+"""Frames that the device has counted before."""
 
 
 def run(first: int, count: int, seed: int, progress: Progress) -> Result:
     """One fault a try, each on a device that has run for a while."""
-    failed, told, longest = 0, "", 0.0
     with Line() as line:
         line.until_read()
         held = descriptors()
-        for index in range(first, first + count):
-            rng = random.Random(seed * 2**40 + index)
+
+        def attempt(_: int, rng: np.random.Generator) -> float:
             line.sequence, line.time_us = UPTIME, UPTIME * PERIOD_US
             line.sample()
             line.settle()
-            fault = rng.choice(FAULTS)
-            try:
-                longest = max(longest, _try(line, fault, rng))
-                if descriptors() > held:
-                    raise BrokenError(f"{descriptors()} descriptors are open, {held} before")
-            except BrokenError as error:
-                failed, told = failed + 1, told or f"try {index}, {fault.__name__}: {error}"
-            progress(index - first + 1)
-    return Result(count, failed, told or f"{longest:.3f} s until back", longest)
+            back_s = _try(line, FAULTS[rng.integers(len(FAULTS))], rng)
+            check_descriptors(held)
+            return back_s
+
+        return run_tries(attempt, first, count, seed, progress, "{:.3f} s until back")
+
+
+def _try(line: Line, fault: str, rng: np.random.Generator) -> float:
+    """Let it happen; seconds until a frame is read again."""
+    lost, known, sent = line.lost, len(line.readings), line.device.sent
+    missing = _happen(line, fault, rng)
+    back_s = line.until_read(BACK_S)
+    line.sample(3)
+    line.settle()
+    whole = line.device.sent - sent - (fault == "damaged")
+    if len(line.readings) - known != whole:
+        raise BrokenError(f"{fault}: {whole} sent whole, {len(line.readings) - known} read")
+    if line.lost - lost != missing:
+        raise BrokenError(f"{fault}: {missing} frames were lost, {line.lost - lost} counted")
+    stamps, now = [one.stamp_ns for one in line.readings[known - 1 :]], time.time_ns()
+    if any(after <= before for before, after in itertools.pairwise(stamps)):
+        raise BrokenError(f"{fault}: stamps go back")
+    if max(abs(now - stamp) for stamp in stamps) > NEAR_NS + round(back_s * 1e9):
+        raise BrokenError(f"{fault}: a stamp is far from the present")
+    return back_s
+
+
+FAULTS = ("restart", "counter ahead", "wrap", "dropped", "damaged", "clock ahead", "twice")
+
+
+def _happen(line: Line, fault: str, rng: np.random.Generator) -> int:
+    """Let a fault happen; how many frames that loses."""
+    missing = 0
+    if fault == "restart":
+        line.sequence = line.time_us = 0
+    elif fault == "counter ahead":
+        missing = round(2 ** rng.uniform(0.0, 30.9))
+        line.sequence = (line.sequence + missing) % 2**32
+    elif fault == "wrap":
+        # First near to the end of the counter: alone, that is the same as a restart there.
+        line.sequence = 2**32 - int(rng.integers(1, 51))
+        line.sample()
+    elif fault == "damaged":
+        missing = 1
+        line.device.corrupt_next(*rng.choice(60, rng.integers(1, 4), replace=False).tolist())
+        line.sample()
+    elif fault == "clock ahead":
+        line.time_us += round(2 ** rng.uniform(0.0, 59.0))
+    elif fault == "twice":
+        line.sequence = (line.sequence - 1) % 2**32
+    if fault in ("restart", "wrap", "dropped"):
+        missing = int(rng.integers(101))
+        line.sample(missing, send=False)
+    return missing
 
 
 ROW = Row(

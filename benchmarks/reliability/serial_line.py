@@ -1,17 +1,16 @@
-"""A driver that reads a simulated device on a pseudo-terminal, in a thread as its node does."""
+"""A driver that reads a simulated device on a pseudo-terminal; all in real time."""
 
 from __future__ import annotations
 
 import os
 import tempfile
-import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
-from reliability.serial_bytes import CELLS, PERIOD_US, BrokenError
+from reliability.serial_bytes import CELLS, PERIOD_US
+from reliability.tries import BrokenError
 from shoecal_ros.serial.channel_map import Channel, Converter
 from shoecal_ros.serial.config import DriverConfig, Mode
 from shoecal_ros.serial.device import SimulatedDevice
@@ -20,79 +19,19 @@ from shoecal_ros.serial.frame import FaultKind, Info
 from shoecal_ros.serial.text_protocol import TextTime
 
 INFO = Info("simulated 1.0", 1, CELLS, 100.0)
-READ_S = 0.1
 PERIOD_S = 0.002
-"""Between frames, in real time."""
+"""How long the driver waits for bytes, and between frames that are sent until one is read."""
 TIMEOUT_S = 10.0
-
-
-def descriptors() -> int:
-    """How many files this process holds open."""
-    return len(os.listdir("/proc/self/fd"))  # noqa: PTH208 - its own descriptor counts alike
-
-
-def line_config(port: Path) -> DriverConfig:
-    """A driver's configuration for such a device."""
-    return DriverConfig(
-        port=str(port),
-        baud=115200,
-        mode=Mode.BINARY,
-        text_time=TextTime.NONE,
-        text_columns=CELLS,
-        latency_ns=0,
-        alarm_s=2.0,
-        raw_log=None,
-        channels=tuple(Channel(n, f"left/{n}", Converter(1e-6)) for n in range(CELLS)),
-    )
-
-
-class Reader:
-    """A driver and the thread that reads it.
-
-    Attributes:
-        readings: what it gave.
-    """
-
-    def __init__(self, driver: ShoeDriver) -> None:
-        self.driver = driver
-        self.readings: list[Reading] = []
-        self._news = threading.Condition()
-        self._closing = threading.Event()
-        self._thread = threading.Thread(target=self._read, daemon=True)
-        self._thread.start()
-
-    def wait(self, condition: Callable[[], bool], timeout_s: float) -> bool:
-        """Wait until something holds; looked at whenever something was read."""
-        with self._news:
-            return self._news.wait_for(condition, timeout_s)
-
-    def has(self, sequence: int) -> bool:
-        """Whether the last frame was this one."""
-        return bool(self.readings) and self.readings[-1].sequence == sequence
-
-    @property
-    def lost(self) -> int:
-        """Frames counted as lost."""
-        return self.driver.status().source.counts.faults[FaultKind.LOST_FRAMES]
-
-    def close(self) -> None:
-        """Stop reading."""
-        self._closing.set()
-        self.driver.close()
-        self._thread.join()
-
-    def _read(self) -> None:
-        while not self._closing.is_set():
-            readings = self.driver.read(READ_S)
-            with self._news:
-                self.readings += readings
-                self._news.notify_all()
 
 
 class Line:
     """A device and a driver that reads it.
 
     Attributes:
+        port: link of the device's terminal.
+        device: sends the frames.
+        driver: reads them.
+        readings: what the driver has read.
         sequence, time_us: of the frame that is sampled next.
     """
 
@@ -100,8 +39,24 @@ class Line:
         self._folder = tempfile.TemporaryDirectory(prefix="shoecal_")
         self.port = Path(self._folder.name) / "port"
         self.device = SimulatedDevice(self.port, INFO)
-        self.reader = Reader(open_driver(line_config(self.port), time.time_ns))
+        self.driver = self.another_driver()
+        self.readings: list[Reading] = []
         self.sequence = self.time_us = 0
+
+    def another_driver(self) -> ShoeDriver:
+        """A driver of the same port that has not opened it yet."""
+        config = DriverConfig(
+            port=str(self.port),
+            baud=115200,
+            mode=Mode.BINARY,
+            text_time=TextTime.NONE,
+            text_columns=CELLS,
+            latency_ns=0,
+            alarm_s=2.0,
+            raw_log=None,
+            channels=tuple(Channel(n, f"left/{n}", Converter(1e-6)) for n in range(CELLS)),
+        )
+        return open_driver(config, time.time_ns)
 
     def sample(self, count: int = 1, *, send: bool = True) -> None:
         """Sample frames, and send them if somebody listens."""
@@ -111,43 +66,61 @@ class Line:
             self.sequence = (self.sequence + 1) % 2**32
             self.time_us += PERIOD_US
 
-    def restart(self) -> None:
-        """The device begins anew."""
-        self.sequence = self.time_us = 0
+    def read(
+        self, done: Callable[[], bool], timeout_s: float = TIMEOUT_S, *, sampling: bool = False
+    ) -> float:
+        """Read until something is done, with `sampling` send a frame before each reading.
 
-    def until_read(self, timeout_s: float = TIMEOUT_S) -> float:
-        """Sample and send until a frame has been read; how long that took [s].
+        Returns:
+            How long that took [s].
 
         Raises:
-            BrokenError: when none is within the time.
+            BrokenError: when it is not done in time.
         """
-        known, began = len(self.reader.readings), time.monotonic()
-        while not self.reader.wait(lambda: len(self.reader.readings) > known, PERIOD_S):
-            self.sample()
-            if time.monotonic() - began > timeout_s:
-                problem = str(self.reader.driver.status().problem)
-                raise BrokenError(f"nothing read for {timeout_s:g} s: {problem}")
+        began = time.monotonic()
+        while not done():
+            if time.monotonic() > began + timeout_s:
+                problem = self.driver.status().problem
+                raise BrokenError(f"waited {timeout_s:g} s in vain for frames or a loss: {problem}")
+            if sampling:
+                self.sample()
+            self.readings += self.driver.read(PERIOD_S)
         return time.monotonic() - began
 
-    def settle(self) -> None:
-        """Wait for the last frame that was sent.
+    def until_read(self, timeout_s: float = TIMEOUT_S) -> float:
+        """Send frames until another one is read; how long that took [s]."""
+        known = len(self.readings)
+        return self.read(lambda: len(self.readings) > known, timeout_s, sampling=True)
 
-        Raises:
-            BrokenError: when it does not come.
-        """
+    def settle(self) -> None:
+        """Read all that was sent."""
         last = (self.sequence - 1) % 2**32
-        if not self.reader.wait(lambda: self.reader.has(last), TIMEOUT_S):
-            raise BrokenError(f"frame {last} was sent, but not read")
+        self.read(lambda: bool(self.readings) and self.readings[-1].sequence == last)
+
+    @property
+    def lost(self) -> int:
+        """Frames counted as lost."""
+        return self.driver.status().source.counts.faults[FaultKind.LOST_FRAMES]
 
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        self.reader.close()
+    def __exit__(self, *_: object) -> None:
+        self.driver.close()
         self.device.close()
         self._folder.cleanup()
+
+
+def check_descriptors(held: int) -> None:
+    """No file is open that was not before.
+
+    Raises:
+        BrokenError: more than `held` are.
+    """
+    if descriptors() > held:
+        raise BrokenError(f"{descriptors()} descriptors are open, {held} before")
+
+
+def descriptors() -> int:
+    """How many files this process holds open."""
+    return len(os.listdir("/proc/self/fd"))  # noqa: PTH208 - its own descriptor counts alike

@@ -1,10 +1,10 @@
 """Frames damaged on the serial line, one in four.
 
-Of four good frames the second is damaged: bits flipped, one by one or in a burst, bytes changed,
-put in, left out, doubled or swapped, delimiters put in, the end cut off, the end of another frame
-put in its place, or several of these. They come in random pieces. No frame may be accepted that was
-not sent; those before and after the damage must be read (the one directly behind it only if its
-delimiter still stands); and exactly the missing ones must be counted as lost.
+Of four good frames the second is damaged: bits are flipped, or a stretch of it (nothing, a few
+bytes, or all to its end) is replaced by nothing, random bytes, a delimiter, bytes of its own or the
+end of another frame, or several of these. They come in random pieces. No frame may be accepted that
+was not sent; those before and after the damage must be read (the one directly behind it only if its
+delimiter is still there); and exactly the missing ones must be counted as lost.
 
 A burst of up to 32 bits within a packet is always found by the checksum; of all else it lets one in
 4.3e9 through, so in a million tries the chance of a wrong frame is about 1e-4.
@@ -14,116 +14,81 @@ The bytes and the decoder are real; there is no port.
 
 from __future__ import annotations
 
-import random
-from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
 
 from reliability.row import Progress, Result, Row
-from reliability.serial_bytes import (
-    CHECKED,
-    BrokenError,
-    check_frames,
-    checksums_failed,
-    feed,
-    frame,
-    lost,
-)
-from shoecal_ros.serial.frame import Frame
+from reliability.serial_bytes import CHECKED, check_frames, checksums_failed, feed, frame
+from reliability.tries import BrokenError, run_tries
+from shoecal_ros.serial.frame import Fault, FaultKind, Frame
 from shoecal_ros.serial.protocol import BinaryDecoder, encode_frame
 
-Mutation = Callable[[bytearray, random.Random, bytes], None]
-"""Damages bytes; the last argument is another frame's."""
-PROGRESS = 1000
-
-
-def flip_bits(data: bytearray, rng: random.Random, _: bytes) -> None:
-    for _bit in range(rng.randint(1, 8)):
-        data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
-
-
-def burst(data: bytearray, rng: random.Random, _: bytes) -> None:
-    start = rng.randrange(len(data))
-    end = min(len(data), start + rng.randint(1, 12))
-    data[start:end] = rng.randbytes(end - start)
-
-
-def change(data: bytearray, rng: random.Random, _: bytes) -> None:
-    data[rng.randrange(len(data))] = rng.randrange(256)
-
-
-def put_in(data: bytearray, rng: random.Random, _: bytes) -> None:
-    place = rng.randrange(len(data) + 1)
-    data[place:place] = rng.randbytes(rng.randint(1, 8))
-
-
-def leave_out(data: bytearray, rng: random.Random, _: bytes) -> None:
-    start = rng.randrange(len(data))
-    del data[start : start + rng.randint(1, 8)]
-
-
-def double(data: bytearray, rng: random.Random, _: bytes) -> None:
-    start = rng.randrange(len(data))
-    data[start:start] = data[start : start + rng.randint(1, 40)]
-
-
-def swap(data: bytearray, rng: random.Random, _: bytes) -> None:
-    a, b = rng.randrange(len(data)), rng.randrange(len(data))
-    data[a], data[b] = data[b], data[a]
-
-
-def delimit(data: bytearray, rng: random.Random, _: bytes) -> None:
-    data.insert(rng.randrange(len(data) + 1), 0)
-
-
-def cut(data: bytearray, rng: random.Random, _: bytes) -> None:
-    del data[rng.randrange(len(data)) :]
-
-
-def splice(data: bytearray, rng: random.Random, other: bytes) -> None:
-    data[rng.randrange(len(data)) :] = other[rng.randrange(len(other)) :]
-
-
-MUTATIONS: tuple[Mutation, ...] = (
-    flip_bits, burst, change, put_in, leave_out, double, swap, delimit, cut, splice,
-)  # fmt: skip
+LONGEST = 64
+"""Bytes that are read at once."""
 
 
 def run(first: int, count: int, seed: int, progress: Progress) -> Result:
     """One damaged frame a try."""
-    failed, told, reached = 0, "", 0
-    for index in range(first, first + count):
+    reached = 0
+
+    def attempt(_: int, rng: np.random.Generator) -> None:
+        nonlocal reached
         decoder = BinaryDecoder()
         try:
-            _try(decoder, random.Random(seed * 2**40 + index))
-        except Exception as error:  # noqa: BLE001 - any exception is what is looked for
-            failed, told = failed + 1, told or f"frame {index}: {error!r}"
-        reached += checksums_failed(decoder)
-        if index % PROGRESS == 0:
-            progress(index - first)
-    return Result(count, failed, told, counts={CHECKED: reached})
+            _read_damaged(decoder, rng)
+        finally:
+            reached += checksums_failed(decoder)
+
+    return replace(run_tries(attempt, first, count, seed, progress), counts={CHECKED: reached})
 
 
-def _try(decoder: BinaryDecoder, rng: random.Random) -> None:
-    frames = [frame(rng, sequence, rng.choice((8, 8, 4, 1, 32))) for sequence in range(4)]
+def _read_damaged(decoder: BinaryDecoder, rng: np.random.Generator) -> None:
+    frames = [frame(rng, number, int(rng.choice((8, 8, 4, 1, 32)))) for number in range(4)]
     # What is put in may happen to be all of the other frame: then it was sent.
-    other = frame(rng, 1, rng.randint(1, 32))
+    other = frame(rng, 1, int(rng.integers(1, 33)))
     before, whole, *behind = map(encode_frame, frames)
-    damaged = _damaged(whole, encode_frame(other), rng)
-    events = feed(decoder, b"".join((before, damaged, *behind)), rng, 64)
-    follows = damaged.endswith(b"\0") or not damaged
-    check_frames(events, [*frames, other], [frames[0], *frames[2 if follows else 3 :]])
+    damaged = damage(whole, encode_frame(other), rng)
+    events = feed(decoder, b"".join((before, damaged, *behind)), rng, LONGEST)
+    delimited = damaged.endswith(b"\0") or not damaged
+    check_frames(events, [*frames, other], [frames[0], *frames[2 if delimited else 3 :]])
     seen = [event.sequence for event in events if isinstance(event, Frame)]
-    missing = set(range(4)).difference(seen)
-    if seen != sorted(seen) or lost(events) != len(missing):
-        raise BrokenError(f"{seen} were read of 0 to 3, and {lost(events)} counted as lost")
+    lost = sum(
+        event.count
+        for event in events
+        if isinstance(event, Fault) and event.kind is FaultKind.LOST_FRAMES
+    )
+    if seen != sorted(seen) or lost != len({0, 1, 2, 3}.difference(seen)):
+        raise BrokenError(f"{seen} were read of 0 to 3, and {lost} counted as lost")
 
 
-def _damaged(whole: bytes, other: bytes, rng: random.Random) -> bytes:
-    damaged = bytearray(whole)
-    while damaged == whole:
-        for mutation in rng.choices(MUTATIONS, k=rng.choice((1, 1, 2, 4))):
-            if damaged:
-                mutation(damaged, rng, other)
-    return bytes(damaged)
+def damage(whole: bytes, other: bytes, rng: np.random.Generator) -> bytes:
+    """Bytes with one, two or four faults, never the same bytes; `other` is another frame's."""
+    data = whole
+    while data == whole:
+        for _ in range(rng.choice((1, 1, 2, 4))):
+            data = (_flipped if data and rng.random() < 0.3 else _replaced)(data, other, rng)
+    return data
+
+
+def _flipped(data: bytes, _: bytes, rng: np.random.Generator) -> bytes:
+    flipped = bytearray(data)
+    for bit in rng.integers(8 * len(data), size=rng.integers(1, 9)).tolist():
+        flipped[bit // 8] ^= 1 << bit % 8
+    return bytes(flipped)
+
+
+def _replaced(data: bytes, other: bytes, rng: np.random.Generator) -> bytes:
+    start = int(rng.integers(len(data) + 1))
+    end = (start, start + int(rng.integers(1, 13)), len(data))[rng.integers(3)]
+    fillers = (
+        b"",
+        rng.bytes(int(rng.integers(1, 13))),
+        b"\0",
+        data[int(rng.integers(len(data) + 1)) :][: int(rng.integers(1, 41))],
+        other[int(rng.integers(len(other))) :],
+    )
+    return data[:start] + fillers[rng.integers(len(fillers))] + data[end:]
 
 
 ROW = Row(

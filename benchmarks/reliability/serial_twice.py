@@ -10,95 +10,66 @@ Bytes, terminal, processes and times are real; the device is simulated.
 
 from __future__ import annotations
 
-import random
 import subprocess
 import sys
-import time
-from pathlib import Path
+
+import numpy as np
 
 from reliability.row import Progress, Result, Row
-from reliability.serial_bytes import BrokenError
-from reliability.serial_line import PERIOD_S, TIMEOUT_S, Line, Reader, descriptors, line_config
-from shoecal_ros.serial.driver import ShoeDriver, open_driver
+from reliability.serial_line import Line, check_descriptors, descriptors
+from reliability.tries import BrokenError, run_tries
 from shoecal_ros.serial.errors import PortBusyError
 
 BACK_S = 2.0
 ELSEWHERE = 0.1
 """Share of the tries in which another process opens the port."""
+OPEN = "import sys; from shoecal_ros.serial.port import open_port; open_port(sys.argv[1], 9600)"
+BUSY = "in use by another program"
 
 
 def run(first: int, count: int, seed: int, progress: Progress) -> Result:
     """One second opening a try."""
-    failed, told, longest = 0, "", 0.0
-    held = 0
-    for index in range(first, first + count):
-        try:
-            back_s = _try(random.Random(seed * 2**40 + index))
-            longest = max(longest, back_s)
-            if back_s > BACK_S:
-                raise BrokenError(f"{back_s:.1f} s until the second reads")
-            if held and descriptors() > held:
-                raise BrokenError(f"{descriptors()} descriptors are open, {held} before")
-        except BrokenError as error:
-            failed, told = failed + 1, told or f"try {index}: {error}"
-        held = held or descriptors()
-        progress(index - first + 1)
-    return Result(count, failed, told or f"{longest:.2f} s until the second reads", longest)
-
-
-def _try(rng: random.Random) -> float:
-    """Open it twice, then let the second one have it; seconds until that reads."""
     with Line() as line:
-        line.until_read()
-        line.sample(rng.randint(1, 10))
-        second = open_driver(line_config(line.port), time.time_ns)
-        _refused(second)
-        if rng.random() < ELSEWHERE:
-            _refused_elsewhere(line.port)
-        line.sample(rng.randint(1, 10))
-        line.settle()
-        sequences = [one.sequence for one in line.reader.readings]
-        if sequences != list(range(sequences[0], line.sequence)):
-            raise BrokenError("the first one lost frames")
-        return _taken_over(line, Reader(second))
+        line.until_read()  # so that all that stays open is open
+
+    held = descriptors()
+
+    def attempt(_: int, rng: np.random.Generator) -> float:
+        with Line() as line:
+            back_s = _try(line, rng)
+        check_descriptors(held)
+        return back_s
+
+    return run_tries(attempt, first, count, seed, progress, "{:.2f} s until the second reads")
 
 
-def _refused(second: ShoeDriver) -> None:
+def _try(line: Line, rng: np.random.Generator) -> float:
+    """Open it twice, then let the second one have it; seconds until that reads."""
+    line.until_read()
+    line.sample(int(rng.integers(1, 11)))
+    second = line.another_driver()
     try:
         second.open()
     except PortBusyError as error:
-        if "in use by another program" not in str(error):
+        if BUSY not in str(error):
             raise BrokenError(f"it was refused by '{error}'") from error
     else:
         raise BrokenError("the port was opened twice")
-
-
-def _refused_elsewhere(port: Path) -> None:
-    program = (
-        "import sys; from shoecal_ros.serial.port import open_port; open_port(sys.argv[1], 9600)"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", program, str(port)], capture_output=True, text=True, check=False
-    )
-    if "PortBusyError" not in done.stderr:
-        raise BrokenError(f"another process opened the port, too {done.stderr[-200:]}")
-
-
-def _taken_over(line: Line, second: Reader) -> float:
-    try:
-        if not second.wait(
-            lambda: "another program" in str(second.driver.status().problem), TIMEOUT_S
-        ):
-            raise BrokenError("the second one does not tell why it does not read")
-        line.reader.close()
-        began = time.monotonic()
-        while not second.wait(lambda: bool(second.readings), PERIOD_S):
-            line.sample()
-            if time.monotonic() - began > TIMEOUT_S:
-                raise BrokenError("the second one never reads")
-        return time.monotonic() - began
-    finally:
-        second.close()
+    if rng.random() < ELSEWHERE:
+        command = [sys.executable, "-c", OPEN, str(line.port)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if "PortBusyError" not in done.stderr:
+            raise BrokenError(f"another process opened the port, too {done.stderr[-200:]}")
+    if second.read(0.0) or BUSY not in str(second.status().problem):
+        raise BrokenError("the second one does not say why it does not read")
+    line.sample(int(rng.integers(1, 11)))
+    line.settle()
+    sequences = [one.sequence for one in line.readings]
+    if sequences != list(range(sequences[0], line.sequence)):
+        raise BrokenError("the first one lost frames")
+    line.driver.close()
+    line.driver = second
+    return line.until_read(BACK_S)
 
 
 ROW = Row(

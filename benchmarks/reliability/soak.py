@@ -29,8 +29,8 @@ import numpy as np
 
 from reliability.live_world import live_world
 from reliability.row import Progress, Result, Row
-from reliability.serial_bytes import BrokenError
 from reliability.soak_robot import SoakRobot
+from reliability.tries import BrokenError
 
 MB = 1e6
 MOST_MB = 1.0

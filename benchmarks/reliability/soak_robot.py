@@ -16,7 +16,7 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import JointState
 
 from reliability.live_world import World
-from reliability.serial_bytes import BrokenError
+from reliability.tries import BrokenError
 from ros.bodies import calibration, nao, nao_shoe, parameters, readings
 from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.files import write_yaml

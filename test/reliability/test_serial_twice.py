@@ -1,8 +1,0 @@
-from __future__ import annotations
-
-from reliability.serial_twice import ROW
-
-
-def test_a_share_of_the_row() -> None:
-    result = ROW.run(0, 20, 0, lambda _: None)
-    assert result.failed == 0, result.worst
