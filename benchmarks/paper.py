@@ -13,10 +13,10 @@ import argparse
 import json
 from pathlib import Path
 
+from pages import markdown, write_section
 from paper_figures import write_figures
-from paper_page import page
 from paper_reproduction import Paper, reproduce
-from paper_results import missed, to_json
+from paper_tables import missed, tables, to_json
 from population import OUT, ROOT, different_robots, sessions
 from shoecal_core.files import atomic_write
 
@@ -39,7 +39,8 @@ def main() -> int:
 def write(paper: Paper, figures: Path, doc: Path) -> int:
     """Write everything; 0 where every target is met."""
     write_figures(paper, doc.parent.parent / "figures")
-    atomic_write(doc, page(paper))
+    for name, rows in tables(paper).items():
+        write_section(name, markdown(rows), doc)
     figures.parent.mkdir(parents=True, exist_ok=True)
     atomic_write(figures, json.dumps(to_json(paper), indent=1, allow_nan=False) + "\n")
     print(f"{doc}\n{figures}")

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from paper_reproduction import GUESS, Paper, Reproduction, shoe_and_robot
-from paper_results import ALPHA
+from paper_tables import ALPHA
 from shoecal_core.calibration.evaluation import MEASURED, MODELLED, REFERENCE
 from shoecal_core.calibration.run_errors import ComparedRun, errors_by_set
 from shoecal_core.calibration.significance import Difference
@@ -186,7 +186,7 @@ def _pooled(paper: Paper) -> Part:
     return _errors(
         paper.robots,
         f"All {len(paper.robots)} robots, and the test of their runs",
-        paper.difference("self_calibration"),
+        paper.differences(REFERENCE),
     )
 
 

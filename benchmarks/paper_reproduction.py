@@ -14,7 +14,6 @@ from shoecal_core.calibration.manual.calibrate import ManualCalibration, calibra
 from shoecal_core.calibration.pipeline import Outcome, SessionData, calibrate_session, load_data
 from shoecal_core.calibration.run_errors import (
     ComparedRun,
-    errors_by_set,
     errors_of,
     train_against_test,
 )
@@ -29,12 +28,7 @@ from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir
 
 GUESS, LEAST_SQUARES = "guess", "least squares"
-STAGES = {
-    "initial_guess": GUESS,
-    "least_squares": LEAST_SQUARES,
-    "self_calibration": MEASURED,
-}
-"""Of a self-calibration (paper, section VI), by their names in result files."""
+"""Stages before the result of a self-calibration."""
 
 
 @dataclass(frozen=True)
@@ -117,12 +111,8 @@ class Paper:
         """Of all robots."""
         return [run for robot in self.robots for run in robot.runs]
 
-    def stage(self, stage: str, reference: str = REFERENCE) -> dict[str, Errors]:
-        """Errors of one stage by set, over all robots."""
-        return errors_by_set(self.runs, STAGES[stage], reference)
-
-    def difference(self, stage: str, reference: str = REFERENCE) -> dict[str, Difference]:
-        """Train against test over all robots, runs being the unit."""
+    def differences(self, reference: str) -> dict[str, Difference]:
+        """GRF and CoP of the self-calibration, train against test over all robots."""
         return train_against_test(
-            self.runs, STAGES[stage], reference, np.random.default_rng(self.first.member.seed)
+            self.runs, MEASURED, reference, np.random.default_rng(self.first.member.seed)
         )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -10,10 +11,11 @@ import pytest
 
 from core.report.sessions import swaying_session
 from paper import write
-from paper_page import page
 from paper_reproduction import Paper, Reproduction, reproduce
-from paper_results import missed, to_json
-from population import Member
+from paper_tables import missed, to_json
+from population import ROOT, Member
+
+PAGE = ROOT / "docs" / "evidence" / "paper.md"
 
 
 class Swaying(Member):
@@ -58,24 +60,21 @@ def test_everything_promised_stands_in_the_json(robots: list[Reproduction]) -> N
     stages = found["self_calibration"]
     for name in ("initial_guess", "train", "test"):
         assert {"grf_mae_n", "cop_mae_mm"} <= stages[name].keys()
-    told = stages["train_against_test"]["against_reference"]
-    # Three splits a robot; runs change places within their robot only.
-    assert told["cop"]["splits"] == 9
     assert stages["p_value"] == min(stages["p_value_grf"], stages["p_value_cop"])
-    # The model of these runs is the truth.
-    assert found["model_against_truth"]["cop_mae_mm"] < 1e-6
 
 
 def test_page_and_figures(robots: list[Reproduction], tmp_path: Path) -> None:
     paper = Paper(robots)
     doc, figures = tmp_path / "docs" / "evidence" / "paper.md", tmp_path / "out" / "paper.json"
     doc.parent.mkdir(parents=True)
+    doc.write_text(PAGE.read_text())
     # Cells of another seed read the runs: the assumptions cannot hold, and that is told.
     assert write(paper, figures, doc) == 1
     text = doc.read_text()
-    assert text == page(paper)
+    assert re.findall("<!-- .* -->", text) == re.findall("<!-- .* -->", PAGE.read_text())
     assert "modelled CoP, by run" in "".join(missed(paper))
-    assert "missed: " in text
+    # The model of these runs is the truth.
+    assert "| model | 2 robots | 0.00 ± 0.00 | 0.00 ± 0.00 |" in text
     names = ("manual", "assumptions", "train", "test", "errors")
     for name in names:
         assert f"(../figures/paper-{name}.svg)" in text
