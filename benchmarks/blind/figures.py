@@ -56,14 +56,18 @@ class Figure:
     count: int
     target: Target | None = None
 
+    @property
+    def met(self) -> bool | None:
+        """Whether the target is met; None without target or value."""
+        return None if self.target is None or self.value is None else self.target.met(self.value)
+
     def to_json(self) -> dict[str, object]:
         """For out/blind.json."""
-        met = None if self.target is None or self.value is None else self.target.met(self.value)
         return {
             "value": self.value,
             "interval": None if self.interval is None else list(self.interval),
             "target": None if self.target is None else str(self.target),
-            "met": met,
+            "met": self.met,
             "count": self.count,
         }
 

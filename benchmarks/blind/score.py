@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -11,7 +12,7 @@ from blind.chart import write_chart
 from blind.figures import Figure, figures, shrink_figures
 from blind.follow import follow
 from blind.layout import Round
-from blind.page import FIGURE, JSON, PAGE, write_json, write_page
+from blind.page import FIGURE, write
 from blind.variants import LANDMARKS, TRUE, WITHOUT, run_variants
 
 WHOLE = "everything"
@@ -40,25 +41,17 @@ def score(
         without = _ablations(place, cases, [*WITHOUT, LANDMARKS])
     if project is not None:
         write_chart(cases, project / FIGURE)
+        counts = Counter(case.answer.category for case in cases)
+        cop, grf = floor.with_noise
         about = {
             "command": command,
-            "answers_sha256": check_seal(place),
-            "sets": len(cases),
-            "sets_not_made": failed,
-            "floor_cop_mm": floor.with_noise[0],
-            "floor_grf_n": floor.with_noise[1],
+            "answers, SHA-256": check_seal(place),
+            "sets": ", ".join(f"{count} {name}" for name, count in counts.items()),
+            "sets that could not be simulated (the robot fell)": failed,
+            "noise floor, CoP [mm]": cop,
+            "noise floor, GRF [N]": grf,
         }
-        write_json(found, cases, without, about, project / JSON)
-        write_page(
-            found,
-            cases,
-            without,
-            command=command,
-            seal=check_seal(place),
-            floor="{:.2f} mm and {:.3f} N".format(*floor.with_noise),
-            failed=f"{failed} sets could not be simulated (the robot fell)." if failed else "",
-            page=project / PAGE,
-        )
+        write(about, found, cases, without, project)
     return found
 
 
