@@ -5,8 +5,8 @@
 
 Sessions are those of `accuracy_sessions.py`, made where they are missing; another run only
 calibrates them anew: those of the standard set in the default reality with a manual calibration as
-prior, too. Writes a section of docs/evidence/trust.md and the key `accuracy` of
-out/bench.json. Seeds 1 to 8 are there to develop with: by default none of them is in the table.
+prior, too. Writes tables of docs/evidence/trust.md and the key `accuracy` of out/bench.json. Seeds
+1 to 8 are there to develop with: by default none of them is in the table.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ import argparse
 import json
 from dataclasses import replace
 
-from accuracy_page import figures, section
-from accuracy_results import Result, measure
+from accuracy_results import UNRECORDED, Result, measure
 from accuracy_sessions import MOTIONS, REALITIES, cases, make, names
-from pages import TRUST, record, write_section
+from accuracy_tables import tables
+from pages import TRUST, markdown, record, write_section
 from shoecal_core.commands.many_jobs import over_cores
 
 
@@ -28,31 +28,34 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=9)
     parser.add_argument("--seeds", type=int, default=20)
     parser.add_argument("--realities", type=names, default=REALITIES)
-    parser.add_argument("--motions", type=names, default=tuple(MOTIONS))
+    parser.add_argument("--motions", type=names, default=MOTIONS)
     parser.add_argument("--jobs", type=int, default=2, help="processes at a time")
-    parser.add_argument("--no-page", action="store_true", help="print the section only")
+    parser.add_argument("--no-page", action="store_true", help="print the tables only")
     args = parser.parse_args()
     wanted = cases(args.realities, args.motions, range(args.first, args.first + args.seeds))
     make(wanted, args.jobs)
     wanted += [replace(case, manual=True) for case in wanted if case.takes_manual]
     recorded = [case for case in wanted if not case.failed and not case.quiet.failed]
-    results: dict[int, Result] = {}
-    for number, result in over_cores(measure, recorded, args.jobs):
-        results[number] = result
+    results = [
+        Result(case, UNRECORDED, case.failed or case.quiet.failed)
+        for case in wanted
+        if case not in recorded
+    ]
+    for done, (_, result) in enumerate(over_cores(measure, recorded, args.jobs), start=1):
+        results.append(result)
         case = result.case
         print(
             f"{case.motions} {case.reality} {case.seed}: {result.verdict} {result.reason} "
-            f"({len(results)} of {len(recorded)})",
+            f"({done} of {len(recorded)})",
             flush=True,
         )
-    ordered = [results[number] for number in range(len(recorded))]
-    body = section(ordered, len(wanted) - len(recorded))
+    found = tables(sorted(results, key=lambda one: wanted.index(one.case)))
     if args.no_page:
-        print(body)
-        print(json.dumps(figures(ordered), indent=1))
-    else:
-        record("accuracy", figures(ordered))
-        write_section("accuracy", body, TRUST)
+        print(json.dumps(found, indent=1))
+        return
+    record("accuracy", found)
+    for name, rows in found.items():
+        write_section(name, markdown(rows), TRUST)
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ from true_sources import read_drawn
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 FAILED = "FAIL"
-REFUSED = "refused"
+REFUSED, UNRECORDED = "refused", "not recorded"
 
 
 @dataclass(frozen=True)
@@ -36,7 +36,7 @@ class Result:
 
     Attributes:
         case: which one.
-        verdict: of the calibration; REFUSED where there is none.
+        verdict: of the calibration; REFUSED where there is none, UNRECORDED without a session.
         reason: of a verdict that lets nothing be written; else empty.
         seconds: of processor time that calibrating took.
         errors: on the test runs, as `shoecal evaluate` reports them.

@@ -14,7 +14,7 @@ import hashlib
 import json
 import shutil
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -40,10 +40,9 @@ NOISY = ("noisy", "noisy_1n")
 """The default reality in all but the noise of its readings."""
 REALITIES = (DEFAULT, "other_laws", *NOISY)
 STANDARD, PAPER = "standard", "paper"
-MOTIONS: Mapping[str, str] = {
-    STANDARD: "set that a self-calibration records by default, with both unloading motions",
-    PAPER: "paper's own protocol",
-}
+MOTIONS = (STANDARD, PAPER)
+"""The set that a self-calibration records by default, with both unloading motions, and the paper's
+own protocol."""
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from accuracy_page import figures, groups, section
 from accuracy_results import REFUSED, Result
 from accuracy_sessions import PAPER, STANDARD, Case
+from accuracy_tables import grouped, inside, tables
 from held import WHAT, Held
 from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.calibration.metrics import Mae
@@ -35,33 +35,27 @@ RESULTS = [result(1, 1e-3, 3.0, -0.05), result(2, 2e-3, 1.0, -0.03), result(3, 9
 
 
 def test_medians_shares_and_biases() -> None:
-    (group,) = groups(RESULTS)
-    found = figures(RESULTS)["standard, default"]
-    assert found == group.to_json()
-    assert found["median"] == {
-        "cop": pytest.approx(2.0), "left_cop": pytest.approx(4.0), "right_cop": pytest.approx(6.0),
-        "left_grf": 0.1, "right_grf": 0.3, "grf": 0.2,
-    }  # fmt: skip
+    found = tables(RESULTS)
+    (row,) = found["accuracy"]
+    assert row["CoP, both feet [mm]"] == "2.00 (9.00)"
+    assert row["left [mm]"] == "4.00 (18.00)"
+    assert row["GRF, right [N]"] == "0.30 (0.30)"
     # One of six errors is outside; calibrations are the unit of its uncertainty.
-    share, half = group.inside("CoP")
+    share, half = inside([one.held for one in RESULTS if one.held is not None], "CoP")
     assert share == pytest.approx(5.0 / 6.0)
     assert half == pytest.approx(1.96 * np.std([0.5, 1.0, 1.0], ddof=1) / np.sqrt(3.0))
-    assert found["gain_bias"] == pytest.approx(-0.03)
+    assert found["intervals"][0]["CoP"] == f"83% (± {half:.0%})"
+    assert str(found["gains"][0]["bias [%]"]).startswith("-3.00 ±")
 
 
-def test_a_refused_session_is_named_and_counts_in_no_figure() -> None:
+def test_a_refused_session_is_counted_and_is_in_no_figure() -> None:
     refused = Result(Case("default", STANDARD, 4), REFUSED, "a cell is stuck")
-    assert groups([refused]) == []
-    with_it = figures([*RESULTS, refused])["standard, default"]
-    assert isinstance(with_it, dict)
-    assert with_it["verdicts"] == {"PASS": 3, REFUSED: 1}
-    page = section([*RESULTS, refused], unrecorded=2)
-    assert "standard default seed 4: a cell is stuck" in page
-    assert "could not be recorded: 2" in page
+    assert grouped([refused]) == {}
+    found, without = tables([*RESULTS, refused])["accuracy"], tables(RESULTS)["accuracy"]
+    assert found[0]["verdicts"] == "3 PASS, 1 refused"
+    assert found[0]["CoP, both feet [mm]"] == without[0]["CoP, both feet [mm]"]
 
 
-def test_the_papers_protocol_comes_first_and_aims_are_counted() -> None:
-    page = section([*RESULTS, result(1, 1e-3, 1.0, 0.0, PAPER)], unrecorded=0)
-    assert page.index("| paper | default") < page.index("| standard | default")
-    # All of the paper's errors are inside, which is more than 98 %; of the others 83 %.
-    assert "it is met in 0 of 6 cells" in page
+def test_the_papers_protocol_comes_first() -> None:
+    rows = tables([*RESULTS, result(1, 1e-3, 1.0, 0.0, PAPER)])["accuracy"]
+    assert [row["motions"] for row in rows] == [PAPER, STANDARD]
