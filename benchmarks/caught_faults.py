@@ -1,4 +1,4 @@
-"""How many faults of a recording are caught: docs/evidence/trust.md, section `faults`.
+"""How many faults of a recording are caught: two tables of docs/evidence/trust.md.
 
     .venv/bin/python benchmarks/caught_faults.py [--draws 50] [--clean 100] [--parity even]
 
@@ -23,8 +23,9 @@ import numpy as np
 
 from fault_cables import CABLES
 from fault_draws import Draw, Expected, FaultySession, NoFaultError
-from fault_page import write_page
 from fault_physics import PHYSICS
+from fault_tables import alarms, caught
+from pages import ROOT, TRUST, markdown, record, write_section
 from population import Member, different_robots, nao
 from shoecal_core.calibration.evaluate import errors, measured_series, truth_series
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session, load_data
@@ -36,7 +37,6 @@ from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
 from shoecal_core.sensing.sensing import Sensing
 
-ROOT = Path(__file__).resolve().parents[1]
 OUT = ROOT / "out" / "trust" / "faults"
 FAULTS = {**CABLES, **PHYSICS}
 CLEAN = "clean"
@@ -93,10 +93,16 @@ def main() -> None:
         for fault in args.only
     }
     for fault, found in results.items():
-        caught = sum(one["caught"] for one in found)
-        print(f"{fault}: {caught} of {len(found)} {'alarms' if fault == CLEAN else 'caught'}")
+        count = sum(one["caught"] for one in found)
+        print(f"{fault}: {count} of {len(found)} {'alarms' if fault == CLEAN else 'caught'}")
     if args.parity == "even" and len(args.only) == len(FAULTS) + 1:
-        write_page(results, CLEAN)
+        tables = {
+            "faults": caught({fault: results[fault] for fault in FAULTS}),
+            "false-alarms": alarms(results[CLEAN]),
+        }
+        record("caught_faults", tables)
+        for name, rows in tables.items():
+            write_section(name, markdown(rows), TRUST)
 
 
 def _make(task: Task) -> str:

@@ -2,7 +2,7 @@
 
     .venv/bin/python benchmarks/repeats.py [--repeats 10] [--robot 1]
 
-Writes a section of docs/evidence/trust.md and the key `repeats` of out/bench.json.
+Writes a table of docs/evidence/trust.md and the key `repeats` of out/bench.json.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from concurrent.futures import ProcessPoolExecutor
 import numpy as np
 from numpy.typing import NDArray
 
-from pages import TRUST, record, write_section
+from pages import TRUST, Row, markdown, record, write_section
 from population import Member, one_robot, sessions
 from shoecal_core.calibration.assessment import NORMAL_95
 from shoecal_core.calibration.pipeline import calibrate_session
@@ -32,30 +32,18 @@ def gains(member: Member) -> tuple[FloatArray, FloatArray]:
     return gain, std[: len(gain)]
 
 
-def repeats(found: Sequence[tuple[FloatArray, FloatArray]]) -> dict[str, float]:
-    """How far gains differ, against what is stated."""
+def repeats(found: Sequence[tuple[FloatArray, FloatArray]]) -> Row:
+    """How far gains differ, against what is stated [%]."""
     gain, std = (np.array(part) for part in zip(*found, strict=True))
     first, second = np.triu_indices(len(gain), 1)
     ratios = np.abs(gain[first] - gain[second]) / np.hypot(std[first], std[second])
+    spread = np.mean(gain.std(axis=0, ddof=1) / np.abs(gain.mean(axis=0)))
     return {
         "calibrations": len(gain),
-        "gain_spread": float(np.mean(gain.std(axis=0, ddof=1) / np.abs(gain.mean(axis=0)))),
-        "stated_gain_std": float(np.mean(std / np.abs(gain))),
-        "inside": float(np.mean(ratios < NORMAL_95)),
-        "rms_in_std": float(np.sqrt(np.mean(ratios**2))),
+        "spread of gains [%]": 100.0 * float(spread),
+        "stated standard deviation [%]": 100.0 * float(np.mean(std / np.abs(gain))),
+        "differences inside 95 % [%]": 100.0 * float(np.mean(ratios < NORMAL_95)),
     }
-
-
-def section(again: dict[str, float]) -> str:
-    """The part of the page."""
-    return f"""\
-## One robot again and again
-`make repeats` (benchmarks/repeats.py), simulated: one robot of the default reality calibrated
-{again["calibrations"]:.0f} times in other double supports. Its gains spread by
-{again["gain_spread"]:.1%}, stated are {again["stated_gain_std"]:.1%}; of all differences between
-two of them {again["inside"]:.1%} are inside the 95 % interval of a difference. The stated
-uncertainty is the larger one, as it holds what the model gets wrong in the same way each time.
-"""
 
 
 def main() -> None:
@@ -68,7 +56,7 @@ def main() -> None:
     with ProcessPoolExecutor(os.cpu_count()) as pool:
         again = repeats(list(pool.map(gains, made)))
     record("repeats", again)
-    write_section("repeats", section(again), TRUST)
+    write_section("repeats", markdown([again]), TRUST)
     print(again)
 
 
