@@ -68,11 +68,6 @@ def icubs() -> list[Path]:
     return sorted(urdf for urdf in found if urdf.parent.name.startswith("iCub"))
 
 
-def version() -> str:
-    """Of the package."""
-    return distribution(PACKAGE).version
-
-
 def scaled_reality(robot: Robot, shoe: Shoe, com_height: float) -> dict[str, object]:
     """What of the default reality must grow with a robot that is larger than a NAO.
 

@@ -13,16 +13,17 @@ import json
 import resource
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from humanoids import HUMANOIDS, PACKAGE, Humanoid, descriptions, scaled_reality
-from pages import ROOT, write_section
-from public_robots_page import HEAD, robots_body
+from pages import ROOT, markdown, write_section
 from shoecal_core.files import write_yaml
 from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.model.robot import GRAVITY
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import load_shoe
@@ -38,7 +39,7 @@ class CommandError(Exception):
 
 
 def main() -> int:
-    """Run all, write the page."""
+    """Run all, write the tables."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", nargs="+", choices=[robot.name for robot in HUMANOIDS])
     parser.add_argument("--supports", type=int, default=5)
@@ -61,21 +62,23 @@ def main() -> int:
                 found = run(robot, folder, args.out / robot.name, args.supports, args.seed)
             except CommandError as error:
                 print(f"{robot.name}: {error}", flush=True)
-                found = {"title": robot.title, "failed": str(error)}
+                found = {"verdicts": {"robot": robot.title, "calibration": f"none: {error}"}}
             result.write_text(json.dumps(found, indent=1) + "\n")
     results = [
         json.loads(file.read_text())
         for robot in HUMANOIDS
         if (file := args.out / robot.name / "result.json").is_file()
     ]
-    body = robots_body(results, supports=args.supports, train=TRAIN, seed=args.seed)
-    write_section("robots", body, args.doc, HEAD)
+    for name in ("robots", "errors", "verdicts"):
+        rows = [found[name] for found in results if name in found]
+        if rows:
+            write_section(name, markdown(rows), args.doc)
     print(args.doc)
     return 0
 
 
 def run(humanoid: Humanoid, folder: Path, out: Path, supports: int, seed: int) -> dict[str, object]:
-    """From URDF to errors; the figures of one row.
+    """From URDF to errors; its row of each table.
 
     Raises:
         CommandError: when one of the commands fails.
@@ -113,24 +116,47 @@ def run(humanoid: Humanoid, folder: Path, out: Path, supports: int, seed: int) -
         out / "judged.json", "evaluate", folder_of_runs, "--calibration", calibration, *sets
     )
     session = Session.open(folder_of_runs)
-    length, width = np.ptp(robot.feet[0].outline, axis=0)
+    length, width = 1e3 * np.ptp(robot.feet[0].outline, axis=0)
+    moving = sum(float(session.read(one.run).readings.time[-1]) for one in session.runs)
+    sensors = "a cell a corner"
+    if drafted["six_axis"]:
+        sensors = "six axes, `--six-axis`" if humanoid.six_axis else "six axes, named"
+    truth, expected = judged["against_truth"]["test"], fitted["assessment"]["expected_error"]
+    before = fitted["against_model"]["initial_guess"]["test"]
+    reasons = "; ".join(reason.partition(": ")[2] for reason in fitted["reasons"])
     return {
-        "title": humanoid.title,
-        "mass_kg": drafted["mass_kg"],
-        "com_height_m": com_height,
-        "sole_mm": [1e3 * float(length), 1e3 * float(width)],
-        "motors": len(robot.legs),
-        "six_axis": drafted["six_axis"],
-        "named": drafted["six_axis"] and not humanoid.six_axis,
-        "truth": judged["against_truth"]["test"],
-        "model": judged["model"]["against_truth"]["test"],
-        "before": fitted["against_model"]["initial_guess"]["test"],
-        "expected": fitted["assessment"]["expected_error"],
-        "verdict": fitted["verdict"],
-        "reasons": fitted["reasons"],
-        "moving_s": sum(float(session.read(one.run).readings.time[-1]) for one in session.runs),
-        "processor_s": seconds,
+        "robots": {
+            "robot": humanoid.title,
+            "mass (kg)": f"{drafted['mass_kg']:.1f}",
+            "CoM height (m)": f"{com_height:.2f}",
+            "sole (mm)": f"{length:.0f} × {width:.0f}",
+            "sensors": sensors,
+            "in motion (s)": f"{moving:.0f}",
+            "processor: draft, simulation, fit (s)": ", ".join(
+                f"{used:.0f}" for used in seconds.values()
+            ),
+        },
+        "errors": {
+            "robot": humanoid.title,
+            "GRF (N)": _error(truth, "grf", "n", 2),
+            "of the weight": f"{truth['grf_mae_n'] / (GRAVITY * drafted['mass_kg']):.2%}",
+            "CoP before (mm)": f"{before['cop_mae_mm']:.0f}",
+            "CoP (mm)": _error(truth, "cop", "mm", 1),
+            "expected": f"{expected['both']['cop_std_mm']:.1f}",
+            "model alone": f"{judged['model']['against_truth']['test']['cop_mae_mm']:.1f}",
+            "left CoP (mm)": _error(truth, "left_cop", "mm", 1),
+            "right CoP (mm)": _error(truth, "right_cop", "mm", 1),
+        },
+        "verdicts": {
+            "robot": humanoid.title,
+            "calibration": f"{fitted['verdict']}: {reasons or 'no warning'}",
+        },
     }
+
+
+def _error(errors: Mapping[str, float], name: str, unit: str, digits: int) -> str:
+    """MAE and standard deviation."""
+    return f"{errors[f'{name}_mae_{unit}']:.{digits}f} ± {errors[f'{name}_std_{unit}']:.{digits}f}"
 
 
 def _processor_seconds() -> float:
