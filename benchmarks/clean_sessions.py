@@ -4,7 +4,7 @@
 
 Wren is a made-up robot, its shoe has three cells a foot: nothing of the diagnosis was tried on it
 while it was made. Every seed draws supports, gains, offsets, noise and an engine; nothing else
-differs from the model. Writes a section of docs/evidence/diagnosis.md and the key `clean_sessions`
+differs from the model. Writes a table of docs/evidence/diagnosis.md and the key `clean_sessions`
 of out/bench.json.
 """
 
@@ -13,15 +13,16 @@ from __future__ import annotations
 import argparse
 import os
 import tempfile
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
 from blind.intervals import clopper_pearson
 from blind.world import draw_world, write_reality
-from pages import EVIDENCE, record, table, write_section
+from pages import EVIDENCE, Row, markdown, record, write_section
 from shoecal_core.commands.simulated_session import SimulationPlan, simulate_session
 from shoecal_core.diagnosis.diagnose import diagnose
 from shoecal_core.model.robot_file import load_robot
@@ -39,11 +40,9 @@ MOTIONS = (
 RATE_HZ = 80.0
 
 
-@dataclass(frozen=True)
-class Outcome:
+class Outcome(NamedTuple):
     """What was said of one clean session; gaps over their floors."""
 
-    seed: int
     verdict: str
     cop: float
     grf: float
@@ -75,38 +74,32 @@ def outcome(seed: int) -> Outcome:
         session = simulate_session(plan, folder / "session", lambda _text, _share: None)
         told = diagnose(session)
     return Outcome(
-        seed,
         told.verdict,
         told.gap.cop_mae_mm / told.gap.cop_floor_mm,
         told.gap.grf_mae_n / told.gap.grf_floor_n,
     )
 
 
-def section(outcomes: list[Outcome], seeds: int) -> str:
-    """The part of the page."""
-    alarms = [one for one in outcomes if one.verdict != "no_gap"]
-    low, high = clopper_pearson(len(alarms), len(outcomes))
-    rows = [["verdict", "sessions", "CoP gap over its floor", "GRF gap over its floor"]]
+def verdicts(outcomes: Sequence[Outcome]) -> list[Row]:
+    """How often each verdict was given, and the gaps then: median (least to most)."""
+    rows: list[Row] = []
     for verdict in sorted({one.verdict for one in outcomes}):
         those = [one for one in outcomes if one.verdict == verdict]
-        cop, grf = ([getattr(one, name) for one in those] for name in ("cop", "grf"))
+        low, high = clopper_pearson(len(those), len(outcomes))
         rows.append(
-            [
-                verdict,
-                str(len(those)),
-                f"{np.median(cop):.2f} ({min(cop):.2f} to {max(cop):.2f})",
-                f"{np.median(grf):.2f} ({min(grf):.2f} to {max(grf):.2f})",
-            ]
+            {
+                "verdict": verdict,
+                "sessions": f"{len(those)} of {len(outcomes)}",
+                "95 % interval": f"{low:.0%} to {high:.0%}",
+                "CoP gap over its floor": _spread([one.cop for one in those]),
+                "GRF gap over its floor": _spread([one.grf for one in those]),
+            }
         )
-    return f"""\
-## Clean sessions of another robot
+    return rows
 
-`make clean-sessions ARGS="--seeds {seeds}"`: the made-up robot Wren with three cells per foot,
-{len(MOTIONS)} runs at {RATE_HZ:.0f} Hz other than the standard set, no fault. False alarms:
-{len(alarms)} of {len(outcomes)} (95 % interval {low:.0%} to {high:.0%}).
 
-{table(rows)}
-"""
+def _spread(values: Sequence[float]) -> str:
+    return f"{np.median(values):.2f} ({min(values):.2f} to {max(values):.2f})"
 
 
 def main() -> None:
@@ -120,14 +113,9 @@ def main() -> None:
         for one in pool.map(outcome, range(1, args.seeds + 1)):
             outcomes.append(one)
             print(one, flush=True)
-    figures = {
-        "sessions": len(outcomes),
-        "alarms": sum(one.verdict != "no_gap" for one in outcomes),
-        "outcomes": [vars(one) for one in outcomes],
-    }
-    record("clean_sessions", figures)
-    page = EVIDENCE / "diagnosis.md"
-    write_section("clean-sessions", section(outcomes, args.seeds), page, "# Diagnosis\n")
+    rows = verdicts(outcomes)
+    record("clean_sessions", rows)
+    write_section("clean-sessions", markdown(rows), EVIDENCE / "diagnosis.md")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Run the demo with several seeds and write docs/evidence/demo.md: the table of its errors.
+"""Run the demo with several seeds: the table of errors of docs/evidence/demo.md.
 
     .venv/bin/python benchmarks/demo_seeds.py [--seeds 10] [--out out/seeds]
 
@@ -14,7 +14,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
+from pages import EVIDENCE, ROOT, Row, markdown, write_section
+
 PAPER = {
     "weight off GRF [N]": "0.12 to 0.31",
     "modelled CoP [mm]": "2.0 to 3.0",
@@ -24,7 +25,6 @@ PAPER = {
     "test CoP [mm]": "2.8",
 }
 TARGETS = {"grf_mae_n": 0.35, "cop_mae_mm": 2.8}
-COMMAND = "make demo-table"
 ALLOWED = 1.5
 """No seed may be worse than this many times the paper's figure."""
 
@@ -34,7 +34,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=10)
     parser.add_argument("--out", type=Path, default=ROOT / "out" / "seeds")
-    parser.add_argument("--doc", type=Path, default=ROOT / "docs" / "evidence" / "demo.md")
+    parser.add_argument("--doc", type=Path, default=EVIDENCE / "demo.md")
     args = parser.parse_args()
     found = {
         seed: _result(seed, args.out / f"seed_{seed:02d}") for seed in range(1, args.seeds + 1)
@@ -44,8 +44,7 @@ def main() -> int:
     if failed:
         print(f"no result of seed(s) {failed}; the table is not written")
         return 1
-    args.doc.write_text(_page(results))
-    print(args.doc)
+    write_section("demo", markdown(_rows(results)), args.doc)
     return 0 if _met(results) else 1
 
 
@@ -85,46 +84,21 @@ COLUMNS: dict[str, tuple[str, ...]] = {
 }
 
 
-PAGE = """\
-# Demo over several seeds
-
-Made by `{command}`, simulated. Each seed draws another robot (masses, encoder offsets, backlash),
-other cells and other double supports. Errors (MAE) are against contact forces.
-
-{rows}
-
-The paper's figures are those of a real NAO. Targets on test runs: median GRF at most 0.35 N and
-CoP at most 2.8 mm, no seed worse than {allowed} times that: {met}.
-
-Single feet are less accurate: in double support only the yaw between the feet identifies their
-load sharing, and errors of one foot cancel in the other.
-"""
-
-
-def _page(results: list[dict[str, object]]) -> str:
-    columns = COLUMNS.values()
-    figures = [[_figure(result, *keys) for keys in columns] for result in results]
-    medians = [statistics.median(column) for column in zip(*figures, strict=True)]
-    rows = [
-        ["seed", *COLUMNS],
-        ["---"] * (len(COLUMNS) + 1),
+def _rows(results: list[dict[str, object]]) -> list[Row]:
+    """A row a seed, their median, and the paper's figures."""
+    found = [{name: _figure(result, *keys) for name, keys in COLUMNS.items()} for result in results]
+    medians = {name: statistics.median(row[name] for row in found) for name in COLUMNS}
+    return [
         *(
-            [str(result["seed"]), *(f"{figure:.2f}" for figure in row)]
-            for result, row in zip(results, figures, strict=True)
+            {"seed": str(result["seed"]), **{name: f"{figure:.2f}" for name, figure in row.items()}}
+            for result, row in zip(results, found, strict=True)
         ),
-        ["**median**", *(f"**{median:.2f}**" for median in medians)],
-        ["*paper*", *(f"*{PAPER.get(name, '')}*" if name in PAPER else "" for name in COLUMNS)],
+        {"seed": "**median**", **{name: f"**{median:.2f}**" for name, median in medians.items()}},
+        {
+            "seed": "*paper*",
+            **{name: f"*{PAPER[name]}*" if name in PAPER else "" for name in COLUMNS},
+        },
     ]
-    return PAGE.format(
-        command=COMMAND,
-        rows="\n".join(map(_row, rows)),
-        allowed=ALLOWED,
-        met="met" if _met(results) else "not met",
-    )
-
-
-def _row(cells: list[str]) -> str:
-    return f"| {' | '.join(cells)} |"
 
 
 def _met(results: list[dict[str, object]]) -> bool:

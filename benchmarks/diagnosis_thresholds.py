@@ -2,18 +2,18 @@
 
     .venv/bin/python benchmarks/diagnosis_thresholds.py
 
-Writes a section of docs/evidence/diagnosis.md.
+Writes a table of docs/evidence/diagnosis.md.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
-from pages import ROOT, table, write_section
+from pages import EVIDENCE, Row, markdown, write_section
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.settings import describe
 
-PAGE = ROOT / "docs" / "evidence" / "diagnosis.md"
+PAGE = EVIDENCE / "diagnosis.md"
 TIME = "computing time"
 ROBOTS = "robots as they are built"
 MEANT = "what the answer is to mean"
@@ -52,31 +52,18 @@ ORIGINS: Mapping[str, str] = {
 """Of each setting."""
 
 
-def section() -> str:
-    """The part of the page."""
-    rows = [["setting", "value", "meaning", "from"]]
-    for one in describe(DiagnosisSettings):
-        value = f"{one.default:g} {one.unit}".strip()
-        rows.append([f"`{one.name}`", value, one.doc, ORIGINS[one.name]])
-    return f"""\
-## Thresholds
-Settings of the whole diagnosis, from `shoecal_core/diagnosis/settings.py`
-(`.venv/bin/python benchmarks/diagnosis_thresholds.py`). Those of a single step are at the top of
-its module.
-
-- *{TRIED.capitalize()}*: tuned on sessions of the blind generator with known answers, under
-  seeds that no table reports, and on sets of earlier rounds. Only the held-out round validates it.
-- *{ROBOTS.capitalize()}*: an estimate of how well robots and shoes are built.
-- *{MEANT.capitalize()}*, *{TIME}*: a choice.
-
-{table(rows)}
-"""
-
-
-def main() -> None:
-    """Write."""
-    write_section("thresholds", section(), PAGE, "# Where model and reality differ, and why\n")
+def thresholds() -> list[Row]:
+    """A row a setting."""
+    return [
+        {
+            "setting": f"`{one.name}`",
+            "value": f"{one.default:g} {one.unit}".strip(),
+            "meaning": one.doc,
+            "from": ORIGINS[one.name],
+        }
+        for one in describe(DiagnosisSettings)
+    ]
 
 
 if __name__ == "__main__":
-    main()
+    write_section("thresholds", markdown(thresholds()), PAGE)

@@ -2,16 +2,16 @@
 
     .venv/bin/python benchmarks/motion_menu.py
 
-Each begins in the neutral double support. Writes a section of docs/reference/motions.md.
+Each begins in the neutral double support. Writes a table of docs/reference/motions.md.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from own_steps import ROBOTS, robot_of
-from pages import ROOT, table, write_section
+from pages import ROOT, Row, markdown, write_section
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.planning.planner import Planner
@@ -41,25 +41,24 @@ def parts(phases: Sequence[Phase]) -> str:
     )
 
 
-def section(motions: dict[str, dict[str, Motion]]) -> str:
-    """The part of the page."""
+def menu(motions: Mapping[str, Mapping[str, Motion]]) -> list[Row]:
+    """A row a motion; its parts are those of the first robot."""
     first = next(iter(motions.values()))
-    rows = [["name", "what", "parts", *(f"{name} [s]" for name in motions)]]
-    for name, kind in MOTION_KINDS.items():
-        lasting = [f"{one[name].duration:.0f}" for one in motions.values()]
-        rows.append([f"`{name}`", kind.doc, parts(first[name].phases), *lasting])
-    return f"""\
-How long they take from the neutral double support (`make motion-menu`, benchmarks/motion_menu.py):
-
-{table(rows)}
-"""
+    return [
+        {
+            "name": f"`{name}`",
+            "what": kind.doc,
+            "parts": parts(first[name].phases),
+            **{f"{robot} [s]": f"{one[name].duration:.0f}" for robot, one in motions.items()},
+        }
+        for name, kind in MOTION_KINDS.items()
+    ]
 
 
 def main() -> None:
     """Plan and write."""
-    write_section(
-        "motion-menu", section({name: planned(name) for name in ROBOTS}), PAGE, "# Motions\n"
-    )
+    rows = menu({name: planned(name) for name in ROBOTS})
+    write_section("motion-menu", markdown(rows), PAGE)
 
 
 if __name__ == "__main__":

@@ -3,8 +3,8 @@
     .venv/bin/python benchmarks/own_steps.py [--supports 50] [--seeds 6] [--again]
 
 Each seed draws a robot of the default reality and double supports of its range. It is placed in
-the first one only, and steps to all others. Writes docs/evidence/own-steps.md and the key
-`own_steps` of out/bench.json. A seed whose result stands in `--out` is not run again, so an
+the first one only, and steps to all others. Writes the table of docs/evidence/own-steps.md and the
+key `own_steps` of out/bench.json. A seed whose result stands in `--out` is not run again, so an
 interrupted run goes on.
 """
 
@@ -23,9 +23,9 @@ from pathlib import Path
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from pages import ROOT, record, table, write_section
+from pages import ROOT, markdown, record, write_section
 from shoecal_core.commands.simulated_walk import walk
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
@@ -192,74 +192,39 @@ def kept(out: Path, supports: int, again: bool, who: tuple[str, int]) -> Walked:
     return Walked(**json.loads(file.read_text()))
 
 
-def figures(walks: Sequence[Walked]) -> dict[str, float]:
-    """All walks of one robot together."""
-    steps, duration, one_foot = (
-        _all(getattr(walked, name) for walked in walks)
-        for name in ("steps", "duration", "one_foot")
+def figures(walks: Sequence[Walked]) -> dict[str, str]:
+    """All walks of one robot together, as the table has them."""
+    steps, duration, one_foot, gap, hottest, tilt = (
+        _all(np.atleast_1d(getattr(walked, name)) for walked in walks)
+        for name in ("steps", "duration", "one_foot", "gap", "hottest", "tilt")
     )
     off = _all(walked.feet_error for walked in walks)
     away, yaw = np.hypot(*off.T), np.abs(_all(walked.yaw_error for walked in walks))
+    duration_s, one_foot_s, away_mm = (
+        f"{np.median(of):.1f} ({of.max():.1f})" for of in (duration, one_foot, away)
+    )
+    asked, reached = (
+        sum(getattr(walked, name) for walked in walks) for name in ("asked", "reached")
+    )
     return {
-        "robots": len(walks),
-        "supports": sum(walked.asked for walked in walks),
-        "reached": sum(walked.reached for walked in walks),
-        "falls": sum(walked.fell for walked in walks),
-        "steps": int(steps.sum()),
-        "steps_most": int(steps.max()),
-        "duration_s": float(np.median(duration)),
-        "duration_worst_s": float(duration.max()),
-        "one_foot_s": float(np.median(one_foot)),
-        "one_foot_worst_s": float(one_foot.max()),
-        "hottest_degc": max(walked.hottest for walked in walks),
-        "feet_error_mm": float(np.median(away)),
-        "feet_error_worst_mm": float(away.max()),
-        "narrower_mm": float(np.median(off[:, 1])),
-        "yaw_error_rad": float(np.median(yaw)),
-        "yaw_error_worst_rad": float(yaw.max()),
-        "gap_mm": min(walked.gap for walked in walks),
-        "tilt_rad": max(walked.tilt for walked in walks),
+        "robots drawn": f"{len(walks)}",
+        "double supports asked for, reached": f"{asked}, {reached}",
+        "falls": f"{sum(walked.fell for walked in walks)}",
+        "steps taken; most for one support": f"{steps.sum():.0f}; {steps.max():.0f}",
+        "duration of a step, median (worst) [s]": duration_s,
+        "of it on one foot [s]": one_foot_s,
+        "hottest motor [degC]": f"{hottest.max():.1f}",
+        "true feet from where they should be [mm]": away_mm,
+        "of it narrower, median [mm]": f"{np.median(off[:, 1]):.1f}",
+        "the same in yaw [rad]": f"{np.median(yaw):.3f} ({yaw.max():.3f})",
+        "least true gap between the feet [mm]": f"{gap.min():.1f}",
+        "largest tilt of the torso [rad]": f"{tilt.max():.2f}",
     }
 
 
-def _all(parts: Iterable[Sequence[object]]) -> FloatArray:
-    return np.concatenate([np.array(part, dtype=np.float64) for part in parts if part])
-
-
-ROWS: dict[str, Callable[[dict[str, float]], str]] = {
-    "robots drawn": lambda at: f"{at['robots']:.0f}",
-    "double supports asked for, reached": lambda at: f"{at['supports']:.0f}, {at['reached']:.0f}",
-    "falls": lambda at: f"{at['falls']:.0f}",
-    "steps taken; most for one support": lambda at: f"{at['steps']:.0f}; {at['steps_most']:.0f}",
-    "duration of a step, median (worst) [s]": lambda at: (
-        f"{at['duration_s']:.1f} ({at['duration_worst_s']:.1f})"
-    ),
-    "of it on one foot [s]": lambda at: f"{at['one_foot_s']:.1f} ({at['one_foot_worst_s']:.1f})",
-    "hottest motor [degC]": lambda at: f"{at['hottest_degc']:.1f}",
-    "true feet from where they should be [mm]": lambda at: (
-        f"{at['feet_error_mm']:.1f} ({at['feet_error_worst_mm']:.1f})"
-    ),
-    "of it narrower, median [mm]": lambda at: f"{at['narrower_mm']:.1f}",
-    "the same in yaw [rad]": lambda at: (
-        f"{at['yaw_error_rad']:.3f} ({at['yaw_error_worst_rad']:.3f})"
-    ),
-    "least true gap between the feet [mm]": lambda at: f"{at['gap_mm']:.1f}",
-    "largest tilt of the torso [rad]": lambda at: f"{at['tilt_rad']:.2f}",
-}
-
-
-def section(measured: dict[str, dict[str, float]]) -> str:
-    """The part of the page."""
-    rows = [["", *measured]]
-    rows += [[what, *map(tell, measured.values())] for what, tell in ROWS.items()]
-    return f"""\
-## Measured
-`make own-steps` (benchmarks/own_steps.py): each robot is placed once and then steps to random
-double supports of its range, one after another, on the default reality (gears that give, encoders,
-masses and plates that are off). Feet and gap are the simulator's truth.
-
-{table(rows)}
-"""
+def _all(parts: Iterable[ArrayLike]) -> FloatArray:
+    arrays = [np.asarray(part, dtype=np.float64) for part in parts]
+    return np.concatenate([array for array in arrays if array.size])
 
 
 def main() -> int:
@@ -277,9 +242,13 @@ def main() -> int:
     measured = {
         name: figures([walked for walked in walks if walked.robot == name]) for name in args.robots
     }
+    rows = [
+        {"figure": what, **{name: of[what] for name, of in measured.items()}}
+        for what in measured[args.robots[0]]
+    ]
     record("own_steps", measured)
-    write_section("own-steps", section(measured), PAGE, "# Walks by own steps\n")
-    print(json.dumps(measured, indent=1))
+    write_section("own-steps", markdown(rows), PAGE)
+    print(markdown(rows))
     return 0 if all(walked.reached == walked.asked for walked in walks) else 1
 
 

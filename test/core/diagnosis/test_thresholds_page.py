@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from diagnosis_thresholds import ORIGINS, PAGE, section
+from diagnosis_thresholds import ORIGINS, PAGE, thresholds
+from pages import markdown
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.settings import describe
 
@@ -13,4 +14,4 @@ def test_every_threshold_has_an_origin() -> None:
 
 def test_the_page_is_up_to_date() -> None:
     told = PAGE.read_text().partition("<!-- thresholds -->")[2].partition("<!-- /thresholds -->")[0]
-    assert told.strip() == section().strip(), "run benchmarks/diagnosis_thresholds.py"
+    assert told.strip() == markdown(thresholds()), "run benchmarks/diagnosis_thresholds.py"
