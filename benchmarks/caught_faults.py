@@ -29,7 +29,6 @@ from pages import ROOT, TRUST, markdown, record, write_section
 from population import Member, different_robots, nao
 from shoecal_core.calibration.evaluate import errors, measured_series, truth_series
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session, load_data
-from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
 from shoecal_core.recording.run import Run
@@ -127,14 +126,9 @@ def _faulty(task: Task) -> dict[str, Any]:
     covered = 1.0 if outcome is None else _covered(expected, outcome, runs)
     result: dict[str, Any] = {
         "seed": task.member.seed,
-        "attempt": draw.attempt,
-        "bits": draw.converter.bits,
-        "size": expected.size,
-        "unit": expected.unit,
         "named": named,
         "refused": outcome is None,
         "covered": covered,
-        "verdict": "FAIL" if outcome is None else outcome.calibration.verdict,
         "caught": named and covered >= COVERED,
         "told": told,
     }
@@ -157,11 +151,7 @@ def _clean(task: Task) -> dict[str, Any]:
         "seed": task.member.seed,
         "bits": draw.converter.bits,
         "caught": alarms,
-        "verdict": "FAIL" if outcome is None else outcome.calibration.verdict,
-        "left_out": {
-            fault.value: sum(one.samples for one in lost if one.fault is fault) / samples
-            for fault in Fault
-        },
+        "left_out": sum(one.samples for one in lost) / samples,
         "told": told if alarms else "",
     }
 

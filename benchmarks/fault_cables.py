@@ -74,7 +74,7 @@ def saturated(draw: Draw) -> Injected:
     words = (f"{draw.name(cell)} is saturated",)
     return Injected(
         draw.with_channel(cell, change),
-        Expected((Fault.SATURATED,), words=words, size=size, unit="N"),
+        Expected((Fault.SATURATED,), words=words),
     )
 
 

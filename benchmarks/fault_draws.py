@@ -78,8 +78,6 @@ class Expected:
         run: in which run.
         times: (K,) of the samples that must be left out, where the session is not refused [s].
         time_offset: joints late by [s], for clocks.
-        size: of the fault, in `unit`.
-        unit: of the size.
     """
 
     faults: tuple[Fault, ...]
@@ -87,8 +85,6 @@ class Expected:
     run: int | None = None
     times: FloatArray = field(default_factory=lambda: np.zeros(0))
     time_offset: float | None = None
-    size: float = float("nan")
-    unit: str = ""
 
 
 @dataclass(frozen=True)

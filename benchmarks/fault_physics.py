@@ -55,8 +55,6 @@ def wrong_weight(draw: Draw) -> Injected:
         words=(f"run {number}", "recorded with", "more" if size > 0.0 else "less"),
         run=number,
         times=samples.time - samples.time[0],
-        size=size,
-        unit="N",
     )
     return Injected({number: _run(draw, number, samples)}, expected)
 
@@ -73,8 +71,6 @@ def jolt(draw: Draw) -> Injected:
         NOT_STILL,
         run=number,
         times=time[(time >= start + 0.02) & (time <= start + duration)],
-        size=float(size),
-        unit="N",
     )
     return Injected({number: _run(draw, number, samples)}, expected)
 
@@ -91,7 +87,7 @@ def hasty(draw: Draw) -> Injected:
     off = _fast_part(samples.truth.cop - model)
     times = (samples.time - samples.time[0])[off > BROKEN_M]
     _require(len(times) >= LEAST_SAMPLES)
-    expected = Expected(NOT_STILL, run=number, times=times, size=haste, unit="times")
+    expected = Expected(NOT_STILL, run=number, times=times)
     return Injected({number: _run(draw, number, samples)}, expected)
 
 
@@ -109,7 +105,7 @@ def lifted(draw: Draw) -> Injected:
     time = samples.time - samples.time[0]
     up = (samples.truth.foot_grf[:, foot] < 0.2) & (np.abs(time - middle) < length)
     _require(int(up.sum()) >= LEAST_SAMPLES)
-    expected = Expected((Fault.LIFTED,), run=number, times=time[up], size=bend, unit="rad")
+    expected = Expected((Fault.LIFTED,), run=number, times=time[up])
     return Injected({number: _run(draw, number, samples)}, expected)
 
 
@@ -131,8 +127,6 @@ def slip(draw: Draw) -> Injected:
         words=("a foot slipped", f"run {number}"),
         run=number,
         times=time[time > start + DURATION],
-        size=1e3 * size,
-        unit="mm",
     )
     return Injected({number: _run(draw, number, samples)}, expected)
 

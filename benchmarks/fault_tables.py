@@ -35,13 +35,12 @@ def caught(faults: Mapping[str, Results]) -> list[Row]:
 
 def alarms(clean: Results) -> list[Row]:
     """Of sessions without a fault: warnings or refusals, and the samples left out all the same."""
-    lost = (sum(one["left_out"].values()) for one in clean)
     return [
         {
             "clean sessions": len(clean),
             "with the poorer converter": sum(one["bits"] is not None for one in clean),
             **_rate("false alarms", clean),
-            "samples left out": percent(np.mean(list(lost))),
+            "samples left out": percent(np.mean([one["left_out"] for one in clean])),
         }
     ]
 
