@@ -22,82 +22,77 @@ FAR = 1e6
 
 
 @dataclass(frozen=True)
-class Target:
-    """What a figure should be: within bounds."""
-
-    low: float | None = None
-    high: float | None = None
-
-    def __str__(self) -> str:
-        if self.low is not None and self.high is not None:
-            return f"{self.low:g} to {self.high:g}"
-        return f">= {self.low:g}" if self.low is not None else f"<= {self.high:g}"
-
-    def met(self, value: float) -> bool:
-        """Whether a value is within."""
-        return (self.low is None or value >= self.low) and (self.high is None or value <= self.high)
-
-
-@dataclass(frozen=True)
 class Figure:
-    """One figure.
+    """One figure and its target.
 
     Attributes:
         says: what it is, for the table.
         value: None where no set tells it.
         interval: of 95 %.
         count: sets, or entries, that it is of.
-        target: None where the table names none.
+        low, high: bounds that it should be within; None: none.
     """
 
     says: str
     value: float | None
     interval: Interval | None
     count: int
-    target: Target | None = None
+    low: float | None = None
+    high: float | None = None
+
+    @property
+    def target(self) -> str:
+        """The bounds in words; empty without."""
+        if self.low is not None and self.high is not None:
+            return f"{self.low:g} to {self.high:g}"
+        if self.low is not None:
+            return f">= {self.low:g}"
+        return "" if self.high is None else f"<= {self.high:g}"
 
     @property
     def met(self) -> bool | None:
-        """Whether the target is met; None without target or value."""
-        return None if self.target is None or self.value is None else self.target.met(self.value)
+        """Whether the value is within; None without bounds or value."""
+        if not self.target or self.value is None:
+            return None
+        return not (
+            (self.low is not None and self.value < self.low)
+            or (self.high is not None and self.value > self.high)
+        )
 
     def to_json(self) -> dict[str, object]:
         """For out/blind.json."""
         return {
             "value": self.value,
-            "interval": None if self.interval is None else list(self.interval),
-            "target": None if self.target is None else str(self.target),
+            "interval": self.interval,
+            "target": self.target or None,
             "met": self.met,
             "count": self.count,
         }
 
 
-def rate(says: str, hits: Sequence[bool], target: Target | None = None) -> Figure:
+def rate(
+    says: str, hits: Sequence[bool], *, low: float | None = None, high: float | None = None
+) -> Figure:
     """A share with its exact interval."""
     if not hits:
-        return Figure(says, None, None, 0, target)
+        return Figure(says, None, None, 0, low, high)
     interval = clopper_pearson(sum(hits), len(hits))
-    return Figure(says, sum(hits) / len(hits), interval, len(hits), target)
+    return Figure(says, sum(hits) / len(hits), interval, len(hits), low, high)
 
 
 def statistic(
-    says: str, values: Sequence[float], figure: Callable[[FloatArray], float], target: Target | None
-) -> Figure:
-    """A figure of values with its interval by drawing them again."""
-    return of_rows(says, [[min(value, FAR)] for value in values], figure, target)
-
-
-def of_rows(
     says: str,
     rows: Sequence[Sequence[float]],
     figure: Callable[[FloatArray], float],
-    target: Target | None,
+    *,
+    low: float | None = None,
+    high: float | None = None,
 ) -> Figure:
-    """The same of rows of values."""
+    """A figure of rows of values with its interval by drawing them again."""
     if not rows:
-        return Figure(says, None, None, 0, target)
-    value = figure(np.array(rows, dtype=np.float64))
-    return Figure(says, value, bootstrap(rows, figure), len(rows), target)
+        return Figure(says, None, None, 0, low, high)
+    finite = np.minimum(rows, FAR)
+    return Figure(says, figure(finite), bootstrap(finite, figure), len(rows), low, high)
 
 
 def figures(cases: Sequence[Case]) -> dict[str, Figure]:
@@ -108,12 +103,12 @@ def figures(cases: Sequence[Case]) -> dict[str, Figure]:
         "found": rate(
             "found, where the gap is at least 1.5 x the floor",
             [case.found for case in gaps],
-            Target(low=0.90),
+            low=0.90,
         ),
         "false_alarms": rate(
             "false alarms on clean sets",
             [case.verdict != NO_GAP for case in of["clean"]],
-            Target(high=0.02),
+            high=0.02,
         ),
         **_named([case for case in of["single"] if case.certain and case.found]),
         **_onset(of["single"]),
@@ -136,28 +131,26 @@ def _named(cases: Sequence[Case]) -> dict[str, Figure]:
     explained = [case for case in cases if case.verdict != UNKNOWN]
     placed = [case for case in cases if case.first_right and case.answer.truths[0].location]
     return {
-        "right_first": rate(
-            "right effect first", [case.first_right for case in cases], Target(low=0.85)
-        ),
+        "right_first": rate("right effect first", [case.first_right for case in cases], low=0.85),
         "right_among_three": rate(
             "right effect among three",
             [case.true_effects[0] in case.effects[:3] for case in cases],
-            Target(low=0.95),
+            low=0.95,
         ),
         "right_class": rate("right class first", [_right_class(case) for case in cases]),
         "truth_in_set": rate(
             "truth in the ambiguity set",
             [case.true_places[0] in case.places for case in explained],
-            Target(low=0.95),
+            low=0.95,
         ),
         "set_size": statistic(
             "median size of the ambiguity set",
-            [len(case.places) for case in explained],
+            [[len(case.places)] for case in explained],
             _median,
-            Target(high=2.0),
+            high=2.0,
         ),
         "exact_place": rate(
-            "exact cell, joint or foot", [case.first_placed for case in placed], Target(low=0.75)
+            "exact cell, joint or foot", [case.first_placed for case in placed], low=0.75
         ),
     }
 
@@ -172,7 +165,10 @@ def _onset(cases: Sequence[Case]) -> dict[str, Figure]:
     errors = [error for case in cases if case.certain and (error := case.onset_error()) is not None]
     return {
         "onset_error_s": statistic(
-            "onset of slip or step, median error (s)", errors, _median, Target(high=ONSET_S)
+            "onset of slip or step, median error (s)",
+            [[one] for one in errors],
+            _median,
+            high=ONSET_S,
         ),
         "onset_within_2_s": rate(
             "onset of slip or step within 2 s", [error <= ONSET_S for error in errors]
@@ -186,12 +182,12 @@ def _unknown(of: Mapping[str, Sequence[Case]]) -> dict[str, Figure]:
         "unknown_called_unknown": rate(
             "unknown effects called unknown",
             [case.verdict == UNKNOWN for case in of["unknown"] if case.certain],
-            Target(low=0.75),
+            low=0.75,
         ),
         "known_called_unknown": rate(
             "known ones called unknown",
             [case.verdict == UNKNOWN for case in known],
-            Target(high=0.10),
+            high=0.10,
         ),
     }
 
@@ -208,9 +204,9 @@ def _both(cases: Sequence[Case]) -> dict[str, Figure]:
         "both_found": rate(
             "both of two found",
             [{*case.true_effects} <= {*names} for case, names in zip(cases, named, strict=True)],
-            Target(low=0.65),
+            low=0.65,
         ),
-        "double_precision": rate("precision, of two", right, Target(low=0.85)),
+        "double_precision": rate("precision, of two", right, low=0.85),
     }
 
 
@@ -220,9 +216,9 @@ def _honest(cases: Sequence[Case]) -> dict[str, Figure]:
     held = [one for case in cases for one in case.held()]
     rows = [[float(case.causes[0]["probability"]), float(case.first_placed)] for case in told]
     return {
-        "intervals_hold": rate("95 % intervals that hold", held, Target(0.90, 0.98)),
-        "calibration_error": of_rows(
-            "calibration error of the probabilities", rows, calibration_error, Target(high=0.07)
+        "intervals_hold": rate("95 % intervals that hold", held, low=0.90, high=0.98),
+        "calibration_error": statistic(
+            "calibration error of the probabilities", rows, calibration_error, high=0.07
         ),
     }
 
@@ -234,17 +230,15 @@ def shrink_figures(pairs: Sequence[tuple[Case, Case]]) -> dict[str, Figure]:
         pairs: of single sets, as diagnosed and with the true effect prescribed.
     """
     ratios = [
-        shrink_of(found) / shrink_of(true)
+        [shrink_of(found) / shrink_of(true)]
         for found, true in pairs
         if found.certain and found.found and shrink_of(true) > 0.0
     ]
     return {
         "shrink_median": statistic(
-            "shrink against that of the true effect, median", ratios, _median, Target(low=0.90)
+            "shrink against that of the true effect, median", ratios, _median, low=0.90
         ),
-        "shrink_10th_percentile": statistic(
-            "the same, 10th percentile", ratios, _tenth, Target(low=0.60)
-        ),
+        "shrink_10th_percentile": statistic("the same, 10th percentile", ratios, _tenth, low=0.60),
     }
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from blind.by_hand import BY_HAND
 from blind.cases import Case, read_diagnosis
-from blind.figures import Figure, Target, of_rows, rate
+from blind.figures import Figure, rate, statistic
 from blind.generate import make_set
 from blind.layout import Round
 from blind.motions import PlannedMotion, extra, standard_set
@@ -73,7 +73,7 @@ def follow(place: Round, cases: Sequence[Case], jobs: int) -> dict[str, Figure]:
     }
     return {
         "resolved_by_proposal": rate(
-            "ambiguity resolved by the one motion proposed", resolved[PROPOSED], Target(low=0.80)
+            "ambiguity resolved by the one motion proposed", resolved[PROPOSED], low=0.80
         ),
         "resolved_by_random": rate("the same by a random one", resolved[RANDOM]),
         "resolved_above_random": _above(resolved[PROPOSED], resolved[RANDOM]),
@@ -155,4 +155,4 @@ def _above(proposed: Sequence[bool], random: Sequence[bool]) -> Figure:
     """By how much the proposed motion resolves more, set by set."""
     rows = [[float(one) - float(other)] for one, other in zip(proposed, random, strict=True)]
     says = "the proposed one above a random one"
-    return of_rows(says, rows, lambda values: float(np.mean(values)), Target(low=0.25))
+    return statistic(says, rows, lambda values: float(np.mean(values)), low=0.25)

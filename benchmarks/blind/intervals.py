@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from scipy.stats import beta
 
 FloatArray = NDArray[np.float64]
@@ -23,9 +23,9 @@ def clopper_pearson(count: int, total: int) -> Interval:
     return lowest, highest
 
 
-def bootstrap(rows: Sequence[Sequence[float]], figure: Callable[[FloatArray], float]) -> Interval:
+def bootstrap(rows: ArrayLike, figure: Callable[[FloatArray], float]) -> Interval:
     """Interval of a figure of rows that are drawn again and again, always the same way."""
-    values = np.array(rows, dtype=np.float64)
+    values = np.asarray(rows, dtype=np.float64)
     rng = np.random.default_rng(0)
     found = [figure(values[rng.integers(len(values), size=len(values))]) for _ in range(_RESAMPLES)]
     low, high = np.quantile(found, [(1.0 - LEVEL) / 2.0, (1.0 + LEVEL) / 2.0])

@@ -71,7 +71,7 @@ def _row(figure: Figure) -> Row:
     ends = figure.interval or ()
     return {
         "figure": figure.says,
-        "target": "" if figure.target is None else str(figure.target),
+        "target": figure.target,
         "measured": "not measured" if figure.value is None else _shown(figure.value),
         "95 % interval": " to ".join(_shown(end) for end in ends),
         "of": figure.count,
