@@ -16,7 +16,8 @@ from pathlib import Path
 from pages import markdown, write_section
 from paper_figures import write_figures
 from paper_reproduction import Paper, reproduce
-from paper_tables import missed, tables, to_json
+from paper_tables import tables, to_json
+from paper_targets import missed
 from population import OUT, ROOT, different_robots, sessions
 from shoecal_core.files import atomic_write
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from paper_reproduction import GUESS, Paper, Reproduction, shoe_and_robot
-from paper_tables import ALPHA
+from paper_targets import ALPHA
 from shoecal_core.calibration.evaluation import MEASURED, MODELLED, REFERENCE
 from shoecal_core.calibration.run_errors import ComparedRun, errors_by_set
 from shoecal_core.calibration.significance import Difference

@@ -1,4 +1,4 @@
-"""Tables of the paper's evaluation next to the paper's figures, and the targets they must meet.
+"""Tables of the paper's evaluation next to the paper's figures.
 
 A row is a dict by the heads of its columns. Errors are MAE ± standard deviation: GRF [N], CoP [mm].
 """
@@ -6,24 +6,21 @@ A row is a dict by the heads of its columns. Errors are MAE ± standard deviatio
 from __future__ import annotations
 
 import math
-import statistics
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 import numpy as np
 
 from pages import Row
 from paper_published import ASSUMPTIONS, CALIBRATED, MANUAL
 from paper_published import GUESS as PUBLISHED_GUESS
-from paper_reproduction import GUESS, LEAST_SQUARES, Paper, Reproduction
+from paper_reproduction import GUESS, LEAST_SQUARES, Paper
+from paper_targets import missed, of_all, summary
 from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.calibration.evaluation import MEASURED, MODELLED, REFERENCE, TRUTH
 from shoecal_core.calibration.metrics import Mae, cop_mae
 from shoecal_core.calibration.run_errors import COMPARED, ComparedRun, errors_by_set, errors_of
-from shoecal_core.calibration.significance import LEVEL
 from shoecal_core.sensing.shoe import FEET
 
-ALPHA = round(1.0 - LEVEL, 6)
 GRF, COP = "GRF (N)", "CoP (mm)"
 STAGES = {
     GUESS: "initial guess",
@@ -37,122 +34,6 @@ BANDS = {
     "above 30 N": (30.0, math.inf),
 }
 """Forces on one foot."""
-
-Figures = Callable[[Reproduction], list[float]]
-
-
-@dataclass(frozen=True)
-class Quantity:
-    """One figure of the paper.
-
-    Attributes:
-        name: with its unit.
-        paper: the paper's, in words.
-        of: figures of one robot; several where the paper has one a run.
-        least, most: the target, for the first robot and for the median of all.
-    """
-
-    name: str
-    paper: str
-    of: Figures
-    least: float = 0.0
-    most: float = math.inf
-
-    @property
-    def target(self) -> str:
-        """In words; nothing without one."""
-        if self.least:
-            return f"{self.least:g} to {self.most:g}"
-        return "" if math.isinf(self.most) else f"at most {self.most:g}"
-
-    def of_all(self, paper: Paper) -> list[float]:
-        """Figures of all robots."""
-        return [value for robot in paper.robots for value in self.of(robot)]
-
-    def met(self, paper: Paper) -> bool:
-        """Whether the first robot and the median of all are within the target."""
-        found = [*self.of(paper.first), statistics.median(self.of_all(paper))]
-        return all(self.least <= value <= self.most for value in found)
-
-
-def quantities() -> list[Quantity]:
-    """Every figure that the paper gives."""
-    found = []
-    for foot, name in enumerate(FEET):
-        row, grf, before, after = MANUAL[name], *_manual(foot)
-        found += [
-            Quantity(f"manual, {name}: {GRF}", str(row.grf), grf, most=0.03),
-            Quantity(
-                f"manual, {name}: CoP as measured (mm)", str(row.cop_before), before, 3.0, 5.0
-            ),
-            Quantity(
-                f"manual, {name}: CoP corrected (mm)",
-                str(row.cop_after),
-                after,
-                most=row.cop_after.mean,
-            ),
-        ]
-    grf_by_run, cop_by_run = ([row[index].mean for row in ASSUMPTIONS] for index in (0, 1))
-    found += [
-        Quantity(
-            "weight against GRF, by run (N)",
-            f"{min(grf_by_run):g} to {max(grf_by_run):g}",
-            lambda robot: [robot.assumption(run).grf.mean for run in robot.in_order],
-            most=max(grf_by_run),
-        ),
-        Quantity(
-            "modelled CoP, by run (mm)",
-            f"{min(cop_by_run):g} to {max(cop_by_run):g}",
-            lambda robot: [1e3 * robot.assumption(run).cop.mean for run in robot.in_order],
-            most=3.0,
-        ),
-    ]
-    for name, stage, part, published in (
-        ("initial guess, all runs", GUESS, "", PUBLISHED_GUESS),
-        ("self-calibration, train", MEASURED, "train", CALIBRATED),
-        ("self-calibration, test", MEASURED, "test", CALIBRATED),
-    ):
-        errors = _errors(stage, part)
-        for unit, mae, error in zip((GRF, COP), published, errors, strict=True):
-            most = math.inf if stage == GUESS else mae.mean
-            found.append(Quantity(f"{name}: {unit}", f"about {mae}", error, most=most))
-    return found
-
-
-def _manual(foot: int) -> tuple[Figures, Figures, Figures]:
-    """GRF [N], CoP as measured and corrected [mm] of a shoe under known weights."""
-    return (
-        lambda robot: [robot.manual.feet[foot].grf.mean],
-        lambda robot: [1e3 * robot.manual.feet[foot].known_cop.before.mean],
-        lambda robot: [1e3 * robot.manual.feet[foot].known_cop.after.mean],
-    )
-
-
-def _errors(stage: str, part: str) -> tuple[Figures, Figures]:
-    """GRF [N] and CoP [mm] of a stage against the manual calibration, on a set or on all runs."""
-
-    def found(robot: Reproduction) -> Errors:
-        runs = [run for run in robot.runs if part in ("", run.set)]
-        return errors_of(runs, stage, REFERENCE)
-
-    return lambda robot: [found(robot).grf.mean], lambda robot: [1e3 * found(robot).cop.mean]
-
-
-def missed(paper: Paper) -> list[str]:
-    """Targets that are not met, in words."""
-    return [
-        *(
-            f"{one.name}: {_number(one.of(paper.first))} on the first robot, "
-            f"median {_number([statistics.median(one.of_all(paper))])}"
-            for one in quantities()
-            if not one.met(paper)
-        ),
-        *(
-            f"train and test differ in {name} (p = {found.p_value:.3g})"
-            for name, found in paper.differences(REFERENCE).items()
-            if found.p_value <= ALPHA
-        ),
-    ]
 
 
 def tables(paper: Paper) -> dict[str, Sequence[Row]]:
@@ -168,39 +49,14 @@ def tables(paper: Paper) -> dict[str, Sequence[Row]]:
     }
 
 
-def summary(paper: Paper) -> Sequence[Row]:
-    """Every figure of the paper, the first robot's, and the median and range of all."""
-    rows = []
-    for one in quantities():
-        every = one.of_all(paper)
-        spread = f"{_number([statistics.median(every)])} ({_number(every)})"
-        rows.append(
-            {
-                "MAE": one.name,
-                "paper": one.paper,
-                "robot 1": _number(one.of(paper.first)),
-                f"{_all(paper)}: median (range)": spread,
-                "target": one.target,
-            }
-        )
-    return rows
-
-
-def _number(values: Sequence[float]) -> str:
-    """The figure, or least and most of several."""
-    low, high = (f"{end:.3f}" if end < 0.02 else f"{end:.2f}" for end in (min(values), max(values)))
-    return low if len(values) == 1 else f"{low} to {high}"
-
-
 def manual(paper: Paper) -> Sequence[Row]:
     """Table I of the paper, and each load predicted by the others."""
     rows = []
     for name, found in zip(FEET, paper.first.manual.feet, strict=True):
         published, cop = MANUAL[name], found.known_cop
         columns = (GRF, "CoP as measured (mm)", "CoP corrected (mm)", "load held out (mm)")
-        paper_cells = (published.grf, published.cop_before, published.cop_after, "")
         cells = (_n(found.grf, 3), _mm(cop.before), _mm(cop.after), _mm(cop.held_out))
-        for whose, row in (("paper", paper_cells), ("robot 1", cells)):
+        for whose, row in (("paper", (*published, "")), ("robot 1", cells)):
             rows.append({"shoe": name, "robot": whose, **dict(zip(columns, row, strict=True))})
     return rows
 
@@ -227,10 +83,7 @@ def stages(paper: Paper) -> Sequence[Row]:
         ("self-calibration, train and test", CALIBRATED),
     )
     return [
-        *(
-            {"stage": name, "robot": "paper", GRF: f"about {grf}", COP: f"about {cop}"}
-            for name, (grf, cop) in published
-        ),
+        *({"stage": name, "robot": "paper", GRF: grf, COP: cop} for name, (grf, cop) in published),
         *(
             {"stage": name, "robot": who, GRF: _n(found.grf), COP: _mm(found.cop)}
             for who, runs in _robots(paper)
@@ -351,6 +204,6 @@ def to_json(paper: Paper) -> dict[str, object]:
             "p_value": min(p_values.values()),
             **{f"p_value_{name}": p for name, p in p_values.items()},
         },
-        "all_robots": {one.name: one.of_all(paper) for one in quantities()},
+        "all_robots": of_all(paper),
         "missed_targets": missed(paper),
     }

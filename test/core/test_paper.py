@@ -12,7 +12,8 @@ import pytest
 from core.report.sessions import swaying_session
 from paper import write
 from paper_reproduction import Paper, Reproduction, reproduce
-from paper_tables import missed, to_json
+from paper_tables import to_json
+from paper_targets import missed
 from population import ROOT, Member
 
 PAGE = ROOT / "docs" / "evidence" / "paper.md"
