@@ -15,7 +15,7 @@ import dataclasses
 import itertools
 import json
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
@@ -23,7 +23,6 @@ from pathlib import Path
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike, NDArray
 
 from pages import ROOT, markdown, record, write_section
 from shoecal_core.commands.simulated_walk import walk
@@ -36,7 +35,6 @@ from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.steps import Stepper
-from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.sensing.shoe import load_shoe
 from shoecal_core.simulation.drawn import draw
@@ -44,7 +42,6 @@ from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import RobotFellError, SimulatedRobot
 from shoecal_core.workspace import config_dir
 
-FloatArray = NDArray[np.float64]
 ROBOTS = {"nao": "nao_shoe", "wren": "wren_shoe"}
 OUT = ROOT / "out" / "own_steps"
 PAGE = ROOT / "docs" / "evidence" / "own-steps.md"
@@ -63,11 +60,8 @@ class Walked:
         reason: why it did not reach one, empty where it did.
         steps: needed for each support.
         duration: of each step.
-        one_foot: how long one foot carried in each step.
-        hottest: of all motors at any time [degC].
         feet_error, yaw_error: true feet from each support reached; the latter in rad.
         gap: least true one between the feet's outlines.
-        tilt: largest true one of the torso [rad].
     """
 
     robot: str
@@ -78,12 +72,9 @@ class Walked:
     reason: str = ""
     steps: list[int] = field(default_factory=list)
     duration: list[float] = field(default_factory=list)
-    one_foot: list[float] = field(default_factory=list)
-    hottest: float = 0.0
     feet_error: list[tuple[float, float]] = field(default_factory=list)
     yaw_error: list[float] = field(default_factory=list)
     gap: float = float("inf")
-    tilt: float = 0.0
 
 
 def robot_of(name: str) -> tuple[Robot, Callable[[int], SimulatedRobot]]:
@@ -109,18 +100,14 @@ class Witness:
     def __call__(self, motion: Motion, since: float) -> None:
         """As `walk` tells."""
         del motion, since
-        walked, snap = self._walked, self._sim.snapshot()
-        walked.hottest = max(walked.hottest, float(self._sim.joints(snap).temperatures.max()))
+        snap = self._sim.snapshot()
         left, right = (
             shapely.Polygon(position[:2] + foot.outline @ rotation[:2, :2].T)
             for position, rotation, foot in zip(
                 snap.sole_position, snap.sole_rotation, self._sim.robot.feet, strict=True
             )
         )
-        walked.gap = min(walked.gap, 1e3 * float(left.distance(right)))
-        x, y = snap.base_orientation[:2]
-        upward = 1.0 - 2.0 * (x * x + y * y)
-        walked.tilt = max(walked.tilt, float(np.arccos(np.clip(upward, -1.0, 1.0))))
+        self._walked.gap = min(self._walked.gap, 1e3 * float(left.distance(right)))
 
     def arrived(self, goal: DoubleSupport) -> None:
         """Note where the feet truly stand."""
@@ -153,7 +140,6 @@ def go(supports: int, who: tuple[str, int]) -> Walked:
             walked.reached += 1
             walked.steps.append(len(motions))
             walked.duration += [motion.duration for motion in motions]
-            walked.one_foot += [_one_foot(motion) for motion in motions]
             _tell(walked, goal, time.perf_counter() - begin)
     except RobotFellError as error:
         walked.fell, walked.reason = True, str(error)
@@ -162,14 +148,6 @@ def go(supports: int, who: tuple[str, int]) -> Walked:
     if walked.reason:
         print(f"{name} {seed}: {walked.reason}", flush=True)
     return walked
-
-
-def _one_foot(motion: Motion) -> float:
-    return sum(
-        phase.end - phase.begin
-        for phase in motion.phases
-        if phase.support_phase is not SupportPhase.BOTH
-    )
 
 
 def _tell(walked: Walked, goal: DoubleSupport, seconds: float) -> None:
@@ -194,37 +172,25 @@ def kept(out: Path, supports: int, again: bool, who: tuple[str, int]) -> Walked:
 
 def figures(walks: Sequence[Walked]) -> dict[str, str]:
     """All walks of one robot together, as the table has them."""
-    steps, duration, one_foot, gap, hottest, tilt = (
-        _all(np.atleast_1d(getattr(walked, name)) for walked in walks)
-        for name in ("steps", "duration", "one_foot", "gap", "hottest", "tilt")
-    )
-    off = _all(walked.feet_error for walked in walks)
-    away, yaw = np.hypot(*off.T), np.abs(_all(walked.yaw_error for walked in walks))
-    duration_s, one_foot_s, away_mm = (
-        f"{np.median(of):.1f} ({of.max():.1f})" for of in (duration, one_foot, away)
-    )
     asked, reached = (
         sum(getattr(walked, name) for walked in walks) for name in ("asked", "reached")
     )
+    steps = [count for walked in walks for count in walked.steps]
+    lasting = [seconds for walked in walks for seconds in walked.duration]
+    off = np.array([one for walked in walks for one in walked.feet_error])
+    yaw = np.abs([one for walked in walks for one in walked.yaw_error])
+    away = np.hypot(*off.T)
     return {
         "robots drawn": f"{len(walks)}",
         "double supports asked for, reached": f"{asked}, {reached}",
         "falls": f"{sum(walked.fell for walked in walks)}",
-        "steps taken; most for one support": f"{steps.sum():.0f}; {steps.max():.0f}",
-        "duration of a step, median (worst) [s]": duration_s,
-        "of it on one foot [s]": one_foot_s,
-        "hottest motor [degC]": f"{hottest.max():.1f}",
-        "true feet from where they should be [mm]": away_mm,
+        "steps taken; most for one support": f"{sum(steps)}; {max(steps)}",
+        "duration of a step, median (worst) [s]": f"{np.median(lasting):.1f} ({max(lasting):.1f})",
+        "true feet from where they should be [mm]": f"{np.median(away):.1f} ({away.max():.1f})",
         "of it narrower, median [mm]": f"{np.median(off[:, 1]):.1f}",
         "the same in yaw [rad]": f"{np.median(yaw):.3f} ({yaw.max():.3f})",
-        "least true gap between the feet [mm]": f"{gap.min():.1f}",
-        "largest tilt of the torso [rad]": f"{tilt.max():.2f}",
+        "least true gap between the feet [mm]": f"{min(walked.gap for walked in walks):.1f}",
     }
-
-
-def _all(parts: Iterable[ArrayLike]) -> FloatArray:
-    arrays = [np.asarray(part, dtype=np.float64) for part in parts]
-    return np.concatenate([array for array in arrays if array.size])
 
 
 def main() -> int:
