@@ -28,14 +28,10 @@ class Held:
 
     Attributes:
         ratios: by quantity, errors over their standard deviations; CoPs along x and y apart.
-        gain: (n,) the gains found.
-        gain_std: (n,) their standard deviations.
         expected, actual: root mean square CoP error of both feet, left, right [m].
     """
 
     ratios: Mapping[str, FloatArray]
-    gain: FloatArray
-    gain_std: FloatArray
     expected: FloatArray
     actual: FloatArray
 
@@ -78,7 +74,7 @@ def hold(judged: Session, outcome: Outcome, true_gain: FloatArray) -> Held:
     )
     joined = {name: np.concatenate(parts) for name, parts in ratios.items()}
     finite = {name: values[np.isfinite(values)] for name, values in joined.items()}
-    return Held(finite, parameters.gain, std[:count], expected, actual)
+    return Held(finite, expected, actual)
 
 
 def _rms(vectors: FloatArray) -> float:

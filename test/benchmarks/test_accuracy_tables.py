@@ -19,7 +19,7 @@ def result(seed: int, cop: float, ratio: float, gain: float, motions: str = STAN
 
     held = Held(
         ratios={name: np.array([0.0, ratio]) for name in WHAT},
-        gain=np.ones(2), gain_std=np.ones(2), expected=np.full(3, 1e-3), actual=np.full(3, 2e-3),
+        expected=np.full(3, 1e-3), actual=np.full(3, 2e-3),
     )  # fmt: skip
     return Result(
         case=Case("default", motions, seed),
