@@ -1,7 +1,7 @@
 """How accurate a calibration is, and whether what it states holds: several realities, fresh seeds.
 
     .venv/bin/python benchmarks/accuracy.py [--seeds 20] [--first 9] [--jobs 2] \\
-        [--realities default,other_laws,noisy,noisy_1n] [--motions paper,standard] [--no-page]
+        [--realities default other_laws noisy noisy_1n] [--motions paper standard] [--no-page]
 
 Sessions are those of `accuracy_sessions.py`, made where they are missing; another run only
 calibrates them anew: those of the standard set in the default reality with a manual calibration as
@@ -16,7 +16,7 @@ import json
 from dataclasses import replace
 
 from accuracy_results import UNRECORDED, Result, measure
-from accuracy_sessions import MOTIONS, REALITIES, cases, make, names
+from accuracy_sessions import MOTIONS, REALITIES, cases, make
 from accuracy_tables import tables
 from pages import TRUST, markdown, record, write_section
 from shoecal_core.commands.many_jobs import over_cores
@@ -27,8 +27,8 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--first", type=int, default=9)
     parser.add_argument("--seeds", type=int, default=20)
-    parser.add_argument("--realities", type=names, default=REALITIES)
-    parser.add_argument("--motions", type=names, default=MOTIONS)
+    parser.add_argument("--realities", nargs="+", default=REALITIES)
+    parser.add_argument("--motions", nargs="+", choices=MOTIONS, default=MOTIONS)
     parser.add_argument("--jobs", type=int, default=2, help="processes at a time")
     parser.add_argument("--no-page", action="store_true", help="print the tables only")
     args = parser.parse_args()

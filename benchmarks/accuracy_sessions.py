@@ -1,15 +1,11 @@
 """Simulated sessions of `accuracy.py`: made once, kept, and made anew where their inputs change.
 
-    .venv/bin/python benchmarks/accuracy_sessions.py [--first 1] [--seeds 8] \\
-        [--realities default,other_laws] [--motions standard] [--jobs 2]
-
 They are in out/accuracy/MOTIONS/REALITY/seed_NNN. A seed draws the robot, its cells, the double
 supports and the noise; the robot and its double supports are the same in every reality.
 """
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import json
 import shutil
@@ -177,24 +173,3 @@ def _make(case: Case) -> float:
     begin = time.perf_counter()
     case.make()
     return time.perf_counter() - begin
-
-
-def names(text: str) -> tuple[str, ...]:
-    """Of a list with commas."""
-    return tuple(text.split(","))
-
-
-def main() -> None:
-    """Make sessions."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--first", type=int, default=1)
-    parser.add_argument("--seeds", type=int, default=8)
-    parser.add_argument("--realities", type=names, default=REALITIES)
-    parser.add_argument("--motions", type=names, default=(STANDARD,))
-    parser.add_argument("--jobs", type=int, default=2)
-    args = parser.parse_args()
-    make(cases(args.realities, args.motions, range(args.first, args.first + args.seeds)), args.jobs)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,7 +1,7 @@
 """Figures as JSON, and pages made of them: docs/evidence and out/bench.json.
 
-Each benchmark owns one section of a page, between `<!-- name -->` and `<!-- /name -->`, and one
-key of a file of figures; it replaces its own and leaves the others' as they are.
+Each benchmark owns sections of a page, between `<!-- name -->` and `<!-- /name -->`, and one key of
+a file of figures; it replaces its own and leaves the rest as it is.
 """
 
 from __future__ import annotations
@@ -28,11 +28,6 @@ HEADS = {
 
 Each section names its command; `make bench` runs them all. The figures depend on the machine:
 compare ratios.
-""",
-    TRUST: """\
-# Accuracy and uncertainty of a calibration
-
-Everything here is simulated; each section names its command.
 """,
 }
 """What a page begins with that is not there yet."""
