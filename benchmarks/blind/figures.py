@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from blind.answers import CATEGORIES
 from blind.cases import NO_GAP, UNKNOWN, Case
 from blind.catalogue import EFFECTS, alike
 from blind.intervals import Interval, bootstrap, clopper_pearson
@@ -97,7 +98,9 @@ def statistic(
 
 def figures(cases: Sequence[Case]) -> dict[str, Figure]:
     """All that one round of diagnoses tells, by key."""
-    of = {name: [case for case in cases if case.answer.category == name] for name in CATEGORY_KEYS}
+    of: dict[str, list[Case]] = {
+        name: [case for case in cases if case.answer.category == name] for name in CATEGORIES
+    }
     gaps = [case for case in cases if case.answer.category != "clean" and case.certain]
     return {
         "found": rate(
@@ -121,9 +124,6 @@ def figures(cases: Sequence[Case]) -> dict[str, Figure]:
         ),
         "errors": rate("diagnoses that failed", [case.said is None for case in cases]),
     }
-
-
-CATEGORY_KEYS = ("clean", "single", "double", "unknown", "inseparable")
 
 
 def _named(cases: Sequence[Case]) -> dict[str, Figure]:
