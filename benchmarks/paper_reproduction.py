@@ -27,7 +27,7 @@ from shoecal_core.sensing.shoe import Shoe, load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir
 
-GUESS, LEAST_SQUARES = "guess", "least squares"
+GUESS, AFFINE = "guess", "gains and offsets"
 """Stages before the result of a self-calibration."""
 
 
@@ -77,7 +77,7 @@ def reproduce(member: Member, session: Session) -> Reproduction:
         {"train": member.train, "test": member.test},
         {
             GUESS: Sensing(data.shoe, stages.guess.parameters),
-            LEAST_SQUARES: Sensing(data.shoe, outcome.calibration.parameters),
+            AFFINE: Sensing(data.shoe, outcome.calibration.parameters),
             MEASURED: outcome.calibration.sensing(data.shoe),
             REFERENCE: manual.calibration.sensing(data.shoe),
         },

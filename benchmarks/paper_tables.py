@@ -13,7 +13,7 @@ import numpy as np
 from pages import Row
 from paper_published import ASSUMPTIONS, CALIBRATED, MANUAL
 from paper_published import GUESS as PUBLISHED_GUESS
-from paper_reproduction import GUESS, LEAST_SQUARES, Paper
+from paper_reproduction import AFFINE, GUESS, Paper
 from paper_targets import missed, of_all, summary
 from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.calibration.evaluation import MEASURED, MODELLED, REFERENCE, TRUTH
@@ -24,10 +24,11 @@ from shoecal_core.sensing.shoe import FEET
 GRF, COP = "GRF (N)", "CoP (mm)"
 STAGES = {
     GUESS: "initial guess",
-    LEAST_SQUARES: "nonlinear least squares",
-    MEASURED: "with CoP correction",
+    AFFINE: "gains and offsets alone",
+    MEASURED: "with cell positions and plates",
 }
-"""Of a self-calibration (paper, section VI), as the tables call them."""
+"""Of a self-calibration, as the tables call them; cell positions and plates take the place of the
+paper's CoP correction."""
 BANDS = {
     "2 to 10 N": (2.0, 10.0),
     "10 to 30 N": (10.0, 30.0),
