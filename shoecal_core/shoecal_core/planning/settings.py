@@ -13,7 +13,6 @@ from shoecal_core.settings import SettingError, Settings, setting
 
 SOLVERS = ("sqp", "ipopt")
 MODES = ("converged", "bounded", "realtime")
-CHOICES = ("spread", "d_optimal", "e_optimal")
 
 
 @dataclass(frozen=True)
@@ -34,15 +33,6 @@ class PlannerSettings(Settings):
     foot_clearance: float = setting(
         0.006, "m", "least gap between the outlines of the two feet", minimum=0.0
     )
-    support_choice: str = setting(
-        "spread", "", "spread (far from each other), or those that promise the most: d_optimal "
-        "(least uncertainty of all directions together), e_optimal (of the worst direction)",
-        choices=CHOICES,
-    )  # fmt: skip
-    design_pool: int = setting(
-        64, "", "double supports that pass all checks, of which those that promise the most are "
-        "chosen", minimum=1,
-    )  # fmt: skip
     support_pool: int = setting(
         16, "", "double supports that pass all checks, from which the sets are drawn", minimum=1
     )

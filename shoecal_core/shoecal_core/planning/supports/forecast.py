@@ -13,7 +13,6 @@ from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports.design import CRITERIA
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.planning.supports.observability import (
     Visit,
@@ -179,7 +178,7 @@ def worst_part(
     seen = observable(reference_information(robot, shoe, settings.training_supports, settings))
     chosen = list(itertools.combinations(range(len(visits)), count))
     totals = np.array([parts[list(indices)].sum(axis=0) for indices in chosen])
-    worst = int(np.argmin(CRITERIA["e_optimal"](seen.T @ (totals + prior) @ seen)))
+    worst = int(np.argmin(_least(seen.T @ (totals + prior) @ seen)))
     return chosen[worst], forecast(robot, shoe, totals[worst], settings)
 
 
@@ -216,7 +215,7 @@ def best_additions(
     prior = prior_information(robot, shoe, settings)
     additions: list[Addition] = []
     for _ in range(count):
-        scores = CRITERIA["e_optimal"](seen.T @ (known + prior + np.array(parts)) @ seen)
+        scores = _least(seen.T @ (known + prior + np.array(parts)) @ seen)
         best = (int(index) for index in np.argsort(-scores))
         found = next((index for index in best if feasible.can_stand(supports[index])), None)
         if found is None:
@@ -232,6 +231,11 @@ def describe_support(support: DoubleSupport) -> str:
         f"right foot at dx {support.dx:g} m, dy {support.dy:g} m, yaw {support.dtheta:g} rad "
         f"({np.degrees(support.dtheta):.0f} deg) of the left"
     )
+
+
+def _least(information: FloatArray) -> FloatArray:
+    """Smallest eigenvalue of information (..., r, r): of the most uncertain direction."""
+    return np.asarray(np.linalg.eigvalsh(information)[..., 0])
 
 
 def _deviations(values: FloatArray, size: float) -> FloatArray:
