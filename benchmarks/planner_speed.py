@@ -42,7 +42,7 @@ CONVERGED = 1e-6
 """Largest difference from the best objective known, as a share of it."""
 
 SOLVERS = """\
-## The planner's solver beside IPOPT
+## The planner's solver against IPOPT
 
 Made by `make planner-speed`.
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from core.planning.bodies import Body
-from shoecal_core.calibration.residuals import Weights, normal_equations, pack
+from shoecal_core.calibration.residuals import Weights, pack, rows_of
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
@@ -138,7 +138,8 @@ def test_information_is_that_of_the_fit(body: Body) -> None:
     stance = make_stance(1, shoe, TURNED, (True, True), time, readings, force, visit.places)
     fit = CalibrationSettings()
     weights = Weights(fit.force_std_n, fit.cop_std_m, fit.correlation_s)
-    found = normal_equations(pack(parameters, 0.0), [stance], shoe, weights).hessian
+    jacobian = rows_of([stance], shoe, weights)(pack(parameters, 0.0))[1]
+    found = jacobian.T @ jacobian
     even = dataclasses.replace(SETTINGS, uneven_share=0.0)
     expected = information(robot, shoe, visit, even)
     np.testing.assert_allclose(
