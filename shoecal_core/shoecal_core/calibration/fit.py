@@ -99,7 +99,7 @@ def fit_parameters(
 ) -> Fit:
     """Nonlinear least squares over all gains, offsets and the time offset (paper, eq. 18)."""
     rows = rows_of(thinned(stances, MOST_SAMPLES), shoe, Weights.of(settings))
-    return minimise(rows, prior_of(shoe, guess, settings), max_iterations=settings.max_iterations)
+    return minimise(rows, prior_of(shoe, guess, settings))
 
 
 def prior_of(shoe: Shoe, guess: InitialGuess, settings: CalibrationSettings) -> Prior:

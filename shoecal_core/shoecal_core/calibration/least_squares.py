@@ -15,6 +15,7 @@ FloatArray = NDArray[np.float64]
 Rows = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Residuals (k,) of a vector (p,), and their Jacobian (k, p)."""
 
+MAX_EVALUATIONS = 100
 _PRECISION = 1e-12
 """Share by which cost or vector change where the steps end."""
 
@@ -66,11 +67,11 @@ class Fit:
         return int(np.sum(self.singular_values > 1.0))
 
 
-def minimise(rows: Rows, prior: Prior, *, max_iterations: int) -> Fit:
+def minimise(rows: Rows, prior: Prior, max_evaluations: int = MAX_EVALUATIONS) -> Fit:
     """Minimise the rows' sum of squares plus the prior's, from the prior's mean.
 
     Raises:
-        ShoecalError: when it does not settle within `max_iterations`.
+        ShoecalError: when it does not settle.
     """
     free = prior.std > 0.0
     scale = prior.std[free]
@@ -92,15 +93,15 @@ def minimise(rows: Rows, prior: Prior, *, max_iterations: int) -> Fit:
     if not np.isfinite(initial).all():
         raise _misfit()
     found = least_squares(
-        errors, begin, slopes, method="lm", max_nfev=max_iterations,
+        errors, begin, slopes, method="lm", max_nfev=max_evaluations,
         ftol=_PRECISION, xtol=_PRECISION, gtol=_PRECISION,
     )  # fmt: skip
     if not np.isfinite(found.cost):
         raise _misfit()
     if not found.success:
         raise ShoecalError(
-            f"the least squares did not settle within {max_iterations} iterations; "
-            "raise 'max_iterations' or check the recording"
+            f"the least squares did not settle within {max_evaluations} evaluations; check "
+            "polarities and cell positions in the shoe file"
         )
     vector = vector_of(found.x)
     whole = rows(vector)[1]

@@ -102,7 +102,7 @@ def fit_walk(
     weights = Weights.of(settings)
     for _ in range(REWEIGHED):
         rows = rows_of(centred, shoe, weights, shares)
-        fit = minimise(rows, Prior(mean, std), max_iterations=settings.max_iterations)
+        fit = minimise(rows, Prior(mean, std))
         weights = _as_large(fit.vector, centred, settings)
     return _uncentred(fit, common.reading)
 

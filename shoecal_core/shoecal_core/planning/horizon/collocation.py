@@ -35,6 +35,8 @@ from shoecal_core.planning.legs import LegExpressions, Legs
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
+RECOVERY = 0.25
+"""Part of a step's way used to come back inside a constraint."""
 
 
 class Collocation:
@@ -107,8 +109,8 @@ class Collocation:
         settings, scene = self.settings, problem.scene
         now = self.evaluate(problem.start[None], scene.first)
         steps = np.arange(1, settings.horizon + 1)[:, None]
-        turn = settings.recovery * self.transition * steps
-        way = settings.recovery * settings.com_speed * settings.step_time * steps
+        turn = RECOVERY * self.transition * steps
+        way = RECOVERY * settings.com_speed * settings.step_time * steps
         # Edges that move with a foot are those of the foot that stands: of the first state.
         first = scene.first
         beyond = first.beyond(_seen_at_first(now, first)) - first.offsets

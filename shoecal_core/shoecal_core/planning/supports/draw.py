@@ -25,6 +25,10 @@ _TRIES = 25
 """Double supports tried for each one wanted; a robot that stands in fewer is hardly fit for it."""
 _TOLD = 20
 """Tries from word to word."""
+_CANDIDATES = 6
+"""Draws from which the double support farthest from those kept is taken."""
+_REDRAWS = 100
+"""Sets drawn from a pool before more double supports are looked for."""
 _OTHERS = 10
 """Double supports that may stand in for one in which a motion cannot be done."""
 _POOLS = 3
@@ -119,7 +123,7 @@ def draw_supports(
     found = 0
     for _ in range(_POOLS):
         parts = _parts(robot, shoe, pool, settings)
-        for _ in range(settings.support_redraws):
+        for _ in range(_REDRAWS):
             supports = _spread(pool, count, settings, generator)
             weakest = weakest_rank([parts[support] for support in supports], settings)
             if weakest >= possible:
@@ -171,7 +175,7 @@ def _parts(
     robot: Robot, shoe: Shoe, supports: Sequence[DoubleSupport], settings: PlannerSettings
 ) -> dict[DoubleSupport, FloatArray]:
     return {
-        support: information(robot, shoe, Visit.expected(robot, support, settings), settings)
+        support: information(robot, shoe, Visit.expected(robot, support, settings))
         for support in supports
     }
 
@@ -187,7 +191,7 @@ def _spread(
     kept: list[int] = []
     for _ in range(count):
         left = np.setdiff1d(np.arange(len(pool)), kept)
-        drawn = generator.permutation(left)[: settings.support_candidates]
+        drawn = generator.permutation(left)[:_CANDIDATES]
         apart = places[drawn, None] - places[kept]
         distances = feet_distance(apart[..., :2], apart[..., 2], settings)
         kept.append(int(drawn[np.argmax(distances.min(axis=1, initial=np.inf))]))

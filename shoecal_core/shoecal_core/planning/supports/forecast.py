@@ -136,7 +136,7 @@ def forecast(robot: Robot, shoe: Shoe, known: FloatArray, settings: PlannerSetti
     scale = parameter_scale(robot, shoe)
     reference = reference_information(robot, shoe, settings.training_supports, settings)
     seen = observable(reference)
-    prior = prior_information(robot, shoe, settings)
+    prior = prior_information(robot, shoe)
     relative = seen @ np.linalg.inv(seen.T @ (known + prior) @ seen) @ seen.T
     std = np.sqrt(np.diag(relative)) * scale
     values, vectors = np.linalg.eigh(seen.T @ known @ seen)
@@ -162,7 +162,7 @@ def forecast_visits(
     robot: Robot, shoe: Shoe, visits: Sequence[Visit], settings: PlannerSettings
 ) -> Forecast:
     """What the data of some double supports will tell."""
-    return forecast(robot, shoe, total_information(robot, shoe, visits, settings), settings)
+    return forecast(robot, shoe, total_information(robot, shoe, visits), settings)
 
 
 def worst_part(
@@ -173,8 +173,8 @@ def worst_part(
     Returns:
         Their indices, and what their data will tell.
     """
-    parts = np.array([information(robot, shoe, visit, settings) for visit in visits])
-    prior = prior_information(robot, shoe, settings)
+    parts = np.array([information(robot, shoe, visit) for visit in visits])
+    prior = prior_information(robot, shoe)
     seen = observable(reference_information(robot, shoe, settings.training_supports, settings))
     chosen = list(itertools.combinations(range(len(visits)), count))
     totals = np.array([parts[list(indices)].sum(axis=0) for indices in chosen])
@@ -182,13 +182,11 @@ def worst_part(
     return chosen[worst], forecast(robot, shoe, totals[worst], settings)
 
 
-def total_information(
-    robot: Robot, shoe: Shoe, visits: Sequence[Visit], settings: PlannerSettings
-) -> FloatArray:
+def total_information(robot: Robot, shoe: Shoe, visits: Sequence[Visit]) -> FloatArray:
     """(2n, 2n) of several double supports together."""
     total = np.zeros((2 * len(shoe.channels), 2 * len(shoe.channels)))
     for visit in visits:
-        total += information(robot, shoe, visit, settings)
+        total += information(robot, shoe, visit)
     return total
 
 
@@ -208,11 +206,10 @@ def best_additions(
     kept = np.random.default_rng(0).permutation(len(everywhere))[:CANDIDATES]
     supports = [everywhere[index] for index in sorted(kept.tolist())]
     parts = [
-        information(robot, shoe, Visit.expected(robot, support, settings), settings)
-        for support in supports
+        information(robot, shoe, Visit.expected(robot, support, settings)) for support in supports
     ]
     seen = observable(reference_information(robot, shoe, settings.training_supports, settings))
-    prior = prior_information(robot, shoe, settings)
+    prior = prior_information(robot, shoe)
     additions: list[Addition] = []
     for _ in range(count):
         scores = _least(seen.T @ (known + prior + np.array(parts)) @ seen)
