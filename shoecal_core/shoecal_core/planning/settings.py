@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from shoecal_core.settings import SettingError, Settings, setting
 
 SOLVERS = ("sqp", "ipopt")
-MODES = ("converged", "bounded", "realtime")
 LEAN_WEIGHT, HEIGHT_WEIGHT = 1.0e3, 1.0e5
 """Of the torso's lean [1/rad^2] and height [1/m^2], in motions that pursue them."""
 
@@ -103,11 +102,6 @@ class PlannerSettings(Settings):
     solver: str = setting(
         "sqp", "", "sqp (fast, falls back to ipopt) or ipopt (reference)", choices=SOLVERS
     )
-    mode: str = setting(
-        "converged", "", "of sqp: converged (to an optimum), bounded (three iterations) or "
-        "realtime (one), of which only the states that are applied keep all constraints",
-        choices=MODES,
-    )  # fmt: skip
     tolerance: float = setting(
         1.0e-5, "m, rad, N m", "largest violation of a constraint that a solution may have",
         minimum=1e-9, maximum=1e-3,

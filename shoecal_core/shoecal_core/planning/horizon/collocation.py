@@ -170,12 +170,10 @@ class Collocation:
         problem: HorizonProblem,
         limits: Limits,
         states: FloatArray,
-        first: int | None = None,
     ) -> tuple[float, float]:
         """Cost (equation 9) and largest violation of any constraint [m, rad, N m] of states (N, k).
 
-        The violation is zero or more; it is that of so many first states, of all where no number
-        is given.
+        The violation is zero or more.
         """
         values = self.evaluate(states, problem.scene)
         moves = self.transitions(problem, states)
@@ -188,7 +186,7 @@ class Collocation:
             np.abs(values.torques) - limits.torque,
             np.abs(moves) - limits.transition,
         ]
-        worst = max(float(part[:first].max()) for part in excess if part.size)
+        worst = max(float(part.max()) for part in excess if part.size)
         return self.cost(problem, states, values), max(0.0, worst)
 
     def certified(
@@ -198,8 +196,6 @@ class Collocation:
         status: str,
         iterations: int,
         done: bool,
-        *,
-        first: int | None = None,
         limits: Limits | None = None,
     ) -> Solution:
         """A solution with its own evidence.
@@ -210,12 +206,11 @@ class Collocation:
             status: of the solver.
             iterations: that it took.
             done: the solver's own word.
-            first: so many states' violation counts; all where not given.
             limits: of the problem, where they are known.
         """
         cost, violation = np.inf, np.inf
         if np.all(np.isfinite(states)):
-            cost, violation = self.assess(problem, limits or self.limits(problem), states, first)
+            cost, violation = self.assess(problem, limits or self.limits(problem), states)
         return Solution(
             states=states,
             cost=cost,
