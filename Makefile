@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench solve-speed planner-speed live-path demo-table paper trust accuracy repeats caught-faults faults blind own-steps motion-menu pictures figures reference docs wheel lock clean
+.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench planner-speed live-path demo-table paper trust accuracy repeats caught-faults faults blind own-steps motion-menu pictures figures reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -39,14 +39,10 @@ lint: setup  ## ruff and mypy
 
 # Each measurement has arguments of its own.
 bench: override ARGS :=
-bench: solve-speed planner-speed live-path demo-table paper  ## all measurements
-
-solve-speed: export OPENBLAS_NUM_THREADS := 1
-solve-speed: setup  ## least squares compared with scipy's, into docs/evidence/performance.md
-	$(BIN)/python benchmarks/solve_speed.py $(ARGS)
+bench: planner-speed live-path demo-table paper  ## all measurements
 
 planner-speed: export OPENBLAS_NUM_THREADS := 1
-planner-speed: setup  ## the planner's solver beside IPOPT, motions in many supports (ARGS="--supports 1 --nao 20")
+planner-speed: setup  ## the planner's solver against IPOPT, motions in many supports (ARGS="--supports 1 --nao 20")
 	$(BIN)/python benchmarks/planner_speed.py $(ARGS)
 
 live-path: export OPENBLAS_NUM_THREADS := 1

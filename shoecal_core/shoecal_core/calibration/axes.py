@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from shoecal_core.calibration.checks import Finding
 from shoecal_core.samples.stance import Stance
@@ -85,7 +85,7 @@ def sideways_axes(shoe: Shoe, stances: Sequence[Stance]) -> list[SidewaysAxes]:
         if len(slopes) >= LEAST_RUNS:
             each = np.array(slopes)
             spread = each.std(axis=0, ddof=1) / np.sqrt(len(each))
-            half = student.ppf(0.975, len(each) - 1) * spread
+            half = stdtrit(len(each) - 1, 0.975) * spread
             found.append(SidewaysAxes(foot, each.mean(axis=0), half, len(each)))
     return found
 

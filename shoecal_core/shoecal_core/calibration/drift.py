@@ -11,7 +11,7 @@ from statistics import NormalDist
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import chdtri
 
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.standstill import Comparison, ModelTolerance, compare, hanging_feet
@@ -164,7 +164,7 @@ def _longest(variance: FloatArray, chance: float) -> float:
     if total <= 0.0:
         return 0.0
     squares = float((variance**2).sum())
-    return float(np.sqrt(squares / total * chi2.ppf(1.0 - chance, total**2 / squares)))
+    return float(np.sqrt(squares / total * chdtri(total**2 / squares, chance)))
 
 
 def _expected(own: FloatArray, tolerance: FloatArray, *, shared: bool) -> FloatArray:

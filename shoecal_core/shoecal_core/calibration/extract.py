@@ -139,7 +139,6 @@ def hanging_stance(
         np.full(len(aligned.time), kinematics.robot.weight),
         aligned.states.cop[:, 1 - foot],
         aligned.joint_angles,
-        aligned.efforts,
     )
 
 
@@ -178,5 +177,4 @@ def double_support_stance(
         np.full(count, kinematics.robot.weight),
         aligned.states.cop[:, 0],
         aligned.joint_angles,
-        aligned.efforts,
     )

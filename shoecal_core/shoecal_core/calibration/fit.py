@@ -1,4 +1,9 @@
-"""Self-calibration as one computation: stances in, calibrated parameters out (paper, VI)."""
+"""The paper's self-calibration (VI): initial guess, nonlinear least squares, CoP correction.
+
+For a robot that stands, a calibration fits gains and offsets together with all that robot and shoes
+may have wrong (`joint`), from the same initial guess. This chain is the paper's own; it is what a
+walk is calibrated by.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +15,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.correction_fit import fit_corrections
 from shoecal_core.calibration.least_squares import Fit, Prior, minimise
-from shoecal_core.calibration.residuals import Problem, Weights, pack, unpack
+from shoecal_core.calibration.residuals import Weights, pack, rows_of, thinned, unpack
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.walking_fit import CommonZeros, fit_walk
 from shoecal_core.estimation.initial_guess import InitialGuess, initial_guess
@@ -21,12 +26,8 @@ from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
-TOLERANCE = 1e-9
-"""Share of the cost; where a further step promises to save less, the fit ends."""
-THINNED = 10
-COARSE_SAMPLES = 20_000
-"""With more samples, every tenth is fitted first: that ends so near the minimum that a step or two
-over all of them are enough."""
+MOST_SAMPLES = 20_000
+"""Of a least squares: errors of the model stay alike for seconds, so more samples tell no more."""
 
 
 @dataclass(frozen=True)
@@ -97,23 +98,8 @@ def fit_parameters(
     shoe: Shoe, stances: Sequence[Stance], guess: InitialGuess, settings: CalibrationSettings
 ) -> Fit:
     """Nonlinear least squares over all gains, offsets and the time offset (paper, eq. 18)."""
-    weights = Weights.of(settings)
-    problem = Problem.of(stances, shoe, weights)
-    return _minimum(problem, prior_of(shoe, guess, settings), settings.max_iterations)
-
-
-def _minimum(problem: Problem, prior: Prior, max_iterations: int) -> Fit:
-    start = None
-    if problem.samples > COARSE_SAMPLES:
-        start = _minimum(problem.thinned(THINNED), prior, max_iterations).vector
-    return minimise(
-        problem.normal,
-        prior,
-        max_iterations=max_iterations,
-        tolerance=TOLERANCE,
-        cost=problem.cost,
-        start=start,
-    )
+    rows = rows_of(thinned(stances, MOST_SAMPLES), shoe, Weights.of(settings))
+    return minimise(rows, prior_of(shoe, guess, settings))
 
 
 def prior_of(shoe: Shoe, guess: InitialGuess, settings: CalibrationSettings) -> Prior:

@@ -8,11 +8,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.correction_fit import fit_corrections
 from shoecal_core.calibration.fit import SelfCalibration
 from shoecal_core.calibration.least_squares import Fit
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import RATE_HZ, JointFit, fit_jointly
 from shoecal_core.estimation.known_shoe import KnownShoe
 from shoecal_core.samples.samples import Samples
@@ -29,17 +31,17 @@ SAMPLING = SampleSettings(rate_hz=RATE_HZ)
 def joint_calibration(
     samples: Samples,
     train: Sequence[int],
-    stages: SelfCalibration,
+    guess: InitialGuess,
     settings: CalibrationSettings,
     tolerances: Tolerances,
     known: KnownShoe | None = None,
 ) -> JointFit:
-    """Fit gains, offsets and all that robot and shoes may have wrong, from where the NLS ended.
+    """Fit gains, offsets and all that robot and shoes may have wrong, from the initial guess.
 
     Args:
         samples: of all runs.
         train: runs to fit.
-        stages: initial guess and nonlinear least squares.
+        guess: where it begins, and what gains and offsets are believed to be about.
         settings, tolerances: of the calibration.
         known: of the shoe, by a manual calibration.
 
@@ -57,8 +59,7 @@ def joint_calibration(
     return fit_jointly(
         samples,
         train,
-        guess=stages.guess.parameters,
-        start=stages.parameters,
+        guess=guess.parameters,
         settings=signals,
         tolerances=tolerances,
         time_offset_std_s=settings.time_offset_std_s,
@@ -66,8 +67,21 @@ def joint_calibration(
     )
 
 
-def with_joint(stages: SelfCalibration, joint: JointFit) -> SelfCalibration:
-    """The stages with the joint fit's parameters and shoe in place of those of the NLS."""
+def of_joint(
+    joint: JointFit,
+    guess: InitialGuess,
+    guess_with_weight: InitialGuess,
+    stances: Sequence[Stance],
+    settings: CalibrationSettings,
+) -> SelfCalibration:
+    """The stages of a calibration that is found by the joint fit.
+
+    Args:
+        joint: the fit.
+        guess, guess_with_weight: where it began, and the same with the weight's row.
+        stances: with the corrected reference, for CoP corrections where the settings ask for them.
+        settings: of the calibration.
+    """
     size = len(joint.vector)
     std = joint.prior_std[:size]
     values, vectors = np.linalg.eigh(joint.information * np.outer(std, std))
@@ -83,7 +97,15 @@ def with_joint(stages: SelfCalibration, joint: JointFit) -> SelfCalibration:
         directions=vectors.T[order] * std,
         iterations=joint.steps,
     )
-    return replace(stages, shoe=joint.shoe, fit=fit, corrections=())
+    return SelfCalibration(
+        shoe=joint.shoe,
+        guess=guess,
+        guess_with_weight=guess_with_weight,
+        fit=fit,
+        corrections=fit_corrections(
+            joint.shoe, joint.parameters, joint.time_offset, stances, settings
+        ),
+    )
 
 
 def corrected(

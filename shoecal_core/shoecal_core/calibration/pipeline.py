@@ -36,7 +36,7 @@ from shoecal_core.calibration.evaluate import (
 )
 from shoecal_core.calibration.extract import stances_of, zeros_of
 from shoecal_core.calibration.fit import SelfCalibration, prior_of, self_calibrate
-from shoecal_core.calibration.joint import SAMPLING, corrected, joint_calibration, with_joint
+from shoecal_core.calibration.joint import SAMPLING, corrected, joint_calibration, of_joint
 from shoecal_core.calibration.lagging import check_lags, lags
 from shoecal_core.calibration.residuals import Weights
 from shoecal_core.calibration.screening.clocks import LEFT_STD_S, put_together
@@ -52,6 +52,7 @@ from shoecal_core.calibration.walking_fit import (
 )
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.estimation.known_shoe import known_shoe
 from shoecal_core.estimation.weight import Weighed, weigh
@@ -248,7 +249,7 @@ def calibrate_session(
     weight_kg: float | None = None,
     rezero: bool = False,
 ) -> Outcome:
-    """Self-calibration from a recording (paper, section VI).
+    """Self-calibration from a recording: by the joint fit, a walk by the least squares alone.
 
     Args:
         session: recorded.
@@ -280,17 +281,21 @@ def calibrate_session(
     if walks(training):
         common = common_zeros(data.shoe, data.zeros, train)
         training = at_common_zeros(data.shoe, training, data.zeros, common)
-    stages = self_calibrate(data.shoe, training, fitting, common)
     joint = None
-    if data.samples is not None:
+    if data.samples is None:
+        stages = self_calibrate(data.shoe, training, fitting, common)
+    else:
         known = None
         if manual is not None:
             sensing = manual.sensing(data.shoe)
             known = known_shoe(data.shoe, sensing, manual.covariance, data.robot.weight)
-        joint = joint_calibration(data.samples, train, stages, fitting, tolerances, known)
-        stages = with_joint(stages, joint)
+        guess, guess_with_weight = (
+            initial_guess(data.shoe, training, weight_row=row) for row in (False, True)
+        )
+        joint = joint_calibration(data.samples, train, guess, fitting, tolerances, known)
         data = replace(data, shoe=joint.shoe, stances=corrected(data.stances, joint))
         training = data.of(train)
+        stages = of_joint(joint, guess, guess_with_weight, training, fitting)
     found += _lagging(data, stages, training, settings)
     assessment = assess(data.robot, stages, joint, training, settings, tolerances)
     if rezero:

@@ -9,15 +9,14 @@ so dC/df_i = ((-A_iy, A_ix) - C A_iF) / F, and the gain's column is the offset's
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.moments import WrenchMoments, WrenchResiduals
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.estimation.chunks import chunks
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import ChannelParameters, weight_below
@@ -52,28 +51,6 @@ class Weights:
         if not len(stance.time):
             return 0.0
         return min(1.0, stance.duration / len(stance.time) / self.correlation)
-
-
-@dataclass(frozen=True)
-class Normal:
-    """A sum of squares and its Gauss-Newton model at one point.
-
-    Attributes:
-        cost: sum of squared residuals.
-        gradient: (p,) J^T r.
-        hessian: (p, p) J^T J.
-    """
-
-    cost: float
-    gradient: FloatArray
-    hessian: FloatArray
-
-    def __add__(self, other: Normal) -> Normal:
-        return Normal(
-            self.cost + other.cost,
-            self.gradient + other.gradient,
-            self.hessian + other.hessian,
-        )
 
 
 def pack(parameters: ChannelParameters, time_offset: float) -> FloatArray:
@@ -168,155 +145,41 @@ def hanging_residuals(
     return (wrench / scales).T.reshape(-1), jacobian
 
 
-def normal_equations(
-    vector: FloatArray, stances: Sequence[Stance], shoe: Shoe, weights: Weights
-) -> Normal:
-    """Gauss-Newton model of all residuals of all stances, in bounded memory."""
-    return Problem.of(stances, shoe, weights).normal(vector)
+def rows_of(
+    stances: Sequence[Stance],
+    shoe: Shoe,
+    weights: Weights,
+    shares: Sequence[float] | None = None,
+) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
+    """All residuals of some stances, and their Jacobian, as a function of the vector.
 
-
-def zero_normal(size: int) -> Normal:
-    """The Gauss-Newton model of nothing."""
-    return Normal(0.0, np.zeros(size), np.zeros((size, size)))
-
-
-@dataclass(frozen=True)
-class Problem:
-    """The sum of squares of all residuals of some stances, as a function of the vector.
-
-    The same as from the rows of `residuals` and `hanging_residuals`, but these are never
-    written down.
-
-    Attributes:
-        terms: loaded feet and hanging ones.
-        weights: of the residuals.
+    Args:
+        stances, shoe, weights: to be fitted.
+        shares: how much each stance counts for; all of them fully by default.
     """
+    size = 2 * len(shoe.names) + 1
 
-    terms: tuple[Term, ...]
-    weights: Weights
-
-    @classmethod
-    def of(
-        cls,
-        stances: Sequence[Stance],
-        shoe: Shoe,
-        weights: Weights,
-        shares: Sequence[float] | None = None,
-    ) -> Problem:
-        """All samples of all stances.
-
-        Args:
-            stances, shoe, weights: to be fitted.
-            shares: how much each stance that has samples counts for; all of them fully by default.
-        """
-        terms = []
-        full = [stance for stance in stances if len(stance.time)]
-        for stance, part in zip(full, shares or [1.0] * len(full), strict=True):
-            share = part * weights.of_sample(stance)
-            terms.append(Term(stance, share, stance.columns, stance.base, None))
-            foot = stance.hanging
-            if foot is not None:
-                columns = np.where((shoe.foot == foot)[:, None], shoe.columns, 0.0)
+    def rows(vector: FloatArray) -> tuple[FloatArray, FloatArray]:
+        errors, jacobians = [np.zeros(0)], [np.zeros((0, size))]
+        for stance, share in zip(stances, shares or [1.0] * len(stances), strict=True):
+            if not len(stance.time):
+                continue
+            parts = [residuals(vector, stance, weights)]
+            if stance.hanging is not None:
                 weight = float(stance.force.mean())
-                terms.append(Term(stance, share, columns, weight_below(shoe)[foot], weight))
-        return cls(tuple(terms), weights)
+                parts.append(hanging_residuals(vector, stance, shoe, weights, weight))
+            root = np.sqrt(share * weights.of_sample(stance))
+            errors += [root * error for error, _ in parts]
+            jacobians += [root * jacobian for _, jacobian in parts]
+        return np.concatenate(errors), np.concatenate(jacobians)
 
-    @property
-    def samples(self) -> int:
-        """Number of samples in all terms."""
-        return sum(len(term.stance.time) for term in self.terms)
-
-    def thinned(self, step: int) -> Problem:
-        """Every `step`-th sample of each stance, each counting for those left out."""
-        return replace(self, terms=tuple(term.thinned(step) for term in self.terms))
-
-    def cost(self, vector: FloatArray) -> float:
-        """The sum alone: cheaper than `normal`."""
-        return sum(
-            term.share * float((chunk.rows[0] ** 2).sum())
-            for term in self.terms
-            for _, chunk in term.chunks(vector, self.weights)
-        )
-
-    def normal(self, vector: FloatArray) -> Normal:
-        """Its Gauss-Newton model."""
-        total = zero_normal(len(vector))
-        for term in self.terms:
-            sums = WrenchMoments(term.columns)
-            for extended, chunk in term.chunks(vector, self.weights):
-                sums.add(extended, chunk)
-            total += Normal(
-                term.share * sums.cost, term.share * sums.gradient(), term.share * sums.hessian()
-            )
-        return total
+    return rows
 
 
-@dataclass(frozen=True)
-class Term:
-    """The loaded feet of one stance, or its hanging foot.
+def thinned(stances: Sequence[Stance], most: int) -> list[Stance]:
+    """Every k-th sample of each stance, so that there are not many more than `most` in all.
 
-    Attributes:
-        stance: the samples.
-        share: how much of an independent sample each of them counts for.
-        columns: (n, 3) what one unit of each output adds to the wrench.
-        base: (3,) wrench of the parts below the channels.
-        weight: the force under which a hanging foot's moments count [N]; None for loaded feet.
+    Those that are left count for the others: samples count by the time they stand for.
     """
-
-    stance: Stance
-    share: float
-    columns: FloatArray
-    base: FloatArray
-    weight: float | None
-
-    def thinned(self, step: int) -> Term:
-        """Every `step`-th sample."""
-        stance = self.stance.part(slice(None, None, step))
-        return replace(
-            self, stance=stance, share=self.share * len(self.stance.time) / len(stance.time)
-        )
-
-    def chunks(
-        self, vector: FloatArray, weights: Weights
-    ) -> Iterator[tuple[FloatArray, WrenchResiduals]]:
-        """S~ = (S, 1) as (n + 1, m), and the residuals there."""
-        parameters, time_offset = unpack(vector)
-        constant = parameters.offset @ self.columns + self.base
-        law = np.vstack((parameters.gain[:, None] * self.columns, constant)).T
-        for part in chunks(len(self.stance.time)):
-            readings = self.stance.readings[part]
-            extended = np.ones((law.shape[1], len(readings)))
-            extended[:-1] = readings.T
-            wrench = law @ extended
-            if self.weight is None:
-                yield extended, _loaded(wrench, self.stance, part, time_offset, weights)
-            else:
-                tight = hanging_weights(self.stance, weights)
-                yield extended, _hanging(wrench, self.weight, tight)
-
-
-def _loaded(
-    wrench: FloatArray, stance: Stance, part: slice, time_offset: float, weights: Weights
-) -> WrenchResiduals:
-    """Of wrenches (3, m) that should have the model's force and CoP."""
-    force, mx, my = wrench
-    inverse = 1.0 / (weights.cop * force)
-    place = np.empty((2, len(force)))
-    np.multiply(my, -inverse, out=place[0])
-    np.multiply(mx, inverse, out=place[1])
-    rows = np.zeros((2, *wrench.shape))
-    error, late = rows
-    np.divide(stance.cop_rate[part].T, -weights.cop, out=late[1:])
-    np.multiply(time_offset, late, out=error)
-    error[0] = (force - stance.force[part]) / weights.force
-    error[1:] += place - stance.cop[part].T / weights.cop
-    return WrenchResiduals(rows, 1.0 / weights.force, inverse, place / force)
-
-
-def _hanging(wrench: FloatArray, weight: float, weights: Weights) -> WrenchResiduals:
-    """Of wrenches (3, m) that should be zero; a moment shifts the CoP of `weight` [N]."""
-    force, mx, my = wrench
-    inverse = np.full_like(force, 1.0 / (weights.cop * weight))
-    rows = np.zeros((2, *wrench.shape))
-    rows[0] = force / weights.force, -my * inverse, mx * inverse
-    return WrenchResiduals(rows, 1.0 / weights.force, inverse, np.zeros((2, len(force))))
+    step = math.ceil(sum(len(stance.time) for stance in stances) / most)
+    return [stance.part(slice(None, None, step)) for stance in stances] if step > 1 else [*stances]

@@ -48,4 +48,3 @@ class CalibrationSettings(Settings):
         "gains, and of each channel's even share of the weight",
         minimum=1e-6,
     )
-    max_iterations: int = setting(50, "", "of the least squares", minimum=1)

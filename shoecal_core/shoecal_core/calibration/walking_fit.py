@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.checks import Finding
 from shoecal_core.calibration.least_squares import Fit, Prior, minimise
-from shoecal_core.calibration.residuals import Problem, Weights, errors
+from shoecal_core.calibration.residuals import Weights, errors, rows_of
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import Zero
@@ -31,7 +31,6 @@ LEAST_ALONE_S = 2.0
 """On each foot of a walk."""
 REWEIGHED = 3
 """Times that the size of residuals is looked at."""
-TOLERANCE = 1e-9
 
 
 @dataclass(frozen=True)
@@ -99,21 +98,12 @@ def fit_walk(
     mean[offsets][known] = 0.0
     std[offsets][known] = (np.abs(mean[:count]) * common.std)[known]
     kinds = Counter(stance.loaded for stance in centred if len(stance.time))
-    shares = [1.0 / kinds[stance.loaded] for stance in centred if len(stance.time)]
+    shares = [1.0 / max(1, kinds[stance.loaded]) for stance in centred]
     weights = Weights.of(settings)
-    vector = mean
     for _ in range(REWEIGHED):
-        problem = Problem.of(centred, shoe, weights, shares)
-        fit = minimise(
-            problem.normal,
-            Prior(mean, std),
-            max_iterations=settings.max_iterations,
-            tolerance=TOLERANCE,
-            cost=problem.cost,
-            start=vector,
-        )
-        vector = fit.vector
-        weights = _as_large(vector, centred, settings)
+        rows = rows_of(centred, shoe, weights, shares)
+        fit = minimise(rows, Prior(mean, std))
+        weights = _as_large(fit.vector, centred, settings)
     return _uncentred(fit, common.reading)
 
 

@@ -184,7 +184,7 @@ def _forecast(
     console: Console,
 ) -> tuple[PlanForecast, dict[str, object]]:
     """Print and return what the planned motions will tell, and what more would."""
-    visits = [Visit.of(planned.motion, settings) for planned in plan.motions]
+    visits = [Visit.of(planned.motion) for planned in plan.motions]
     whole = forecast_visits(robot, shoe, visits, settings)
     rows = [(f"all {len(visits)}", whole)]
     told: dict[str, object] = {"all": whole.to_json()}
@@ -194,7 +194,7 @@ def _forecast(
         runs = [plan.numbers[index] for index in indices]
         rows.append((f"at worst {trained} of them ({', '.join(map(str, runs))})", worst))
         told["worst_training"] = {"motions": runs, **worst.to_json()}
-    known = total_information(robot, shoe, visits, settings)
+    known = total_information(robot, shoe, visits)
     additions = best_additions(robot, shoe, known, settings, ADDITIONS)
     told["best_additions"] = [addition.to_json() for addition in additions]
     console.print(forecast_table(rows))

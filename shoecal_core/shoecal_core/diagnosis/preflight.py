@@ -41,13 +41,10 @@ class Preflight:
     Attributes:
         cannot_detect: effects that would not show at a size that matters, in words.
         cannot_separate: sets of labels of which the session takes one for another.
-        detectable: hypotheses that would show. tried: all of them.
     """
 
     cannot_detect: tuple[str, ...]
     cannot_separate: tuple[tuple[str, ...], ...]
-    detectable: int
-    tried: int
 
 
 def preflight(workspace: Workspace, settings: DiagnosisSettings) -> Preflight:
@@ -61,8 +58,6 @@ def preflight(workspace: Workspace, settings: DiagnosisSettings) -> Preflight:
     return Preflight(
         cannot_detect=(*_missing_channels(workspace), *_unseen(workspace, seen)),
         cannot_separate=_alike(shown, left, sizes),
-        detectable=len(shown),
-        tried=len(hypotheses),
     )
 
 

@@ -160,14 +160,12 @@ class Solution:
         covariance: (p + k, p + k) under unit noise.
         squares: weighted sum of squares left, priors included.
         log_volume: half the logarithm of how much the data narrow the k columns' priors.
-        log_all: the same of all columns, the baseline's included.
     """
 
     vector: FloatArray
     covariance: FloatArray
     squares: float
     log_volume: float
-    log_all: float
 
 
 def solve(products: FloatArray, sums: Sums, columns: Sequence[int], std: FloatArray) -> Solution:
@@ -191,9 +189,7 @@ def solve(products: FloatArray, sums: Sums, columns: Sequence[int], std: FloatAr
     squares = float(products[-1, -1] - right @ vector)
     k = len(std)
     volume = 0.0
-    everything = float(np.log(np.diag(factor)).sum() - np.log(scale).sum())
-    everything -= 0.5 * float(np.log(precision).sum())
     if k:
         tail = covariance[-k:, -k:] / np.outer(std, std)
         volume = -0.5 * float(np.linalg.slogdet(tail)[1])
-    return Solution(vector, covariance, squares, volume, everything)
+    return Solution(vector, covariance, squares, volume)

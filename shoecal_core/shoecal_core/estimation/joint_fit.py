@@ -145,7 +145,6 @@ def fit_jointly(
     samples: Samples,
     train: Sequence[int],
     guess: ChannelParameters,
-    start: ChannelParameters,
     settings: SignalSettings,
     tolerances: Tolerances,
     time_offset_std_s: float,
@@ -156,8 +155,7 @@ def fit_jointly(
     Args:
         samples: means of all runs.
         train: numbers of the runs to fit.
-        guess: gains and offsets that the priors are about.
-        start: gains and offsets to begin with.
+        guess: gains and offsets that the priors are about, and to begin with.
         settings: priors, and the size of the form error.
         tolerances: how far robot and shoes may be off their files.
         time_offset_std_s: how far joints and readings may be apart in time [s].
@@ -175,7 +173,7 @@ def fit_jointly(
     if lost.any():
         named = ", ".join(np.array(samples.shoe.names)[lost])
         raise ShoecalError(f"readings of {named} are not numbers: leave those samples out")
-    scene = make_scene(samples, start, settings).with_planes(settings)
+    scene = make_scene(samples, guess, settings).with_planes(settings)
     late = _time_offset_column(scene)
     own_std = np.append(
         parameter_std(samples.shoe, guess, samples.robot.weight, settings),

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.samples.zeros import Zero, data_sheet
@@ -71,6 +71,6 @@ def weigh(shoe: Shoe, readings: Mapping[int, FloatArray], zeros: Sequence[Zero])
     half = 1.96 * float(np.median(unsure))
     if len(found) > 1:
         spread = float(found.std(ddof=1)) / np.sqrt(len(found))
-        half = float(np.hypot(half, student.ppf(0.975, len(found) - 1) * spread))
+        half = float(np.hypot(half, stdtrit(len(found) - 1, 0.975) * spread))
     kg = float(found.mean())
     return Weighed(kg, (kg - half, kg + half), tuple(each))

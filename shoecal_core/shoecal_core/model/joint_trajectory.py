@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicHermiteSpline, PchipInterpolator
 
 from shoecal_core.errors import NameNotFoundError, ShapeError, ShoecalError
 from shoecal_core.model.robot import Robot
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicHermiteSpline
 
 FloatArray = NDArray[np.float64]
 
@@ -102,6 +105,9 @@ class JointTrajectory:
 
     @cached_property
     def _curve(self) -> CubicHermiteSpline:
+        # Nodes that pass trajectories on never come here, and start in half the time without.
+        from scipy.interpolate import CubicHermiteSpline, PchipInterpolator  # noqa: PLC0415
+
         # Monotone between points: no joint swings beyond what was planned.
         if len(self.times) == 2:
             slopes = np.zeros_like(self.positions)

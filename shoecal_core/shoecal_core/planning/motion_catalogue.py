@@ -147,7 +147,7 @@ def _unload(standing: InitialStance, support_phase: SupportPhase) -> tuple[Motio
         pose,
         lifted(pose, support_phase, settings.lift),
         support_phase,
-        vertical_states(settings.lift, settings),
+        vertical_states(settings.lift),
     )
     aim = in_standing(tasks, pose, support_phase)
     return (
@@ -163,7 +163,7 @@ def _put_down(standing: InitialStance) -> tuple[MotionSegment, ...]:
     settings, pose, support_phase = standing.settings, standing.foot_pose, standing.support_phase
     height = swing_height(pose, support_phase)
     down = lifted(pose, support_phase, -height)
-    states = vertical_states(height, settings)
+    states = vertical_states(height)
     aim = in_standing(standing.tasks, pose, support_phase)
     ended = in_left(aim, down, support_phase)
     ended[:2] = middle(standing.robot, down.support)

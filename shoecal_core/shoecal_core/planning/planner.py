@@ -236,16 +236,6 @@ class Planner:
         return InitialStance(robot, self.settings, foot_pose, now, on_one, support_phase)
 
 
-def plan_motion(
-    robot: Robot,
-    settings: PlannerSettings,
-    support: DoubleSupport,
-    motion: str = "landmarks",
-) -> Motion:
-    """As Planner.plan, for a single call."""
-    return Planner(robot, settings).plan(support, motion)
-
-
 def _solvers(collocation: Collocation) -> list[Solver]:
     """The one that is set, and the reference where the fast one fails."""
     reference = IpoptSolver(collocation)

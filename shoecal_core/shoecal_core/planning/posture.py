@@ -32,6 +32,8 @@ this is none. IPOPT relaxes bounds in proportion to them."""
 
 _ASIDE = 0.008
 """m; on one foot the CoP may be so far from its middle where this spares the motors."""
+_UPRIGHT_WEIGHT = 5.0
+"""Of an upright torso, against joint angles near the nominal ones."""
 _ASIDE_WEIGHT = 100.0
 """1/m^2, of that against joint angles near the nominal ones."""
 
@@ -95,7 +97,7 @@ class StanceSolver:
         terms = LegExpressions(robot)
         target = ca.SX.sym("target", 2)
         cost = ca.sumsqr(terms.angles - legs.nominal)
-        cost += settings.upright_weight * ca.sumsqr(terms.lean)
+        cost += _UPRIGHT_WEIGHT * ca.sumsqr(terms.lean)
         cost += _ASIDE_WEIGHT * ca.sumsqr(terms.cop - target)
         parameters = ca.vertcat(terms.foot_pose, terms.share, target, terms.others)
         constraints = ca.vertcat(terms.torques, terms.cop - target, terms.foot_error)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from shoecal_core.settings import SettingError, Settings, setting
 
 SOLVERS = ("sqp", "ipopt")
-MODES = ("converged", "bounded", "realtime")
-CHOICES = ("spread", "d_optimal", "e_optimal")
+LEAN_WEIGHT, HEIGHT_WEIGHT = 1.0e3, 1.0e5
+"""Of the torso's lean [1/rad^2] and height [1/m^2], in motions that pursue them."""
 
 
 @dataclass(frozen=True)
@@ -34,28 +34,13 @@ class PlannerSettings(Settings):
     foot_clearance: float = setting(
         0.006, "m", "least gap between the outlines of the two feet", minimum=0.0
     )
-    support_choice: str = setting(
-        "spread", "", "spread (far from each other), or those that promise the most: d_optimal "
-        "(least uncertainty of all directions together), e_optimal (of the worst direction)",
-        choices=CHOICES,
-    )  # fmt: skip
-    design_pool: int = setting(
-        64, "", "double supports that pass all checks, of which those that promise the most are "
-        "chosen", minimum=1,
-    )  # fmt: skip
     support_pool: int = setting(
         16, "", "double supports that pass all checks, from which the sets are drawn", minimum=1
-    )
-    support_candidates: int = setting(
-        6, "", "draws from which the double support farthest from those kept is taken", minimum=1
     )
     landmarks_in_reach: int = setting(
         3, "", "landmarks (of four) above which the robot must be able to stand", minimum=0,
         maximum=4,
     )  # fmt: skip
-    support_redraws: int = setting(
-        100, "", "sets drawn from a pool before more double supports are looked for", minimum=1
-    )
     training_supports: int = setting(
         3, "", "fewer double supports are not asked to fix every observable direction", minimum=1
     )
@@ -63,36 +48,7 @@ class PlannerSettings(Settings):
         2, "", "double supports without which the others still fix those directions", minimum=0
     )
 
-    # Forecast of what the data will tell; the calibrator's settings under its own names
-    places: int = setting(
-        40, "", "CoP places a double support, for predicting what its data will fix", minimum=3
-    )
-    grf_noise: float = setting(
-        0.3, "N", "standard deviation of GRF, errors of modelling included (force_std_n)",
-        minimum=1e-6,
-    )  # fmt: skip
-    cop_noise: float = setting(
-        0.0025, "m", "standard deviation of CoP, errors of modelling included (cop_std_m)",
-        minimum=1e-9,
-    )  # fmt: skip
-    correlation_time: float = setting(
-        2.0, "s", "for how long those errors stay alike (correlation_s)", minimum=1e-3
-    )
-    uneven_share: float = setting(
-        0.3, "", "how far the feet share the load otherwise than equal springs, over an even share "
-        "of the weight", minimum=0.0,
-    )  # fmt: skip
-    gain_prior: float = setting(
-        1.0, "", "how far gains are off their initial guess, as a share of it (gain_std)",
-        minimum=1e-6,
-    )  # fmt: skip
-    nominal_gain_prior: float = setting(
-        0.1, "", "the same for channels whose data sheet gives a gain (nominal_gain_std)",
-        minimum=1e-6,
-    )  # fmt: skip
-    offset_prior: float = setting(
-        30.0, "N", "how far offsets are off their initial guess (offset_std_n)", minimum=1e-6
-    )
+    # Forecast of what the data will tell
     fixed_below: float = setting(
         0.8, "", "a direction counts as fixed when its relative uncertainty is below this (the fit "
         "asks for 1)", minimum=1e-6,
@@ -112,10 +68,6 @@ class PlannerSettings(Settings):
     torque_share: float = setting(
         0.8, "", "part of a motor's torque limit that holding a posture may need",
         minimum=0.01, maximum=1.0,
-    )  # fmt: skip
-    upright_weight: float = setting(
-        5.0, "", "weight of an upright torso against joint angles near the nominal ones",
-        minimum=0.0,
     )  # fmt: skip
 
     # Optimisation over one horizon
@@ -150,23 +102,11 @@ class PlannerSettings(Settings):
     solver: str = setting(
         "sqp", "", "sqp (fast, falls back to ipopt) or ipopt (reference)", choices=SOLVERS
     )
-    mode: str = setting(
-        "converged", "", "of sqp: converged (to an optimum), bounded (three iterations) or "
-        "realtime (one), of which only the states that are applied keep all constraints",
-        choices=MODES,
-    )  # fmt: skip
     tolerance: float = setting(
         1.0e-5, "m, rad, N m", "largest violation of a constraint that a solution may have",
         minimum=1e-9, maximum=1e-3,
     )  # fmt: skip
     iterations: int = setting(200, "", "most iterations of one optimisation", minimum=1)
-
-    lean_weight: float = setting(
-        1.0e3, "1/rad^2", "weight of the torso's lean, in motions that pursue it", minimum=0.0
-    )
-    height_weight: float = setting(
-        1.0e5, "1/m^2", "weight of the torso's height, in motions that pursue it", minimum=0.0
-    )
 
     # Rolling horizon (Algorithm 1)
     applied_states: int = setting(
@@ -182,10 +122,6 @@ class PlannerSettings(Settings):
         3, "steps", "steps without progress after which the next landmark is taken", minimum=1
     )
     steps_max: int = setting(600, "steps", "most steps of one motion", minimum=1)
-    recovery: float = setting(
-        0.25, "", "part of a step's way used to come back inside a constraint",
-        minimum=0.01, maximum=1.0,
-    )  # fmt: skip
 
     # Timing of a motion
     hold_time: float = setting(1.5, "s", "standing still before and after a motion", minimum=0.0)
@@ -197,10 +133,6 @@ class PlannerSettings(Settings):
     dynamic_cop_error: float = setting(
         0.0004, "m", "largest shift of the CoP that the CoM's acceleration causes", minimum=1e-6
     )
-    margin_kept: float = setting(
-        0.8, "", "part of each margin that is left between planned states, where they are joined",
-        minimum=0.0, maximum=1.0,
-    )  # fmt: skip
     foot_drift: float = setting(
         0.0001, "m, rad", "largest change of the pose between the feet that a check lets pass",
         minimum=1e-6,
@@ -230,10 +162,6 @@ class PlannerSettings(Settings):
         0.004, "m", "feet nearer to a double support than this stand in it", minimum=1e-4
     )
     step_yaw_error: float = setting(0.02, "rad", "the same, of the yaw between them", minimum=1e-4)
-    step_way: float = setting(0.005, "m", "way of a carried foot from state to state", minimum=1e-4)
-    step_turn: float = setting(
-        0.035, "rad", "turn of a carried foot from state to state", minimum=1e-3
-    )
 
     # A start that is measured
     sole_height: float = setting(
@@ -263,7 +191,7 @@ class PlannerSettings(Settings):
     def task_weights(self) -> NDArray[np.float64]:
         """(5,) of CoP, lean and height where all are pursued; see Aim."""
         weights = self.cop_weights
-        weights[2:] = self.lean_weight, self.lean_weight, self.height_weight
+        weights[2:] = LEAN_WEIGHT, LEAN_WEIGHT, HEIGHT_WEIGHT
         return weights
 
     def finer(self) -> Self:

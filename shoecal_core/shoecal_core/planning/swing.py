@@ -22,6 +22,8 @@ _ASIDE = np.linspace(0.0, 0.12, 25)
 """m; how far to the side a foot may be led round the other one."""
 _OUTWARD = np.arange(0.0, 0.04, 0.001)
 """m; how far outward a foot may be lifted."""
+STEP_WAY, STEP_TURN = 0.005, 0.035
+"""Way [m] and turn [rad] of a carried foot from state to state."""
 _STATES_MIN = 6
 """Of a part of a way."""
 _HASTE = 15.0 / 8.0
@@ -75,9 +77,9 @@ def stance_foot(pose: FootPose) -> tuple[SupportPhase, float]:
     )
 
 
-def vertical_states(height: float, settings: PlannerSettings) -> int:
+def vertical_states(height: float) -> int:
     """States that lifting a foot takes."""
-    return max(_STATES_MIN, math.ceil(_HASTE * height / settings.step_way))
+    return max(_STATES_MIN, math.ceil(_HASTE * height / STEP_WAY))
 
 
 def interpolated_poses(
@@ -130,12 +132,12 @@ def swing_path(
     if _gap(robot, (end,)) >= min(settings.foot_clearance, _gap(robot, (begin,))) - 1e-9:
         above, below = (_above(robot, pose, support_phase, settings) for pose in (begin, end))
         for aside in _ASIDE:
-            along = _led(above, below, support_phase, aside, settings)
+            along = _led(above, below, support_phase, aside)
             if _gap(robot, along) >= settings.step_clearance - 1e-9:
                 return (
-                    *_led(begin, above, support_phase, 0.0, settings),
+                    *_led(begin, above, support_phase, 0.0),
                     *along[1:],
-                    *_led(below, end, support_phase, 0.0, settings)[1:],
+                    *_led(below, end, support_phase, 0.0)[1:],
                 )
     raise NoSwingPathError(
         "a foot cannot be carried past the other one without touching it; go by way of a wider "
@@ -168,13 +170,12 @@ def _led(
     end: FootPose,
     support_phase: SupportPhase,
     aside: float,
-    settings: PlannerSettings,
 ) -> tuple[FootPose, ...]:
-    """As interpolated_poses, in as many states as the settings allow at least."""
+    """As interpolated_poses, in as many states as a carried foot takes."""
     first, last = _of_swing(begin, support_phase), _of_swing(end, support_phase)
     way = float(np.linalg.norm(last.translation - first.translation)) + math.pi * aside
     turn = Rotation.from_matrix(first.rotation.T @ last.rotation).magnitude()
-    states = math.ceil(_HASTE * max(way / settings.step_way, turn / settings.step_turn))
+    states = math.ceil(_HASTE * max(way / STEP_WAY, turn / STEP_TURN))
     return interpolated_poses(begin, end, support_phase, max(_STATES_MIN, states), aside)
 
 

@@ -66,10 +66,6 @@ def read_run(path: Path, shoe: Shoe) -> Run:
         base_pose=_base_pose(source, start),
         imu=_imu(source, start),
         shoe_temperature=_shoe_temperature(source, start),
-        joint_temperature={
-            block.frame_id: _temperature(block, start)
-            for block in source.blocks(schemas.JOINT_TEMPERATURES)
-        },
         notes=(*source.contents.info.notes, *source.notes),
     )
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -155,7 +154,6 @@ class Run:
         joints, readings: always there.
         commanded: trajectories in the order they were received.
         base_pose, imu, shoe_temperature: None where not recorded.
-        joint_temperature: by joint; empty where not recorded.
         notes: what was dropped or is missing, for a person to read.
     """
 
@@ -168,7 +166,6 @@ class Run:
     base_pose: PoseSamples | None = None
     imu: ImuSamples | None = None
     shoe_temperature: TemperatureSamples | None = None
-    joint_temperature: Mapping[str, TemperatureSamples] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
 

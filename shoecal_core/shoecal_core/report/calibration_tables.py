@@ -123,7 +123,7 @@ def stages_table(content: CalibrationReport, stages: SelfCalibration) -> Table:
         rows.append((label, f"gain {gain}, offset {offset}"))
     rows += [
         (
-            "nonlinear least squares",
+            "least squares of gains and offsets",
             f"{fit.iterations} iterations, cost {_cost(fit.initial_cost)} → {_cost(fit.cost)}",
         ),
         ("CoP correction", _corrected(stages)),

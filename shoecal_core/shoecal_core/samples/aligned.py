@@ -30,24 +30,19 @@ class Aligned:
         readings: (T, n) raw, all finite.
         joint_angles: (T, m) of the whole robot [rad].
         states: what the joint angles say.
-        efforts: (T, m) of the joints [N m], 0 where one was not told; None without any.
     """
 
     time: FloatArray
     readings: FloatArray
     joint_angles: FloatArray
     states: BodyStates
-    efforts: FloatArray | None = None
 
     def part(self, part: NDArray[np.bool_]) -> Aligned:
         """Some of the samples."""
         states = BodyStates(
             **{field.name: getattr(self.states, field.name)[part] for field in fields(BodyStates)}
         )
-        efforts = None if self.efforts is None else self.efforts[part]
-        return Aligned(
-            self.time[part], self.readings[part], self.joint_angles[part], states, efforts
-        )
+        return Aligned(self.time[part], self.readings[part], self.joint_angles[part], states)
 
 
 def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) -> Aligned:
@@ -76,29 +71,8 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
             f"channels and joint angles; {_cure(run)}",
         )
     angles = angles[covered]
-    return Aligned(
-        time[covered],
-        run.readings.value[good][covered],
-        angles,
-        kinematics.states(angles),
-        _efforts(run, kinematics.robot, time[covered], late_s),
-    )
-
-
-def _efforts(run: Run, robot: Robot, time: FloatArray, late_s: float) -> FloatArray | None:
-    """(T, m) of all joints; None where those of the legs were not told."""
-    told = run.joints.effort
-    if told is None:
-        return None
-    efforts = np.zeros((len(time), len(robot.joint_names)))
-    for joint, name in enumerate(robot.joint_names):
-        known = name in run.joints.names
-        own = told[:, run.joints.names.index(name)] if known else np.full(1, np.nan)
-        if np.isfinite(own).all():
-            efforts[:, joint] = np.interp(time, run.joints.time - late_s, own)
-        elif joint in robot.legs:
-            return None
-    return efforts if np.any(efforts) else None
+    readings = run.readings.value[good][covered]
+    return Aligned(time[covered], readings, angles, kinematics.states(angles))
 
 
 def _cure(run: Run) -> str:

@@ -39,7 +39,6 @@ class Stance:
         columns: (n, 3) what one unit of each output adds to the total wrench.
         base: (3,) wrench of the parts below the channels of the loaded feet.
         angles: (T, m) joint angles behind the model's values [rad]; None where there is no body.
-        efforts: (T, m) torques of the joints [N m]; None where none were told.
         push: (T, 2) sideways force of the floor that the model expects; None for slow motions [N].
     """
 
@@ -54,7 +53,6 @@ class Stance:
     columns: FloatArray
     base: FloatArray
     angles: FloatArray | None = None
-    efforts: FloatArray | None = None
     push: FloatArray | None = None
 
     def __post_init__(self) -> None:
@@ -74,8 +72,6 @@ class Stance:
                 raise ShoecalError(f"run {self.run}: {name} holds a number that is not finite")
         if self.angles is not None and self.angles.shape[:-1] != (count,):
             raise ShapeError("angles", f"({count}, m)", self.angles.shape)
-        if self.efforts is not None and self.efforts.shape[:-1] != (count,):
-            raise ShapeError("efforts", f"({count}, m)", self.efforts.shape)
 
     @property
     def duration(self) -> float:
@@ -110,7 +106,6 @@ class Stance:
             cop=self.cop[part],
             cop_rate=self.cop_rate[part],
             angles=None if self.angles is None else self.angles[part],
-            efforts=None if self.efforts is None else self.efforts[part],
             push=None if self.push is None else self.push[part],
         )
 
@@ -125,7 +120,6 @@ def make_stance(
     force: FloatArray,
     cop: FloatArray,
     angles: FloatArray | None = None,
-    efforts: FloatArray | None = None,
 ) -> Stance:
     """A stance of given samples; columns, base and rate of the CoP follow."""
     if all(loaded):
@@ -138,5 +132,4 @@ def make_stance(
     rate = np.gradient(cop, time, axis=0) if len(time) > 1 else np.zeros_like(cop)
     return Stance(
         run, loaded, support, time, readings, force, cop, rate, columns, np.asarray(base), angles,
-        efforts,
     )  # fmt: skip

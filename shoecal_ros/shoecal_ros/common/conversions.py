@@ -121,27 +121,6 @@ def joints_to_ros(sample: JointSample) -> JointState:
     return message
 
 
-def joints_from_ros(message: JointState) -> JointSample:
-    """Joint angles of a message.
-
-    Raises:
-        MessageError: when names and positions do not match.
-    """
-    names = tuple(message.name)
-    position = np.array(message.position)
-    if position.shape != (len(names),):
-        raise MessageError(
-            f"joint_states: {len(position)} positions for {len(names)} names; mend its sender"
-        )
-    effort = np.array(message.effort)
-    return JointSample(
-        time_from_ros(message.header.stamp),
-        names,
-        position,
-        effort if effort.shape == position.shape and names else None,
-    )
-
-
 def voltages_to_ros(frame: VoltageFrame) -> ShoeVoltages:
     """A device frame as a message."""
     message = ShoeVoltages()
@@ -246,12 +225,6 @@ def wrench_to_ros(stamp_ns: int, frame_id: str, wrench: Iterable[float]) -> Wren
     message.wrench.torque.x = about_x
     message.wrench.torque.y = about_y
     return message
-
-
-def wrench_from_ros(message: WrenchStamped) -> FloatArray:
-    """The vertical floor wrench (3,) = F [N], Mx, My [N m] of a message."""
-    wrench = message.wrench
-    return np.array([wrench.force.z, wrench.torque.x, wrench.torque.y])
 
 
 # Calibrations

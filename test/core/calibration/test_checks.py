@@ -127,7 +127,7 @@ def test_missing_directions() -> None:
     straight = [
         Visit.expected(body.robot, DoubleSupport(dx, -0.104, 0.0), settings) for dx in (0.0, 0.05)
     ]
-    known = total_information(body.robot, body.shoe, straight, settings)
+    known = total_information(body.robot, body.shoe, straight)
     told = forecast(body.robot, body.shoe, known, settings)
     assert told.weak
     (finding,) = check_directions(told, ())

@@ -1,4 +1,4 @@
-"""Residuals and their Gauss-Newton model (paper, eq. 18)."""
+"""Residuals and their derivatives (paper, eq. 18)."""
 
 from __future__ import annotations
 
@@ -13,16 +13,13 @@ from core.calibration import synthetic
 from core.calibration.derivatives import assert_jacobian
 from core.sensing import shoes
 from shoecal_core.calibration.residuals import (
-    Normal,
     Weights,
     hanging_residuals,
-    normal_equations,
     pack,
     residuals,
+    rows_of,
     unpack,
-    zero_normal,
 )
-from shoecal_core.estimation import chunks
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.sensing.sensing import Sensing
@@ -81,9 +78,8 @@ def test_no_residual_at_the_truth(
         if stance.hanging is not None:
             error, _ = hanging_residuals(pack(truth, 0.0), stance, shoe, WEIGHTS, 50.0)
             np.testing.assert_allclose(error, 0.0, atol=1e-9)
-    normal = normal_equations(pack(truth, 0.0), walk(shoe, truth, rng), shoe, WEIGHTS)
-    assert normal.cost == pytest.approx(0.0, abs=1e-12)
-    np.testing.assert_allclose(normal.gradient, 0.0, atol=1e-6)
+    errors, _ = rows_of(walk(shoe, truth, rng), shoe, WEIGHTS)(pack(truth, 0.0))
+    np.testing.assert_allclose(errors, 0.0, atol=1e-6)
 
 
 def test_residuals_by_hand() -> None:
@@ -165,7 +161,7 @@ def test_jacobian_of_six_axis_sensors(rng: np.random.Generator) -> None:
     )
 
 
-def test_gradient_and_hessian_are_those_of_the_weighed_cost(
+def test_all_rows_are_those_of_the_stances_by_their_weights(
     shoe: Shoe, truth: ChannelParameters, rng: np.random.Generator
 ) -> None:
     stances = walk(shoe, truth, rng)
@@ -183,33 +179,10 @@ def test_gradient_and_hessian_are_those_of_the_weighed_cost(
             jacobians += [share * part[1] for part in parts]
         return np.concatenate(errors), np.concatenate(jacobians)
 
-    normal = normal_equations(vector, stances, shoe, WEIGHTS)
-    error, jacobian = weighed(vector)
-    assert normal.cost == pytest.approx(error @ error)
-    np.testing.assert_allclose(normal.gradient, jacobian.T @ error, rtol=1e-9)
-    np.testing.assert_allclose(normal.hessian, jacobian.T @ jacobian, rtol=1e-9, atol=1e-9)
-    # The gradient is half the derivative of the sum of squares.
-    assert_jacobian(
-        lambda v: np.array([normal_equations(v, stances, shoe, WEIGHTS).cost]),
-        2.0 * normal.gradient[None],
-        vector,
-        tolerance=1e-6,
-    )
-
-
-@pytest.mark.parametrize("chunk", [1, 7, 40, 59])
-def test_chunks_do_not_change_the_result(
-    shoe: Shoe, truth: ChannelParameters, rng: np.random.Generator, chunk: int,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
-    stances = walk(shoe, truth, rng)
-    vector = away(truth, rng)
-    whole = normal_equations(vector, stances, shoe, WEIGHTS)
-    monkeypatch.setattr(chunks, "CHUNK", chunk)
-    parts = normal_equations(vector, stances, shoe, WEIGHTS)
-    assert parts.cost == pytest.approx(whole.cost, rel=1e-12)
-    np.testing.assert_allclose(parts.gradient, whole.gradient, rtol=1e-9, atol=1e-9)
-    np.testing.assert_allclose(parts.hessian, whole.hessian, rtol=1e-10, atol=1e-9)
+    rows = rows_of(stances, shoe, WEIGHTS)
+    for found, expected in zip(rows(vector), weighed(vector), strict=True):
+        np.testing.assert_allclose(found, expected, rtol=1e-12)
+    assert_jacobian(lambda v: rows(v)[0], rows(vector)[1], vector, tolerance=1e-6)
 
 
 def test_an_offset_pattern_that_nobody_can_see(rng: np.random.Generator) -> None:
@@ -227,10 +200,10 @@ def test_an_offset_pattern_that_nobody_can_see(rng: np.random.Generator) -> None
                 residuals(vector, stance, WEIGHTS)[0],
                 atol=1e-9,
             )
-    hessian = normal_equations(vector, stances, shoe, WEIGHTS).hessian
+    jacobian = rows_of(stances, shoe, WEIGHTS)(vector)[1]
     pattern = np.zeros(17)
     pattern[8:12] = 1.0, -1.0, -1.0, 1.0
-    np.testing.assert_allclose(hessian @ pattern, 0.0, atol=1e-9)
+    np.testing.assert_allclose(jacobian @ pattern, 0.0, atol=1e-9)
 
 
 # ---- weights ----------------------------------------------------------------------------------
@@ -249,25 +222,16 @@ def test_samples_count_by_the_time_they_stand_for(
 def test_twice_the_rate_is_not_twice_the_evidence(shoe: Shoe, truth: ChannelParameters) -> None:
     vector = away(truth, np.random.default_rng(1))
 
-    def at(rate: float) -> Normal:
+    def at(rate: float) -> tuple[float, FloatArray]:
         draw = np.random.default_rng(3)
         run = synthetic.stance(shoe, truth, SUPPORT, draw, count=round(20 * rate), rate=rate)
-        return normal_equations(vector, [run], shoe, WEIGHTS)
+        errors, jacobian = rows_of([run], shoe, WEIGHTS)(vector)
+        return float(errors @ errors), jacobian.T @ jacobian
 
-    slow, fast = at(20.0), at(100.0)
-    assert fast.cost == pytest.approx(slow.cost, rel=2e-3)
-    size = np.sqrt(np.diag(slow.hessian))
-    np.testing.assert_allclose(
-        fast.hessian / np.outer(size, size), slow.hessian / np.outer(size, size), atol=5e-3
-    )
-
-
-def test_adding_up() -> None:
-    one = Normal(1.0, np.array([1.0, 2.0]), np.eye(2))
-    total = zero_normal(2) + one + one
-    assert total.cost == 2.0
-    np.testing.assert_array_equal(total.gradient, [2.0, 4.0])
-    np.testing.assert_array_equal(total.hessian, 2.0 * np.eye(2))
+    (slow_cost, slow), (fast_cost, fast) = at(20.0), at(100.0)
+    assert fast_cost == pytest.approx(slow_cost, rel=2e-3)
+    size = np.sqrt(np.diag(slow))
+    np.testing.assert_allclose(fast / np.outer(size, size), slow / np.outer(size, size), atol=5e-3)
 
 
 def test_a_hanging_moment_counts_as_the_cop_error_it_would_cause(

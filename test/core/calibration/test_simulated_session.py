@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 
+from shoecal_core.calibration.joint import of_joint
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
+from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.calibrate_command import to_json
 from shoecal_core.recording.session import Session
 from shoecal_core.report.error_source_names import source_name
@@ -50,6 +53,21 @@ def test_it_is_fitted_with_all_that_may_be_wrong(outcome: Outcome) -> None:
     assert outcome.calibration.corrections == ()
     effects = {one.deviation.effect for one in joint.deviations}
     assert {"joint_offset", "backlash", "cell_position", "plates", "support"} <= effects
+
+
+def test_a_cop_correction_is_fitted_to_what_the_joint_fit_leaves_if_asked_for(
+    outcome: Outcome,
+) -> None:
+    joint, stages = outcome.joint, outcome.stages
+    assert joint is not None
+    bent = [
+        replace(one, cop=one.cop + 2.0 * one.cop * np.abs(one.cop))
+        for one in outcome.data.of(outcome.train)
+    ]
+    for size, feet in ((0.0, 0), (0.01, 2)):
+        settings = CalibrationSettings(correction_std_m=size)
+        found = of_joint(joint, stages.guess, stages.guess_with_weight, bent, settings)
+        assert len(found.corrections) == feet
 
 
 def test_figures_for_machines(outcome: Outcome) -> None:

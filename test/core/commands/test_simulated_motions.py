@@ -8,11 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
 from scipy.spatial.transform import Rotation
 
 from shoecal_core import cli
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.standard import STANDARD
+from shoecal_core.recording import schemas
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
 
@@ -32,6 +34,12 @@ def simulate(folder: Path, *words: object) -> dict[str, object]:
     assert cli.main([str(word) for word in listed]) == 0
     found: dict[str, object] = json.loads(figures.read_text())
     return found
+
+
+def messages_on(topic: str, run: Path) -> int:
+    """How many messages of a topic a run's file holds."""
+    with run.open("rb") as file:
+        return sum(1 for _ in make_reader(file).iter_messages([topic]))
 
 
 @pytest.fixture(scope="module")
@@ -77,10 +85,7 @@ def test_everything_a_diagnosis_needs_is_recorded(standard: Session) -> None:
     assert len(run.imu.time) == len(run.readings.time)
     up = Rotation.from_quat(run.imu.quaternion).apply(run.imu.linear_acceleration)
     assert up.mean(axis=0) == pytest.approx([0.0, 0.0, GRAVITY], abs=0.1)
-    assert run.joint_temperature
-    for told in run.joint_temperature.values():
-        assert np.diff(told.time) == pytest.approx(np.ones(len(told.time) - 1), abs=0.06)
-        assert (told.value >= 25.0).all()
+    assert messages_on(schemas.JOINT_TEMPERATURES, run.path) > 0
     assert len(run.commanded) == 1
     assert run.commanded[0].start == pytest.approx(1.0, abs=0.01)
     # The session's time goes on from run to run.
@@ -109,7 +114,7 @@ def test_what_the_reality_leaves_out_is_not_recorded(tmp_path: Path) -> None:
     assert [run["motion"] for run in told["runs"]] == ["faster", "hold", "faster"]
     run = session.read(1)
     assert run.imu is None
-    assert not run.joint_temperature
+    assert messages_on(schemas.JOINT_TEMPERATURES, run.path) == 0
 
 
 @pytest.mark.parametrize("listed", ["dance", "landmarks,", "standard,hold"])

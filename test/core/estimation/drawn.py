@@ -86,7 +86,6 @@ def drawn(
         samples,
         samples.runs,
         guess,
-        guess,
         SETTINGS,
         believed or tolerances,
         time_offset_std_s=0.02,

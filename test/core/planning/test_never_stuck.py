@@ -19,7 +19,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.checking.body_track import track
-from shoecal_core.planning.checking.check import check_motion
+from shoecal_core.planning.checking.check import MARGIN_KEPT, check_motion
 from shoecal_core.planning.horizon.problem import HorizonProblem, Solution, Solver
 from shoecal_core.planning.horizon.rolling import PlanningError, RollingHorizon
 from shoecal_core.planning.horizon.sqp import SqpSolver
@@ -234,7 +234,7 @@ def test_parallel_thighs_that_nearly_touch() -> None:
     planner = Planner(fat_thighs("wren", 0.0035), SETTINGS)
     motion = certified(planner, planner.plan_from(stance_of("wren")))
     distances = track(planner.legs.robot, motion.positions).distances
-    assert distances.min() > SETTINGS.margin_kept * SETTINGS.capsule_clearance
+    assert distances.min() > MARGIN_KEPT * SETTINGS.capsule_clearance
     assert len(motion.path.states) < 200
 
 

@@ -19,7 +19,7 @@ from shoecal_core.planning.horizon.rolling import Path, PlanningCanceledError, P
 from shoecal_core.planning.landmarks import Contour, sensing_hull
 from shoecal_core.planning.legs import Legs
 from shoecal_core.planning.motion import Motion, timed
-from shoecal_core.planning.planner import Planner, StartError, plan_motion
+from shoecal_core.planning.planner import Planner, StartError
 from shoecal_core.planning.segment import MotionSegment, cop_segment
 from shoecal_core.planning.settings import PlannerSettings
 
@@ -100,7 +100,7 @@ def test_a_shared_motor_moves_both_joints() -> None:
 
 
 def test_the_same_again() -> None:
-    again = plan_motion(load_body("odd_biped").robot, SETTINGS, SUPPORTS[0])
+    again = Planner(load_body("odd_biped").robot, SETTINGS).plan(SUPPORTS[0])
     np.testing.assert_array_equal(again.positions, motion_of("odd_biped").positions)
 
 

@@ -20,6 +20,7 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.swing import (
+    STEP_WAY,
     NoSwingPathError,
     interpolated_poses,
     lifted,
@@ -163,7 +164,7 @@ def test_a_carried_foot_touches_nothing(
     assert poses[-1] is last
     low = corners(robot, poses, support_phase)[..., 2].min(axis=1)
     assert low.min() >= min(0.0, low[0]) - 1e-9
-    up = vertical_states(SETTINGS.step_lift, SETTINGS)
+    up = vertical_states(SETTINGS.step_lift)
     # Going outward as well as down takes a state or two more.
     aloft = poses[up : -up - 2]
     lowest = min(swing_segment((first, last), support_phase), key=lambda pose: pose.translation[2])
@@ -180,7 +181,7 @@ def test_a_carried_foot_touches_nothing(
         np.linalg.norm(b.translation - a.translation)
         for a, b in itertools.pairwise(swing_segment(poses, support_phase))
     ]
-    assert max(moves) <= SETTINGS.step_way + 1e-12
+    assert max(moves) <= STEP_WAY + 1e-12
 
 
 @pytest.mark.parametrize("support_phase", [SupportPhase.LEFT, SupportPhase.RIGHT])
@@ -217,5 +218,5 @@ def test_out_of_feet_that_stand_too_near() -> None:
 
 
 def test_a_higher_lift_takes_more_states() -> None:
-    assert vertical_states(0.001, SETTINGS) == 6
-    assert vertical_states(0.1, SETTINGS) == math.ceil(15.0 / 8.0 * 0.1 / SETTINGS.step_way)
+    assert vertical_states(0.001) == 6
+    assert vertical_states(0.1) == math.ceil(15.0 / 8.0 * 0.1 / STEP_WAY)

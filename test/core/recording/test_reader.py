@@ -82,7 +82,6 @@ def test_round_trip(tmp_path: Path, shoe: Shoe) -> None:
     np.testing.assert_array_equal(run.readings.status, 0)
     np.testing.assert_array_equal(run.readings.sequence[:, 0], np.arange(50))
     assert (run.commanded, run.base_pose, run.imu, run.shoe_temperature) == ((), None, None, None)
-    assert run.joint_temperature == {}
 
 
 def test_cells_are_put_in_the_shoes_order(record: Record, shoe: Shoe) -> None:
@@ -287,10 +286,6 @@ def test_optional_topics(record: Record, shoe: Shoe) -> None:
     np.testing.assert_array_equal(run.imu.linear_acceleration[0], [4, 5, 6])
     assert run.shoe_temperature is not None
     assert run.shoe_temperature.value.tolist() == [25.5]
-    assert {name: t.value.tolist() for name, t in run.joint_temperature.items()} == {
-        "LKneePitch": [40.0, 42.0],
-        "RKneePitch": [41.0],
-    }
 
 
 def test_two_senders_of_a_pose_are_an_error(record: Record, shoe: Shoe) -> None:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,7 +11,6 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 from rclpy.serialization import deserialize_message, serialize_message
-from sensor_msgs.msg import JointState
 from shoecal_msgs.msg import ShoeCalibration, ShoeVoltages
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
@@ -51,19 +51,11 @@ def test_durations_come_back_to_the_nanosecond(seconds: float) -> None:
 def test_joints_come_back(stamp_ns: int, names: list[str], data: st.DataObject) -> None:
     some = arrays(np.float64, len(names), elements=NUMBERS)
     sample = JointSample(stamp_ns, tuple(names), data.draw(some), data.draw(st.none() | some))
-    found = conversions.joints_from_ros(sent(conversions.joints_to_ros(sample)))
-    assert (found.stamp_ns, found.names) == (sample.stamp_ns, sample.names)
+    found: Any = sent(conversions.joints_to_ros(sample))
+    assert conversions.time_from_ros(found.header.stamp) == sample.stamp_ns
+    assert tuple(found.name) == sample.names
     np.testing.assert_array_equal(found.position, sample.position)
-    if sample.effort is None:
-        assert found.effort is None
-    else:
-        assert found.effort is not None
-        np.testing.assert_array_equal(found.effort, sample.effort)
-
-
-def test_joints_whose_positions_do_not_fit_their_names_are_refused() -> None:
-    with pytest.raises(MessageError, match="1 positions for 2 names"):
-        conversions.joints_from_ros(JointState(name=["a", "b"], position=[0.0]))
+    np.testing.assert_array_equal(found.effort, () if sample.effort is None else sample.effort)
 
 
 @given(STAMPS, NAMES, st.integers(0, 2**32 - 1), st.data())
@@ -136,8 +128,9 @@ def test_points_come_back(stamp_ns: int, point: list[float]) -> None:
 
 @given(STAMPS, st.lists(NUMBERS, min_size=3, max_size=3))
 def test_wrenches_come_back(stamp_ns: int, wrench: list[float]) -> None:
-    message = sent(conversions.wrench_to_ros(stamp_ns, "l_sole", wrench))
-    assert conversions.wrench_from_ros(message).tolist() == wrench
+    message: Any = sent(conversions.wrench_to_ros(stamp_ns, "l_sole", wrench))
+    found = message.wrench
+    assert [found.force.z, found.torque.x, found.torque.y] == wrench
 
 
 def correction(foot: int, channels: int) -> CopCorrection:

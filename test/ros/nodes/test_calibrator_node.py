@@ -35,7 +35,6 @@ from shoecal_ros.common.conversions import (
     calibration_to_ros,
     point_from_ros,
     time_from_ros,
-    wrench_from_ros,
 )
 from shoecal_ros.common.health import Level
 
@@ -119,7 +118,7 @@ def test_forces_and_places_are_live(live: World, robot: StandingRobot) -> None:
     cop, grf = fresh(live, heard["shoe/cop"]), heard["shoe/grf"].last
     assert cop.header.frame_id == grf.header.frame_id == "l_sole"
     np.testing.assert_allclose(point_from_ros(cop)[:2], expected, atol=1e-8)
-    force, about_x, about_y = wrench_from_ros(grf)
+    force, about_x, about_y = grf.wrench.force.z, grf.wrench.torque.x, grf.wrench.torque.y
     assert force == pytest.approx(sum(robot.forces))
     np.testing.assert_allclose([-about_y / force, about_x / force], expected, atol=1e-8)
     reported = state(live, lambda one: one.state == ShoeState.CALIBRATED and one.feet[0].valid)

@@ -27,6 +27,8 @@ _TORQUE_SLACK = 1.02
 """Between planned states torques may exceed the planned ones by this factor."""
 _DRAGGED = 0.006
 """m; a foot in the air that is farther than this from where it stood and will stand is carried."""
+MARGIN_KEPT = 0.8
+"""Part of each margin that is left between planned states, where they are joined."""
 _RATE_SLACK = 1.1
 """Speeds and accelerations by differences may exceed the planned ones by this factor."""
 
@@ -35,7 +37,7 @@ def check_motion(legs: Legs, motion: Motion, settings: PlannerSettings) -> Repor
     """Check all constraints of planning.
 
     A motion may begin outside a margin (a robot is where it is), and then must not go farther
-    out. Planned states keep the margins; between them `margin_kept` of each must be left.
+    out. Planned states keep the margins; between them MARGIN_KEPT of each must be left.
 
     Args:
         legs: of the robot.
@@ -111,7 +113,7 @@ def _stability(
     )
     return at_least(
         "distance of the CoP from the edge of the sensing polygon",
-        "m", distance[:, None], phase.support_phase.margin(settings) * settings.margin_kept,
+        "m", distance[:, None], phase.support_phase.margin(settings) * MARGIN_KEPT,
         time[span.samples],
         from_begin=span.first, slack=settings.foot_drift,
     )  # fmt: skip
@@ -125,7 +127,7 @@ def _joint_limits(
     names = tuple(robot.joint_names[index] for index in robot.moved)
     return at_least(
         "distance from joint limits",
-        "rad", room, settings.joint_margin * settings.margin_kept, time, names,
+        "rad", room, settings.joint_margin * MARGIN_KEPT, time, names,
         slack=settings.foot_drift,
     )  # fmt: skip
 
@@ -142,7 +144,7 @@ def _collision(
     finding = at_least(
         "distance between capsules",
         "m", body.distances,
-        settings.capsule_clearance * settings.margin_kept, time, names,
+        settings.capsule_clearance * MARGIN_KEPT, time, names,
         slack=settings.foot_drift,
     )  # fmt: skip
     return (finding,)
@@ -213,7 +215,7 @@ def _swing_foot(
         ),
         at_least(
             "gap between the outlines of the feet", "m", gaps[1:, None],
-            _from_begin(settings.foot_clearance * settings.margin_kept, gaps, settings), time,
+            _from_begin(settings.foot_clearance * MARGIN_KEPT, gaps, settings), time,
             from_begin=False,
         ),
     ]  # fmt: skip

@@ -35,6 +35,8 @@ from shoecal_core.planning.legs import LegExpressions, Legs
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
+RECOVERY = 0.25
+"""Part of a step's way used to come back inside a constraint."""
 
 
 class Collocation:
@@ -107,8 +109,8 @@ class Collocation:
         settings, scene = self.settings, problem.scene
         now = self.evaluate(problem.start[None], scene.first)
         steps = np.arange(1, settings.horizon + 1)[:, None]
-        turn = settings.recovery * self.transition * steps
-        way = settings.recovery * settings.com_speed * settings.step_time * steps
+        turn = RECOVERY * self.transition * steps
+        way = RECOVERY * settings.com_speed * settings.step_time * steps
         # Edges that move with a foot are those of the foot that stands: of the first state.
         first = scene.first
         beyond = first.beyond(_seen_at_first(now, first)) - first.offsets
@@ -168,12 +170,10 @@ class Collocation:
         problem: HorizonProblem,
         limits: Limits,
         states: FloatArray,
-        first: int | None = None,
     ) -> tuple[float, float]:
         """Cost (equation 9) and largest violation of any constraint [m, rad, N m] of states (N, k).
 
-        The violation is zero or more; it is that of so many first states, of all where no number
-        is given.
+        The violation is zero or more.
         """
         values = self.evaluate(states, problem.scene)
         moves = self.transitions(problem, states)
@@ -186,7 +186,7 @@ class Collocation:
             np.abs(values.torques) - limits.torque,
             np.abs(moves) - limits.transition,
         ]
-        worst = max(float(part[:first].max()) for part in excess if part.size)
+        worst = max(float(part.max()) for part in excess if part.size)
         return self.cost(problem, states, values), max(0.0, worst)
 
     def certified(
@@ -196,8 +196,6 @@ class Collocation:
         status: str,
         iterations: int,
         done: bool,
-        *,
-        first: int | None = None,
         limits: Limits | None = None,
     ) -> Solution:
         """A solution with its own evidence.
@@ -208,12 +206,11 @@ class Collocation:
             status: of the solver.
             iterations: that it took.
             done: the solver's own word.
-            first: so many states' violation counts; all where not given.
             limits: of the problem, where they are known.
         """
         cost, violation = np.inf, np.inf
         if np.all(np.isfinite(states)):
-            cost, violation = self.assess(problem, limits or self.limits(problem), states, first)
+            cost, violation = self.assess(problem, limits or self.limits(problem), states)
         return Solution(
             states=states,
             cost=cost,

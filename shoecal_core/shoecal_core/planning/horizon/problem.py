@@ -165,16 +165,6 @@ class Limits:
     transition: FloatArray
     torque: FloatArray
 
-    def head(self, count: int) -> Limits:
-        """Of the first states."""
-        return dataclasses.replace(
-            self,
-            lower=self.lower[:count],
-            upper=self.upper[:count],
-            offsets=self.offsets[:count],
-            clearances=self.clearances[:count],
-        )
-
 
 @dataclass(frozen=True)
 class StateValues:

@@ -4,10 +4,6 @@ Their second derivatives are Gauss-Newton's at first, then the Lagrangian's (Noc
 "Numerical optimization", chapter 18). From a near guess a few programmes are enough, and full
 steps nearly always do; a filter (Fletcher and Leyffer, "Nonlinear programming without a penalty
 function", 2002) refuses the others. Where this solver fails, another has to step in.
-
-Only the first states of a horizon are ever taken over, and the next horizon begins with the rest
-as its guess. So a robot that has no time stops after few programmes and puts these first states
-right: a projection on the feet's transform and on all other constraints.
 """
 
 from __future__ import annotations
@@ -24,15 +20,13 @@ from shoecal_core.planning.horizon.linearisation import (
     Linearisation,
     Linearised,
 )
-from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, Limits, Solution
+from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, Solution
 from shoecal_core.planning.horizon.quadratic_program import QuadraticProgram, Step
 
 FloatArray = NDArray[np.float64]
 
 _ITERATIONS = 30
 """More are not worth it: interior points are surer then."""
-_ENOUGH = {"converged": _ITERATIONS, "bounded": 3, "realtime": 1}
-"""Programmes after which a mode asks only for first states that keep everything."""
 _OPTIMAL = 1e-7
 """Of the cost; a smaller gain is none."""
 _FEASIBLE = 1e-8
@@ -58,12 +52,8 @@ _PROJECTED = 1e-10
 class SqpSolver:
     """Solves a horizon's problem from a near guess in a few small quadratic programmes.
 
-    One at a time: memory is used again. Modes (`settings.mode`):
-
-    - converged: to an optimum, or nearly where it lies at a kink (status `Solved_Nearly`); all
-      states keep all constraints.
-    - bounded, realtime: after three programmes or one, the states that are applied keep all
-      constraints, and the solution's violation is theirs. More programmes only where they do not.
+    To an optimum, or nearly where it lies at a kink (status `Solved_Nearly`). One at a time:
+    memory is used again.
     """
 
     def __init__(self, collocation: Collocation) -> None:
@@ -71,47 +61,37 @@ class SqpSolver:
         settings = collocation.settings
         count, size = settings.horizon, len(collocation.lower)
         self._edges = collocation.edges
-        self._applied = min(settings.applied_states, count)
         rows = self._edges + len(collocation.legs.robot.collision_pairs) + 3 * size
         self._linearised = Linearisation(collocation)
         self._curvature = Curvature(collocation)
         self._program = QuadraticProgram(count, size, rows, settings.transition_weight)
-        self._projection = QuadraticProgram(self._applied, size, rows, settings.transition_weight)
 
     def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
         """See Solver."""
-        collocation, mode = self._collocation, self._collocation.settings.mode
+        collocation = self._collocation
         problem = dataclasses.replace(problem, scene=problem.scene.padded(self._edges))
         limits = collocation.limits(problem)
         descent = _Descent(collocation, problem, Inequalities(problem, limits), self._linearised)
         descent.begin(np.clip(guess, limits.lower, limits.upper))
 
-        def certified(
-            states: FloatArray, status: str, *, done: bool = False, first: int | None = None
-        ) -> Solution:
-            return collocation.certified(
-                problem, states, status, iteration, done, first=first, limits=limits
-            )
-
-        for iteration in range(1, _ITERATIONS + 1):
+        states, status, done = descent.linear.states, "No_Progress", False
+        iteration = 0
+        while iteration < _ITERATIONS and not done:
+            iteration += 1
             step = self._proposed(problem, descent)
             if step is None:
-                return certified(descent.linear.states, "Programme_Failed")
+                status = "Programme_Failed"
+                break
             if not descent.take(step):
                 break
-            if mode == "converged":
-                if descent.arrived:
-                    return certified(descent.linear.states, "Solved", done=True)
-            elif iteration >= _ENOUGH[mode] or descent.arrived:
-                states = self._projected(problem, limits, descent.linear.states, self._projection)
-                solution = certified(states, "Applicable", done=True, first=self._applied)
-                if solution.converged:
-                    return solution
-        if descent.nearly:
+            states = descent.linear.states
+            if descent.arrived:
+                status, done = "Solved", True
+        if status == "No_Progress" and descent.nearly:
             # Torques and distances have kinks, and steps may jump from one side to the other.
-            states = self._projected(problem, limits, descent.linear.states, self._program)
-            return certified(states, "Solved_Nearly", done=True)
-        return certified(descent.linear.states, "No_Progress")
+            states = self._projected(problem, descent)
+            status, done = "Solved_Nearly", True
+        return collocation.certified(problem, states, status, iteration, done, limits)
 
     def _proposed(self, problem: HorizonProblem, descent: _Descent) -> Step | None:
         """The next step, with the Lagrangian's second derivatives where prices are known."""
@@ -124,25 +104,16 @@ class SqpSolver:
         curvature = self._curvature(linear.states, problem.scene, prices)
         return self._program.solve(problem, linear, inequalities, before, curvature)
 
-    def _projected(
-        self,
-        problem: HorizonProblem,
-        limits: Limits,
-        states: FloatArray,
-        programme: QuadraticProgram,
-    ) -> FloatArray:
-        """States (N, k) of which a programme's first ones are moved onto all constraints."""
-        scene = problem.scene.head(programme.count)
-        problem = dataclasses.replace(problem, scene=scene)
-        inequalities = Inequalities(problem, limits.head(programme.count))
-        first = states[: programme.count]
+    def _projected(self, problem: HorizonProblem, descent: _Descent) -> FloatArray:
+        """States (N, k) moved onto all constraints."""
+        states, inequalities = descent.linear.states, descent.inequalities
         for _ in range(_PROJECTIONS):
-            linear = self._linearised(first, scene)
+            linear = self._linearised(states, problem.scene)
             feet = float(np.abs(linear.values.foot_error).max())
             if feet < _PROJECTED and inequalities.violation(linear) < _FEASIBLE:
                 break
-            first = first + programme.nearest(linear, inequalities)
-        return np.vstack([first, states[programme.count :]])
+            states = states + self._program.nearest(linear, inequalities)
+        return states
 
 
 class _Descent:

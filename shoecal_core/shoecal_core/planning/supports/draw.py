@@ -12,7 +12,6 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports.design import Candidates, design
 from shoecal_core.planning.supports.feasible import Feasible, SupportRangeError, feet_distance
 from shoecal_core.planning.supports.observability import Visit, best_rank, information, rank
 from shoecal_core.sensing.shoe import Shoe
@@ -26,6 +25,10 @@ _TRIES = 25
 """Double supports tried for each one wanted; a robot that stands in fewer is hardly fit for it."""
 _TOLD = 20
 """Tries from word to word."""
+_CANDIDATES = 6
+"""Draws from which the double support farthest from those kept is taken."""
+_REDRAWS = 100
+"""Sets drawn from a pool before more double supports are looked for."""
 _OTHERS = 10
 """Double supports that may stand in for one in which a motion cannot be done."""
 _POOLS = 3
@@ -94,11 +97,10 @@ def draw_supports(
 ) -> list[DoubleSupport]:
     """Draw `count` double supports, the same ones for the same seed.
 
-    Each passes the checks of `Feasible`. `support_choice` tells how they are chosen of those:
-    each the one of a few draws that is farthest from those kept before (`spread`), or together
-    the ones that promise the most (`design`). Either way, whichever `test_supports` of them are
-    left out, the others fix every direction of gains and offsets that as many can fix; sets that
-    do not are drawn again. (Fewer than `training_supports` are taken as they come.)
+    Each passes the checks of `Feasible`, and is the one of a few draws that is farthest from those
+    kept before. Whichever `test_supports` of them are left out, the others fix every direction of
+    gains and offsets that as many can fix; sets that do not are drawn again. (Fewer than
+    `training_supports` are taken as they come.)
 
     Args:
         robot, shoe, settings: who visits them.
@@ -114,9 +116,21 @@ def draw_supports(
         raise ShoecalError(f"{count} double supports asked for; ask for at least one")
     generator = np.random.default_rng(seed)
     search = _Search(Feasible(robot, settings), generator, told)
-    if settings.support_choice == "spread":
-        return _draw_spread(shoe, search, count, generator)
-    return _draw_design(shoe, search, count, generator)
+    pool = search.pool(count, settings.support_pool)
+    if count < settings.training_supports:
+        return _spread(pool, count, settings, generator)
+    possible = best_rank(robot, shoe, trained_supports(count, settings), settings)
+    found = 0
+    for _ in range(_POOLS):
+        parts = _parts(robot, shoe, pool, settings)
+        for _ in range(_REDRAWS):
+            supports = _spread(pool, count, settings, generator)
+            weakest = weakest_rank([parts[support] for support in supports], settings)
+            if weakest >= possible:
+                return supports
+            found = max(found, weakest)
+        pool += search.more(settings.support_pool)
+    raise UnobservableError(robot.name, found, possible, 2 * len(shoe.channels))
 
 
 def other_supports(
@@ -142,45 +156,6 @@ def other_supports(
     yield from itertools.islice(usable, _OTHERS)
 
 
-def _draw_spread(
-    shoe: Shoe, search: _Search, count: int, generator: np.random.Generator
-) -> list[DoubleSupport]:
-    robot, settings = search.feasible.robot, search.feasible.settings
-    pool = search.pool(count, settings.support_pool)
-    if count < settings.training_supports:
-        return _spread(pool, count, settings, generator)
-    possible = best_rank(robot, shoe, trained_supports(count, settings), settings)
-    found = 0
-    for _ in range(_POOLS):
-        parts = _parts(robot, shoe, pool, settings)
-        for _ in range(settings.support_redraws):
-            supports = _spread(pool, count, settings, generator)
-            weakest = weakest_rank([parts[support] for support in supports], settings)
-            if weakest >= possible:
-                return supports
-            found = max(found, weakest)
-        pool += search.more(settings.support_pool)
-    raise UnobservableError(robot.name, found, possible, 2 * len(shoe.channels))
-
-
-def _draw_design(
-    shoe: Shoe, search: _Search, count: int, generator: np.random.Generator
-) -> list[DoubleSupport]:
-    robot, settings = search.feasible.robot, search.feasible.settings
-    pool = search.pool(count, settings.design_pool)
-    trained = trained_supports(count, settings)
-    possible = best_rank(robot, shoe, trained, settings)
-    weakest = 0
-    for _ in range(_POOLS):
-        candidates = Candidates(robot, shoe, pool, settings, settings.support_choice)
-        supports = design(candidates, count, trained, generator)
-        weakest = weakest_rank(list(_parts(robot, shoe, supports, settings).values()), settings)
-        if weakest >= possible or count < settings.training_supports:
-            return supports
-        pool += search.more(settings.design_pool)
-    raise UnobservableError(robot.name, weakest, possible, 2 * len(shoe.channels))
-
-
 def trained_supports(count: int, settings: PlannerSettings) -> int:
     """How many of `count` double supports are sure to be fitted, however many are for testing."""
     if count < settings.training_supports:
@@ -200,7 +175,7 @@ def _parts(
     robot: Robot, shoe: Shoe, supports: Sequence[DoubleSupport], settings: PlannerSettings
 ) -> dict[DoubleSupport, FloatArray]:
     return {
-        support: information(robot, shoe, Visit.expected(robot, support, settings), settings)
+        support: information(robot, shoe, Visit.expected(robot, support, settings))
         for support in supports
     }
 
@@ -216,7 +191,7 @@ def _spread(
     kept: list[int] = []
     for _ in range(count):
         left = np.setdiff1d(np.arange(len(pool)), kept)
-        drawn = generator.permutation(left)[: settings.support_candidates]
+        drawn = generator.permutation(left)[:_CANDIDATES]
         apart = places[drawn, None] - places[kept]
         distances = feet_distance(apart[..., :2], apart[..., 2], settings)
         kept.append(int(drawn[np.argmax(distances.min(axis=1, initial=np.inf))]))

@@ -13,7 +13,6 @@ from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports.design import CRITERIA
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.planning.supports.observability import (
     Visit,
@@ -137,7 +136,7 @@ def forecast(robot: Robot, shoe: Shoe, known: FloatArray, settings: PlannerSetti
     scale = parameter_scale(robot, shoe)
     reference = reference_information(robot, shoe, settings.training_supports, settings)
     seen = observable(reference)
-    prior = prior_information(robot, shoe, settings)
+    prior = prior_information(robot, shoe)
     relative = seen @ np.linalg.inv(seen.T @ (known + prior) @ seen) @ seen.T
     std = np.sqrt(np.diag(relative)) * scale
     values, vectors = np.linalg.eigh(seen.T @ known @ seen)
@@ -163,7 +162,7 @@ def forecast_visits(
     robot: Robot, shoe: Shoe, visits: Sequence[Visit], settings: PlannerSettings
 ) -> Forecast:
     """What the data of some double supports will tell."""
-    return forecast(robot, shoe, total_information(robot, shoe, visits, settings), settings)
+    return forecast(robot, shoe, total_information(robot, shoe, visits), settings)
 
 
 def worst_part(
@@ -174,22 +173,20 @@ def worst_part(
     Returns:
         Their indices, and what their data will tell.
     """
-    parts = np.array([information(robot, shoe, visit, settings) for visit in visits])
-    prior = prior_information(robot, shoe, settings)
+    parts = np.array([information(robot, shoe, visit) for visit in visits])
+    prior = prior_information(robot, shoe)
     seen = observable(reference_information(robot, shoe, settings.training_supports, settings))
     chosen = list(itertools.combinations(range(len(visits)), count))
     totals = np.array([parts[list(indices)].sum(axis=0) for indices in chosen])
-    worst = int(np.argmin(CRITERIA["e_optimal"](seen.T @ (totals + prior) @ seen)))
+    worst = int(np.argmin(_least(seen.T @ (totals + prior) @ seen)))
     return chosen[worst], forecast(robot, shoe, totals[worst], settings)
 
 
-def total_information(
-    robot: Robot, shoe: Shoe, visits: Sequence[Visit], settings: PlannerSettings
-) -> FloatArray:
+def total_information(robot: Robot, shoe: Shoe, visits: Sequence[Visit]) -> FloatArray:
     """(2n, 2n) of several double supports together."""
     total = np.zeros((2 * len(shoe.channels), 2 * len(shoe.channels)))
     for visit in visits:
-        total += information(robot, shoe, visit, settings)
+        total += information(robot, shoe, visit)
     return total
 
 
@@ -209,14 +206,13 @@ def best_additions(
     kept = np.random.default_rng(0).permutation(len(everywhere))[:CANDIDATES]
     supports = [everywhere[index] for index in sorted(kept.tolist())]
     parts = [
-        information(robot, shoe, Visit.expected(robot, support, settings), settings)
-        for support in supports
+        information(robot, shoe, Visit.expected(robot, support, settings)) for support in supports
     ]
     seen = observable(reference_information(robot, shoe, settings.training_supports, settings))
-    prior = prior_information(robot, shoe, settings)
+    prior = prior_information(robot, shoe)
     additions: list[Addition] = []
     for _ in range(count):
-        scores = CRITERIA["e_optimal"](seen.T @ (known + prior + np.array(parts)) @ seen)
+        scores = _least(seen.T @ (known + prior + np.array(parts)) @ seen)
         best = (int(index) for index in np.argsort(-scores))
         found = next((index for index in best if feasible.can_stand(supports[index])), None)
         if found is None:
@@ -232,6 +228,11 @@ def describe_support(support: DoubleSupport) -> str:
         f"right foot at dx {support.dx:g} m, dy {support.dy:g} m, yaw {support.dtheta:g} rad "
         f"({np.degrees(support.dtheta):.0f} deg) of the left"
     )
+
+
+def _least(information: FloatArray) -> FloatArray:
+    """Smallest eigenvalue of information (..., r, r): of the most uncertain direction."""
+    return np.asarray(np.linalg.eigvalsh(information)[..., 0])
 
 
 def _deviations(values: FloatArray, size: float) -> FloatArray:

@@ -3,15 +3,13 @@
 Measured GRF and CoP are compared with the robot's weight and CoM. A relative gain error g_i
 and an offset error o_i of channel i, whose output is f_i, act together as f_i g_i + o_i. So the
 residuals' Jacobian can be predicted from outputs alone, before anything has been recorded: they
-are taken as those of a rigid body on equal springs under all channels, give or take the setting
-uneven_share, without which a real robot would tell more of its gains than foretold. (In a fit,
+are taken as those of a rigid body on equal springs under all channels, give or take UNEVEN_SHARE,
+without which a real robot would tell more of its gains than foretold. (In a fit,
 where f_i = c_i S_i + d_i, a relative gain error acts on c_i S_i alone. Its offset error is
 o_i + d_i g_i in terms of those here.)
 
 Errors of the model stay alike for a while, so samples within one correlation time count as one,
-as in the fit. The settings' grf_noise, cop_noise, correlation_time, gain_prior,
-nominal_gain_prior and offset_prior are the fit's force_std_n, cop_std_m, correlation_s, gain_std,
-nominal_gain_std and offset_std_n.
+as in the fit. Errors and priors are those that the fit's settings have by default.
 """
 
 from __future__ import annotations
@@ -38,6 +36,16 @@ FloatArray = NDArray[np.float64]
 
 _REFERENCE = ((0.0, -0.02, 0.4), (0.05, -0.03, -0.4), (-0.03, -0.02, 0.0), (0.02, -0.04, 0.2))
 """m, m, rad beside the neutral stance: far apart, whatever the robot's range."""
+PLACES = 40
+"""CoP places of a double support."""
+FORCE_STD_N, COP_STD_M, CORRELATION_S = 0.3, 0.0025, 2.0
+"""Of GRF and CoP, errors of modelling included, and for how long those stay alike [s]."""
+GAIN_STD, NOMINAL_GAIN_STD, OFFSET_STD_N = 1.0, 0.1, 30.0
+"""How far gains and offsets are off their initial guess; gains as a share of it, closer where a
+data sheet gives one."""
+UNEVEN_SHARE = 0.3
+"""How far the feet share the load otherwise than equal springs, over an even share of the weight.
+"""
 TORQUE_LEVER = 0.1
 """m; a torque is expected as large as the force at this lever."""
 
@@ -65,12 +73,12 @@ class Visit:
         """Before planning: once around the landmarks' contour, as fast as the CoM may go."""
         length = shapely.LinearRing(Contour.of(robot, support).corners).length
         duration = length / settings.com_speed + 2.0 * settings.hold_time
-        return cls(support, contour_places(robot, support, settings.places), float(duration))
+        return cls(support, contour_places(robot, support, PLACES), float(duration))
 
     @classmethod
-    def of(cls, motion: Motion, settings: PlannerSettings) -> Visit:
+    def of(cls, motion: Motion) -> Visit:
         """Of a motion that has been planned."""
-        every = max(1, len(motion.cop) // settings.places)
+        every = max(1, len(motion.cop) // PLACES)
         return cls(motion.support, motion.cop[::every], motion.duration)
 
 
@@ -98,21 +106,21 @@ def residual_jacobian(
     return np.concatenate([slopes * outputs[:, None, :], slopes], axis=2)
 
 
-def information(robot: Robot, shoe: Shoe, visit: Visit, settings: PlannerSettings) -> FloatArray:
+def information(robot: Robot, shoe: Shoe, visit: Visit) -> FloatArray:
     """(2n, 2n) Fisher information of one double support; those of several add up.
 
     The parameters are relative: gains to one, offsets to a channel's even share of the weight.
     """
     count = len(shoe.channels)
-    noise = np.array([settings.grf_noise, settings.cop_noise, settings.cop_noise])
+    noise = np.array([FORCE_STD_N, COP_STD_M, COP_STD_M])
     jacobian = residual_jacobian(shoe, visit.support, robot.weight, visit.places) / noise[:, None]
     rows = jacobian.reshape(-1, 2 * count)
     total = rows.T @ rows
     # A gain's column is the offset's times the output, so the mean square counts.
     slopes = rows[:, count:]
-    uneven = uneven_share(robot, shoe, visit.support, settings.uneven_share)
+    uneven = uneven_share(robot, shoe, visit.support, UNEVEN_SHARE)
     total[:count, :count] += (slopes.T @ slopes) * uneven
-    independent = visit.duration / settings.correlation_time
+    independent = visit.duration / CORRELATION_S
     scale = parameter_scale(robot, shoe)
     weighted: FloatArray = total * np.outer(scale, scale) * (independent / len(visit.places))
     return weighted
@@ -151,12 +159,12 @@ def parameter_scale(robot: Robot, shoe: Shoe) -> FloatArray:
     return np.concatenate((np.ones(count), np.full(count, robot.weight / count)))
 
 
-def prior_information(robot: Robot, shoe: Shoe, settings: PlannerSettings) -> FloatArray:
+def prior_information(robot: Robot, shoe: Shoe) -> FloatArray:
     """(2n, 2n) what is believed before any sample, in `information`'s units."""
     count = len(shoe.channels)
     known = [channel.nominal_gain is not None for channel in shoe.channels]
-    gains = np.where(known, settings.nominal_gain_prior, settings.gain_prior)
-    offsets = np.full(count, settings.offset_prior)
+    gains = np.where(known, NOMINAL_GAIN_STD, GAIN_STD)
+    offsets = np.full(count, OFFSET_STD_N)
     offsets[shoe.torque] *= TORQUE_LEVER
     expected = np.concatenate((gains, offsets))
     return np.diag((parameter_scale(robot, shoe) / expected) ** 2)
@@ -220,7 +228,7 @@ def reference_information(
     total = np.zeros((2 * len(shoe.channels), 2 * len(shoe.channels)))
     for index in range(count):
         support = DoubleSupport(*(neutral + _REFERENCE[index % len(_REFERENCE)]))
-        total += information(robot, shoe, Visit.expected(robot, support, settings), settings)
+        total += information(robot, shoe, Visit.expected(robot, support, settings))
     return total
 
 

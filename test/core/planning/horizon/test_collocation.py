@@ -13,7 +13,7 @@ from scipy.optimize import NonlinearConstraint, minimize
 from core.planning.bodies import Body
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.checking.body_track import track
-from shoecal_core.planning.horizon.collocation import Collocation
+from shoecal_core.planning.horizon.collocation import RECOVERY, Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver
 from shoecal_core.planning.horizon.problem import Aim, HorizonProblem, Scene
 from shoecal_core.planning.landmarks import Contour, sensing_hull
@@ -144,7 +144,7 @@ def test_bounds_lead_a_start_back_inside(body: Body, collocation: Collocation) -
     outside = problem.start.copy()
     outside[0] = collocation.upper[0] + 0.02
     bound = collocation.limits(dataclasses.replace(problem, start=outside)).upper[:, 0]
-    step = SETTINGS.recovery * collocation.transition[0]
+    step = RECOVERY * collocation.transition[0]
     assert bound[0] == pytest.approx(outside[0] - step)
     assert np.all(np.diff(bound) <= 0.0)
     assert bound[-1] == collocation.upper[0]

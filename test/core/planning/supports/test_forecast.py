@@ -19,7 +19,12 @@ from shoecal_core.planning.supports.forecast import (
     total_information,
     worst_part,
 )
-from shoecal_core.planning.supports.observability import Visit, parameter_scale
+from shoecal_core.planning.supports.observability import (
+    GAIN_STD,
+    OFFSET_STD_N,
+    Visit,
+    parameter_scale,
+)
 
 SETTINGS = PlannerSettings()
 YAWED = (
@@ -35,7 +40,7 @@ def visits(body: Body, supports: tuple[DoubleSupport, ...]) -> list[Visit]:
 
 
 def known(body: Body, supports: tuple[DoubleSupport, ...]) -> NDArray[np.float64]:
-    return total_information(body.robot, body.shoe, visits(body, supports), SETTINGS)
+    return total_information(body.robot, body.shoe, visits(body, supports))
 
 
 def promised(body: Body, supports: tuple[DoubleSupport, ...]) -> Forecast:
@@ -67,9 +72,9 @@ def test_the_prior_bounds_what_no_data_tell(body: Body) -> None:
     assert found.rank == 0
     assert np.isinf(found.uncertainties).all()
     assert (found.singular_values == 0.0).all()
-    assert (found.gain_std <= SETTINGS.gain_prior + 1e-9).all()
+    assert (found.gain_std <= GAIN_STD + 1e-9).all()
     force = ~body.shoe.torque
-    assert (found.offset_std[force] <= SETTINGS.offset_prior + 1e-9).all()
+    assert (found.offset_std[force] <= OFFSET_STD_N + 1e-9).all()
     told = json.loads(json.dumps(found.to_json(), allow_nan=False))
     assert told["weak_directions"][0]["uncertainty"] is None
 
