@@ -2,10 +2,10 @@
 
     .venv/bin/python benchmarks/caught_faults.py [--draws 50] [--clean 100] [--parity even]
 
-Every draw takes a session of the population, puts one fault into it before anything reads it, and
-calibrates. A fault is caught when it is named and the session is refused, or what it spoilt is
-left out. Thresholds were set on odd seeds; the page reports on even ones. A draw that stands
-already is not made again, so an interrupted run goes on.
+Every draw takes a session of the population, made where it is missing, puts one fault into it
+before anything reads it, and calibrates. A fault is caught when it is named and the session is
+refused, or what it spoilt is left out. Thresholds were set on odd seeds; the page reports on even
+ones. A draw that stands already is not made again, so an interrupted run goes on.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from fault_draws import Draw, Expected, FaultySession, NoFaultError
 from fault_physics import PHYSICS
 from fault_tables import alarms, caught
 from pages import ROOT, TRUST, markdown, record, write_section
-from population import Member, different_robots, nao
+from population import Member, different_robots, nao, sessions
 from shoecal_core.calibration.evaluate import errors, measured_series, truth_series
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session, load_data
 from shoecal_core.errors import ShoecalError
@@ -69,11 +69,8 @@ def main() -> None:
     parser.add_argument("--only", nargs="+", choices=(*FAULTS, CLEAN), default=(*FAULTS, CLEAN))
     parser.add_argument("--anew", action="store_true", help="forget earlier draws of these")
     args = parser.parse_args()
-    members = [
-        member
-        for member in different_robots(200)
-        if member.folder.is_dir() and member.seed % 2 == (args.parity == "odd")
-    ]
+    half = [member for member in different_robots(200) if member.seed % 2 == (args.parity == "odd")]
+    members = [member for member, _ in sessions(half[: max(args.draws, args.clean)])]
     tasks = [
         Task(fault, number, members[number % len(members)])
         for fault in args.only
