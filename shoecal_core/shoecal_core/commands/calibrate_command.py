@@ -29,9 +29,7 @@ from shoecal_core.errors import PartialError
 from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.recording.session import Session
-from shoecal_core.report.calibration_content import channel_units
-from shoecal_core.report.quantities import uncertain
-from shoecal_core.report.session_report import write_session_report
+from shoecal_core.report.quantities import channel_units, uncertain
 from shoecal_core.settings import load_settings
 
 SURE = 3.0
@@ -93,6 +91,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     if calibration.verdict != "FAIL":
         save_calibration(calibration, args.out)
     if args.report is not None:
+        # Matplotlib takes a second to load, which most calls need not wait for.
+        from shoecal_core.report.session_report import write_session_report  # noqa: PLC0415
+
         write_session_report(args.report, session, outcome, settings=settings)
     for line in reason_lines(calibration):
         console.print(line, soft_wrap=True)

@@ -29,8 +29,6 @@ from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
-from shoecal_core.report.check_content import CheckReport
-from shoecal_core.report.check_report import check_report
 from shoecal_core.samples.aligned import align
 from shoecal_core.samples.zeros import Zero, zeros_json
 from shoecal_core.settings import load_settings
@@ -98,6 +96,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         for line in lines:
             console.print(verdict_line(verdict, line), soft_wrap=True)
     if args.report is not None:
+        # Matplotlib takes a second to load, which most calls need not wait for.
+        from shoecal_core.report.check_content import CheckReport  # noqa: PLC0415
+        from shoecal_core.report.check_report import check_report  # noqa: PLC0415
+
         content = CheckReport(session, robot, tuple(read.entries), read.runs, read.aligned,
                               screening, tuple(problems), tuple(warnings), tuple(zeros),
                               weighed)  # fmt: skip

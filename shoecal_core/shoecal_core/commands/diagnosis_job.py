@@ -20,7 +20,6 @@ from shoecal_core.error_sources.effects.known import EFFECTS, effects_from
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session
-from shoecal_core.report.diagnosis_report import write_diagnosis_report
 from shoecal_core.report.origin import origin
 from shoecal_core.samples.zeros import ZeroFigures, zeros_json
 
@@ -133,6 +132,9 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
         tell("simulating what was found", SIMULATED_FROM)
         found = with_simulated_shrink(found, session)
     if job.report is not None:
+        # Matplotlib takes a second to load, which most calls need not wait for.
+        from shoecal_core.report.diagnosis_report import write_diagnosis_report  # noqa: PLC0415
+
         robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
         provenance = (
             origin(session, (*found.train, *found.test)),

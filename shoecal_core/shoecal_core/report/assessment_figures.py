@@ -10,7 +10,7 @@ from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.estimation.expected import Spread
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.report.assessment_content import Told
-from shoecal_core.report.calibration_content import CalibrationReport, channel_units
+from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.error_source_names import source_name
 from shoecal_core.report.figures.directions import singular_values
 from shoecal_core.report.figures.error_map import ErrorMap, common_levels, error_map
@@ -19,7 +19,7 @@ from shoecal_core.report.figures.sources import largest_sources
 from shoecal_core.report.figures.spans import spans
 from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.page import Picture
-from shoecal_core.report.quantities import number, size
+from shoecal_core.report.quantities import channel_units, number, size
 from shoecal_core.sensing.shoe import FEET
 
 SHOWN_SOURCES = 8

@@ -24,16 +24,6 @@ from shoecal_core.sensing.shoe import Shoe
 FloatArray = NDArray[np.float64]
 
 
-def channel_units(shoe: Shoe, *, torque: bool) -> tuple[str, str]:
-    """Units of a channel's output and of its gain; `1` for a plain ratio.
-
-    A shoe whose readings are newtons tells torques in newton metres.
-    """
-    output = "N m" if torque else "N"
-    reading = output if shoe.unit == "N" else shoe.unit
-    return output, "1" if reading == output else f"{output}/{reading}"
-
-
 @dataclass(frozen=True)
 class RunReport:
     """One run.

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.evaluate import Series
 from shoecal_core.report import palette
-from shoecal_core.report.calibration_content import CalibrationReport, RunReport, channel_units
+from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.figures.bars import Bar, mae_bars
 from shoecal_core.report.figures.intervals import Column, intervals
 from shoecal_core.report.figures.motion import skeleton, snapshots
@@ -16,7 +16,7 @@ from shoecal_core.report.figures.series import Line, cop_and_grf, errors_in_time
 from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.page import Picture
 from shoecal_core.report.palette import Look
-from shoecal_core.report.quantities import mean_error
+from shoecal_core.report.quantities import channel_units, mean_error
 from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]

@@ -6,10 +6,11 @@ from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.fit import SelfCalibration
 from shoecal_core.calibration.metrics import Mae
 from shoecal_core.model.robot import Robot
-from shoecal_core.report.calibration_content import CalibrationReport, RunReport, channel_units
+from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_figures import set_name
 from shoecal_core.report.page import Table
 from shoecal_core.report.quantities import (
+    channel_units,
     double_support_text,
     mean_error,
     number,

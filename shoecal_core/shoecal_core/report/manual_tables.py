@@ -7,10 +7,16 @@ import math
 import numpy as np
 
 from shoecal_core.calibration.assessment import NORMAL_95
-from shoecal_core.report.calibration_content import channel_units
 from shoecal_core.report.manual_content import ManualReport
 from shoecal_core.report.page import Table
-from shoecal_core.report.quantities import UNKNOWN, mean_error, quantity, size, uncertain
+from shoecal_core.report.quantities import (
+    UNKNOWN,
+    channel_units,
+    mean_error,
+    quantity,
+    size,
+    uncertain,
+)
 from shoecal_core.sensing.shoe import FEET
 
 

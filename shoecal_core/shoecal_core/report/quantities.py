@@ -7,10 +7,21 @@ import re
 
 from shoecal_core.calibration.metrics import Mae
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.sensing.shoe import Shoe
 
 UNKNOWN = "–"
 SPACE = "\N{NO-BREAK SPACE}"
 PLUS_MINUS = f"{SPACE}±{SPACE}"
+
+
+def channel_units(shoe: Shoe, *, torque: bool) -> tuple[str, str]:
+    """Units of a channel's output and of its gain; `1` for a plain ratio.
+
+    A shoe whose readings are newtons tells torques in newton metres.
+    """
+    output = "N m" if torque else "N"
+    reading = output if shoe.unit == "N" else shoe.unit
+    return output, "1" if reading == output else f"{output}/{reading}"
 
 
 def number(value: float, decimals: int) -> str:
