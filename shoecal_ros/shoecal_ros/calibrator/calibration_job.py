@@ -84,6 +84,8 @@ class CalibrationJob:
         worker = Worker(site.wake)
         try:
             runs = await self._draw(worker)
+            # The standard set comes back to a support, to lift each foot.
+            self.state.supports = len(runs)
             session = await make_session(site, self.request.run_id, self.request.seed)
             self.session = session.folder
             await RunSeries(self._job, session, self._report_recording).record(runs)
