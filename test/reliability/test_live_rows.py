@@ -5,13 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from reliability import peers, stale
+from reliability import cells, cells_live, peers, stale, wrong_input
 from reliability.live_world import Start, World, live_tries, live_world
 from reliability.tries import BrokenError
 
 
 @pytest.mark.parametrize(
-    ("start", "tries"), [(stale.Scene, range(8)), (peers.Scene, range(peers.KINDS))]
+    ("start", "tries"),
+    [
+        (stale.Scene, range(8)),
+        (peers.Scene, range(peers.KINDS)),
+        (wrong_input.Scene, range(110)),
+        (cells.Scene, range(len(cells_live.LIVE))),
+    ],
 )
 def test_it_holds(start: Start, tries: range) -> None:
     with live_world() as world:
