@@ -103,8 +103,8 @@ def flood(count: int) -> Flood:
         end = time.monotonic() + BEFORE_S
         before = cops_per_frame(lambda: time.monotonic() >= end)
         out = world.folder / "flood.json"
-        with _caller("--serve") as bare, out.open("wb") as file:
-            with _caller(str(count), str(RATE_HZ), *map(str, files), stdout=file) as caller:
+        with _caller("--serve") as bare, out.open("wb") as answers:
+            with _caller(str(count), str(RATE_HZ), *map(str, files), stdout=answers) as caller:
                 during = cops_per_frame(lambda: caller.poll() is not None)
             bare.kill()
         robot.armed.publish(Bool(data=False))

@@ -61,7 +61,8 @@ def put_in_force(world: World, identity: str = "made-1") -> SetCalibration.Reque
     return request
 
 
-def start_calibrator(world: World) -> None:
+def start_calibrator(world: World, **parameters: object) -> None:
     """Start a calibrator with folders of the world, and put a calibration in force."""
-    world.start("calibrator", {name: world.folder / name for name in ("state_dir", "sessions_dir")})
+    folders = {name: world.folder / name for name in ("state_dir", "sessions_dir")}
+    world.start("calibrator", {**folders, **parameters})
     put_in_force(world)
