@@ -4,31 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from caught_faults import ATTEMPTS, clean_cop_errors, cop_errors
 from fault_cables import saturated, spikes, stuck, with_values
 from fault_draws import Draw, Expected, FaultySession, Injected, NoFaultError
-from population import Member, different_robots, nao, sessions
+from population import different_robots, nao, sessions
 from reliability.tries import BrokenError
-from shoecal_core.calibration.evaluate import errors, measured_series, truth_series
-from shoecal_core.calibration.pipeline import calibrate_session, load_data
+from shoecal_core.calibration.pipeline import calibrate_session
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import Run
-from shoecal_core.recording.session import Session
-from shoecal_core.recording.truth import read_truth
-from shoecal_core.sensing.sensing import Sensing
 
 FloatArray = NDArray[np.float64]
 
 ROBOTS = 3
 """Sessions of the population, of that many robots."""
-WORSE_M = 1e-3
+WORSE_MM = 1.0
 """By so much worse on the truth than without the fault a calibration is spoilt."""
 PERIOD_S = 0.01
-ATTEMPTS = 30
 
 
 @dataclass(frozen=True)
@@ -125,9 +120,11 @@ def check_recorded(fault: str, cell: int, number: int) -> None:
         return
     if outcome.calibration.verdict != "PASS":
         return
-    worse = _error(member, outcome.stages.sensing) - _clean_error(member)
-    if not worse < WORSE_M:
-        raise BrokenError(f"cell {cell} {fault}: applied, {1e3 * worse:.1f} mm worse")
+    clean = clean_cop_errors(member)
+    found = cop_errors(member, outcome.stages.sensing, list(clean))
+    worse = np.mean(list(found.values())) - np.mean(list(clean.values()))
+    if not worse < WORSE_MM:
+        raise BrokenError(f"cell {cell} {fault}: applied, {worse:.1f} mm worse")
 
 
 def _spoilt(draw: Draw, fault: Callable[[Draw], Injected]) -> dict[int, Run]:
@@ -138,22 +135,3 @@ def _spoilt(draw: Draw, fault: Callable[[Draw], Injected]) -> dict[int, Run]:
         except NoFaultError:
             draw = draw.again()
     raise BrokenError(f"{draw.fault}: no fault in {ATTEMPTS} attempts")
-
-
-def _error(member: Member, sensing: Sensing) -> float:
-    """CoP error of each foot against the truth, in the recordings as they were [m]."""
-    session = Session.open(member.folder)
-    data = load_data(session)
-    truths = {run: read_truth(session.truth_path(run)) for run in data.stances}
-    pairs = [
-        (measured_series(sensing, stance), truth_series(truths[run], stance))
-        for run, stances in data.stances.items()
-        for stance in stances
-    ]
-    return float(np.mean([foot.mean for foot in errors(pairs).foot_cop]))
-
-
-@cache
-def _clean_error(member: Member) -> float:
-    outcome = calibrate_session(Session.open(member.folder), member.train, member.test)
-    return _error(member, outcome.stages.sensing)

@@ -1,12 +1,10 @@
 """Calls services of the calibrator at a steady rate: a program of its own, for `flood`.
 
     python flood_caller.py CALLS RATE REQUEST...
-    python flood_caller.py --serve
 
-The first sends the serialised requests to `shoe/set_calibration` in turn, and prints one line of
-JSON: for every call how long its answer took [s], -1 where none came, the same of a service that
-does nothing (the second form offers it), how many self-calibrations were begun, and which calls put
-a calibration in force. No executor: this must not be what is slow.
+It sends the serialised requests to `shoe/set_calibration` in turn, and prints one line of JSON: for
+every call how long its answer took [s], -1 where none came, how many self-calibrations were begun,
+and which calls put a calibration in force. No executor: this must not be what is slow.
 """
 
 from __future__ import annotations
@@ -34,8 +32,6 @@ AGAIN_S = 1.0
 LOOK_S = 2e-3
 """How closely answers are timed: looking more often takes a core from those who are called."""
 MANY = QoSProfile(depth=1000)
-BARE, BARE_SHARE = "bare", 20
-"""A service that does nothing; called once in so many calls."""
 
 
 class Caller:
@@ -68,7 +64,6 @@ class Caller:
 
 def call(node: Node, count: int, rate: float, requests: Sequence[Any]) -> dict[str, object]:
     """Call as often and as quickly as asked for; what came of it."""
-    bare = Caller(node, Trigger, BARE)
     start = Caller(node, SelfCalibrate, "shoe/self_calibrate")
     get = Caller(node, GetCalibration, "shoe/get_calibration")
     back = Caller(node, Trigger, "shoe/rollback")
@@ -76,14 +71,12 @@ def call(node: Node, count: int, rate: float, requests: Sequence[Any]) -> dict[s
     in_turn = (*[start] * 7, get, back, change)
     _until_known(Caller(node, GetCalibration, "shoe/get_calibration"))
     freeze_objects()
-    took, bare_took, changes, jobs = [-1.0] * count, [-1.0] * count, [], 0
+    took, changes, jobs = [-1.0] * count, [], 0
     begin, done = time.monotonic(), 0
     while done < count or (min(took) < 0.0 and time.monotonic() < begin + count / rate + WAIT_S):
         due = min(count, int((time.monotonic() - begin) * rate))
         while done < due:
             in_turn[done % len(in_turn)].call(done)
-            if done % BARE_SHARE == 0:
-                bare.call(done)
             done += 1
         for caller in (start, get, back, change):
             for number, seconds, response in caller.answers():
@@ -91,10 +84,8 @@ def call(node: Node, count: int, rate: float, requests: Sequence[Any]) -> dict[s
                 jobs += caller is start and response.accepted
                 if caller in (back, change) and response.success:
                     changes.append(number)
-        for number, seconds, _ in bare.answers():
-            bare_took[number] = seconds
         time.sleep(LOOK_S)
-    return {"took": took, "bare": bare_took, "changes": changes, "jobs": jobs}
+    return {"took": took, "changes": changes, "jobs": jobs}
 
 
 def _until_known(last: Caller) -> None:
@@ -109,17 +100,12 @@ def _until_known(last: Caller) -> None:
 
 
 def main() -> None:
-    """Call, or offer the service that does nothing until the process is ended."""
-    rclpy.init(args=[])
-    if sys.argv[1] == "--serve":
-        node = Node("bare")
-        node.create_service(Trigger, BARE, lambda _, response: response, qos_profile=MANY)
-        rclpy.spin(node)
-        return
+    """Call and print what came of it."""
     count, rate, *files = sys.argv[1:]
     requests = [
         deserialize_message(Path(file).read_bytes(), SetCalibration.Request) for file in files
     ]
+    rclpy.init(args=[])
     print(json.dumps(call(Node("flood"), int(count), float(rate), requests)))
     rclpy.shutdown()
 

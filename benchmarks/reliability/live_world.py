@@ -27,14 +27,14 @@ from shoecal_ros.demonstration.domain import reserve_domain
 if str(ROOT / "test") not in sys.path:
     sys.path.append(str(ROOT / "test"))
 
-from ros.world import Goal, Received, World
+from ros.world import Goal, World
 
 COMPILE_S = 600.0
 """A planner compiles at its first start, and makes way for everything else."""
 LONGEST = 300
 """Letters of a failure: those of a wait in vain hold the nodes' logs."""
 
-__all__ = ["COMPILE_S", "Goal", "Received", "Scene", "Start", "World", "live_tries", "live_world"]
+__all__ = ["COMPILE_S", "Goal", "Scene", "Start", "World", "live_tries", "live_world"]
 
 
 class Scene(Protocol):
