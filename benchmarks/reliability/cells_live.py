@@ -14,7 +14,7 @@ from shoecal_msgs.msg import ShoeState, ShoeVoltages
 from shoecal_msgs.srv import GetCalibration
 
 from reliability.live_robots import WaitedForRobot, start_calibrator
-from reliability.live_world import World
+from reliability.live_world import World, wait
 from reliability.tries import BrokenError
 from ros.bodies import nao_shoe
 from shoecal_ros.common import qos
@@ -159,13 +159,13 @@ class LiveCells:
             BrokenError: when another cell is reported, or another calibration comes in force.
         """
         self._until_well()
-        self._wait(float(rng.uniform(0.8, 1.2)) + (LEARN_S if fault == BOARD else 0.0))
+        wait(self.world, float(rng.uniform(0.8, 1.2)) + (LEARN_S if fault == BOARD else 0.0))
         self._states.clear()
         broken = broken_cells(fault, cell)
         self.robot.break_cells(spoil(fault, broken, rng))
         try:
             at = self._until(lambda state: _broken(state, broken))
-            self._wait(0.3)
+            wait(self.world, 0.3)
         finally:
             self.robot.break_cells(None)
         if any(np.delete(_statuses(state), broken).any() for _, state in self._states):
@@ -186,10 +186,6 @@ class LiveCells:
         """When the first state came that meets a condition."""
         self.world.until(lambda: any(condition(one) for _, one in self._states), WAIT_S)
         return next(at for at, one in self._states if condition(one))
-
-    def _wait(self, seconds: float) -> None:
-        end = time.monotonic() + seconds
-        self.world.until(lambda: time.monotonic() >= end)
 
 
 def _statuses(state: ShoeState) -> list[int]:

@@ -28,7 +28,7 @@ from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Calibrate
 from std_srvs.srv import SetBool
 
-from reliability.live_world import COMPILE_S, Goal, World, live_tries
+from reliability.live_world import COMPILE_S, Goal, World, is_well, live_tries
 from reliability.row import Row
 from reliability.tries import BrokenError
 from ros.bodies import NAO, NAO_SHOE, nao_shoe
@@ -109,21 +109,23 @@ class Scene:
             result = goal.result()
             if not (result.success or result.message):
                 raise BrokenError(f"{node} killed while {stage}: the job ended without a reason")
+        rest_s = 0.0
         if node != "simulator":
             world.until(lambda: time.monotonic() > ends + REST_S + LASTS_S)
+            rest_s = max(0.0, self._moved_at - ends)
         world.start(node, self._parameters[node])
         world.until(lambda: not self._reported(node))
         again = self._calibrate(seed)
         again.cancel()
         again.result()
-        return max(0.0, self._moved_at - ends) if node != "simulator" else 0.0, reported_s
+        return rest_s, reported_s
 
     def _calibrate(self, seed: int) -> Goal:
         """Begin a self-calibration once all is ready."""
         world = self.world
         for subject in ("joints", "voltages"):
             world.until_reported("calibrator", subject, f"{subject} come")
-        world.until(lambda: _is_well(world, "nodes"))
+        world.until(lambda: is_well(world, "calibrator", "nodes"))
         world.until_reported("planner", "planning", "ready", COMPILE_S)
         world.until_reported("planner", "joints", "come")
         self._arm(armed=True)
@@ -176,11 +178,6 @@ def of_motion(feedback: Calibrate.Feedback) -> float:
     of_run = SUPPORTS * of_runs - (feedback.support - 1)
     before: float = REACH_SHARE + PLAN_SHARE
     return float((of_run - before) / (1.0 - before))
-
-
-def _is_well(world: World, subject: str) -> bool:
-    found = world.diagnosis("calibrator", subject)
-    return found is not None and found.level == b"\x00"
 
 
 def draw(number: int, rng: np.random.Generator) -> tuple[str, str, float]:

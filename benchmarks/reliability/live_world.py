@@ -9,6 +9,7 @@ import math
 import os
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
@@ -17,6 +18,7 @@ from typing import Protocol
 from unittest.mock import patch
 
 import numpy as np
+from diagnostic_msgs.msg import DiagnosticStatus
 
 from pages import ROOT
 from reliability.row import Progress, Result, merge
@@ -34,7 +36,9 @@ COMPILE_S = 600.0
 LONGEST = 300
 """Letters of a failure: those of a wait in vain hold the nodes' logs."""
 
-__all__ = ["COMPILE_S", "Goal", "Scene", "Start", "World", "live_tries", "live_world"]
+__all__ = [
+    "COMPILE_S", "Goal", "Scene", "Start", "World", "is_well", "live_tries", "live_world", "wait",
+]  # fmt: skip
 
 
 class Scene(Protocol):
@@ -68,6 +72,18 @@ def live_world() -> Iterator[World]:
         World(Path(folder)) as world,
     ):
         yield world
+
+
+def wait(world: World, seconds: float) -> None:
+    """Let messages come for so long."""
+    end = time.monotonic() + seconds
+    world.until(lambda: time.monotonic() >= end)
+
+
+def is_well(world: World, node: str, subject: str) -> bool:
+    """Whether a node's last diagnostic of a subject is OK."""
+    found = world.diagnosis(node, subject)
+    return found is not None and found.level == DiagnosticStatus.OK
 
 
 def live_tries(

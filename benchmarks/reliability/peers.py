@@ -27,7 +27,7 @@ from shoecal_msgs.msg import ShoeVoltages
 from std_msgs.msg import String
 
 from reliability.live_robots import WaitedForRobot, start_calibrator
-from reliability.live_world import COMPILE_S, World, live_tries
+from reliability.live_world import COMPILE_S, World, is_well, live_tries
 from reliability.row import Row
 from ros.bodies import nao, nao_shoe
 from shoecal_ros.common import qos
@@ -133,11 +133,7 @@ class Scene:
         return took
 
     def _until_well(self, subject: str) -> None:
-        def well() -> bool:
-            found = self.world.diagnosis(CALIBRATOR, subject)
-            return found is not None and found.level == b"\x00"
-
-        self.world.until(well)
+        self.world.until(lambda: is_well(self.world, CALIBRATOR, subject))
 
 
 ROW = Row(

@@ -24,7 +24,7 @@ from geometry_msgs.msg import PointStamped, WrenchStamped
 from shoecal_msgs.msg import ShoeState
 
 from reliability.live_robots import SUPPORT, start_calibrator
-from reliability.live_world import World, live_tries
+from reliability.live_world import World, live_tries, wait
 from reliability.row import Row
 from reliability.tries import BrokenError
 from ros.bodies import nao
@@ -112,7 +112,7 @@ class Scene:
         early = any(any(_stale(state)) for when, state in self.state.heard[1:] if when < last)
         # By stamps: what was on its way may come late.
         after_ns = robot.stamp_ns
-        self._wait(GOES_ON * period_s + 0.05)
+        wait(self.world, GOES_ON * period_s + 0.05)
         others = [foot for foot, goes_on in zip(self.feet, away.goes_on, strict=True) if goes_on]
         self.world.until(lambda: all(foot.any_of_after(after_ns) for foot in others))
         if any(one.any_of_after(after_ns) for one in self.sums):
@@ -139,16 +139,12 @@ class Scene:
         robot.publish_every(period_ns)
         begin_ns = robot.stamp_ns
         self.world.until(lambda: robot.stamp_ns >= begin_ns + LEARN * period_ns)
-        self._wait(float(rng.uniform(0.0, 0.1)))
+        wait(self.world, float(rng.uniform(0.0, 0.1)))
         for one in (self.state, *self.sums, *self.feet):
             one.heard[:] = one.heard[-1:]
         robot.longest_s = 0.0
-        self._wait(GOES_ON * period_ns / 1e9)
+        wait(self.world, GOES_ON * period_ns / 1e9)
         return period_ns / 1e9
-
-    def _wait(self, seconds: float) -> None:
-        end = time.monotonic() + seconds
-        self.world.until(lambda: time.monotonic() >= end)
 
     def _until_state(self, condition: Callable[[ShoeState], bool], since: float) -> float:
         """When a state that meets a condition came."""
