@@ -103,8 +103,7 @@ class Scene:
 
     def attempt(self, number: int, rng: np.random.Generator) -> float:
         """Let something stay away and come again; share of the longest time that it took."""
-        del number
-        away, period_s = AWAY[rng.integers(len(AWAY))], self._stand(rng)
+        away, period_s = AWAY[number % len(AWAY)], self._stand(rng)
         robot, late_s = self.robot, max(LATE_S, LATE_PERIODS * period_s)
         setattr(robot, f"publishes_{away.name}", False)
         last, was_late = robot.published_at[away.name], robot.longest_s > late_s

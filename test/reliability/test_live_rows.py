@@ -18,7 +18,7 @@ from shoecal_ros.common.conversions import calibration_to_ros
 
 @pytest.mark.parametrize(
     ("start", "tries"),
-    [(cells.Scene, (0, 3, 6)), (peers.Scene, (0, 4, 9)), (stale.Scene, range(6))],
+    [(cells.Scene, (0, 3, 6)), (peers.Scene, (0, 4, 9)), (stale.Scene, range(4))],
 )
 def test_it_holds(start: Start, tries: Sequence[int]) -> None:
     with live_world() as world:
