@@ -131,8 +131,8 @@ def _faulty(task: Task) -> dict[str, Any]:
     }
     if outcome is not None:
         untouched = [run for run in draw.runs if run not in injected.runs] or list(draw.runs)
-        found = _errors(task.member, outcome.stages.sensing, untouched)
-        clean = _clean_errors(task.member)
+        found = cop_errors(task.member, outcome.stages.sensing, untouched)
+        clean = clean_cop_errors(task.member)
         result["cop_mm"] = float(np.mean(list(found.values())))
         result["clean_cop_mm"] = float(np.mean([clean[run] for run in untouched]))
     return result
@@ -197,8 +197,8 @@ def _covered(expected: Expected, outcome: Outcome, runs: Mapping[int, Run]) -> f
     return float(np.mean(nearest > period / 2.0))
 
 
-def _errors(member: Member, sensing: Sensing, runs: Sequence[int]) -> dict[int, float]:
-    """CoP error of each foot against the truth, its mean in every run [mm]."""
+def cop_errors(member: Member, sensing: Sensing, runs: Sequence[int]) -> dict[int, float]:
+    """CoP error of each foot against the truth, its mean in each of some runs [mm]."""
     session = Session.open(member.folder)
     data = load_data(session, runs)
     found = {}
@@ -212,13 +212,14 @@ def _errors(member: Member, sensing: Sensing, runs: Sequence[int]) -> dict[int, 
     return found
 
 
-def _clean_errors(member: Member) -> dict[int, float]:
+def clean_cop_errors(member: Member) -> dict[int, float]:
     """The same of the session as it was recorded; kept in a file."""
     file = OUT / f"seed_{member.seed:03d}.json"
     if not file.is_file():
         session = Session.open(member.folder)
         sensing = calibrate_session(session, member.train, member.test).stages.sensing
-        found = _errors(member, sensing, [entry.run for entry in session.runs])
+        found = cop_errors(member, sensing, [entry.run for entry in session.runs])
+        OUT.mkdir(parents=True, exist_ok=True)
         atomic_write(file, json.dumps(found).encode())
     return {int(run): float(error) for run, error in json.loads(file.read_text()).items()}
 

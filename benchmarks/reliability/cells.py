@@ -23,118 +23,41 @@ a result: that none is applied from spoilt readings is shown by the recorded ses
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from contextlib import nullcontext
+from functools import partial
 
 import numpy as np
 
 from reliability.cells_live import LIVE, LiveCells
-from reliability.cells_recorded import RECORDED, calibrate_spoilt
-from reliability.live_world import live_world
-from reliability.row import Progress, Result, Row
+from reliability.cells_recorded import RECORDED, check_recorded
+from reliability.live_world import World, live_tries
+from reliability.row import Row
 
 CELLS = 8
 FAULTS = (*LIVE, *(fault for fault in RECORDED if fault not in LIVE))
-TRIES = 2 * CELLS * len(FAULTS)
 WITHIN_S = 0.5
 
 
-@dataclass(frozen=True)
-class Try:
-    """One of the tries.
+class Scene:
+    """A calibrator beside a robot whose cells break, and recordings of robots whose cells broke."""
 
-    Attributes:
-        fault, cell: what breaks.
-        calibrating: else idle.
-    """
+    def __init__(self, world: World) -> None:
+        self.live = LiveCells(world)
 
-    fault: str
-    cell: int
-    calibrating: bool
-
-    @staticmethod
-    def of(index: int) -> Try:
-        """The try of a number: faults come first, so that a share has them all."""
-        fault, rest = index % len(FAULTS), index // len(FAULTS)
-        return Try(FAULTS[fault], (rest // 2 + fault) % CELLS, bool(rest % 2))
-
-    @property
-    def name(self) -> str:
-        return (
-            f"cell {self.cell} {self.fault} {'while calibrating' if self.calibrating else 'idle'}"
+    def attempt(self, number: int, rng: np.random.Generator) -> float:
+        """Break a cell; time until it is reported live [s]. Faults come first: a share has all."""
+        rest, fault_number = divmod(number, len(FAULTS))
+        fault, cell, calibrating = (
+            FAULTS[fault_number],
+            (rest // 2 + fault_number) % CELLS,
+            rest % 2,
         )
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What came of one try.
-
-    Attributes:
-        tried: which.
-        after: until it was told live [s]; 0 where it was not tried live.
-        readings_s: the same by the stamps of the readings [s].
-        wrong: what must not have happened, however long it took; empty where nothing has.
-    """
-
-    tried: Try
-    after: float = 0.0
-    readings_s: float = 0.0
-    wrong: str = ""
-
-    @property
-    def failed(self) -> str:
-        """In words, empty where it held."""
-        late = f"told after {self.after:.2f} s" if self.after > WITHIN_S else ""
-        return ", ".join(filter(None, (self.wrong, late)))
-
-
-def break_live(tries: Mapping[int, Try], seed: int, *, calibrating: bool) -> list[Outcome]:
-    """Break cells beside a real calibrator."""
-    found = []
-    with live_world() as world:
-        cells = LiveCells(world)
-        before = cells.in_force()
-        if calibrating:
-            cells.calibrate()
-        for index, one in tries.items():
-            told = cells.break_cell(one.fault, one.cell, np.random.default_rng([seed, index]))
-            wrong = "" if told.alone else "another cell was told, too"
-            if cells.in_force() != before:
-                wrong = "another calibration came in force"
-            found.append(Outcome(one, told.after, told.readings_s, wrong))
-    return found
-
-
-def break_recorded(index: int, seed: int) -> Outcome:
-    """Calibrate from recordings of a broken cell."""
-    one = Try.of(index)
-    found = calibrate_spoilt(one.fault, one.cell, seed * TRIES + index)
-    wrong = f"applied, {1e3 * found.worse:.1f} mm worse" if found.spoilt else ""
-    return Outcome(one, wrong=wrong)
-
-
-def run(first: int, count: int, seed: int, progress: Progress) -> Result:
-    """Tries first to first + count - 1."""
-    tries = {index: Try.of(index) for index in range(first, first + count)}
-    outcomes: list[Outcome] = []
-    for calibrating in (False, True):
-        live = {
-            index: one
-            for index, one in tries.items()
-            if one.calibrating == calibrating and one.fault in LIVE
-        }
-        if live:
-            outcomes += break_live(live, seed, calibrating=calibrating)
-            progress(len(outcomes) // 2)
-    for index, one in tries.items():
-        if one.fault in RECORDED and (one.calibrating or one.fault not in LIVE):
-            outcomes.append(break_recorded(index, seed))
-            progress(min(len(outcomes), count))
-    failures = {one.tried.name: one.failed for one in outcomes if one.failed}
-    slowest = max(outcomes, key=lambda one: one.after)
-    told = f"{slowest.after:.2f} s until told ({slowest.tried.name})"
-    worst = "; ".join(f"{name}: {failed}" for name, failed in failures.items()) or told
-    return Result(count, len(failures), worst[:300], slowest.after + len(failures))
+        if fault in RECORDED and (calibrating or fault not in LIVE):
+            check_recorded(fault, cell, number)
+        if fault not in LIVE:
+            return 0.0
+        with self.live.calibrating() if calibrating else nullcontext():
+            return self.live.break_cell(fault, cell, rng)
 
 
 ROW = Row(
@@ -142,7 +65,7 @@ ROW = Row(
     fault="8 cells x off, stuck, saturated, NaN, spikes, slow, hung board, swapped, idle and while "
     "calibrating",
     holds="flagged within 0.5 s where it can be seen live, and never a calibration applied from it",
-    tries=TRIES,
+    tries=2 * CELLS * len(FAULTS),
     step=32,
-    run=run,
+    run=partial(live_tries, Scene, worst="{:.2f} s until reported", most=WITHIN_S),
 )

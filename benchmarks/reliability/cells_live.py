@@ -1,21 +1,24 @@
-"""Cells that break while a calibrator listens: how soon it says so."""
+"""Cells that break while a calibrator listens: how soon it reports them."""
 
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from shoecal_msgs.action import Calibrate
 from shoecal_msgs.msg import ShoeState, ShoeVoltages
-from shoecal_msgs.srv import GetCalibration, SelfCalibrate
+from shoecal_msgs.srv import GetCalibration
 
-from reliability.live_robots import WaitedForRobot, put_in_force, start_calibrator
-from reliability.live_world import World
+from reliability.live_robots import WaitedForRobot, start_calibrator
+from reliability.live_world import World, wait
+from reliability.tries import BrokenError
 from ros.bodies import nao_shoe
 from shoecal_ros.common import qos
-from shoecal_ros.common.conversions import VoltageFrame, time_from_ros
+from shoecal_ros.common.conversions import VoltageFrame
 
 FloatArray = NDArray[np.float64]
 Bytes = NDArray[np.uint8]
@@ -25,141 +28,88 @@ Spoil = Callable[[int, FloatArray, Bytes], None]
 NOISE_V = 1e-3
 NEWTONS_PER_VOLT = 12.0
 RAIL_V = 5.0
-BOARD = "hangs with its board"
 SPIKE_FRAMES, SLOW_FRAMES = 15, 15
 WAIT_S = 60.0
 LEARN_S = 5.0
 """In so long a time a cell's own noise is known."""
 
-
-def off(rng: np.random.Generator, cell: int) -> Spoil:
-    """Unplugged: no reading, zero, or the open input at an end of the range."""
-    value, status = [
-        (np.nan, ShoeVoltages.NO_DATA),
-        (0.0, ShoeVoltages.GOOD),
-        (RAIL_V, ShoeVoltages.GOOD),
-        (-RAIL_V, ShoeVoltages.SATURATED),
-    ][int(rng.integers(4))]
-
-    def spoil(frame: int, voltage: FloatArray, statuses: Bytes) -> None:
-        del frame
-        voltage[cell], statuses[cell] = value, status
-
-    return spoil
+NO_DATA, GOOD, SATURATED = ShoeVoltages.NO_DATA, ShoeVoltages.GOOD, ShoeVoltages.SATURATED
+CONSTANT = {
+    "off": ((np.nan, NO_DATA), (0.0, GOOD), (RAIL_V, GOOD), (-RAIL_V, SATURATED)),
+    "saturated": tuple((end, one) for end in (-RAIL_V, RAIL_V) for one in (GOOD, SATURATED)),
+    "NaN": ((np.nan, GOOD), (np.inf, GOOD), (-np.inf, GOOD)),
+}
+"""Faults of one value [V], with the status that the device gives it."""
+BOARD = "hangs with its board"
+HELD = {"stuck": 10**9, "slow": SLOW_FRAMES, BOARD: 10**9}
+"""Faults that hold readings, and after how many frames the next one comes."""
+LIVE = (*CONSTANT, *HELD, "spikes")
+"""Faults that show while they happen."""
 
 
-def stuck(rng: np.random.Generator, cell: int) -> Spoil:
-    """One value, the one that it had."""
-    del rng
-    held: list[float] = []
-
-    def spoil(frame: int, voltage: FloatArray, statuses: Bytes) -> None:
-        del frame, statuses
-        held.append(float(voltage[cell]))
-        voltage[cell] = held[0]
-
-    return spoil
-
-
-def board_of(cell: int) -> list[int]:
-    """Cells of the board that a cell hangs on: every other time one for its foot, or for all."""
+def broken_cells(fault: str, cell: int) -> list[int]:
+    """Cells that break: all of a board, every other time one for the foot or for both feet."""
     foot = nao_shoe().foot
-    return np.flatnonzero((foot == foot[cell]) | bool(cell % 2)).tolist()
+    board = np.flatnonzero((foot == foot[cell]) | bool(cell % 2)).tolist()
+    return board if fault == BOARD else [cell]
 
 
-def hung_board(rng: np.random.Generator, cell: int) -> Spoil:
-    """All cells of a board as they were, again and again; its counter goes on."""
-    del rng
-    board = board_of(cell)
-    held: list[FloatArray] = []
-
-    def spoil(frame: int, voltage: FloatArray, statuses: Bytes) -> None:
-        del frame, statuses
-        held.append(voltage[board])
-        voltage[board] = held[0]
-
-    return spoil
+def spoil(fault: str, cells: Sequence[int], rng: np.random.Generator) -> Spoil:
+    """A fault of some cells."""
+    if fault in CONSTANT:
+        return _constant(cells, *CONSTANT[fault][rng.integers(len(CONSTANT[fault]))])
+    return _held(cells, HELD[fault]) if fault in HELD else _spikes(cells, rng)
 
 
-def saturated(rng: np.random.Generator, cell: int) -> Spoil:
-    """At an end of the range, whether the device says so or not."""
-    end = RAIL_V * float(rng.choice([-1.0, 1.0]))
-    status = int(rng.choice([ShoeVoltages.GOOD, ShoeVoltages.SATURATED]))
-
-    def spoil(frame: int, voltage: FloatArray, statuses: Bytes) -> None:
+def _constant(cells: Sequence[int], value: float, status: int) -> Spoil:
+    def change(frame: int, voltage: FloatArray, statuses: Bytes) -> None:
         del frame
-        voltage[cell], statuses[cell] = end, status
+        voltage[cells], statuses[cells] = value, status
 
-    return spoil
-
-
-def not_a_number(rng: np.random.Generator, cell: int) -> Spoil:
-    """NaN or infinite, and said to be good."""
-    value = float(rng.choice([np.nan, np.inf, -np.inf]))
-
-    def spoil(frame: int, voltage: FloatArray, statuses: Bytes) -> None:
-        del frame, statuses
-        voltage[cell] = value
-
-    return spoil
+    return change
 
 
-def spikes(rng: np.random.Generator, cell: int) -> Spoil:
+def _held(cells: Sequence[int], frames: int) -> Spoil:
+    held = np.zeros(len(cells))
+
+    def change(frame: int, voltage: FloatArray, statuses: Bytes) -> None:
+        del statuses
+        if frame % frames == 0:
+            held[:] = voltage[cells]
+        voltage[cells] = held
+
+    return change
+
+
+def _spikes(cells: Sequence[int], rng: np.random.Generator) -> Spoil:
     """One to three readings 2 to 40 N off, several a second."""
     size = float(rng.uniform(2.0, 40.0)) * float(rng.choice([-1.0, 1.0])) / NEWTONS_PER_VOLT
     length = int(rng.integers(1, 4))
 
-    def spoil(frame: int, voltage: FloatArray, statuses: Bytes) -> None:
+    def change(frame: int, voltage: FloatArray, statuses: Bytes) -> None:
         del statuses
         if frame % SPIKE_FRAMES < length:
-            voltage[cell] += size
+            voltage[cells] += size
 
-    return spoil
-
-
-def slow(rng: np.random.Generator, cell: int) -> Spoil:
-    """A new reading every 0.15 s only."""
-    del rng
-    held: list[float] = []
-
-    def spoil(frame: int, voltage: FloatArray, statuses: Bytes) -> None:
-        del statuses
-        if frame % SLOW_FRAMES == 0:
-            held.append(float(voltage[cell]))
-        voltage[cell] = held[-1]
-
-    return spoil
-
-
-LIVE: Mapping[str, Callable[[np.random.Generator, int], Spoil]] = {
-    "off": off,
-    "stuck": stuck,
-    "saturated": saturated,
-    "NaN": not_a_number,
-    "spikes": spikes,
-    "slow": slow,
-    BOARD: hung_board,
-}
-"""Faults that show while they happen."""
+    return change
 
 
 class SpoiltRobot(WaitedForRobot):
-    """Its cells are noisy, and one may be broken.
+    """Its cells are noisy, and some may be broken.
 
     Attributes:
         broken_at: when the first spoilt frame was sent, monotonic [s].
-        broken_ns: its own stamp.
     """
 
     def __init__(self, world: World) -> None:
         self._noise = np.random.default_rng(1)
         self._spoil: Spoil | None = None
         self._spoilt = 0
-        self.broken_at, self.broken_ns = 0.0, 0
+        self.broken_at = 0.0
         super().__init__(world)
 
-    def spoil(self, change: Spoil | None) -> None:
-        """Break a cell from the next frame on, or mend it."""
+    def break_cells(self, change: Spoil | None) -> None:
+        """Break cells from the next frame on, or mend them."""
         self._spoil, self._spoilt = change, 0
 
     def _frame(self) -> VoltageFrame:
@@ -168,26 +118,10 @@ class SpoiltRobot(WaitedForRobot):
         status = frame.status.copy()
         if self._spoil is not None:
             if self._spoilt == 0:
-                self.broken_at, self.broken_ns = time.monotonic(), frame.stamp_ns
+                self.broken_at = time.monotonic()
             self._spoil(self._spoilt, voltage, status)
             self._spoilt += 1
         return replace(frame, voltage=voltage, status=status)
-
-
-@dataclass(frozen=True)
-class Told:
-    """What the calibrator said of a broken cell.
-
-    Attributes:
-        after: from the first spoilt frame to the state that names it, and its board's others [s].
-        readings_s: the same by the robot's own stamps, up to the last reading that the calibrator
-            had by then: what a busy machine takes for a message does not count [s].
-        alone: no others.
-    """
-
-    after: float
-    readings_s: float
-    alone: bool
 
 
 class LiveCells:
@@ -204,46 +138,54 @@ class LiveCells:
             qos.LATCHED,
         )
         start_calibrator(world)
-        put_in_force(world)
-        self._until(_well)
+        self._before = self._in_force()
 
-    def calibrate(self) -> None:
-        """Begin a self-calibration, which waits for its first double support."""
-        request = SelfCalibrate.Request(seed=-1)
-        answer = self.world.call(SelfCalibrate, "shoe/self_calibrate", request)
-        assert answer.accepted, answer.message
-        self.world.until(lambda: self.robot.waited_for > 0, timeout_s=120.0)
+    @contextmanager
+    def calibrating(self) -> Iterator[None]:
+        """A self-calibration, which waits for its first double support."""
+        waited_for = self.robot.waited_for
+        self._until_well()
+        goal = self.world.goal(Calibrate, "shoe/calibrate", Calibrate.Goal(seed=-1))
+        self.world.until(lambda: goal.done or self.robot.waited_for > waited_for)
+        assert not goal.done, goal.result().message
+        yield
+        goal.cancel()
+        goal.result()
 
-    def break_cell(self, fault: str, cell: int, rng: np.random.Generator) -> Told:
-        """Break a cell, hear what is said, mend it."""
-        self._until(_well)
-        self._wait(float(rng.uniform(0.8, 1.2)) + (LEARN_S if fault == BOARD else 0.0))
+    def break_cell(self, fault: str, cell: int, rng: np.random.Generator) -> float:
+        """Break a cell and mend it; time from the first spoilt frame to the state [s].
+
+        Raises:
+            BrokenError: when another cell is reported, or another calibration comes in force.
+        """
+        self._until_well()
+        wait(self.world, float(rng.uniform(0.8, 1.2)) + (LEARN_S if fault == BOARD else 0.0))
         self._states.clear()
-        broken = board_of(cell) if fault == BOARD else [cell]
-        self.robot.spoil(LIVE[fault](rng, cell))
+        broken = broken_cells(fault, cell)
+        self.robot.break_cells(spoil(fault, broken, rng))
         try:
-            at, state = self._until(lambda one: _broken(one, broken))
-            self._wait(0.3)
-            everything = [one for _, one in self._states]
+            at = self._until(lambda state: _broken(state, broken))
+            wait(self.world, 0.3)
         finally:
-            self.robot.spoil(None)
-        others = [set(np.flatnonzero(_statuses(one))) - set(broken) for one in everything]
-        readings_ns = time_from_ros(state.header.stamp) - self.robot.broken_ns
-        return Told(at - self.robot.broken_at, readings_ns / 1e9, alone=not any(others))
+            self.robot.break_cells(None)
+        if any(np.delete(_statuses(state), broken).any() for _, state in self._states):
+            raise BrokenError(f"{fault}: not only {broken} were reported")
+        if self._in_force() != self._before:
+            raise BrokenError(f"{fault}: another calibration came in force")
+        return at - self.robot.broken_at
 
-    def in_force(self) -> str:
-        """Id of the calibration in force."""
+    def _in_force(self) -> str:
         found = self.world.call(GetCalibration, "shoe/get_calibration", GetCalibration.Request())
         return str(found.calibration.id)
 
-    def _until(self, condition: Callable[[ShoeState], bool]) -> tuple[float, ShoeState]:
-        """The first state that meets a condition, and when it came."""
-        self.world.until(lambda: any(condition(one) for _, one in self._states), WAIT_S)
-        return next((at, one) for at, one in self._states if condition(one))
+    def _until_well(self) -> None:
+        self._states.clear()
+        self._until(lambda state: all(foot.valid and not any(foot.status) for foot in state.feet))
 
-    def _wait(self, seconds: float) -> None:
-        end = time.monotonic() + seconds
-        self.world.until(lambda: time.monotonic() >= end)
+    def _until(self, condition: Callable[[ShoeState], bool]) -> float:
+        """When the first state came that meets a condition."""
+        self.world.until(lambda: any(condition(one) for _, one in self._states), WAIT_S)
+        return next(at for at, one in self._states if condition(one))
 
 
 def _statuses(state: ShoeState) -> list[int]:
@@ -253,9 +195,5 @@ def _statuses(state: ShoeState) -> list[int]:
 
 def _broken(state: ShoeState, cells: Sequence[int]) -> bool:
     feet = [state.feet[foot] for foot in set(nao_shoe().foot[cells].tolist())]
-    told = all(_statuses(state)[cell] for cell in cells)
-    return told and not any(foot.valid or foot.stale for foot in feet)
-
-
-def _well(state: ShoeState) -> bool:
-    return all(foot.valid and not any(foot.status) for foot in state.feet)
+    reported = all(_statuses(state)[cell] for cell in cells)
+    return reported and not any(foot.valid or foot.stale for foot in feet)

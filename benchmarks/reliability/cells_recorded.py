@@ -4,28 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from caught_faults import ATTEMPTS, clean_cop_errors, cop_errors
 from fault_cables import saturated, spikes, stuck, with_values
 from fault_draws import Draw, Expected, FaultySession, Injected, NoFaultError
-from population import Member, different_robots, nao, sessions
-from shoecal_core.calibration.evaluate import errors, measured_series, truth_series
-from shoecal_core.calibration.pipeline import calibrate_session, load_data
+from population import different_robots, nao, sessions
+from reliability.tries import BrokenError
+from shoecal_core.calibration.pipeline import calibrate_session
 from shoecal_core.errors import ShoecalError
-from shoecal_core.recording.session import Session
-from shoecal_core.recording.truth import read_truth
-from shoecal_core.sensing.sensing import Sensing
+from shoecal_core.recording.run import Run
 
 FloatArray = NDArray[np.float64]
 
 ROBOTS = 3
 """Sessions of the population, of that many robots."""
-WORSE_M = 1e-3
+WORSE_MM = 1.0
 """By so much worse on the truth than without the fault a calibration is spoilt."""
-ATTEMPTS = 30
+PERIOD_S = 0.01
 
 
 @dataclass(frozen=True)
@@ -44,53 +42,48 @@ class CellDraw(Draw):
 
 def off(draw: Draw) -> Injected:
     """No reading from some moment on; or one number all the time."""
-    cell, rng = draw.cell(), draw.rng
-    if rng.integers(2):
-        level = float(rng.choice([0.0, 5.0, -5.0]))
-        return _of(draw, cell, lambda values: np.full_like(values, level))
-    share = float(rng.uniform(0.0, 0.7))
-
-    def gone(values: FloatArray) -> FloatArray:
-        return np.where(np.arange(len(values)) < share * len(values), values, np.nan)
-
-    return _of(draw, cell, gone)
+    if draw.rng.integers(2):
+        level = float(draw.rng.choice([0.0, 5.0, -5.0]))
+        return _of(draw, lambda values: np.full_like(values, level))
+    share = float(draw.rng.uniform(0.0, 0.7))
+    return _of(
+        draw,
+        lambda values: np.where(np.arange(len(values)) < share * len(values), values, np.nan),
+    )
 
 
 def not_a_number(draw: Draw) -> Injected:
     """Readings here and there that are none."""
-    rng = draw.rng
-    share = float(rng.uniform(0.01, 0.5))
-    return _of(
-        draw, draw.cell(), lambda values: np.where(rng.random(len(values)) < share, np.nan, values)
-    )
+    rng, share = draw.rng, float(draw.rng.uniform(0.01, 0.5))
+    return _of(draw, lambda values: np.where(rng.random(len(values)) < share, np.nan, values))
 
 
 def slow(draw: Draw) -> Injected:
     """Follows with a time constant of 0.2 to 2 s."""
-    constant_s = float(draw.rng.uniform(0.2, 2.0))
+    share = 1.0 - np.exp(-PERIOD_S / float(draw.rng.uniform(0.2, 2.0)))
 
     def late(values: FloatArray) -> FloatArray:
-        share, followed = 1.0 - np.exp(-0.01 / constant_s), values.copy()
+        followed = values.copy()
         for index in range(1, len(values)):
             followed[index] = followed[index - 1] + share * (values[index] - followed[index - 1])
         return followed
 
-    return _of(draw, draw.cell(), late)
+    return _of(draw, late)
 
 
 def swapped(draw: Draw) -> Injected:
     """At another cell's place, of either foot."""
-    cell = draw.cell()
-    other = int(draw.rng.choice([one for one in range(len(draw.shoe.names)) if one != cell]))
     order = np.arange(len(draw.shoe.names))
+    cell, other = draw.cell(), int(draw.rng.choice(np.delete(order, draw.cell())))
     order[[cell, other]] = other, cell
-    return Injected(
-        {
-            number: with_values(run, run.readings.value[:, order])
-            for number, run in draw.runs.items()
-        },
-        Expected(()),
-    )
+    runs = {
+        number: with_values(run, run.readings.value[:, order]) for number, run in draw.runs.items()
+    }
+    return Injected(runs, Expected(()))
+
+
+def _of(draw: Draw, change: Callable[[FloatArray], FloatArray]) -> Injected:
+    return Injected(draw.with_channel(draw.cell(), lambda values, _: change(values)), Expected(()))
 
 
 RECORDED: Mapping[str, Callable[[Draw], Injected]] = {
@@ -104,73 +97,41 @@ RECORDED: Mapping[str, Callable[[Draw], Injected]] = {
 }
 
 
-@dataclass(frozen=True)
-class Applied:
-    """What came of a calibration from spoilt recordings.
+def check_recorded(fault: str, cell: int, number: int) -> None:
+    """Calibrate from a session of which one cell was broken.
 
-    Attributes:
-        applied: whether it would be put in force.
-        told: the verdict, or why there is none.
-        worse: CoP error against the simulated truth over that without the fault [m]; NaN where
-            nothing would be applied.
+    Args:
+        fault: one of RECORDED.
+        cell: index.
+        number: of the draw.
+
+    Raises:
+        BrokenError: when a calibration would be applied that the fault has spoilt.
     """
-
-    applied: bool
-    told: str
-    worse: float = float("nan")
-
-    @property
-    def spoilt(self) -> bool:
-        """Whether a spoilt one would be applied."""
-        return self.applied and not self.worse < WORSE_M
-
-
-def calibrate_spoilt(fault: str, cell: int, number: int) -> Applied:
-    """Calibrate from a session of which one cell was broken."""
     members = different_robots(ROBOTS)
-    for _ in sessions(members):  # made where they do not stand yet
+    for _ in sessions(members):  # makes those that are missing
         pass
     member = members[number % ROBOTS]
     draw: Draw = CellDraw(f"cells {fault}", number, member, nao()[1], chosen=cell)
-    for _ in range(ATTEMPTS):
-        try:
-            injected = RECORDED[fault](draw)
-            break
-        except NoFaultError:
-            draw = draw.again()
-    else:
-        raise ShoecalError(f"{fault} of cell {cell}: no fault in {ATTEMPTS} attempts")
-    session = FaultySession.of(member.folder, draw.all_runs(injected))
+    session = FaultySession.of(member.folder, _spoilt(draw, RECORDED[fault]))
     try:
         outcome = calibrate_session(session, member.train, member.test)
-    except ShoecalError as error:
-        return Applied(applied=False, told=str(error))
-    made = outcome.calibration
-    told = f"{made.verdict}: {'; '.join(made.reasons)}"
-    if made.verdict != "PASS":
-        return Applied(applied=False, told=told)
-    worse = _error(member, outcome.stages.sensing) - _clean_error(member)
-    return Applied(applied=True, told=told, worse=worse)
+    except ShoecalError:
+        return
+    if outcome.calibration.verdict != "PASS":
+        return
+    clean = clean_cop_errors(member)
+    found = cop_errors(member, outcome.stages.sensing, list(clean))
+    worse = np.mean(list(found.values())) - np.mean(list(clean.values()))
+    if not worse < WORSE_MM:
+        raise BrokenError(f"cell {cell} {fault}: applied, {worse:.1f} mm worse")
 
 
-def _of(draw: Draw, cell: int, change: Callable[[FloatArray], FloatArray]) -> Injected:
-    return Injected(draw.with_channel(cell, lambda values, _: change(values)), Expected(()))
-
-
-def _error(member: Member, sensing: Sensing) -> float:
-    """CoP error of each foot against the truth, in the recordings as they were [m]."""
-    session = Session.open(member.folder)
-    data = load_data(session)
-    truths = {run: read_truth(session.truth_path(run)) for run in data.stances}
-    pairs = [
-        (measured_series(sensing, stance), truth_series(truths[run], stance))
-        for run, stances in data.stances.items()
-        for stance in stances
-    ]
-    return float(np.mean([foot.mean for foot in errors(pairs).foot_cop]))
-
-
-@cache
-def _clean_error(member: Member) -> float:
-    outcome = calibrate_session(Session.open(member.folder), member.train, member.test)
-    return _error(member, outcome.stages.sensing)
+def _spoilt(draw: Draw, fault: Callable[[Draw], Injected]) -> dict[int, Run]:
+    """All runs, with the fault."""
+    for _ in range(ATTEMPTS):
+        try:
+            return draw.all_runs(fault(draw))
+        except NoFaultError:
+            draw = draw.again()
+    raise BrokenError(f"{draw.fault}: no fault in {ATTEMPTS} attempts")

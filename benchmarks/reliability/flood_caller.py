@@ -1,12 +1,10 @@
 """Calls services of the calibrator at a steady rate: a program of its own, for `flood`.
 
     python flood_caller.py CALLS RATE REQUEST...
-    python flood_caller.py --serve
 
-The first sends the serialised requests to `shoe/set_calibration` in turn, and prints one line of
-JSON: for every call how long its answer took [s], -1 where none came, the same of a service that
-does nothing (the second form offers it), how many self-calibrations were begun, and which calls put
-a calibration in force. No executor: this must not be what is slow.
+It sends the serialised requests to `shoe/set_calibration` in turn, and prints one line of JSON: for
+every call how long its answer took [s], -1 where none came, how many self-calibrations were begun,
+and which calls put a calibration in force. No executor: this must not be what is slow.
 """
 
 from __future__ import annotations
@@ -15,12 +13,11 @@ import json
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from itertools import cycle, repeat
+from itertools import cycle
 from pathlib import Path
 from typing import Any
 
 import rclpy
-from rclpy.client import Client
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message
@@ -35,106 +32,80 @@ AGAIN_S = 1.0
 LOOK_S = 2e-3
 """How closely answers are timed: looking more often takes a core from those who are called."""
 MANY = QoSProfile(depth=1000)
-CHANGE = "shoe/set_calibration"
-BARE, BARE_SHARE = "bare", 20
-"""A service that does nothing; called once in so many calls."""
-KINDS: tuple[tuple[type[Any], str], ...] = (
-    *((SelfCalibrate, "shoe/self_calibrate"),) * 7,
-    (GetCalibration, "shoe/get_calibration"),
-    (Trigger, "shoe/rollback"),
-    (SetCalibration, CHANGE),
-)
 
 
 class Caller:
-    """One client, and what became of its calls."""
+    """One client, and its calls that are not answered yet."""
 
-    def __init__(self, node: Node, kind: type[Any], name: str) -> None:
-        self.client: Client = node.create_client(kind, name, qos_profile=MANY)
-        self.accepted = 0
-        self.succeeded: list[int] = []
-        self.requests: Iterator[Any] = repeat(kind.Request())
-        self._kind = kind
+    def __init__(self, node: Node, kind: type[Any], name: str, requests: Sequence[Any] = ()):
+        self._client = node.create_client(kind, name, qos_profile=MANY)
+        self._requests = cycle(requests or [kind.Request()])
+        self._response = kind.Response
         self._sent: dict[int, tuple[int, float]] = {}
+        if not self._client.wait_for_service(60.0):
+            sys.exit(f"nobody offers {name}")
 
     def call(self, number: int) -> None:
         """Call; the call has this number."""
-        with self.client.handle:
-            sequence = self.client.handle.send_request(next(self.requests))
+        with self._client.handle:
+            sequence = self._client.handle.send_request(next(self._requests))
         self._sent[sequence] = number, time.monotonic()
 
-    def collect(self, took: list[float]) -> None:
-        """Note by their number how long the calls took that are answered."""
+    def answers(self) -> Iterator[tuple[int, float, Any]]:
+        """Number of each call that is answered now, how long that took [s], and the response."""
         while True:
-            with self.client.handle:
-                header, response = self.client.handle.take_response(self._kind.Response)
+            with self._client.handle:
+                header, response = self._client.handle.take_response(self._response)
             if header is None:
                 return
             number, sent = self._sent.pop(header.request_id.sequence_number)
-            took[number] = time.monotonic() - sent
-            self.accepted += bool(getattr(response, "accepted", False))
-            if getattr(response, "success", False):
-                self.succeeded.append(number)
+            yield number, time.monotonic() - sent, response
 
 
 def call(node: Node, count: int, rate: float, requests: Sequence[Any]) -> dict[str, object]:
     """Call as often and as quickly as asked for; what came of it."""
-    bare = Caller(node, Trigger, BARE)
-    callers = {name: Caller(node, kind, name) for kind, name in KINDS}
-    callers[CHANGE].requests = cycle(requests)
-    for caller in (bare, *callers.values()):
-        if not caller.client.wait_for_service(60.0):
-            sys.exit(f"nobody offers {caller.client.srv_name}")
+    start = Caller(node, SelfCalibrate, "shoe/self_calibrate")
+    get = Caller(node, GetCalibration, "shoe/get_calibration")
+    back = Caller(node, Trigger, "shoe/rollback")
+    change = Caller(node, SetCalibration, "shoe/set_calibration", requests)
+    in_turn = (*[start] * 7, get, back, change)
     _until_known(Caller(node, GetCalibration, "shoe/get_calibration"))
     freeze_objects()
-    took, bare_took = [-1.0] * count, [-1.0] * count
+    took, changes, jobs = [-1.0] * count, [], 0
     begin, done = time.monotonic(), 0
     while done < count or (min(took) < 0.0 and time.monotonic() < begin + count / rate + WAIT_S):
         due = min(count, int((time.monotonic() - begin) * rate))
         while done < due:
-            callers[KINDS[done % len(KINDS)][1]].call(done)
-            if done % BARE_SHARE == 0:
-                bare.call(done)
+            in_turn[done % len(in_turn)].call(done)
             done += 1
-        for caller in callers.values():
-            caller.collect(took)
-        bare.collect(bare_took)
+        for caller in (start, get, back, change):
+            for number, seconds, response in caller.answers():
+                took[number] = seconds
+                jobs += caller is start and response.accepted
+                if caller in (back, change) and response.success:
+                    changes.append(number)
         time.sleep(LOOK_S)
-    return {
-        "took": took,
-        "accepted": callers["shoe/self_calibrate"].accepted,
-        "bare": bare_took,
-        "changes": [*callers[CHANGE].succeeded, *callers["shoe/rollback"].succeeded],
-    }
+    return {"took": took, "changes": changes, "jobs": jobs}
 
 
 def _until_known(last: Caller) -> None:
     """Wait until the calibrator answers the client made last: it knows of all before then."""
-    answered = [-1.0]
-    while min(answered) < 0.0:
+    while True:
         last.call(0)
         again = time.monotonic() + AGAIN_S
-        while min(answered) < 0.0 and time.monotonic() < again:
-            last.collect(answered)
+        while time.monotonic() < again:
+            if any(last.answers()):
+                return
             time.sleep(LOOK_S)
 
 
-def serve(node: Node) -> None:
-    """Offer the service that does nothing, until the process is ended."""
-    node.create_service(Trigger, BARE, lambda _, response: response, qos_profile=MANY)
-    rclpy.spin(node)
-
-
 def main() -> None:
-    """Call or serve."""
-    rclpy.init(args=[])
-    if sys.argv[1] == "--serve":
-        serve(Node("bare"))
-        return
+    """Call and print what came of it."""
     count, rate, *files = sys.argv[1:]
     requests = [
         deserialize_message(Path(file).read_bytes(), SetCalibration.Request) for file in files
     ]
+    rclpy.init(args=[])
     print(json.dumps(call(Node("flood"), int(count), float(rate), requests)))
     rclpy.shutdown()
 

@@ -5,9 +5,9 @@ The planner moves a NAO that is not there, behind the messages of one of its dri
 is a process of its own and killed at a drawn moment of a motion that was asked for by `/shoe/plan`.
 A robot that takes set points must have come to rest within 10 s and stay there for 2 s more, and
 the motion end with a reason; a controller was sent the whole motion and nobody is left who may tell
-it otherwise, so it need only be at rest that long after the motion's own end: these are counted.
-The planner's diagnostics must name the adapter; and when that is started again and the robot armed,
-the next motion must begin. A try is one kill with all of that.
+it otherwise, so it need only be at rest that long after the motion's own end. The planner's
+diagnostics must name the adapter; and when that is started again and the robot armed, the next
+motion must begin. A try is one kill with all of that.
 
 Simulated: the robot and its driver, which is at once where it is told to be. So this shows what the
 suite does, not how a robot's motors hold.
@@ -16,17 +16,16 @@ suite does, not how a robot's motors hold.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
 
 import numpy as np
 from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Plan
 from std_srvs.srv import SetBool
 
-from reliability.live_world import COMPILE_S, Goal, World, live_world
+from reliability.live_world import COMPILE_S, Goal, World, live_tries
 from reliability.row import Progress, Result, Row
+from reliability.tries import BrokenError
 from ros.adapters.driver_messages import SCRIPT, messages_of
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_from_ros
@@ -54,89 +53,62 @@ MOVED = 1e-6
 LONG_S = 400.0
 
 
-@dataclass(frozen=True)
-class Try:
-    """What came of one kill.
-
-    Attributes:
-        kind: of robot.
-        rest_s: until the robot stood still for good [s].
-        allowed_s: in which it had to [s].
-        told_s: until the planner's diagnostics named the adapter [s].
-        reason: with which the motion ended.
-    """
-
-    kind: str
-    rest_s: float
-    allowed_s: float
-    told_s: float
-    reason: str
-
-    @property
-    def went_on(self) -> bool:
-        """Whether a controller did what it had been sent."""
-        return self.kind in CONTROLLERS and self.rest_s > REST_S
-
-    @property
-    def told(self) -> str:
-        """In words."""
-        return (
-            f"{self.told_s:.1f} s until told, {self.rest_s:.1f} s to rest "
-            f"({ADAPTERS[self.kind][0]} killed, {self.kind})"
-        )
-
-
 class Scene:
-    """A planner, and a kind of robot behind its adapter."""
+    """A planner, and the kinds of robots behind their adapters in turn."""
 
-    def __init__(self, world: World, kind: str) -> None:
+    def __init__(self, world: World) -> None:
         self.world = world
-        self.kind = kind
         self._angles: dict[str, float] = {}
         self._moved_at = 0.0
         world.node.create_subscription(JointState, "joint_states", self._hear, qos.EITHER)
-        world.start("robot", {"kind": kind, "adapter": ADAPTERS[kind][0]}, script=SCRIPT)
-        world.start(*ADAPTERS[kind])
-        world.start("planner", PLANNER)
-        world.until_reported("planner", "planning", "ready", COMPILE_S)
 
-    def kill(self, after_s: float) -> Try:
-        """Begin a motion, kill the adapter a time into it, and begin one again."""
-        world, kind = self.world, self.kind
+    def attempt(self, number: int, rng: np.random.Generator) -> float:
+        """Kill an adapter; time until the planner reports it [s]."""
+        kind = tuple(ADAPTERS)[number % len(ADAPTERS)]
         adapter = ADAPTERS[kind][0]
-        goal, begun = self._moving(adapter)
-        world.until(lambda: goal.done or time.monotonic() > begun + after_s)
-        assert not goal.done, goal.result().message
-        world.kill(adapter)
-        killed = time.monotonic()
-        world.until(lambda: self._names(adapter))
-        told_s = time.monotonic() - killed
-        result = goal.result()
-        assert kind in CONTROLLERS or not result.success, "the planner took it for done"
-        ends = max(killed, begun + trajectory_from_ros(result.trajectory).duration)
-        allowed_s = REST_S + (ends - killed if kind in CONTROLLERS else 0.0)
-        world.until(lambda: time.monotonic() > killed + allowed_s + LASTS_S)
-        rest_s = max(0.0, self._moved_at - killed)
-        world.start(*ADAPTERS[kind])
-        world.until(lambda: not self._names(adapter))
-        self._moving(adapter)[0].cancel()
-        return Try(kind, rest_s, allowed_s, told_s, str(result.message))
+        self.world.start("robot", {"kind": kind, "adapter": adapter}, script=SCRIPT)
+        self.world.start(*ADAPTERS[kind])
+        self.world.start("planner", PLANNER)
+        self.world.until_reported("planner", "planning", "ready", COMPILE_S)
+        reported_s = self._kill(kind, adapter, float(rng.uniform(*INTO_MOTION_S)))
+        self.world.start(*ADAPTERS[kind])
+        self.world.until(lambda: adapter not in self._reported("planner", "nodes"))
+        goal, _ = self._begin_motion(adapter)
+        goal.cancel()
+        for node in ("planner", adapter, "robot"):
+            self.world.stop(node)
+        return reported_s
 
-    def _moving(self, adapter: str) -> tuple[Goal, float]:
+    def _kill(self, kind: str, adapter: str, after_s: float) -> float:
+        """Kill the adapter a time into a motion; time until the planner reports it [s]."""
+        goal, begun = self._begin_motion(adapter)
+        self.world.until(lambda: goal.done or time.monotonic() > begun + after_s)
+        assert not goal.done, goal.result().message
+        self.world.kill(adapter)
+        killed = time.monotonic()
+        self.world.until(lambda: adapter in self._reported("planner", "nodes"))
+        reported_s = time.monotonic() - killed
+        result, rest_by = goal.result(), killed + REST_S
+        if kind in CONTROLLERS:
+            rest_by = max(rest_by, begun + trajectory_from_ros(result.trajectory).duration + REST_S)
+        elif result.success:
+            raise BrokenError(f"{kind}: the planner took the motion for done")
+        self.world.until(lambda: time.monotonic() > rest_by + LASTS_S)
+        if self._moved_at > rest_by:
+            raise BrokenError(f"{kind}: moved {self._moved_at - killed:.1f} s after the kill")
+        return reported_s
+
+    def _begin_motion(self, adapter: str) -> tuple[Goal, float]:
         """A motion that has just begun, and when it did, monotonic [s]."""
         world = self.world
         world.until_reported("planner", "joints", "come")
         world.until_reported("planner", "commands", adapter)
         world.call(SetBool, "shoe/arm", SetBool.Request(data=True))
-        world.until(lambda: _said(world, adapter, "robot") == "armed")
+        world.until(lambda: self._reported(adapter, "robot") == "armed")
         goal = world.goal(Plan, "shoe/plan", Plan.Goal(motion="landmarks", send=True))
         world.until(lambda: goal.done or any(f.phase == "moving" for f in goal.feedback), LONG_S)
         assert not goal.done, goal.result().message
         return goal, time.monotonic()
-
-    def _names(self, adapter: str) -> bool:
-        """Whether the planner says that an adapter has fallen silent."""
-        return adapter in _said(self.world, "planner", "nodes")
 
     def _hear(self, message: JointState) -> None:
         angles = dict(zip(message.name, message.position, strict=True))
@@ -145,45 +117,17 @@ class Scene:
             self._moved_at = time.monotonic()
         self._angles = angles
 
-
-def _said(world: World, node: str, subject: str) -> str:
-    found = world.diagnosis(node, subject)
-    return "" if found is None else str(found.message)
+    def _reported(self, node: str, subject: str) -> str:
+        found = self.world.diagnosis(node, subject)
+        return "" if found is None else str(found.message)
 
 
 def run(first: int, count: int, seed: int, progress: Progress) -> Result:
-    """Kills first to first + count - 1; what goes wrong ends the tries, and is the last of them."""
-    found: list[Try] = []
-    kind, why = "", ""
-    try:
-        with ExitStack() as stack:
-            for robot in ADAPTERS:
-                stack.enter_context(messages_of(robot))
-            for index in range(first, first + count):
-                kind = tuple(ADAPTERS)[index % len(ADAPTERS)]
-                after_s = float(np.random.default_rng([seed, index]).uniform(*INTO_MOTION_S))
-                with live_world() as world:
-                    one = Scene(world, kind).kill(after_s)
-                found.append(one)
-                progress(len(found))
-    except AssertionError as error:
-        why = f"{kind}: {' '.join(str(error).split())[:150]}"
-    return judged(found, why)
-
-
-def judged(found: Sequence[Try], why: str) -> Result:
-    """What some tries came to.
-
-    Args:
-        found: those that came to their end.
-        why: what ended the next one; empty: nothing.
-    """
-    failed = sum(one.rest_s > one.allowed_s for one in found)
-    went_on = {"controllers that did all they had been sent": sum(one.went_on for one in found)}
-    if why:
-        return Result(len(found) + 1, failed + 1, why, LONG_S, went_on)
-    worst = max(found, key=lambda one: one.told_s)
-    return Result(len(found), failed, worst.told, worst.told_s, went_on)
+    """Kills first to first + count - 1, with the messages of all drivers."""
+    with ExitStack() as stack:
+        for kind in ADAPTERS:
+            stack.enter_context(messages_of(kind))
+        return live_tries(Scene, first, count, seed, progress, "{:.1f} s until reported")
 
 
 ROW = Row(

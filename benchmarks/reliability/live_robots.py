@@ -1,4 +1,4 @@
-"""Robots for rows with real nodes; only their messages exist."""
+"""What most rows with real nodes share: a robot, and a calibrator with a calibration in force."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ SUPPORT = DoubleSupport(0.0, -0.112, 0.0)
 
 
 class WaitedForRobot(StandingRobot):
-    """Tells joints and voltages at 100 Hz, is armed, and never reaches the support it is told to.
+    """Publishes joints and voltages at 100 Hz, is armed, and never reaches a support.
 
     Attributes:
         armed: publishes whether it is.
@@ -52,15 +52,17 @@ class WaitedForRobot(StandingRobot):
         return ReachSupport.Result(error_code=ReachSupport.Result.CANCELED)
 
 
-def put_in_force(world: World) -> None:
-    """Give the calibrator a calibration of these robots."""
-    made = calibration_to_ros(calibration(nao(), nao_shoe()))
+def put_in_force(world: World, identity: str = "made-1") -> SetCalibration.Request:
+    """Give the calibrator a calibration of these robots; the request."""
+    made = calibration_to_ros(calibration(nao(), nao_shoe(), identity))
     request = SetCalibration.Request(calibration=made)
     answer = world.call(SetCalibration, "shoe/set_calibration", request)
     assert answer.success, answer.message
+    return request
 
 
 def start_calibrator(world: World, **parameters: object) -> None:
-    """Start it with folders of the world."""
+    """Start a calibrator with folders of the world, and put a calibration in force."""
     folders = {name: world.folder / name for name in ("state_dir", "sessions_dir")}
     world.start("calibrator", {**folders, **parameters})
+    put_in_force(world)

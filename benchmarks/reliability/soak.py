@@ -8,107 +8,66 @@ must be those that were not sent whole. Both processes are started anew for ever
 hours, so that a run that was cut goes on where it was: what piles up only after more than two hours
 is not seen. Each robot minute both processes' resident memory is noted; over a stretch, without its
 first half hour, it must grow by less than 1 MB an hour (a straight line through the notes).
-Stretches shorter than an hour are not judged by their memory.
+Shorter stretches are not judged by their memory. A second that fails ends its stretch.
 
 Bytes, terminal, processes, DDS and memory are real; robot and time are simulated. What nodes do by
-the clock on the wall, as telling diagnostics, comes more seldom in a robot hour than it will in a
-real one. That inputs grow stale, which goes by that clock, too, is switched off (100 s): the robot
-waits for the nodes here, and another row tries it. Planner, model and simulator do not run, nothing
-is planned or recorded: how memory grows with that is not seen.
+the clock on the wall, as publishing diagnostics, comes more seldom in a robot hour than it will in
+a real one. That inputs grow stale, which goes by that clock, too, is switched off (100 s): the
+robot waits for the nodes here, and another row tries it. Planner, model and simulator do not run,
+nothing is planned or recorded: how memory grows with that is not seen.
 """
 
 from __future__ import annotations
 
 import os
-import random
-from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from reliability.live_world import live_world
+from reliability.live_world import World, live_tries
 from reliability.row import Progress, Result, Row
 from reliability.soak_robot import SoakRobot
-from reliability.tries import BrokenError
 
 MB = 1e6
 MOST_MB = 1.0
 """An hour."""
 MINUTE = 60
-WARM, LONG = 30 * MINUTE, 60 * MINUTE
-"""Seconds that are not looked at for memory, and from which on it is judged."""
+STRETCH, WARM = 120 * MINUTE, 30 * MINUTE
+"""Seconds that the same processes run, and those that are not looked at for memory."""
 LOOK = 10 * MINUTE
 """From one look at the lost frames to the next."""
-LOST = "frames lost"
 
 
-@dataclass(frozen=True)
-class Stretch:
-    """What came of some robot seconds of the same two processes.
+class Scene:
+    """A robot that stands, its driver and its calibrator.
 
     Attributes:
-        failed: seconds in which something was wrong.
-        told: the first of them, in words.
-        lost: frames that did not go out whole.
-        memory: of each process, one note after the other [MB].
+        memory: of each process, one note a robot minute [MB].
     """
 
-    failed: int
-    told: str
-    lost: int
-    memory: Mapping[str, list[float]]
+    def __init__(self, world: World) -> None:
+        self.robot = SoakRobot(world, np.random.default_rng(0))
+        self.memory: dict[str, list[float]] = {name: [] for name in world.processes}
+        self._world = world
+        self._seconds = 0
 
+    def attempt(self, number: int, rng: np.random.Generator) -> float:
+        """A second; growth of the memory in a whole stretch at its end [MB/h], else 0."""
+        del number
+        self.robot.second(rng)
+        self._seconds += 1
+        if self._seconds % MINUTE == 0:
+            self.note_memory()
+        if self._seconds % LOOK == 0:
+            self.robot.check_counted()
+        if self._seconds < STRETCH:
+            return 0.0
+        return max(an_hour(notes[WARM // MINUTE :]) for notes in self.memory.values())
 
-def stand(
-    first: int, count: int, seed: int, progress: Progress, note_every: int = MINUTE
-) -> Stretch:
-    """Robot seconds, all of the same two processes.
-
-    Args:
-        first, count, seed, progress: as for the tries of a row.
-        note_every: seconds from one note of the memory to the next.
-    """
-    failed, told = 0, ""
-    memory: dict[str, list[float]] = {}
-    with live_world() as world:
-        robot = SoakRobot(world, random.Random(seed * 2**40 + first))
-        for second in range(1, count + 1):
-            wrong = robot.second()
-            if not wrong and (second % LOOK == 0 or second == count):
-                wrong = _miscounted(robot)
-            if wrong:
-                failed, told = failed + 1, told or f"second {first + second - 1}: {wrong}"
-            if second % note_every == 0:
-                for name, process in world.processes.items():
-                    memory.setdefault(name, []).append(resident_mb(process.pid))
-            progress(second)
-        return Stretch(failed, told, robot.lost, memory)
-
-
-def run(first: int, count: int, seed: int, progress: Progress) -> Result:
-    """A stretch, judged by its memory, too, where it is long."""
-    found = stand(first, count, seed, progress)
-    failed, told = found.failed, found.told
-    if count < LONG:
-        return Result(count, failed, told, counts={LOST: found.lost})
-    growth = {name: an_hour(notes[WARM // MINUTE :]) for name, notes in found.memory.items()}
-    most = max(growth.values())
-    if most >= MOST_MB:
-        failed, told = count, told or "memory grows"
-    grown = ", ".join(f"{name} {mb:+.2f} MB" for name, mb in growth.items())
-    told = "; ".join(filter(None, (told, f"an hour: {grown}")))
-    return Result(count, failed, told, most, {LOST: found.lost})
-
-
-def _miscounted(robot: SoakRobot) -> str:
-    try:
-        counted = robot.counted()
-    except BrokenError as error:
-        return str(error)
-    if counted == (robot.lost, robot.lost):
-        return ""
-    return f"{robot.lost} frames lost; {counted[0]} counted by the driver, {counted[1]} behind it"
+    def note_memory(self) -> None:
+        """Note the memory of each process."""
+        for name, notes in self.memory.items():
+            notes.append(resident_mb(self._world.processes[name].pid))
 
 
 def resident_mb(process: int) -> float:
@@ -122,11 +81,17 @@ def an_hour(notes: list[float]) -> float:
     return MINUTE * float(np.polyfit(np.arange(len(notes)), notes, 1)[0])
 
 
+def run(first: int, count: int, seed: int, progress: Progress) -> Result:
+    """Seconds of the same two processes."""
+    worst = "memory grows by {:.2f} MB an hour" if count == STRETCH else ""
+    return live_tries(Scene, first, count, seed, progress, worst, MOST_MB)
+
+
 ROW = Row(
     key="soak",
     fault="24 h of robot time at 100 Hz, by seconds",
     holds="every whole frame gives its CoP, every lost one is counted, memory grows < 1 MB an hour",
-    tries=24 * 60 * MINUTE,
-    step=2 * 60 * MINUTE,
+    tries=12 * STRETCH,
+    step=STRETCH,
     run=run,
 )

@@ -6,7 +6,10 @@ import sys
 import numpy as np
 import pytest
 
-from reliability.soak import LOST, ROW, an_hour, resident_mb, stand
+from reliability.live_world import live_world
+from reliability.soak import Scene, an_hour, resident_mb
+from reliability.soak_robot import SoakRobot
+from reliability.tries import BrokenError
 
 HELD = 64_000_000
 HOLDER = f"""
@@ -26,26 +29,33 @@ more, a list of its eight numbers, too. What grows at any rate is a tenth of it.
 
 
 def test_nothing_is_lost_uncounted_and_no_frame_kept() -> None:
-    found = stand(0, SECONDS, 0, lambda _: None, note_every=1)
-    assert found.failed == 0, found.told
-    assert found.lost > 0
-    grown = {name: notes[-1] - notes[BEGINNING] for name, notes in found.memory.items()}
+    with live_world() as world:
+        scene = Scene(world)
+        for number in range(SECONDS):
+            scene.attempt(number, np.random.default_rng([0, number]))
+            scene.note_memory()
+        scene.robot.check_counted()
+        assert scene.robot.lost > 0
+    grown = {name: notes[-1] - notes[BEGINNING] for name, notes in scene.memory.items()}
     assert set(grown) == {"shoe_driver", "calibrator"}
     assert max(grown.values()) < KEPT_MB, grown
 
 
-def test_a_short_stretch_is_not_judged_by_its_memory() -> None:
-    result = ROW.run(0, 2, 0, lambda _: None)
-    assert (result.tried, result.failed, result.figure) == (2, 0, 0.0), result.worst
-    assert LOST in result.counts
+def test_a_frame_that_is_lost_uncounted_fails() -> None:
+    with live_world() as world:
+        robot = SoakRobot(world, np.random.default_rng(0))
+        robot.second(np.random.default_rng(0))
+        robot.lost -= 1
+        with pytest.raises(BrokenError, match="counted by the driver"):
+            robot.check_counted()
 
 
-def test_growth_is_told_an_hour() -> None:
+def test_growth_is_an_hour_s() -> None:
     minutes = np.arange(90)
     assert an_hour((50.0 + 2.5 * minutes / 60).tolist()) == pytest.approx(2.5)
 
 
-def test_memory_of_a_process_is_told_in_mb() -> None:
+def test_memory_of_a_process_is_in_mb() -> None:
     # Of a process that does nothing else: this one's own threads and imports would count.
     with subprocess.Popen(
         [sys.executable, "-c", HOLDER], stdin=subprocess.PIPE, stdout=subprocess.PIPE
