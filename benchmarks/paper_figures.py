@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from paper_reproduction import GUESS, Paper, Reproduction, shoe_and_robot
+from paper_reproduction import GUESS, Difference, Paper, Reproduction, shoe_and_robot
 from paper_targets import ALPHA
 from shoecal_core.calibration.evaluation import MEASURED, MODELLED, REFERENCE
 from shoecal_core.calibration.run_errors import ComparedRun, errors_by_set
-from shoecal_core.calibration.significance import Difference
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.report import palette
 from shoecal_core.report.figures.bars import Bar, Mark, mae_bars

@@ -13,10 +13,9 @@ from paper_published import GUESS as PUBLISHED_GUESS
 from paper_reproduction import GUESS, Paper, Reproduction
 from shoecal_core.calibration.evaluation import MEASURED, REFERENCE
 from shoecal_core.calibration.run_errors import errors_by_set, errors_of
-from shoecal_core.calibration.significance import LEVEL
 from shoecal_core.sensing.shoe import FEET
 
-ALPHA = round(1.0 - LEVEL, 6)
+ALPHA = 0.05
 
 
 @dataclass(frozen=True)

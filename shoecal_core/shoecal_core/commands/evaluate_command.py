@@ -2,8 +2,8 @@
 
 Against the model always; against the simulator's truth where the session has one; against
 another calibration, for example a manual one, where one is given. Several sessions are judged
-together: one session has too few runs to tell training from test runs. The verdict is on errors
-against the model, in per cent of the weight and of half the width of a foot.
+together. The verdict is on errors against the model, in per cent of the weight and of half the
+width of a foot.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-import numpy as np
 from rich.console import Console
 
 from shoecal_core.calibration.calibration import VERDICTS, Calibration
@@ -30,15 +29,11 @@ from shoecal_core.calibration.evaluation import (
 )
 from shoecal_core.calibration.run_errors import (
     ComparedRun,
-    differences_to_json,
     errors_by_set,
     errors_of,
-    train_against_test,
 )
-from shoecal_core.calibration.significance import Difference
 from shoecal_core.commands.arguments import add_force, add_rezero, add_sets, add_weight
 from shoecal_core.commands.tables import (
-    difference_lines,
     errors_table,
     left_out_lines,
     stages_rows,
@@ -50,8 +45,6 @@ from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 
 NAMES = {MODELLED: "model", REFERENCE: "reference", TRUTH: "truth"}
-SEED = 0
-"""Of the splits that the test draws where there are too many: the same answer every time."""
 
 
 class PoorCalibrationError(PartialError):
@@ -90,7 +83,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
-    """Compare on every run, by set, and training with test runs."""
+    """Compare on every run, and by set."""
     sessions = _open(args.sessions, force=args.force)
     calibrations = _one_a_session("--calibration", args.calibration, sessions)
     references = _one_a_session("--reference", args.reference, sessions)
@@ -111,12 +104,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         raise ShoecalError(
             "some sessions have a simulated truth and some have none; evaluate them apart"
         )
-    generator = np.random.default_rng(SEED)
-    compared = {
-        reference: train_against_test(runs, MEASURED, reference, generator)
-        for reference in _references(runs, MEASURED)
-    }
-    _print(runs, compared, console)
+    _print(runs, console)
     worst = max((one.verdict for one in evaluated), key=lambda one: VERDICTS.index(one.verdict))
     _print_verdicts(evaluated, console)
     figures: dict[str, object] = {
@@ -138,10 +126,6 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         **_errors_to_json(runs, MEASURED),
         "model": _errors_to_json(runs, MODELLED),
         "reference": _errors_to_json(runs, REFERENCE),
-        "train_against_test": {
-            f"against_{reference}": differences_to_json(found)
-            for reference, found in compared.items()
-        },
         "runs": [_run_to_json(one) for one in runs],
     }
     if worst.verdict == "FAIL":
@@ -217,11 +201,7 @@ def _run_to_json(run: ComparedRun) -> dict[str, object]:
     return {**own, **against(MEASURED), "model": against(MODELLED)}
 
 
-def _print(
-    runs: Sequence[ComparedRun],
-    compared: Mapping[str, Mapping[str, Difference]],
-    console: Console,
-) -> None:
+def _print(runs: Sequence[ComparedRun], console: Console) -> None:
     best = _best(runs)
     sets = {
         f"against {NAMES[reference]}": errors_by_set(runs, MEASURED, reference)
@@ -241,11 +221,5 @@ def _print(
         where = f"{Path(one.session).name}, " if several else ""
         rows.append((f"{where}run {one.run}, {one.set}", errors_of([one], MEASURED, best)))
     console.print(errors_table(f"Calibration against {NAMES[best]}, run by run", rows))
-    # The model is what was fitted to: it speaks only where nothing better is known.
-    better = [name for name in compared if name != MODELLED] or [MODELLED]
-    for name in better:
-        console.print(f"Training against test runs, by their errors against {NAMES[name]}:")
-        for line in difference_lines(compared[name]):
-            console.print(f"  {line}", markup=False)
     for line in left_out_lines(rows, feet=best != MODELLED):
         console.print(line, markup=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 from rich.box import SIMPLE_HEAD
@@ -13,8 +12,6 @@ from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.checks import split_reason
 from shoecal_core.calibration.evaluate import Errors
 from shoecal_core.calibration.metrics import Mae
-from shoecal_core.calibration.run_errors import COMPARED
-from shoecal_core.calibration.significance import LEVEL, Difference
 from shoecal_core.sensing.shoe import FEET
 
 LEVELS = {"PASS": "bold green", "WARN": "bold yellow", "FAIL": "bold red"}
@@ -70,38 +67,6 @@ def left_out_lines(rows: Sequence[tuple[str, Errors]], *, feet: bool = True) -> 
         for name, (mae, _, _) in found.figures().items()
         if mae.count and mae.left_out and (feet or name in WRITTEN)
     ]
-
-
-def difference_lines(compared: Mapping[str, Difference]) -> list[str]:
-    """Train against test in words: the difference, its interval, and what it is worth."""
-    if not compared:
-        return ["no session has both, so nothing can be compared"]
-    lines = []
-    for name, found in compared.items():
-        scale, _ = COMPARED[name]
-        quantity, unit, decimals = WRITTEN[name]
-        runs = f"{found.second} test against {found.first} training runs"
-        if found.sessions > 1:
-            runs += f" of {found.sessions} sessions"
-        told = f"{quantity}: {runs} differ by {_signed(scale * found.value, decimals)} {unit}"
-        if found.smallest_p > 1.0 - LEVEL:
-            told += (
-                f", p = {found.p_value:.2g}; so few runs cannot show a difference at 5 % (their "
-                f"smallest p is {found.smallest_p:.2g}): evaluate several sessions together"
-            )
-        else:
-            low, high = (_signed(scale * end, decimals) for end in found.interval)
-            splits = f"all {found.splits}" if found.exact else f"{found.splits} drawn"
-            told += (
-                f" (95 %: {low} to {high}), p = {found.p_value:.2g} ({splits} permutations of "
-                f"runs): {'a' if found.significant else 'no'} significant difference"
-            )
-        lines.append(told)
-    return lines
-
-
-def _signed(value: float, decimals: int) -> str:
-    return f"{value:+.{decimals}f}" if math.isfinite(value) else "unbounded"
 
 
 def _heading(name: str) -> str:

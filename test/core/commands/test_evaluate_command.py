@@ -100,10 +100,6 @@ def test_against_reference_model_and_truth(
         (1, "train"), (2, "train"), (3, "test"),
     ]  # fmt: skip
     assert "grf_mae_n" in found["runs"][0]["model"]["against_reference"]
-    told = found["train_against_test"]["against_reference"]["grf"]
-    assert told["smallest_p_value"] == pytest.approx(1.0 / 3.0)
-    assert told["ci95_n"] == [None, None]
-    assert "so few runs cannot show a difference at 5 %" in " ".join(out.split())
     assert "left foot" in out
 
 
@@ -117,8 +113,6 @@ def test_several_sessions_with_one_calibration(
     assert code == 0, error
     found: dict[str, Any] = json.loads(figures.read_text())
     assert [Path(one["session"]).name for one in found["runs"]] == 3 * ["session"] + ["again"]
-    # Only the first session has runs of both sets.
-    assert found["train_against_test"]["against_truth"]["cop"]["sessions"] == 1
     assert "again, run 3, test" in out
 
 
