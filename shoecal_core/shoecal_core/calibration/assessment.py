@@ -15,9 +15,14 @@ from shoecal_core.estimation.budget import Budget, budget
 from shoecal_core.estimation.expected import ErrorModel, Spread
 from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.estimation.support_error import support_covariance
+from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports.forecast import Addition, Forecast, best_additions, forecast
+from shoecal_core.planning.supports.identifiability import (
+    Identifiability,
+    best_addition,
+    identifiability,
+)
 from shoecal_core.planning.supports.observability import (
     from_relative,
     observable,
@@ -42,7 +47,8 @@ class Assessment:
         both, left, right: expected errors over the sensing polygons: see `ErrorModel`.
         budget: where they come from; None for a walk, whose model errors are not known.
         told: what the data told by themselves: rank, singular values, weak directions.
-        additions: double supports that would fix weak directions best; none where none is weak.
+        support_to_add: double support that would fix weak directions best; None where none is
+            weak, or the robot can stand in none.
         seen_std: (2n,) of gains and offsets without the patterns that no data show, as they
             change neither force nor CoP (+ - - + over the offsets of a foot's four cells).
         load_range: (2, n) lowest and highest output that each channel was fitted at [N or N m].
@@ -54,8 +60,8 @@ class Assessment:
     left: Spread
     right: Spread
     budget: Budget | None
-    told: Forecast
-    additions: tuple[Addition, ...]
+    told: Identifiability
+    support_to_add: DoubleSupport | None
     seen_std: FloatArray
     load_range: FloatArray
 
@@ -87,7 +93,7 @@ class Assessment:
                 "cop_std_mm": 1e3 * _rms(spread.cop_length),
                 "cop_worst_mm": 1e3 * float(np.nanmax(spread.cop_mean)),
             }
-        told = self.told
+        told, add = self.told, self.support_to_add
         return {
             "gain_ci95": dict(zip(shoe.names, width[:count].tolist(), strict=True)),
             "offset_ci95_n": dict(zip(shoe.names, width[count:-1].tolist(), strict=True)),
@@ -97,7 +103,7 @@ class Assessment:
             "possible_rank": told.possible,
             "singular_values": told.singular_values.tolist(),
             "weak_directions": [weak.words for weak in told.weak],
-            "supports_to_add": [addition.to_json() for addition in self.additions],
+            "supports_to_add": [] if add is None else [{"support": [add.dx, add.dy, add.dtheta]}],
             "load_range_n": dict(zip(shoe.names, self.load_range.T.tolist(), strict=True)),
             "budget": [] if self.budget is None else self.budget.to_json(),
         }
@@ -142,8 +148,7 @@ def assess(
     planning = PlannerSettings(fixed_below=settings.fixed_below)
     information = stages.fit.information[: 2 * count, : 2 * count]
     known = relative_information(robot, shoe, parameters, information)
-    told = forecast(robot, shoe, known, planning)
-    missing = best_additions(robot, shoe, known, planning) if told.weak else []
+    told = identifiability(robot, shoe, known, planning)
     # A gain may be negative: which reading is the lowest load is not known before.
     ends = [
         parameters.outputs(np.stack((each.readings.min(axis=0), each.readings.max(axis=0))))
@@ -157,7 +162,7 @@ def assess(
         right=right,
         budget=None if joint is None else budget(joint, errors, (both, left, right)),
         told=told,
-        additions=tuple(missing),
+        support_to_add=best_addition(robot, shoe, known, planning) if told.weak else None,
         seen_std=_seen_std(robot, stages, covariance, planning),
         load_range=np.stack((np.min(ends, axis=(0, 1)), np.max(ends, axis=(0, 1)))),
     )

@@ -12,8 +12,9 @@ from shoecal_core.calibration.calibration import VERDICTS
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.weight import Weighed
+from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
-from shoecal_core.planning.supports.forecast import Addition, Forecast
+from shoecal_core.planning.supports.identifiability import Identifiability, describe_support
 from shoecal_core.samples.zeros import Zero
 from shoecal_core.sensing.shoe import FEET, Shoe
 from shoecal_core.sensing.wrench import ChannelParameters
@@ -249,13 +250,13 @@ def check_changed(files: Sequence[str]) -> list[Finding]:
     ]
 
 
-def check_directions(told: Forecast, additions: Sequence[Addition]) -> list[Finding]:
+def check_directions(told: Identifiability, add: DoubleSupport | None) -> list[Finding]:
     """Directions that only the prior has fixed though other supports could fix them."""
     if not told.weak:
         return []
     cure = "record more double supports with other yaws between the feet"
-    if additions:
-        cure = f"add a double support: {additions[0].words}"
+    if add is not None:
+        cure = f"add a double support: {describe_support(add)}"
     listed = "; ".join(weak.words for weak in told.weak)
     return [
         Finding(
@@ -266,7 +267,7 @@ def check_directions(told: Forecast, additions: Sequence[Addition]) -> list[Find
 
 
 def check_expected(
-    half_width: float, both: float, feet: Mapping[str, float], additions: Sequence[Addition]
+    half_width: float, both: float, feet: Mapping[str, float], add: DoubleSupport | None
 ) -> list[Finding]:
     """A CoP that is expected to be far off tells little about where in the foot it is.
 
@@ -276,14 +277,16 @@ def check_expected(
         half_width: from the middle to the nearer edge of the narrower sensing polygon [m].
         both: expected CoP error of both feet together [m].
         feet: expected CoP error of each foot, by its name [m].
-        additions: double supports that would help.
+        add: double support that would help; None: none is known.
     """
     errors = {"both feet": both, **{f"the {name} foot": error for name, error in feet.items()}}
     large = {name: error for name, error in errors.items() if error > WARN_WIDTHS * half_width}
     if not large:
         return []
     told = ", ".join(f"{1e3 * error:.0f} mm ({name})" for name, error in large.items())
-    cure = f"add a double support: {additions[0].words}" if additions else "record more of them"
+    cure = "record more double supports"
+    if add is not None:
+        cure = f"add a double support: {describe_support(add)}"
     return [
         Finding(
             "FAIL" if both > FAIL_WIDTHS * half_width else "WARN",

@@ -8,8 +8,8 @@ from rich.table import Table
 
 from shoecal_core.calibration.assessment import Assessment
 from shoecal_core.calibration.screening.result import Screening
-from shoecal_core.commands.forecast_lines import weak_lines
 from shoecal_core.commands.tables import new_table
+from shoecal_core.commands.weak_lines import weak_lines
 from shoecal_core.estimation.budget import Budget
 from shoecal_core.sensing.shoe import FEET
 

@@ -16,9 +16,9 @@ from shoecal_core.commands.arguments import (
     planner_settings,
     shoe_file,
 )
-from shoecal_core.commands.forecast_lines import addition_lines, forecast_table, weak_lines
 from shoecal_core.commands.plan_folder import PlanFolder
 from shoecal_core.commands.progress import shown_progress
+from shoecal_core.commands.weak_lines import weak_lines
 from shoecal_core.errors import PartialError, ShoecalError
 from shoecal_core.files import atomic_write
 from shoecal_core.model.double_support import DoubleSupport
@@ -28,21 +28,15 @@ from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports.draw import trained_supports
-from shoecal_core.planning.supports.forecast import (
-    best_additions,
-    forecast_visits,
+from shoecal_core.planning.supports.identifiability import (
+    Identifiability,
+    identifiability,
     total_information,
-    worst_part,
 )
 from shoecal_core.planning.supports.observability import Visit
 from shoecal_core.report.plan_content import PlannedMotion
-from shoecal_core.report.plan_forecast import PlanForecast
 from shoecal_core.report.plan_report import PAGE, Unplanned, picture_name, write_plan
 from shoecal_core.sensing.shoe import Shoe, load_shoe
-
-ADDITIONS = 2
-"""Double supports that are recommended beyond the planned ones."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -56,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
-    """Plan each motion, check it by an independent computation, write and draw it; forecast."""
+    """Plan each motion, check it by an independent computation, write and draw it."""
     settings = planner_settings(args)
     file = shoe_file(args, args.robot)
     shoe = load_shoe(file)
@@ -72,10 +66,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             plan.add(planner, support, index + 1)
         told: dict[str, object] | None = None
         if plan.motions:
-            progress("looking for the best double supports to add", 1.0)
-            found, told = _forecast(robot, shoe, plan, settings, console)
+            known = _known(robot, shoe, plan, settings, console)
+            told = {"all": known.to_json()}
             progress("drawing what was planned", 1.0)
-            write_plan(args.out, plan.motions, plan.unplanned, shoe, found)
+            write_plan(args.out, plan.motions, plan.unplanned, shoe, known)
     if plan.motions:
         console.print(f"{args.out / PAGE}: pictures and animations of all motions")
     figures: dict[str, object] = {
@@ -176,31 +170,16 @@ def _row(planned: PlannedMotion, file: Path, seconds: float) -> dict[str, object
     }
 
 
-def _forecast(
-    robot: Robot,
-    shoe: Shoe,
-    plan: _Plan,
-    settings: PlannerSettings,
-    console: Console,
-) -> tuple[PlanForecast, dict[str, object]]:
-    """Print and return what the planned motions will tell, and what more would."""
+def _known(
+    robot: Robot, shoe: Shoe, plan: _Plan, settings: PlannerSettings, console: Console
+) -> Identifiability:
+    """Print and return what a calibration from the planned motions would fix."""
     visits = [Visit.of(planned.motion) for planned in plan.motions]
-    whole = forecast_visits(robot, shoe, visits, settings)
-    rows = [(f"all {len(visits)}", whole)]
-    told: dict[str, object] = {"all": whole.to_json()}
-    trained = trained_supports(len(visits), settings)
-    if trained < len(visits):
-        indices, worst = worst_part(robot, shoe, visits, trained, settings)
-        runs = [plan.numbers[index] for index in indices]
-        rows.append((f"at worst {trained} of them ({', '.join(map(str, runs))})", worst))
-        told["worst_training"] = {"motions": runs, **worst.to_json()}
-    known = total_information(robot, shoe, visits)
-    additions = best_additions(robot, shoe, known, settings, ADDITIONS)
-    told["best_additions"] = [addition.to_json() for addition in additions]
-    console.print(forecast_table(rows))
-    for line in (*weak_lines(rows[-1][1]), *addition_lines(whole, additions)):
+    known = identifiability(robot, shoe, total_information(robot, shoe, visits), settings)
+    console.print(f"a calibration from them would fix {known.rank} of {known.possible} directions")
+    for line in weak_lines(known):
         console.print(line, soft_wrap=True)
-    return PlanForecast(tuple(rows), tuple(additions)), told
+    return known
 
 
 def _csv(motion: Motion) -> str:

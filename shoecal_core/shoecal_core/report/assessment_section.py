@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from shoecal_core.planning.supports.identifiability import describe_support
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.assessment_figures import (
     direction_picture,
@@ -12,7 +13,6 @@ from shoecal_core.report.assessment_figures import (
     source_pictures,
 )
 from shoecal_core.report.assessment_tables import (
-    additions_table,
     expected_table,
     findings_table,
     helps_table,
@@ -72,7 +72,8 @@ def _expected(content: CalibrationReport, told: Told) -> Group:
 
 
 def _fixed(content: CalibrationReport, told: Told) -> Group:
-    found = told.assessment.told
+    found, support = told.assessment.told, told.assessment.support_to_add
+    add = None if support is None else describe_support(support)
     if found.weak:
         text = (
             "What is left open keeps what the initial guess says. It changes GRF and CoP, so "
@@ -84,7 +85,7 @@ def _fixed(content: CalibrationReport, told: Told) -> Group:
         title="What was fixed",
         text=text,
         pictures=(direction_picture(told), *load_pictures(content, told)),
-        tables=_known(weak_table(told), additions_table(told)),
+        tables=_known(weak_table(found.weak, "" if add is None else f"To add: {add}.")),
     )
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.screening.result import Screening
-from shoecal_core.planning.supports.forecast import Forecast
+from shoecal_core.planning.supports.identifiability import WeakDirection
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.assessment_figures import cause_name, rms
 from shoecal_core.report.error_source_names import cure, source_name
@@ -88,43 +89,18 @@ def _falls(now: float, then: float) -> str:
     return UNKNOWN if before == after else f"{before} → {after} mm"
 
 
-def weak_table(told: Told) -> Table | None:
-    """Directions that the data left open; None without any."""
-    weak = told.assessment.told.weak
+def weak_table(weak: Sequence[WeakDirection], note: str = "") -> Table | None:
+    """Directions that data leave open; None without any."""
     if not weak:
         return None
     rows = tuple((one.words, _known_to(one.uncertainty)) for one in weak)
-    return Table("Left open by the data", ("direction", "what the data tell of it"), rows)
+    return Table("Left open by the data", ("direction", "what the data tell of it"), rows, note)
 
 
 def _known_to(uncertainty: float) -> str:
     if not math.isfinite(uncertainty):
         return "nothing"
     return f"uncertain by {100.0 * uncertainty:.0f} %"
-
-
-def additions_table(told: Told) -> Table | None:
-    """Double supports that would fix them; None where none is needed or known."""
-    found, additions = told.assessment.told, told.assessment.additions
-    if not additions:
-        return None
-    rows = [("now", *_promise(found))]
-    rows += [(f"with {one.words}", *_promise(one.forecast)) for one in additions]
-    return Table(
-        "Double support to add",
-        ("", "fixed", "both feet", *(f"{side} foot" for side in FEET)),
-        tuple(rows),
-        "Expected CoP error as forecast for planned supports; it leaves out the tolerances that "
-        "all runs share.",
-    )
-
-
-def _promise(found: Forecast) -> tuple[str, ...]:
-    error = found.error
-    return (
-        f"{found.rank} of {max(found.rank, found.possible)}",
-        *(size(1e3 * one.rms, "mm") for one in (error.cop, *error.foot_cop)),
-    )
 
 
 def left_out_table(screening: Screening) -> Table | None:

@@ -9,6 +9,8 @@ from pathlib import Path
 
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
+from shoecal_core.planning.supports.identifiability import Identifiability
+from shoecal_core.report.assessment_tables import weak_table
 from shoecal_core.report.figures.margins import told
 from shoecal_core.report.html import write_page
 from shoecal_core.report.page import (
@@ -25,12 +27,6 @@ from shoecal_core.report.page import (
 from shoecal_core.report.plan_animation import animation
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_figures import motion_pictures
-from shoecal_core.report.plan_forecast import (
-    PlanForecast,
-    forecast_figures,
-    forecast_line,
-    forecast_section,
-)
 from shoecal_core.report.plan_strip import plan_strips
 from shoecal_core.report.quantities import double_support_text, quantity
 from shoecal_core.report.scene.offscreen import tried
@@ -62,7 +58,7 @@ def write_plan(
     motions: Sequence[PlannedMotion],
     unplanned: Sequence[Unplanned] = (),
     shoe: Shoe | None = None,
-    forecast: PlanForecast | None = None,
+    known: Identifiability | None = None,
 ) -> None:
     """Write `plan.html`, and beside it `LABEL.svg` for every motion.
 
@@ -71,7 +67,7 @@ def write_plan(
         motions: one at least.
         unplanned: double supports in which there is none.
         shoe: that the robot wears; None: it is not drawn in three dimensions.
-        forecast: what a calibration from these motions would come to know, where it is known.
+        known: what a calibration from these motions would fix, where that is known.
 
     Raises:
         FileError: when a file cannot be written.
@@ -80,7 +76,7 @@ def write_plan(
     for planned, drawn in zip(motions, pictures, strict=True):
         write_sheet(folder / picture_name(planned), _rows(planned, drawn), _alt(planned))
     seen = None if shoe is None else tried(lambda: plan_strips(motions, shoe))
-    write_page(folder / PAGE, plan_page(motions, pictures, unplanned, seen, forecast))
+    write_page(folder / PAGE, plan_page(motions, pictures, unplanned, seen, known))
 
 
 def picture_name(planned: PlannedMotion) -> str:
@@ -103,7 +99,7 @@ def plan_page(
     pictures: Sequence[tuple[Picture, ...]],
     unplanned: Sequence[Unplanned] = (),
     seen: Sequence[Strip] | str | None = None,
-    forecast: PlanForecast | None = None,
+    known: Identifiability | None = None,
 ) -> Page:
     """The page, ready to be rendered; the same motions make the same page.
 
@@ -112,27 +108,43 @@ def plan_page(
         pictures: of each.
         unplanned: double supports in which there is none.
         seen: the robot in each of them, or why it cannot be seen.
-        forecast: what a calibration from them would come to know, where it is known.
+        known: what a calibration from them would fix, where that is known.
     """
     strips = [None] * len(motions) if seen is None or isinstance(seen, str) else seen
-    tables = (_table(motions), *((_unplanned_table(unplanned),) if unplanned else ()))
+    open_directions = weak_table(known.weak) if known else None
+    more = (_unplanned_table(unplanned) if unplanned else None, open_directions)
+    tables = (_table(motions), *(table for table in more if table is not None))
     robot = motions[0].robot
     count = len(motions)
     return Page(
         title=f"Planned motions of {readable(robot.name)}",
         subtitle=f"{count} motion{'s' if count > 1 else ''}, each from standing still to standing "
         "still",
-        verdict=verdict(motions, unplanned, forecast),
-        key_figures=(*_key_figures(motions), *(forecast_figures(forecast) if forecast else ())),
+        verdict=verdict(motions, unplanned, known),
+        key_figures=(*_key_figures(motions), *(_fixed_figure(known) if known else ())),
         sections=(
             Section("All motions", (Group(tables=tables),), seen if isinstance(seen, str) else ""),
-            *((forecast_section(forecast),) if forecast else ()),
             *(_section(*one) for one in zip(motions, pictures, strips, strict=True)),
         ),
         provenance=(
             NOTE,
             _robot_line(robot),
         ),
+    )
+
+
+def _fixed_figure(known: Identifiability) -> tuple[KeyFigure, ...]:
+    fixed = f"{known.rank} of {known.possible}"
+    return (KeyFigure("would be fixed", fixed, "directions of gains and offsets"),)
+
+
+def _fixed_line(known: Identifiability) -> str:
+    """A sentence for the verdict: a motion that may be done can still tell too little."""
+    if known.rank >= known.possible:
+        return "A calibration from these motions would fix every direction that can be fixed."
+    return (
+        f"A calibration from these motions alone would fix {known.rank} of {known.possible} "
+        "directions: add double supports with other yaws between the feet."
     )
 
 
@@ -146,10 +158,10 @@ def _robot_line(robot: Robot) -> str:
 def verdict(
     motions: Sequence[PlannedMotion],
     unplanned: Sequence[Unplanned] = (),
-    forecast: PlanForecast | None = None,
+    known: Identifiability | None = None,
 ) -> Verdict:
     """Whether the robot may do it, what it will not reach, and whether it would tell enough."""
-    lines = (forecast_line(forecast),) if forecast else ()
+    lines = (_fixed_line(known),) if known else ()
     reasons = []
     for planned in motions:
         for finding in planned.report.violated:

@@ -27,7 +27,7 @@ from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports.forecast import Addition, forecast, total_information
+from shoecal_core.planning.supports.identifiability import identifiability, total_information
 from shoecal_core.planning.supports.observability import Visit
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
@@ -128,26 +128,25 @@ def test_missing_directions() -> None:
         Visit.expected(body.robot, DoubleSupport(dx, -0.104, 0.0), settings) for dx in (0.0, 0.05)
     ]
     known = total_information(body.robot, body.shoe, straight)
-    told = forecast(body.robot, body.shoe, known, settings)
+    told = identifiability(body.robot, body.shoe, known, settings)
     assert told.weak
-    (finding,) = check_directions(told, ())
+    (finding,) = check_directions(told, None)
     assert finding.verdict == "WARN"
     assert f"fixed {told.rank} of {told.possible} directions" in finding.reason
     assert "other yaws" in finding.reason
-    added = Addition(DoubleSupport(0.0, -0.12, 0.4), told)
-    (finding,) = check_directions(told, (added,))
+    (finding,) = check_directions(told, DoubleSupport(0.0, -0.12, 0.4))
     assert "dy -0.12 m, yaw 0.4 rad" in finding.reason
-    assert check_directions(dataclasses.replace(told, weak=()), ()) == []
+    assert check_directions(dataclasses.replace(told, weak=()), None) == []
 
 
 def test_an_expected_cop_error_is_judged_by_the_width_of_the_polygon() -> None:
-    assert check_expected(0.025, 0.012, {"left": 0.012}, ()) == []
-    (warned,) = check_expected(0.025, 0.004, {"left": 0.075, "right": 0.005}, ())
+    assert check_expected(0.025, 0.012, {"left": 0.012}, None) == []
+    (warned,) = check_expected(0.025, 0.004, {"left": 0.075, "right": 0.005}, None)
     assert warned.verdict == "WARN"
     assert "75 mm (the left foot), in a sensing polygon 50 mm wide" in warned.reason
     assert "right" not in warned.reason
-    added = Addition(DoubleSupport(0.0, -0.12, 0.4), None)  # type: ignore[arg-type]
-    (failed,) = check_expected(0.025, 0.03, {"left": 0.001}, (added,))
+    added = DoubleSupport(0.0, -0.12, 0.4)
+    (failed,) = check_expected(0.025, 0.03, {"left": 0.001}, added)
     assert failed.verdict == "FAIL"
     assert "yaw 0.4 rad" in failed.reason
 

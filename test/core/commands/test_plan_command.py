@@ -38,18 +38,13 @@ def planned(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_forecast_of_the_planned_double_supports(planned: Path) -> None:
+def test_what_the_planned_double_supports_would_fix_is_told(planned: Path) -> None:
     told = json.loads((planned / "figures.json").read_text())
     assert told["forecast"] == json.loads((planned / "plan.json").read_text())["forecast"]
-    whole, part = told["forecast"]["all"], told["forecast"]["worst_training"]
-    assert whole["rank"] == part["rank"] == whole["possible_rank"]
-    assert len(part["motions"]) == 3
-    assert set(part["motions"]) < {1, 2, 3, 4}
-    for name, error in whole["expected_error"].items():
-        assert 0.0 < error < part["expected_error"][name]
-    singular = np.array(whole["singular_values"])
-    assert (np.diff(singular) <= 0.0).all()
-    assert len(whole["gain_std"]) == len(whole["offset_std_n"])
+    whole = told["forecast"]["all"]
+    assert whole["rank"] == whole["possible_rank"] > 0
+    assert whole["weak_directions"] == []
+    assert (np.diff(whole["singular_values"]) <= 0.0).all()
 
 
 def test_the_shoe_is_told(planned: Path) -> None:
@@ -127,13 +122,3 @@ def test_every_motion_is_drawn_and_all_on_a_page(planned: Path) -> None:
     assert html.count('<figure class="player">') == len(told["motions"]) == 4
     assert "://" not in html
     assert len(html) < 3_000_000
-
-
-def test_the_best_to_add_bring_something(planned: Path) -> None:
-    told = json.loads((planned / "figures.json").read_text())
-    before = told["forecast"]["all"]
-    for addition in told["forecast"]["best_additions"]:
-        after = addition["forecast"]
-        assert min(after["singular_values"]) > min(before["singular_values"])
-        assert len(addition["support"]) == 3
-        before = after

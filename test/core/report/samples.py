@@ -24,7 +24,7 @@ from shoecal_core.estimation.support_error import support_covariance
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports.forecast import Addition, forecast
+from shoecal_core.planning.supports.identifiability import identifiability
 from shoecal_core.planning.supports.observability import relative_information
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
@@ -99,7 +99,7 @@ def told_by(robot: Robot, shoe: Shoe, stages: SelfCalibration, training: Sequenc
     model = ErrorModel.of(robot, shoe, parameters, covariance[:-1, :-1], (), supports, tolerances)
     both, left, right = model.over_polygons()
     known = relative_information(robot, shoe, parameters, fit.information[:size, :size])
-    told = forecast(robot, shoe, known, PlannerSettings())
+    told = identifiability(robot, shoe, known, PlannerSettings())
     outputs = np.concatenate([parameters.outputs(one.readings) for one in training])
     assessment = Assessment(
         covariance=covariance,
@@ -109,7 +109,7 @@ def told_by(robot: Robot, shoe: Shoe, stages: SelfCalibration, training: Sequenc
         right=right,
         budget=None,
         told=told,
-        additions=(Addition(DoubleSupport(0.08, -0.11, 0.5), told),) if told.weak else (),
+        support_to_add=DoubleSupport(0.08, -0.11, 0.5) if told.weak else None,
         seen_std=np.sqrt(np.diag(covariance)[:size]),
         load_range=np.stack((outputs.min(axis=0), outputs.max(axis=0))),
     )

@@ -13,6 +13,7 @@ from shoecal_core.calibration.checks import Finding
 from shoecal_core.calibration.pipeline import Outcome
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.screening.result import LeftOut, Screening
+from shoecal_core.planning.supports.identifiability import describe_support
 from shoecal_core.recording.session import Session
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.assessment_figures import rms, source_pictures
@@ -97,14 +98,15 @@ def test_what_was_left_open_and_what_to_add(content: CalibrationReport) -> None:
     told_words = words(assessment_section(content, told))
     for weak in found.told.weak:
         assert weak.words in told_words
-    assert found.additions[0].words in told_words
+    assert found.support_to_add is not None
+    assert describe_support(found.support_to_add) in told_words
     assert f"{found.told.rank} of {told.possible} directions" in told_words
 
 
 def test_where_nothing_is_left_open(content: CalibrationReport) -> None:
     told = told_of(content)
     found = told.assessment
-    whole = replace(found, told=replace(found.told, weak=()), additions=())
+    whole = replace(found, told=replace(found.told, weak=()), support_to_add=None)
     told_words = words(assessment_section(content, replace(told, assessment=whole)))
     assert "every direction" in told_words
     assert "Left open by the data" not in told_words

@@ -1,0 +1,152 @@
+"""Which directions of gains and offsets data fix, and which double support would fix the others."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.robot import Robot
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.feasible import Feasible
+from shoecal_core.planning.supports.observability import (
+    Visit,
+    information,
+    observable,
+    prior_information,
+    rank,
+    reference_information,
+)
+from shoecal_core.sensing.directions import describe_direction
+from shoecal_core.sensing.shoe import Shoe
+
+FloatArray = NDArray[np.float64]
+CANDIDATES = 200
+"""Double supports looked at for the best to add: with more the best hardly gets better."""
+
+
+@dataclass(frozen=True)
+class WeakDirection:
+    """A direction of the parameters that the data leave open, though others could fix it.
+
+    Attributes:
+        words: what changes along it.
+        uncertainty: relative, infinite where the data say nothing.
+    """
+
+    words: str
+    uncertainty: float
+
+
+@dataclass(frozen=True)
+class Identifiability:
+    """What some data fix, if the model errs as expected.
+
+    Attributes:
+        uncertainties: (r,) by the data alone along the r directions that any data see, smallest
+            first, infinite where these say nothing; gains relative to one, offsets to a
+            channel's even share of the weight.
+        rank: how many of them are fixed.
+        possible: how many far-apart double supports of differing yaw would fix; never below `rank`.
+        weak: those that are not fixed.
+    """
+
+    uncertainties: FloatArray
+    rank: int
+    possible: int
+    weak: tuple[WeakDirection, ...]
+
+    @property
+    def singular_values(self) -> FloatArray:
+        """(r,) of the whitened Jacobian, largest first."""
+        values: FloatArray = 1.0 / self.uncertainties
+        return values
+
+    def to_json(self) -> dict[str, object]:
+        """For result files; an infinite uncertainty is null."""
+        return {
+            "singular_values": self.singular_values.tolist(),
+            "rank": self.rank,
+            "possible_rank": self.possible,
+            "weak_directions": [
+                {
+                    "direction": weak.words,
+                    "uncertainty": weak.uncertainty if np.isfinite(weak.uncertainty) else None,
+                }
+                for weak in self.weak
+            ],
+        }
+
+
+def identifiability(
+    robot: Robot, shoe: Shoe, known: FloatArray, settings: PlannerSettings
+) -> Identifiability:
+    """What data of this information fix.
+
+    Args:
+        robot, shoe: who is calibrated, with n channels.
+        known: (2n, 2n) of `information`, or of a fit by `relative_information`.
+        settings: of planning.
+    """
+    reference = reference_information(robot, shoe, settings.training_supports, settings)
+    seen = observable(reference)
+    values, vectors = np.linalg.eigh(seen.T @ known @ seen)
+    order = np.argsort(-values)
+    spread = _deviations(values[order], float(np.trace(known)))
+    directions = (seen @ vectors[:, order]).T
+    fixed = spread < settings.fixed_below
+    return Identifiability(
+        uncertainties=spread,
+        rank=int(fixed.sum()),
+        possible=max(int(fixed.sum()), rank(reference, settings)),
+        weak=tuple(
+            WeakDirection(describe_direction(shoe, direction), float(uncertainty))
+            for direction, uncertainty in zip(directions[~fixed], spread[~fixed], strict=True)
+        ),
+    )
+
+
+def total_information(robot: Robot, shoe: Shoe, visits: Sequence[Visit]) -> FloatArray:
+    """(2n, 2n) of several double supports together."""
+    total = np.zeros((2 * len(shoe.channels), 2 * len(shoe.channels)))
+    for visit in visits:
+        total += information(robot, shoe, visit)
+    return total
+
+
+def best_addition(
+    robot: Robot, shoe: Shoe, known: FloatArray, settings: PlannerSettings
+) -> DoubleSupport | None:
+    """The double support of the robot's range that makes the worst direction least uncertain.
+
+    None where the robot can stand in none. Arguments as of `identifiability`.
+    """
+    feasible = Feasible(robot, settings)
+    everywhere = feasible.apart()
+    kept = np.random.default_rng(0).permutation(len(everywhere))[:CANDIDATES]
+    supports = [everywhere[index] for index in sorted(kept.tolist())]
+    parts = np.array(
+        [information(robot, shoe, Visit.expected(robot, support, settings)) for support in supports]
+    )
+    seen = observable(reference_information(robot, shoe, settings.training_supports, settings))
+    known = known + prior_information(robot, shoe)
+    scores = np.linalg.eigvalsh(seen.T @ (known + parts) @ seen)[:, 0]
+    best = (supports[int(index)] for index in np.argsort(-scores))
+    return next((support for support in best if feasible.can_stand(support)), None)
+
+
+def describe_support(support: DoubleSupport) -> str:
+    """Where the right foot stands, in words."""
+    return (
+        f"right foot at dx {support.dx:g} m, dy {support.dy:g} m, yaw {support.dtheta:g} rad "
+        f"({np.degrees(support.dtheta):.0f} deg) of the left"
+    )
+
+
+def _deviations(values: FloatArray, size: float) -> FloatArray:
+    """Standard deviations of eigenvalues, infinite where these are rounding at this size."""
+    seen = values > size * len(values) * np.finfo(float).eps
+    return np.where(seen, 1.0 / np.sqrt(np.where(seen, values, 1.0)), np.inf)
