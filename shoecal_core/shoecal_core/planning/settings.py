@@ -48,7 +48,7 @@ class PlannerSettings(Settings):
         2, "", "double supports without which the others still fix those directions", minimum=0
     )
 
-    # Forecast of what the data will tell
+    # What the data would fix
     fixed_below: float = setting(
         0.8, "", "a direction counts as fixed when its relative uncertainty is below this (the fit "
         "asks for 1)", minimum=1e-6,
