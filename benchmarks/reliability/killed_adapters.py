@@ -23,7 +23,7 @@ from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Plan
 from std_srvs.srv import SetBool
 
-from reliability.live_world import COMPILE_S, Goal, World, live_tries
+from reliability.live_world import Goal, World, live_tries
 from reliability.row import Progress, Result, Row
 from reliability.tries import BrokenError
 from ros.adapters.driver_messages import SCRIPT, messages_of
@@ -69,7 +69,7 @@ class Scene:
         self.world.start("robot", {"kind": kind, "adapter": adapter}, script=SCRIPT)
         self.world.start(*ADAPTERS[kind])
         self.world.start("planner", PLANNER)
-        self.world.until_reported("planner", "planning", "ready", COMPILE_S)
+        self.world.until_reported("planner", "planning", "ready")
         reported_s = self._kill(kind, adapter, float(rng.uniform(*INTO_MOTION_S)))
         self.world.start(*ADAPTERS[kind])
         self.world.until(lambda: adapter not in self._reported("planner", "nodes"))

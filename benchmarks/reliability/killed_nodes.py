@@ -28,7 +28,7 @@ from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Calibrate
 from std_srvs.srv import SetBool
 
-from reliability.live_world import COMPILE_S, Goal, World, is_well, live_tries
+from reliability.live_world import Goal, World, is_well, live_tries
 from reliability.row import Row
 from reliability.tries import BrokenError
 from ros.bodies import NAO, NAO_SHOE, nao_shoe
@@ -126,7 +126,7 @@ class Scene:
         for subject in ("joints", "voltages"):
             world.until_reported("calibrator", subject, f"{subject} come")
         world.until(lambda: is_well(world, "calibrator", "nodes"))
-        world.until_reported("planner", "planning", "ready", COMPILE_S)
+        world.until_reported("planner", "planning", "ready")
         world.until_reported("planner", "joints", "come")
         self._arm(armed=True)
         goal = Calibrate.Goal(supports=SUPPORTS, train=SUPPORTS, seed=seed)

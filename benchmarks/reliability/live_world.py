@@ -31,13 +31,11 @@ if str(ROOT / "test") not in sys.path:
 
 from ros.world import Goal, World
 
-COMPILE_S = 600.0
-"""A planner compiles at its first start, and makes way for everything else."""
 LONGEST = 300
 """Letters of a failure: those of a wait in vain hold the nodes' logs."""
 
 __all__ = [
-    "COMPILE_S", "Goal", "Scene", "Start", "World", "is_well", "live_tries", "live_world", "wait",
+    "Goal", "Scene", "Start", "World", "is_well", "live_tries", "live_world", "wait",
 ]  # fmt: skip
 
 

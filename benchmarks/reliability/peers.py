@@ -27,7 +27,7 @@ from shoecal_msgs.msg import ShoeVoltages
 from std_msgs.msg import String
 
 from reliability.live_robots import WaitedForRobot, start_calibrator
-from reliability.live_world import COMPILE_S, World, is_well, live_tries
+from reliability.live_world import World, is_well, live_tries
 from reliability.row import Row
 from ros.bodies import nao, nao_shoe
 from shoecal_ros.common import qos
@@ -97,7 +97,7 @@ class Scene:
         self.robot = WaitedForRobot(world)
         start_calibrator(world)
         world.start("planner", {"stale_s": 5.0})
-        world.until_reported("planner", "planning", "ready", COMPILE_S)
+        world.until_reported("planner", "planning", "ready")
         for subject in ("peers", "voltages", "joints"):
             self._until_well(subject)
 

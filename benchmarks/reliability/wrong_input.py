@@ -26,7 +26,7 @@ from shoecal_msgs.srv import GetCalibration, SelfCalibrate, SetCalibration
 from std_msgs.msg import Bool, Header
 
 from reliability.live_robots import SUPPORT, start_calibrator
-from reliability.live_world import COMPILE_S, World, live_tries
+from reliability.live_world import World, live_tries
 from reliability.row import Row
 from reliability.tries import BrokenError
 from ros.bodies import calibration, nao, nao_shoe
@@ -174,7 +174,7 @@ class Scene:
         world.node.create_publisher(Bool, "shoe/armed", qos.LATCHED).publish(Bool(data=True))
         start_calibrator(world)
         self.before = self._in_force()
-        world.until_reported("planner", "planning", "ready", COMPILE_S)
+        world.until_reported("planner", "planning", "ready")
         world.until_reported("calibrator", "voltages", "come")
 
     def attempt(self, number: int, rng: np.random.Generator) -> None:

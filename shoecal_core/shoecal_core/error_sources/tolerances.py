@@ -1,6 +1,6 @@
 """How far a robot that works may be off its files: the as-built standard deviation of each source.
 
-Every robot has all of these errors. Calibration, forecast and checks take them from here alone.
+Every robot has all of these errors. Calibration and checks take them from here alone.
 """
 
 from __future__ import annotations
