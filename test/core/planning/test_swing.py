@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 import shapely
-from hypothesis import assume, given
+from hypothesis import assume, example, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
@@ -17,6 +17,7 @@ from core.planning.motions import SETTINGS
 from core.planning.test_support_phase import supports
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
+from shoecal_core.planning import swing
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.swing import (
@@ -152,6 +153,14 @@ def test_a_bulge_leads_away_from_the_foot_that_stands(
     pitch=st.floats(-0.01, 0.01),
     support_phase=ONE,
 )
+@example(
+    begin=DoubleSupport(0.0, -0.125, 0.125), end=DoubleSupport(0.0, -0.125, 0.0), roll=0.0,
+    pitch=0.0, support_phase=SupportPhase.LEFT,
+)  # fmt: skip
+@example(
+    begin=DoubleSupport(0.0, -0.125, 0.125), end=DoubleSupport(0.0, -0.125, 0.0), roll=-0.0078125,
+    pitch=0.0, support_phase=SupportPhase.RIGHT,
+)  # fmt: skip
 def test_a_carried_foot_touches_nothing(
     name: str, begin: DoubleSupport, end: DoubleSupport, roll: float, pitch: float,
     support_phase: SupportPhase,
@@ -164,9 +173,11 @@ def test_a_carried_foot_touches_nothing(
     assert poses[-1] is last
     low = corners(robot, poses, support_phase)[..., 2].min(axis=1)
     assert low.min() >= min(0.0, low[0]) - 1e-9
-    up = vertical_states(SETTINGS.step_lift)
-    # Going outward as well as down takes a state or two more.
-    aloft = poses[up : -up - 2]
+    # A foot that is led outward while it is lifted takes more states than a lift alone.
+    above, below = (swing._above(robot, pose, support_phase, SETTINGS) for pose in (first, last))
+    lifting = len(swing._led(first, above, support_phase, 0.0)) - 1
+    lowering = len(swing._led(below, last, support_phase, 0.0)) - 1
+    aloft = poses[lifting : len(poses) - lowering]
     lowest = min(swing_segment((first, last), support_phase), key=lambda pose: pose.translation[2])
     assert (
         corners(robot, aloft, support_phase)[..., 2].min()
@@ -175,6 +186,7 @@ def test_a_carried_foot_touches_nothing(
     for pose in swing_segment(aloft, support_phase):
         np.testing.assert_allclose(pose.rotation[2], [0, 0, 1], atol=1e-9)
     allowed = min(SETTINGS.foot_clearance, gaps(robot, (first,))[0])
+    up = vertical_states(SETTINGS.step_lift)
     # Going down it is above its place.
     assert gaps(robot, poses[:-up]).min() >= allowed - 5e-4
     moves = [
