@@ -22,15 +22,6 @@ FIGURES = ROOT / "out" / "bench.json"
 EVIDENCE = ROOT / "docs" / "evidence"
 PERFORMANCE = EVIDENCE / "performance.md"
 TRUST = EVIDENCE / "trust.md"
-HEADS = {
-    PERFORMANCE: """\
-# Speed
-
-Each section names its command; `make bench` runs them all. The figures depend on the machine:
-compare ratios.
-""",
-}
-"""What a page begins with that is not there yet."""
 
 Row = Mapping[str, object]
 """One row of a table: its cells by the heads of their columns."""
@@ -48,7 +39,7 @@ def record(key: str, value: object, path: Path = FIGURES) -> None:
 
 def write_section(name: str, body: str, page: Path, head: str = "") -> None:
     """Write a section in its place, or behind the others; a new page begins with `head`."""
-    text = page.read_text() if page.is_file() else head or HEADS[page]
+    text = page.read_text() if page.is_file() else head
     begin, end = f"<!-- {name} -->", f"<!-- /{name} -->"
     before, found, rest = text.partition(begin)
     after = rest.partition(end)[2] if found else "\n"
@@ -58,7 +49,8 @@ def write_section(name: str, body: str, page: Path, head: str = "") -> None:
 def markdown(rows: Sequence[Row]) -> str:
     """A Markdown table; its columns are the keys of the first row, in their order."""
     heads = list(rows[0])
-    return table([heads, *([cell(row[head]) for head in heads] for row in rows)])
+    lines = [heads, ["---"] * len(heads), *([cell(row[head]) for head in heads] for row in rows)]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def cell(value: object) -> str:
@@ -68,13 +60,9 @@ def cell(value: object) -> str:
     if isinstance(value, float):
         # Never 1.2e+03.
         return f"{value:,.0f}" if 1e3 <= abs(value) < 1e15 else f"{value:.3g}"
-    return f"{value:,}" if isinstance(value, int) else str(value)
-
-
-def table(rows: Sequence[Sequence[str]]) -> str:
-    """A Markdown table; the first row is its head."""
-    lines = [list(rows[0]), ["---"] * len(rows[0]), *(list(row) for row in rows[1:])]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+    if isinstance(value, int):
+        return f"{value:,}"
+    return str(value).replace("|", r"\|").replace("\n", " ")
 
 
 def machine() -> str:

@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 
-from pages import table, write_section
+from pages import Row, markdown, write_section
 from reliability.row import Result
 from reliability.rows import Found
 from shoecal_core.files import atomic_write
@@ -51,17 +51,22 @@ def write_page(rows: Shown, page: Path) -> None:
         rows: by their keys.
         page: Markdown file; its other sections stay.
     """
-    lines = [("row", "must hold", "tried", "failed", "worst")]
+    lines: list[Row] = []
     about = []
     for key, (found, result) in rows.items():
         tried, full = result.tried, found.row.tries
         share = f"{tried:,}" if tried >= full else f"{tried:,} of {full:,}"
         failed = f"**{result.failed:,}**" if result.failed else "0"
         lines.append(
-            (f"[`{key}`](#{key})", found.row.holds, share, failed if tried else "", result.text)
+            {
+                "row": f"[`{key}`](#{key})",
+                "must hold": found.row.holds,
+                "tried": share,
+                "failed": failed if tried else "",
+                "worst": result.text,
+            }
         )
         details = f"[details]({SOURCES}/{found.module}.py)"
         about.append(f"### `{key}`\n\nFault: {found.row.fault}.\n\n{found.about} ({details})")
-    cells = [[cell.replace("|", r"\|").replace("\n", " ") for cell in line] for line in lines]
     page.parent.mkdir(parents=True, exist_ok=True)
-    write_section(SECTION, BODY.format(table=table(cells), about="\n\n".join(about)), page, HEAD)
+    write_section(SECTION, BODY.format(table=markdown(lines), about="\n\n".join(about)), page, HEAD)

@@ -254,9 +254,7 @@ def check_directions(told: Identifiability, add: DoubleSupport | None) -> list[F
     """Directions that only the prior has fixed though other supports could fix them."""
     if not told.weak:
         return []
-    cure = "record more double supports with other yaws between the feet"
-    if add is not None:
-        cure = f"add a double support: {describe_support(add)}"
+    cure = _addition(add, "record more double supports with other yaws between the feet")
     listed = "; ".join(weak.words for weak in told.weak)
     return [
         Finding(
@@ -264,6 +262,11 @@ def check_directions(told: Identifiability, add: DoubleSupport | None) -> list[F
             f"the data fixed {told.rank} of {told.possible} directions, but not: {listed}; {cure}",
         )
     ]
+
+
+def _addition(add: DoubleSupport | None, otherwise: str) -> str:
+    """The double support to add in words, or what else to do where none is known."""
+    return otherwise if add is None else f"add a double support: {describe_support(add)}"
 
 
 def check_expected(
@@ -284,9 +287,7 @@ def check_expected(
     if not large:
         return []
     told = ", ".join(f"{1e3 * error:.0f} mm ({name})" for name, error in large.items())
-    cure = "record more double supports"
-    if add is not None:
-        cure = f"add a double support: {describe_support(add)}"
+    cure = _addition(add, "record more double supports")
     return [
         Finding(
             "FAIL" if both > FAIL_WIDTHS * half_width else "WARN",

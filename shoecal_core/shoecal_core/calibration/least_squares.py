@@ -48,7 +48,7 @@ class Fit:
         singular_values: (p',) of the data's whitened Jacobian over the free parameters, falling:
             above 1 the data say more than the prior.
         directions: (p', p) the parameter directions that belong to them.
-        iterations: evaluations of the Jacobian.
+        iterations: evaluations of the residuals.
     """
 
     vector: FloatArray

@@ -74,8 +74,7 @@ class SqpSolver:
         descent = _Descent(collocation, problem, Inequalities(problem, limits), self._linearised)
         descent.begin(np.clip(guess, limits.lower, limits.upper))
 
-        states, status, done = descent.linear.states, "No_Progress", False
-        iteration = 0
+        status, done, iteration = "No_Progress", False, 0
         while iteration < _ITERATIONS and not done:
             iteration += 1
             step = self._proposed(problem, descent)
@@ -84,9 +83,9 @@ class SqpSolver:
                 break
             if not descent.take(step):
                 break
-            states = descent.linear.states
             if descent.arrived:
                 status, done = "Solved", True
+        states = descent.linear.states
         if status == "No_Progress" and descent.nearly:
             # Torques and distances have kinks, and steps may jump from one side to the other.
             states = self._projected(problem, descent)
