@@ -1,4 +1,4 @@
-"""One recorded session for all tests of commands: the second robot, three double supports."""
+"""One recorded session and its calibration: the second robot, three double supports."""
 
 from __future__ import annotations
 
@@ -41,3 +41,13 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert code == 0
     assert len(json.loads(figures.read_text())["runs"]) == 3
     return folder
+
+
+@pytest.fixture(scope="session")
+def calibrated(simulated: Path) -> Path:
+    """The calibration of that session; its figures stand beside it, `.json`."""
+    path = simulated.with_name("calibration.yaml")
+    words = ["calibrate", simulated, "--train", "1,2", "--test", "3", "--out", path]
+    words += ["--json", path.with_suffix(".json")]
+    assert cli.main([str(word) for word in words]) == 0
+    return path

@@ -17,16 +17,6 @@ KEYS = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def calibrated(simulated: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    from shoecal_core import cli  # noqa: PLC0415 - only here the command line is run by itself
-
-    path = tmp_path_factory.mktemp("calibrated") / "calibration.yaml"
-    words = ["calibrate", simulated, "--train", "1,2", "--test", "3", "--out", path]
-    assert cli.main([str(word) for word in words]) == 0
-    return path
-
-
 def test_one_session(shoecal: Run, simulated: Path, calibrated: Path, tmp_path: Path) -> None:
     report, figures = tmp_path / "report.html", tmp_path / "figures.json"
     code, out, error = shoecal(

@@ -4,34 +4,15 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from core.commands.conftest import Run
 from shoecal_core import cli
 from shoecal_core.calibration.calibration import load_calibration
 from shoecal_core.files import read_yaml, sha256
-
-Run = Callable[..., tuple[int, str, str]]
-
-
-@pytest.fixture(scope="module")
-def calibration_file(simulated: Path) -> Path:
-    return simulated.with_name("calibration.yaml")
-
-
-@pytest.fixture
-def calibrated(shoecal: Run, simulated: Path, calibration_file: Path) -> Path:
-    if not calibration_file.exists():
-        figures = calibration_file.with_suffix(".json")
-        code, _, error = shoecal(
-            "calibrate", simulated, "--train", "1,2", "--test", "3",
-            "--out", calibration_file, "--json", figures,
-        )  # fmt: skip
-        assert code == 0, error
-    return calibration_file
 
 
 def test_a_session_is_found_fit_for_use(shoecal: Run, simulated: Path) -> None:
@@ -40,13 +21,18 @@ def test_a_session_is_found_fit_for_use(shoecal: Run, simulated: Path) -> None:
     assert "fit for use" in out
 
 
-def test_how_far_it_can_be_trusted(shoecal: Run, simulated: Path, tmp_path: Path) -> None:
-    figures = tmp_path / "figures.json"
+def test_how_far_it_can_be_trusted(
+    shoecal: Run, simulated: Path, calibrated: Path, tmp_path: Path
+) -> None:
+    again, figures = tmp_path / "again.yaml", tmp_path / "figures.json"
     code, out, error = shoecal(
-        "calibrate", simulated, "--train", "1,2", "--test", "3",
-        "--out", tmp_path / "c.yaml", "--json", figures,
-    )  # fmt: skip
+        "calibrate", simulated, "--train", "1,2", "--test", "3", "--out", again, "--json", figures
+    )
     assert code == 0, error
+    # Solving again gives the same parameters.
+    one, other = load_calibration(calibrated).parameters, load_calibration(again).parameters
+    np.testing.assert_array_equal(one.gain, other.gain)
+    np.testing.assert_array_equal(one.offset, other.offset)
     found = json.loads(figures.read_text())
     told = found["assessment"]
     for foot, label in (("both", "both feet"), ("left", "left foot"), ("right", "right foot")):
@@ -98,19 +84,6 @@ def test_gains_come_near_the_drawn_ones(simulated: Path, calibrated: Path) -> No
 def test_a_calibration_knows_the_runs_it_was_fitted_to(simulated: Path, calibrated: Path) -> None:
     fitted = [sha256(simulated / f"run_{run:03d}.mcap") for run in (1, 2)]
     assert load_calibration(calibrated).fitted_runs == tuple(fitted)
-
-
-def test_solving_again_gives_the_same_parameters(
-    shoecal: Run, simulated: Path, calibrated: Path, tmp_path: Path
-) -> None:
-    again = tmp_path / "again.yaml"
-    code, _, error = shoecal(
-        "calibrate", simulated, "--train", "1,2", "--test", "3", "--out", again
-    )
-    assert code == 0, error
-    one, other = load_calibration(calibrated), load_calibration(again)
-    np.testing.assert_array_equal(one.parameters.gain, other.parameters.gain)
-    np.testing.assert_array_equal(one.parameters.offset, other.parameters.offset)
 
 
 def test_one_support_is_refused_with_the_cure(

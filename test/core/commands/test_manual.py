@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from core.commands.conftest import ROOT, SHOE
+from core.commands.conftest import ROOT, SHOE, Run
 from core.sensing import mutations
 from shoecal_core.calibration.calibration import load_calibration
-
-Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture(scope="module")

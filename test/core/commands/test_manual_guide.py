@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from core.commands.conftest import Run
 from core.commands.terminal import Terminal
 from core.sensing import mutations, shoes
 from shoecal_core.calibration.calibration import load_calibration
@@ -31,6 +31,7 @@ CONFIG = shoes.ROOT / "config"
 REALITY = load_reality(CONFIG / "realities" / "default.yaml")
 SAMPLES = 10
 ROWS, WEIGHTS = [0.06, 0.02, -0.02], [1.0, 4.0]
+ByHand = Callable[[Sequence[object], str], tuple[int, str, str]]
 ASKED = r"(\d+) of (\d+)  (.*), then Enter"
 
 
@@ -87,12 +88,19 @@ def bench(tmp_path: Path) -> Bench:
     return Bench(tmp_path, shoe, LoadingRig(shoe, REALITY, draw_shoes(REALITY, shoe, 1), rng))
 
 
-def by_hand(words: Sequence[object], keys: str) -> subprocess.CompletedProcess[str]:
-    """Run a command whose keys come from a pipe."""
-    return subprocess.run(
-        [sys.executable, "-m", "shoecal_core.cli", *map(str, words)],
-        input=keys, capture_output=True, text=True, check=False, timeout=60,
-    )  # fmt: skip
+@pytest.fixture
+def by_hand(shoecal: Run, monkeypatch: pytest.MonkeyPatch) -> ByHand:
+    """Runs a command whose keys come from a pipe."""
+
+    def run(words: Sequence[object], keys: str) -> tuple[int, str, str]:
+        reading, writing = os.pipe()
+        os.write(writing, keys.encode())
+        os.close(writing)
+        with os.fdopen(reading) as keyboard, monkeypatch.context() as patch:
+            patch.setattr(sys, "stdin", keyboard)
+            return shoecal(*words)
+
+    return run
 
 
 class Person:
@@ -133,19 +141,19 @@ def pipe(bench: Bench) -> Iterator[int]:
     os.close(descriptor)
 
 
-def solve_cells(bench: Bench) -> None:
+def solve_cells(bench: Bench, by_hand: ByHand) -> None:
     """The first step, from a recording."""
     recording = bench.folder / "recording.jsonl"
     lines = [line for load in bench.plan(CELLS) for line in bench.lines(load)]
     recording.write_text("\n".join(lines))
-    done = by_hand(bench.words(CELLS, "--from", recording), "\n" * 16)
-    assert done.returncode == 0, done.stderr
+    code, _, error = by_hand(bench.words(CELLS, "--from", recording), "\n" * 16)
+    assert code == 0, error
     assert load_calibration(bench.out(CELLS)).source == "manual"
 
 
-def test_a_session_at_a_terminal(bench: Bench, pipe: int) -> None:
+def test_a_session_at_a_terminal(bench: Bench, pipe: int, by_hand: ByHand) -> None:
     """Begun, stopped, taken up again, solved."""
-    solve_cells(bench)
+    solve_cells(bench, by_hand)
     words = bench.words(SHOE, "--from", bench.folder / "readings")
     with Terminal(words) as terminal:
         _begin(Person(bench, SHOE, terminal, pipe))
@@ -234,28 +242,28 @@ def recording(bench: Bench, loads: Sequence[Load]) -> Path:
     return path
 
 
-def test_a_recording_that_ends_too_early(bench: Bench) -> None:
+def test_a_recording_that_ends_too_early(bench: Bench, by_hand: ByHand) -> None:
     plan = bench.plan(CELLS)
     words = bench.words(CELLS, "--from", recording(bench, plan[:5]))
-    done = by_hand(words, "\n" * 16)
-    assert done.returncode == 1
-    assert done.stderr.count("\n") == 1
-    assert "recording.jsonl: has no more readings; what was read is kept" in done.stderr
+    code, _, error = by_hand(words, "\n" * 16)
+    assert code == 1
+    assert error.count("\n") == 1
+    assert "recording.jsonl: has no more readings; what was read is kept" in error
     assert len(load_measurements(bench.data(CELLS), CELLS, bench.shoe).entries) == 5
     # Another file goes on.
-    done = by_hand(bench.words(CELLS, "--from", recording(bench, plan[5:])), "\n" * 16)
-    assert done.returncode == 0, done.stderr
+    code, _, error = by_hand(bench.words(CELLS, "--from", recording(bench, plan[5:])), "\n" * 16)
+    assert code == 0, error
 
 
-def test_keys_that_end_too_early(bench: Bench) -> None:
+def test_keys_that_end_too_early(bench: Bench, by_hand: ByHand) -> None:
     words = bench.words(CELLS, "--from", recording(bench, bench.plan(CELLS)))
-    done = by_hand(words, "\n\n\n")
-    assert done.returncode == 1
-    assert "stopped with 13 of 16 loads left" in done.stderr
-    assert "4 of 16  left/front_right, off its shoe: let it bear 2 kg, then Enter" in done.stdout
+    code, out, error = by_hand(words, "\n\n\n")
+    assert code == 1
+    assert "stopped with 13 of 16 loads left" in error
+    assert "4 of 16  left/front_right, off its shoe: let it bear 2 kg, then Enter" in out
 
 
-def test_csv_of_one_shoe(bench: Bench) -> None:
+def test_csv_of_one_shoe(bench: Bench, by_hand: ByHand) -> None:
     """A logger of the left shoe alone."""
     plan = [load for load in bench.plan(CELLS) if load.foot == 0]
     names = bench.shoe.names[:4]
@@ -266,28 +274,19 @@ def test_csv_of_one_shoe(bench: Bench) -> None:
     ]
     path = bench.folder / "log.csv"
     path.write_text("\n".join(map(",".join, [["stamp_ns", *names], *rows])))
-    done = by_hand(bench.words(CELLS, "--from", path, "--foot", "left"), "\n" * 8)
+    code, _, error = by_hand(bench.words(CELLS, "--from", path, "--foot", "left"), "\n" * 8)
     # One shoe is read, and calibrated without the other.
-    assert done.returncode == 0, done.stderr
+    assert code == 0, error
     assert load_calibration(bench.folder / "cells.yaml").channels == names
-    done = by_hand(bench.words(CELLS), "")
-    assert done.returncode == 1
-    assert "no readings of right/front_left" in done.stderr
+    code, _, error = by_hand(bench.words(CELLS), "")
+    assert code == 1
+    assert "no readings of right/front_left" in error
     entries = load_measurements(bench.data(CELLS), CELLS, bench.shoe).entries
     assert [entry.load for entry in entries] == plan
     assert entries[0].made_ns == 9
 
 
-def test_lines_that_are_no_readings(bench: Bench) -> None:
-    path = bench.folder / "lines"
-    path.write_text("\n{\n")
-    done = by_hand(bench.words(CELLS, "--from", path), "\n")
-    assert done.returncode == 1
-    assert done.stderr.count("\n") == 1
-    assert "lines: line 2: no JSON" in done.stderr
-
-
-def test_null_fault_and_saturation(bench: Bench) -> None:
+def test_null_fault_and_saturation(bench: Bench, by_hand: ByHand) -> None:
     load = bench.plan(CELLS)[0]
     good = json.loads(bench.lines(load, 1)[0])
     gone = {**good, "voltages": [None, *good["voltages"][1:]]}
@@ -300,6 +299,6 @@ def test_null_fault_and_saturation(bench: Bench) -> None:
         (ends, "left/front_left is at the end of its range"),
     ):
         path.write_text("\n".join([json.dumps(line)] * 3 * SAMPLES))
-        done = by_hand(bench.words(CELLS, "--from", path), "\nq")
-        assert problem in done.stdout
+        _, out, _ = by_hand(bench.words(CELLS, "--from", path), "\nq")
+        assert problem in out
         assert not bench.data(CELLS).exists()

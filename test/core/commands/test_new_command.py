@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
-from core.commands.conftest import ROOT
+from core.commands.conftest import ROOT, Run
 
-Run = Callable[..., tuple[int, str, str]]
 URDF = ROOT / "config/robots/wren.urdf"
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -12,12 +11,10 @@ import numpy as np
 import pytest
 import yaml
 
-from core.commands.conftest import WREN, WREN_SHOE
+from core.commands.conftest import WREN, WREN_SHOE, Run
 from core.sensing import mutations
 from shoecal_core import cli
 from shoecal_core.model.robot_file import shoe_file_of
-
-Run = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
-from core.commands.conftest import WREN, WREN_SHOE
-
-Run = Callable[..., tuple[int, str, str]]
+from core.commands.conftest import WREN, WREN_SHOE, Run
 
 
 def test_from_two_files_to_a_calibration(tmp_path: Path, shoecal: Run) -> None:

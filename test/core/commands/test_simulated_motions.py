@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +10,7 @@ import pytest
 from mcap.reader import make_reader
 from scipy.spatial.transform import Rotation
 
+from core.commands.conftest import Run
 from shoecal_core import cli
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.standard import STANDARD
@@ -24,7 +24,6 @@ ODD = (
     ROOT / "test" / "data" / "shoes" / "odd_shoe.yaml",
 )
 NAO = (ROOT / "config" / "robots" / "nao.yaml", ROOT / "config" / "shoes" / "nao_shoe.yaml")
-Run = Callable[..., tuple[int, str, str]]
 
 
 def simulate(folder: Path, *words: object) -> dict[str, object]:

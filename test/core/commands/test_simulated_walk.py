@@ -12,6 +12,7 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
+from core.commands.conftest import Run
 from core.planning.motions import planner_of
 from core.simulation.worlds import DEFAULT, load_world
 from shoecal_core.commands.simulated_walk import take, walk
@@ -26,7 +27,6 @@ from shoecal_core.recording.session import Session
 from shoecal_core.simulation.robot import SimulatedRobot
 
 FloatArray = NDArray[np.float64]
-Run = Callable[..., tuple[int, str, str]]
 
 START = DoubleSupport(0.0, -0.12, 0.0)
 GOALS = (
@@ -118,8 +118,9 @@ def test_a_carried_foot_is_in_the_air_and_touches_nothing() -> None:
     assert min(one.gap for one in seen) > 0.0
 
 
-@pytest.mark.parametrize(("motion", "side"), [("unload_left", 0), ("unload_right", 1)])
-@pytest.mark.parametrize("name", ["nao", "odd_biped"])
+@pytest.mark.parametrize(
+    ("name", "motion", "side"), [("nao", "unload_left", 0), ("odd_biped", "unload_right", 1)]
+)
 def test_an_unloaded_foot_has_no_load(name: str, motion: str, side: int) -> None:
     sim, planner = load_world(name).simulate(DEFAULT, seed=1), planner_of(name)
     sim.place(planner.stance(START))

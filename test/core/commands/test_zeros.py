@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from core.commands.conftest import Run
 from core.commands.stepping import WEIGHT_KG, Stepping, stepping_session
 
-Run = Callable[..., tuple[int, str, str]]
 ZEROS = ((-3.0, 2.0), (-2.8, 2.1), (-2.9, 1.9), (1.0, 5.5))
 """Of three runs of one day and one of another [N]."""
 HEAVIER = 1.08
