@@ -64,14 +64,14 @@ class CalibrationJob:
         self._feedback = feedback
         self._pacing = Pacing()
 
-    def check(self) -> None:
-        """Whether it can begin: the robot is armed, and all that it needs comes.
+    async def begin(self) -> None:
+        """See that it can begin: the robot is armed, and all that it needs comes.
 
         Raises:
             RefusedError: with a code of Calibrate.Result.
         """
         self._site.recorder.problem = ""
-        self._job.check()
+        await self._job.begin()
 
     async def run(self) -> Calibration:
         """Do it all but apply the result.
@@ -80,7 +80,7 @@ class CalibrationJob:
             RefusedError: with a code of Calibrate.Result, when it ends otherwise.
         """
         site = self._site
-        self.check()
+        await self.begin()
         worker = Worker(site.wake)
         try:
             runs = await self._draw(worker)

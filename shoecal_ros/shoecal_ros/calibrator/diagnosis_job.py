@@ -96,7 +96,7 @@ class DiagnosisJob:
         await self._check_goal()
         site.recorder.problem = ""
         if request.moves:
-            self._job.check()
+            await self._job.begin()
         self._worker = worker = Worker(site.wake)
         try:
             if request.records:

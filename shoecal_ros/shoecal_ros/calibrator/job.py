@@ -32,6 +32,8 @@ from shoecal_ros.inputs.stillness import Stillness
 
 R = TypeVar("R")
 Codes = Calibrate.Result
+ARMED_WITHIN_S = 2.0
+"""The word that the robot is armed may come so much later than the request that followed it."""
 
 
 def new_run_id() -> str:
@@ -121,6 +123,15 @@ class Job:
     @property
     def _disarmed(self) -> bool:
         return self.site.disarmings != self._disarmings
+
+    async def begin(self) -> None:
+        """See whether the robot may be moved, now that the job begins.
+
+        Raises:
+            RefusedError: with the reason why not.
+        """
+        await until(lambda: self.site.armed or self._canceled(), ARMED_WITHIN_S)
+        self.check()
 
     def check(self) -> None:
         """End the job where nothing may move any more.

@@ -129,14 +129,14 @@ class SelfCalibrationServer:
         finish(goal, result, canceled=Calibrate.Result.CANCELED)
         return result
 
-    def _self_calibrate(
+    async def _self_calibrate(
         self, request: SelfCalibrate.Request, response: SelfCalibrate.Response
     ) -> SelfCalibrate.Response:
         try:
             with faults_refused(self._node, Calibrate.Result.FAILED):
                 job = self._begin(request, lambda _: None, None)
                 try:
-                    job.check()
+                    await job.begin()
                 except RefusedError:
                     self._end()
                     raise

@@ -1,9 +1,60 @@
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Coroutine
+from types import SimpleNamespace
+from typing import cast
+
+import pytest
+from shoecal_msgs.action import Calibrate
+
+from shoecal_ros.calibrator import job as jobs
+from shoecal_ros.calibrator.job import Job, JobContext
 from shoecal_ros.calibrator.job_settings import JobSettings
+from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.planner.settings import MovingSettings
 
 
 def test_the_robot_stays_armed_while_a_person_places_it() -> None:
     job = JobSettings()
     assert MovingSettings().arm_timeout_s > job.reach_timeout_s + job.still_timeout_s
+
+
+def run(waiting: Coroutine[None, None, None]) -> None:
+    """Resume it as often as an executor does."""
+    with contextlib.suppress(StopIteration):
+        while True:
+            waiting.send(None)
+
+
+def make_site(*, armed: bool) -> SimpleNamespace:
+    return SimpleNamespace(
+        armed=armed,
+        disarmings=0,
+        lapsed=False,
+        recorder=SimpleNamespace(problem=""),
+        input_problem=lambda: None,
+    )
+
+
+def test_arming_counts_that_is_heard_after_the_request() -> None:
+    site = make_site(armed=False)
+    beginning = Job(cast("JobContext", site), lambda: False).begin()
+    beginning.send(None)
+    site.armed = True
+    run(beginning)
+
+
+@pytest.mark.parametrize(("canceled", "within_s", "code"), [
+    (False, 0.0, Calibrate.Result.NOT_ARMED),
+    (True, 60.0, Calibrate.Result.CANCELED),
+])  # fmt: skip
+def test_a_job_that_nobody_arms_or_wants_does_not_begin(
+    monkeypatch: pytest.MonkeyPatch, canceled: bool, within_s: float, code: int
+) -> None:
+    monkeypatch.setattr(jobs, "ARMED_WITHIN_S", within_s)
+    job = Job(cast("JobContext", make_site(armed=False)), lambda: canceled)
+    beginning = job.begin()
+    with pytest.raises(RefusedError) as refusal:
+        run(beginning)
+    assert refusal.value.code == code

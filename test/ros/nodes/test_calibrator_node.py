@@ -443,7 +443,7 @@ def test_a_job_is_cancelled_at_once(world: World, robot: StandingRobot) -> None:
     assert values["error_code"] == str(Calibrate.Result.STALE_INPUT)
 
 
-def test_it_answers_at_once_that_it_is_not_armed(world: World, robot: StandingRobot) -> None:
+def test_it_answers_that_it_is_not_armed(world: World, robot: StandingRobot) -> None:
     start(world)
     world.until_reported("calibrator", "voltages", "come")
     world.until_reported("calibrator", "joints", "come")
