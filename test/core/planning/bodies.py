@@ -24,7 +24,7 @@ NAMES = ("nao", "odd_biped")
 
 @dataclass(frozen=True)
 class Body:
-    """A robot in its shoes, with its legs compiled."""
+    """A robot in its shoes, with its legs."""
 
     robot: Robot
     shoe: Shoe

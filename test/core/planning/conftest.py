@@ -1,4 +1,4 @@
-"""Both robots, compiled once a test run."""
+"""Both robots, built once a test run."""
 
 from __future__ import annotations
 

@@ -121,7 +121,7 @@ def _followed(
     for point in message.points:
         due = pace * (point.time_from_start.sec + point.time_from_start.nanosec * 1e-9)
         while time.monotonic() - begun < due:
-            if stopped():
+            if stopped() or ASKED_TO_END.is_set():
                 return False
             time.sleep(0.002)
         robot.move(dict(zip(message.joint_names, point.positions, strict=True)))
