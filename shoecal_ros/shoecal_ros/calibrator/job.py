@@ -130,7 +130,7 @@ class Job:
         Raises:
             RefusedError: with the reason why not.
         """
-        await until(lambda: self.site.armed or self._canceled(), ARMED_WITHIN_S)
+        await until(lambda: self.site.armed or self._disarmed or self._canceled(), ARMED_WITHIN_S)
         self.check()
 
     def check(self) -> None:

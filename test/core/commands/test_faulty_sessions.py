@@ -132,18 +132,21 @@ def test_a_run_under_another_weight_is_in_no_set(
     assert "run 3 was recorded with 5.0 N less on the feet than the others" in out
 
 
+@pytest.mark.parametrize("late_s", [0.08, -0.06])
 def test_readings_of_another_clock_are_put_right(
-    shoecal: Command, simulated: Path, tmp_path: Path
+    shoecal: Command, simulated: Path, tmp_path: Path, late_s: float
 ) -> None:
     """What is stamped late makes the joints early."""
-    late_s = 0.08
 
     def late(run: Run) -> Run:
-        return replace(run, readings=replace(run.readings, time=run.readings.time + late_s))
+        time = run.readings.time + (late_s - min(late_s, 0.0))
+        joints = replace(run.joints, time=run.joints.time - min(late_s, 0.0))
+        return replace(run, joints=joints, readings=replace(run.readings, time=time))
 
     found, out = figures(shoecal, rewritten(simulated, tmp_path / "s", late), tmp_path)
     assert found["time_offset_s"] == pytest.approx(-late_s, abs=0.02)
-    assert "joints are early by" in out
+    if late_s > 0.0:
+        assert "joints are early by" in out
 
 
 def test_a_changed_shoe_file_is_refused_unless_forced(

@@ -45,16 +45,18 @@ def test_arming_counts_that_is_heard_after_the_request() -> None:
     run(beginning)
 
 
-@pytest.mark.parametrize(("canceled", "within_s", "code"), [
-    (False, 0.0, Calibrate.Result.NOT_ARMED),
-    (True, 60.0, Calibrate.Result.CANCELED),
+@pytest.mark.parametrize(("ended_by", "within_s", "code"), [
+    ("nothing", 0.0, Calibrate.Result.NOT_ARMED),
+    ("disarming", 60.0, Calibrate.Result.NOT_ARMED),
+    ("cancelling", 60.0, Calibrate.Result.CANCELED),
 ])  # fmt: skip
 def test_a_job_that_nobody_arms_or_wants_does_not_begin(
-    monkeypatch: pytest.MonkeyPatch, canceled: bool, within_s: float, code: int
+    monkeypatch: pytest.MonkeyPatch, ended_by: str, within_s: float, code: int
 ) -> None:
     monkeypatch.setattr(jobs, "ARMED_WITHIN_S", within_s)
-    job = Job(cast("JobContext", make_site(armed=False)), lambda: canceled)
-    beginning = job.begin()
+    site = make_site(armed=False)
+    beginning = Job(cast("JobContext", site), lambda: ended_by == "cancelling").begin()
+    site.disarmings += ended_by == "disarming"
     with pytest.raises(RefusedError) as refusal:
         run(beginning)
     assert refusal.value.code == code
