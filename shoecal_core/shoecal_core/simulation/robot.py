@@ -204,6 +204,9 @@ class SimulatedRobot:
         """
         self.run = self.run + 1 if number is None else number
         self._run_begin = self.time
+        self._chain.run = self.run
+        # Its first reading already has what cells show in this run.
+        self._remember()
         self._acting = [*self._always, *disturbances]
         self._disturb()
 

@@ -24,6 +24,7 @@ class SensorChain:
 
     Attributes:
         time: of the last instant taken, since the session began [s].
+        run: of the session that goes on, from 1; 0 before the first.
         active: whether it changes anything.
         feels_sideways: whether a stage needs the floor's sideways forces.
     """
@@ -37,7 +38,7 @@ class SensorChain:
         self._longest = float(shoes.latency.max(initial=0.0))
         self._past: deque[tuple[float, FloatArray]] = deque()
         self._nothing = np.zeros(len(shoes.channels))
-        self.time = time
+        self.time, self.run = time, 0
         self._last = self._nothing
         self.active = bool(self._stages) or self._late.size > 0
         self.feels_sideways = any(stage.feels_sideways for stage in self._stages)
@@ -85,7 +86,7 @@ class SensorChain:
     def _pass(
         self, felt: FloatArray, time: float, sideways: FloatArray
     ) -> tuple[FloatArray, list[Any]]:
-        instant = Instant(time, time - self.time, sideways)
+        instant = Instant(time, time - self.time, sideways, self.run)
         signal, states = felt, []
         for stage, before in zip(self._stages, self._states, strict=True):
             signal, state = stage(signal, before, instant)

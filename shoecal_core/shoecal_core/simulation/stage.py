@@ -46,11 +46,13 @@ class Instant:
         time: since the session began [s].
         span: since the instant before [s]; 0 at the first.
         sideways: (2, 2) the floor's force on left, right along x and y of its sole frame [N].
+        run: of the session, from 1; 0 before the first.
     """
 
     time: float
     span: float
     sideways: FloatArray
+    run: int
 
 
 class Stage(ABC, Generic[State]):

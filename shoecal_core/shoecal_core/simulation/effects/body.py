@@ -5,17 +5,56 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.errors import FieldError
 from shoecal_core.files import Fields
 from shoecal_core.sensing.shoe import FEET
 from shoecal_core.simulation.drawn import DrawnBody
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import Parts, read_feet, read_shift
+from shoecal_core.simulation.reality import ALL
 
 FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class TotalMass(Effect):
+    """Another mass of the whole robot: every link's mass and inertia in the same proportion.
+
+    Attributes:
+        mass: true minus the model's [kg].
+        path, field: where it was written, for messages.
+    """
+
+    mass: float
+    path: Path
+    field: str
+
+    @classmethod
+    def read(cls, fields: Fields) -> TotalMass:
+        """From the item of a reality file."""
+        fields.only("effect", "location", "mass_kg")
+        if fields.texts("location") != [ALL]:
+            raise fields.error("location", f"must be [{ALL}]; a payload sits on one link")
+        mass = fields.number("mass_kg", minimum=-10.0, maximum=10.0)
+        return cls(mass, fields.path, f"{fields.prefix}.mass_kg")
+
+    def on_body(self, body: DrawnBody) -> DrawnBody:
+        """The robot with this effect.
+
+        Raises:
+            FieldError: when it leaves nothing of the robot.
+        """
+        mass = body.mass + self.mass
+        if mass <= 0.0:
+            raise FieldError(
+                self.path, f"must be above {-body.mass:.3g}, the robot's own", field=self.field
+            )
+        return dataclasses.replace(body, mass=mass)
 
 
 @dataclass(frozen=True)
@@ -178,6 +217,7 @@ class FootPlacement(Effect):
 
 
 EFFECTS: dict[str, Callable[[Fields], Effect]] = {
+    "total_mass": TotalMass.read,
     "payload": Payload.read,
     "link_com": LinkCom.read,
     "joint_offset": JointOffset.read,

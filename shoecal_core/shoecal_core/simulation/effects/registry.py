@@ -16,12 +16,14 @@ from shoecal_core.simulation.effects import (
     slip,
     timing,
     wiring,
+    zero,
 )
 from shoecal_core.simulation.effects.effect import Effect
 
 EFFECTS: Mapping[str, Callable[[Fields], Effect]] = {
     **curve.EFFECTS,
     **memory.EFFECTS,
+    **zero.EFFECTS,
     **drift.EFFECTS,
     **wiring.EFFECTS,
     **mounting.EFFECTS,

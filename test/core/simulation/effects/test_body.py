@@ -37,6 +37,30 @@ def com(sim: SimulatedRobot) -> FloatArray:
     return found[:2]
 
 
+@pytest.mark.parametrize("mass", [0.3, -0.3])
+def test_another_total_mass_raises_the_floors_force_and_leaves_the_com(
+    world: World, mass: float
+) -> None:
+    plain, heavy = with_effects(world), with_effects(world, item("total_mass", "all", mass_kg=mass))
+    for sim in (plain, heavy):
+        sim.step_to(sim.time + 1.0)
+    assert heavy.weight - plain.weight == pytest.approx(mass * GRAVITY, abs=1e-9)
+    assert heavy.truth().grf - plain.truth().grf == pytest.approx(mass * GRAVITY, abs=1e-3)
+    # The shoes keep their mass, so that the CoM moves by their share of the change.
+    assert heavy.truth().cop == pytest.approx(plain.truth().cop, abs=4e-4)
+    links = [plain.physics.model.body(name).id for name in plain.drawn.body.links]
+    before, after = (sim.physics.model.body_mass[links] for sim in (plain, heavy))
+    at = before > 1e-3
+    factor = 1.0 + mass / plain.drawn.body.mass
+    np.testing.assert_allclose(after[at] / before[at], factor, rtol=1e-9)
+
+
+def test_a_robot_cannot_lose_more_than_its_mass(nao: World) -> None:
+    effect = item("total_mass", "all", mass_kg=-9.0)
+    with pytest.raises(FileError, match=r"effects\[0\]\.mass_kg: must be above -[45]\.\d+, the"):
+        draw_body(changed(PERFECT, effect), nao.robot, nao.shoe, 1)
+
+
 def test_a_payload_raises_the_floors_force_by_its_weight(world: World) -> None:
     mass = 0.3
     plain, loaded = with_effects(world), with_effects(world, item("payload", "base", mass_kg=mass))
@@ -191,6 +215,8 @@ def test_parts_that_there_are_not(nao: World, effect: Effect, message: str) -> N
         ("payload", ["base"], {}, "mass_kg: is missing"),
         ("payload", ["base"], {"mass_n": 1.0}, "mass_n: unknown key"),
         ("payload", [], {"mass_kg": 1.0}, "location: is missing"),
+        ("total_mass", ["base"], {"mass_kg": 0.1}, r"location: must be \[all\]"),
+        ("total_mass", ["all"], {}, "mass_kg: is missing"),
         ("joint_offset", ["a", "a"], {"angle_rad": 0.1}, "names one twice"),
         ("foot_placement", ["LFoot"], {"dx_m": 0.1}, "'LFoot' is not one of: left, right, all"),
         ("foot_placement", ["left"], {"dx_m": 1.0}, "dx_m: must be at least -0.1 and at most 0.1"),

@@ -25,6 +25,7 @@ EFFECTS: dict[str, tuple[Effect, list[int]]] = {
     "saturation": (item("saturation", FL, level_n=5.0), [0]),
     "hysteresis": (item("hysteresis", "left", fraction=0.05), [0, 1, 2, 3]),
     "creep": (item("creep", FL, fraction=0.05, time_s=2.0), [0]),
+    "zero_offset": (item("zero_offset", "right", offset_n=0.5, run=1), [4, 5, 6, 7]),
     "zero_drift": (item("zero_drift", "right", rate_n_per_s=0.02), [4, 5, 6, 7]),
     "span_drift": (item("span_drift", FL, rate_per_s=0.005), [0]),
     "stuck_cell": (item("stuck_cell", FL, share=1.0, time_s=1.5), [0]),
@@ -74,6 +75,7 @@ def test_readings_together_are_single_looks_with_every_effect(nao: World) -> Non
     together, _ = recorded(nao.standing(rules), 40.0)
     sim = nao.standing(rules)
     start, command = sim.time, swing(nao, 4.0)
+    sim.begin_run()
     for index in range(len(together.time)):
         sim.step_to(start + index / 40.0)
         if index == 20:
