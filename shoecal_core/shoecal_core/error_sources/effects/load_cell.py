@@ -133,6 +133,24 @@ class Creep:
             yield Shape(("fraction",), columns, {"time": time})
 
 
+class ZeroOffset:
+    """Zeros of one run differ from those of the others, and stay there: a load or a tare."""
+
+    identifier, group = "zero_offset", "load_cell"
+    components = (Component("offset", "N", 3.0, as_built="run_zero_n"),)
+
+    def places(self, scene: Scene) -> Iterator[Place]:
+        """Every cell, each foot's alike, all alike."""
+        return places.cells_feet_and_all(scene)
+
+    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+        """Each channel at the place shows as much more in one run, and right in all others."""
+        channels = places.channels_at(scene, place)
+        for run in np.unique(scene.samples.run).tolist():
+            here = (scene.samples.run == run).astype(np.float64)
+            yield Shape(("offset",), shown(scene, channels, here[:, None])[None], run=run)
+
+
 class ZeroDrift:
     """Zeros wander with time, or with temperature."""
 

@@ -5,10 +5,18 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
-from core.error_sources.altered import body_states, heavier, shifted, with_angles, with_robot
+from core.error_sources.altered import (
+    bearing,
+    body_states,
+    heavier,
+    shifted,
+    with_angles,
+    with_robot,
+)
 from core.error_sources.shows import assert_shows, shape, told
 from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.effects.body import (
@@ -17,11 +25,13 @@ from shoecal_core.error_sources.effects.body import (
     JointOffset,
     LinkCom,
     Payload,
+    TotalMass,
 )
 from shoecal_core.error_sources.effects.dynamics import Inertia
 from shoecal_core.error_sources.scene import Scene
-from shoecal_core.error_sources.signals import COP
-from shoecal_core.model.robot import GRAVITY
+from shoecal_core.error_sources.signals import AIR, COP, GRF, SIGNALS
+from shoecal_core.model.robot import GRAVITY, Robot
+from shoecal_core.samples.known_weight import KNOWN_MASS, WEIGHTED
 
 FloatArray = NDArray[np.float64]
 JOINTS = ("LHipYawPitch", "LKneePitch", "RAnkleRoll")
@@ -33,6 +43,77 @@ def test_pinocchio_tells_the_same_states(scene: Scene) -> None:
     for name in ("com", "rotation", "translation", "left_rotation", "left_translation"):
         usual = getattr(scene.samples.states, name)[::50]
         np.testing.assert_allclose(getattr(states, name), usual, atol=1e-9)
+
+
+def in_proportion(robot: Robot, mass: float) -> Robot:
+    """With a mass [kg] more, every link heavier by the same share."""
+    model, factor = pin.Model(robot.model), 1.0 + mass / robot.mass
+    for index, one in enumerate(robot.model.inertias):
+        if one.mass > 0.0:
+            model.inertias[index] = pin.Inertia(factor * one.mass, one.lever, one.inertia)
+    return replace(robot, model=model, mass=robot.mass + mass)
+
+
+def with_sheet(scene: Scene, name: str) -> Scene:
+    """One channel has a gain by its data sheet."""
+    shoe = scene.samples.shoe
+    channels = tuple(
+        replace(one, nominal_gain=1.0) if one.name == name else one for one in shoe.channels
+    )
+    return replace(scene, samples=replace(scene.samples, shoe=replace(shoe, channels=channels)))
+
+
+def with_weight(scene: Scene, runs: tuple[int, ...]) -> Scene:
+    """The robot bears the known weight in these runs."""
+    samples = scene.samples
+    tracks = tuple(
+        replace(track, motion=WEIGHTED) if track.run in runs else track for track in samples.tracks
+    )
+    force = samples.force + GRAVITY * KNOWN_MASS * np.isin(samples.run, runs)
+    return replace(scene, samples=replace(samples, tracks=tracks, force=force))
+
+
+@pytest.mark.parametrize("mass", [0.1, -0.1])
+def test_total_mass(scene: Scene, mass: float) -> None:
+    """What was recorded is true; the model then has too little or too much in every link."""
+    known = with_sheet(scene, scene.samples.shoe.names[5])
+    after = with_robot(known, in_proportion(known.samples.robot, -mass))
+    found = shape(known, TotalMass(), "all")
+    assert_shows(known, after, told(found, mass))
+    here = known.mask[:, 0]
+    np.testing.assert_allclose(found.columns[0][here, 0], GRAVITY)
+    assert not found.columns[0][:, 1:].any()
+
+
+def test_a_kilogram_weighs_the_same_beside_a_known_weight(scene: Scene) -> None:
+    found = shape(with_weight(scene, (3,)), TotalMass(), "all")
+    np.testing.assert_allclose(found.columns[0][scene.mask[:, 0], 0], GRAVITY)
+
+
+def test_nothing_tells_a_mass_from_gains_that_nothing_ties(scene: Scene) -> None:
+    """All gains larger by a share are as a robot lighter by it."""
+    heavy = TotalMass()
+    assert not list(heavy.shapes(scene, ("all",)))
+    assert not list(heavy.shapes(with_weight(scene, scene.samples.runs), ("all",)))
+    assert list(heavy.shapes(with_weight(scene, scene.samples.runs[:1]), ("all",)))
+
+
+def left_by_gains(scene: Scene) -> float:
+    """Share of a wrong mass that no gains and offsets make up for, in usual noise."""
+    std = np.full(len(SIGNALS), np.inf)
+    std[GRF], std[COP], std[AIR] = 0.03, 3e-4, (0.03, 3e-3, 3e-3)
+    count = 2 * len(scene.samples.shoe.names)
+    laws = (scene.baseline[:count] / std).reshape(count, -1).T
+    laws /= np.linalg.norm(laws, axis=0)
+    mass = (shape(scene, TotalMass(), "all").columns[0] / std).ravel()
+    rest = mass - laws @ np.linalg.lstsq(laws, mass, rcond=None)[0]
+    return float(np.linalg.norm(rest) / np.linalg.norm(mass))
+
+
+def test_gains_make_up_for_a_wrong_mass_but_not_beside_a_known_weight(scene: Scene) -> None:
+    assert left_by_gains(with_sheet(scene, "left/front_left")) < 2e-3
+    weighted = with_weight(scene, (3,))
+    assert left_by_gains(bearing(weighted, scene.samples.cop)) > 2e-2
 
 
 def heavy_links(scene: Scene) -> list[str]:

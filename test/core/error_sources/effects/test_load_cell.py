@@ -114,6 +114,24 @@ def test_creep(scene: Scene, place: str, form: int) -> None:
 
 
 @pytest.mark.parametrize("place", [*CELLS, "left", "all"])
+@pytest.mark.parametrize("run", [2, 8])
+def test_zeros_of_one_run(scene: Scene, place: str, run: int) -> None:
+    offset = 0.02
+    after = at(scene, place, lambda track, f: f + offset * (track.run == run))
+    forms = {one.run: one for one in load_cell.ZeroOffset().shapes(scene, (place,))}
+    assert_shows(scene, after, told(forms[run], offset))
+    assert not forms[run].columns[:, scene.samples.run != run].any()
+
+
+def test_zeros_may_be_off_in_every_run_and_at_every_vertical_force(scene: Scene) -> None:
+    effect = load_cell.ZeroOffset()
+    names = scene.samples.shoe.names
+    assert {place for (place,) in effect.places(scene)} == {*names, "left", "right", "all"}
+    runs = [one.run for one in effect.shapes(scene, ("all",))]
+    assert runs == list(scene.samples.runs)
+
+
+@pytest.mark.parametrize("place", [*CELLS, "left", "all"])
 def test_drifts_in_time(scene: Scene, place: str) -> None:
     def age(track: Track) -> FloatArray:
         return np.asarray(track.start + track.time)[:, None]
