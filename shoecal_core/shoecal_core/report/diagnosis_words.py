@@ -14,6 +14,7 @@ EFFECTS: Mapping[str, str] = {
     "saturation": "readings that stop at a level",
     "hysteresis": "readings that depend on whether the load came or went",
     "creep": "readings that go on moving under a constant load",
+    "zero_offset": "readings whose zero is off in one run",
     "zero_drift": "readings whose zero drifts",
     "span_drift": "readings whose gain drifts",
     "stuck_cell": "a reading that stays where it was",
@@ -23,6 +24,7 @@ EFFECTS: Mapping[str, str] = {
     "off_axis_load": "cells that also show sideways forces",
     "latency": "readings that come late",
     "low_pass": "readings that lag behind a filter",
+    "total_mass": "a robot that is heavier or lighter than its model",
     "payload": "a mass that the model does not know",
     "link_com": "a centre of mass that is not where the model has it",
     "joint_offset": "an encoder that reads a wrong angle",
@@ -108,6 +110,7 @@ ALIKE = "in the motions of this session both leave the same trace in every signa
 
 _JOINTS = {"joint_offset", "joint_compliance", "backlash"}
 _LINKS = {"payload", "link_com"}
+_EVERYWHERE = dict.fromkeys(_JOINTS, "all joints of the legs") | {"total_mass": "whole robot"}
 _SHOWN: Mapping[str, tuple[float, str]] = {
     "m": (1e3, "mm"),
     "rad": (180.0 / math.pi, "°"),
@@ -139,7 +142,7 @@ def place_text(effect: str, location: Sequence[str]) -> str:
     if not location:
         return ""
     if tuple(location) == ("all",):
-        return "all joints of the legs" if effect in _JOINTS else "both feet"
+        return _EVERYWHERE.get(effect, "both feet")
     cells = [name for name in location if "/" in name]
     if len(cells) == len(location):
         if effect == "crosstalk" and len(cells) == 2:
