@@ -1,31 +1,37 @@
-"""A cell that gets stuck while others go on: told by the readings alone, before anything is fitted.
+"""A cell that gets stuck while others go on, for good or for a while: told by readings alone.
 
-Weights and plates tie a shoe's cells to each other, so that each reading follows from the others by
-one law. Where a cell stops, its law changes at a moment, and its reading hardly follows any more.
-What it should have shown follows from the law before: with that in its place, gains are fitted and
-all else is looked for as if it had never stopped.
+What screening finds, a diagnosis finds: a cell whose readings follow from the others' by one law,
+and do not for some time. What it should have shown then follows from that law: with that in its
+place, gains are fitted and all else is looked for as if it had never stopped.
+
+A cell that is stuck from the first sample to the last, or nearly so, has no such law. In its place
+comes what the weight leaves for it: the other cells' gains g and offsets o are those that fit the
+modelled wrench in all that does not depend on the force of the dead cell d, and its own force is
+
+    f_d = F - sum_(i != d) (g_i v_i + o_i).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.screening.blocks import reading_blocks
+from shoecal_core.calibration.screening.saturated import ended
+from shoecal_core.calibration.screening.stretches import Stretch
+from shoecal_core.calibration.screening.unresponsive import away, dead, halted
 from shoecal_core.diagnosis.result import Cause, Size
 from shoecal_core.diagnosis.shrink import shrink
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.effects import places
 from shoecal_core.samples.samples import Samples
+from shoecal_core.sensing.wrench import at_cop, columns_in_left, combined, weight_below
 
 FloatArray = NDArray[np.float64]
-BROKEN = 0.05
-"""Squares that two laws leave, over those of one, up to which a law has changed."""
-FOLLOWS = 0.35
-"""Share of its course up to which a reading hardly follows any more."""
-ONE_IN = 20
-"""This part of all samples is on either side, so that either law can be told."""
+BoolArray = NDArray[np.bool_]
 SHARE_ERROR = 0.05
 """How far the share that stays may be off, as an interval's half width."""
 
@@ -36,13 +42,17 @@ class Stopped:
 
     Attributes:
         channel: which.
-        time: since the session began [s]; step: to the sample before it.
+        time: when it first got stuck, since the session began [s].
+        stretches: of time in which the law says what it should have shown [s]; all, where it hardly
+            ever moved.
+        step: from the block before it got stuck to the next [s].
         share: of its signal that stays.
-        law: (1 + n,) by which it followed all channels before, a constant first.
+        law: (1 + n,) by which it follows all channels otherwise, a constant first.
     """
 
     channel: int
     time: float
+    stretches: tuple[Stretch, ...]
     step: float
     share: float
     law: FloatArray
@@ -75,63 +85,86 @@ class Stopped:
 
     def _mended(self, readings: FloatArray, clock: FloatArray) -> FloatArray:
         mended = readings.copy()
-        late = clock >= self.time
-        mended[late, self.channel] = self.law[0] + readings[late] @ self.law[1:]
+        still = np.any([(clock >= start) & (clock < end) for start, end in self.stretches], axis=0)
+        mended[still, self.channel] = self.law[0] + readings[still] @ self.law[1:]
         return mended
 
 
 def stopped(samples: Samples) -> Stopped | None:
-    """The cell whose law changes most clearly, if one stops."""
-    order = np.argsort(samples.clock)
-    readings, clock = samples.readings[order], samples.clock[order]
-    cells = places.cells(samples.shoe)
-    found = [(change, cell) for cell in cells if (change := _change(readings, int(cell), cells))]
-    if not found:
-        return None
-    (_, at, share, law), channel = min(found, key=lambda one: one[0][0])
-    step = float(clock[at] - clock[at - 1])
-    return Stopped(int(channel), float(clock[at] - 0.5 * step), step, share, law)
+    """The cell that most clearly was stuck, if one was."""
+    tracks = sorted(samples.tracks, key=lambda one: one.start)
+    runs = {one.run: reading_blocks(one.time, one.readings) for one in tracks}
+    clock = np.concatenate([one.start + runs[one.run].time for one in tracks])
+    # Halfway between blocks, the first one at the first sample.
+    begin = tracks[0].start + float(tracks[0].time[0])
+    moments = np.concatenate(([begin], 0.5 * (clock[1:] + clock[:-1]), [np.inf]))
+    cells = places.vertical(samples.shoe).tolist()
+    silent = dead(samples.shoe, runs)
+    for channel in silent:
+        if channel in cells and (law := _law_by_weight(samples, channel, silent)) is not None:
+            first = _longest(away(samples.shoe, runs, channel))
+            step = _step(clock, first)
+            return Stopped(channel, float(moments[first]), ((begin, np.inf),), step, 1.0, law)
+    found = halted(samples.shoe, runs, silent)
+    at_end = {one.channel for one in ended(runs, found)}
+    for halt in found:
+        if halt.channel in cells and halt.channel not in at_end:
+            edges = np.flatnonzero(np.diff(np.concatenate(([False], halt.still, [False]))))
+            stretches = tuple(
+                (float(moments[first]), float(moments[end])) for first, end in edges.reshape(-1, 2)
+            )
+            step = _step(clock, int(edges[0]))
+            return Stopped(halt.channel, stretches[0][0], stretches, step, halt.share, halt.law)
+    return None
 
 
-def _change(
-    readings: FloatArray, channel: int, cells: NDArray[np.int64]
-) -> tuple[float, int, float, FloatArray] | None:
-    """How clearly a law changes (0: wholly), from which sample on, the share, and the law."""
-    others = cells[cells != channel]
-    spread = readings[:, others].std(axis=0)
-    least = len(readings) // ONE_IN
-    if not spread.all() or least < 2 * len(cells):
+def _longest(away: BoolArray) -> int:
+    """First block of the longest time (B,) in which a channel is where it mostly is."""
+    edges = np.concatenate(([-1], np.flatnonzero(away), [len(away)]))
+    return int(edges[np.argmax(np.diff(edges))]) + 1
+
+
+def _step(clock: FloatArray, first: int) -> float:
+    """From the block before one to it, from the first to the second one for the first [s]."""
+    return float(np.diff(clock)[max(first, 1) - 1])
+
+
+def _law_by_weight(samples: Samples, dead_channel: int, silent: Sequence[int]) -> FloatArray | None:
+    """(1 + n,) what the weight leaves for a dead cell; None where no sample is on both feet.
+
+    In its own unit, as if its gain were like the others'. Moments about the dead cell do not depend
+    on its force: from them come the gains of the others.
+    """
+    shoe = samples.shoe
+    below = weight_below(shoe)
+    others = [one for one in range(len(shoe.names)) if one not in silent]
+    rows, targets, rest = [], [], []
+    for segment in np.unique(samples.segment[samples.both]):
+        part = (samples.segment == segment) & samples.both
+        support = samples.supports[int(segment)]
+        columns = columns_in_left(shoe, support)
+        wrench = at_cop(samples.force[part], samples.cop[part]) - combined(below, support)
+        arm = columns[dead_channel, 1:] / columns[dead_channel, 0]
+        slopes = columns[others, 1:] - columns[others, :1] * arm
+        readings = samples.readings[part][:, others]
+        for axis in (0, 1):
+            gains = readings * slopes[:, axis]
+            rows.append(np.hstack((gains, np.broadcast_to(slopes[:, axis], gains.shape))))
+            targets.append(wrench[:, 1 + axis] - wrench[:, 0] * arm[axis])
+        rest.append(wrench[:, 0])
+    if not rows:
         return None
-    matrix = np.column_stack((np.ones(len(readings)), readings[:, others] / spread))
-    mean = readings[:, channel].mean()
-    values = readings[:, channel] - mean
-    normal = np.cumsum(matrix[:, :, None] * matrix[:, None, :], axis=0)
-    right = np.cumsum(matrix * values[:, None], axis=0)
-    explained = _explained(normal, right) + _explained(normal[-1] - normal, right[-1] - right)
-    left = values @ values - explained[least:-least]
-    at = least + int(np.argmin(left)) + 1
-    clear = float(
-        left.min() / max(values @ values - _explained(normal[-1:], right[-1:])[0], 1e-300)
-    )
-    if clear > BROKEN:
-        return None
-    solved = np.linalg.lstsq(matrix[:at], values[:at], rcond=None)[0]
-    told = matrix @ solved
-    follows = float(np.polyfit(told[at:], values[at:], 1)[0])
-    if abs(follows) > FOLLOWS:
-        return None
-    law = np.zeros(1 + readings.shape[1])
-    law[0], law[1 + others] = solved[0] + mean, solved[1:] / spread
-    return clear, at, 1.0 - follows, law
+    matrix = np.concatenate(rows)
+    size = np.maximum(np.linalg.norm(matrix, axis=0), 1e-12)
+    solution = np.linalg.lstsq(matrix / size, np.concatenate(targets), rcond=1e-6)[0] / size
+    gain, offset = np.split(solution * np.tile(shoe.columns[others, 0], 2), 2)
+    law = np.zeros(1 + len(shoe.names))
+    law[0] = float(np.mean(np.concatenate(rest))) - float(offset.sum())
+    law[1 + np.array(others)] = -gain
+    unit = float(np.median(np.abs(gain)))
+    law /= shoe.columns[dead_channel, 0] * unit * (shoe.polarity[dead_channel] or 1)
+    return law
 
 
 def _around(value: float, either: float) -> tuple[float, float]:
     return value - either, value + either
-
-
-def _explained(normal: FloatArray, right: FloatArray) -> FloatArray:
-    """(n,) squares that least squares take away, by n normal equations."""
-    steady = 1e-9 * np.trace(normal[-1] + normal[0]) * np.eye(normal.shape[1])
-    solution = np.linalg.solve(normal + steady, right[:, :, None])[:, :, 0]
-    found: FloatArray = np.sum(right * solution, axis=1)
-    return found

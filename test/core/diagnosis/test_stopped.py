@@ -22,13 +22,15 @@ FloatArray = NDArray[np.float64]
 STUCK = (StuckCell(),)
 
 
-def stuck(samples: Samples, channel: int, time: float, share: float) -> Samples:
-    """The session as it would be had a part of a cell's signal stayed from a moment on."""
+def stuck(
+    samples: Samples, channel: int, time: float, share: float, end: float = np.inf
+) -> Samples:
+    """The session as it would be had a part of a cell's signal stayed from a moment to another."""
     first = samples.readings[np.argmin(np.abs(samples.clock - time)), channel]
 
     def held(readings: FloatArray, clock: FloatArray) -> FloatArray:
         shown = readings.copy()
-        late = clock >= time
+        late = (clock >= time) & (clock < end)
         shown[late, channel] -= share * (readings[late, channel] - first)
         return shown
 
@@ -61,6 +63,79 @@ def test_a_cell_that_gets_stuck_is_found_and_mended(
     np.testing.assert_array_equal(mended.readings[:, others], samples.readings[:, others])
     for one, right in zip(mended.tracks, samples.tracks, strict=True):
         assert np.std((one.readings - right.readings)[:, channel]) < was
+
+
+def in_run(samples: Samples, run: int, second: float) -> float:
+    """Time since the session began at a second of a run, from its end where it is negative."""
+    (track,) = [one for one in samples.tracks if one.run == run]
+    return float(track.start + (track.time[-1] + second if second < 0.0 else second))
+
+
+@pytest.mark.parametrize(
+    ("channel", "begins", "ends"),
+    [
+        (3, (2, 10.0), (2, 25.0)),
+        (1, (4, -4.0), (5, 12.0)),
+        (5, (7, 8.0), (8, 10.0)),
+        (2, (8, -8.0), None),
+        (6, (1, 0.0), (1, 15.0)),
+        (0, (1, 0.0), (6, 5.0)),
+    ],
+)
+def test_a_cell_may_be_stuck_for_a_while_in_any_run(
+    workspace: Workspace,
+    channel: int,
+    begins: tuple[int, float],
+    ends: tuple[int, float] | None,
+) -> None:
+    """In training runs and test runs, over their ends, and at the ends of the session."""
+    samples = workspace.scene.samples
+    time = in_run(samples, *begins)
+    end = np.inf if ends is None else in_run(samples, *ends)
+    broken = stuck(samples, channel, time, 1.0, end)
+    found = stopped(broken)
+    assert found is not None
+    assert found.channel == channel
+    assert found.time == pytest.approx(time, abs=1.0)
+    assert len(found.stretches) == 1
+    assert found.stretches[0][1] == pytest.approx(end, abs=1.0)
+    assert found.share == pytest.approx(1.0, abs=0.02)
+    mended = found.mended(broken).readings[:, channel] - samples.readings[:, channel]
+    away = broken.readings[:, channel] - samples.readings[:, channel]
+    inside = (samples.clock > time + 1.0) & (samples.clock < end - 1.0)
+    assert np.std(mended[inside]) < 0.1 * np.std(away[inside])
+    outside = (samples.clock < time - 1.0) | (samples.clock > end + 1.0)
+    np.testing.assert_array_equal(mended[outside], 0.0)
+
+
+@pytest.mark.parametrize("living", [0.0, 8.0])
+def test_a_cell_that_is_stuck_from_the_beginning_shows_what_the_weight_leaves(
+    workspace: Workspace, living: float
+) -> None:
+    samples = workspace.scene.samples
+    channel = 4
+    broken = stuck(samples, channel, living, 1.0)
+    found = stopped(broken)
+    assert found is not None
+    assert found.channel == channel
+    # A cell that hardly moves yet may as well be stuck already.
+    assert living - 3.0 < found.time < living + 1.0
+    assert found.share == 1.0
+    mended = found.mended(broken).readings[:, channel]
+    assert np.corrcoef(mended, samples.readings[:, channel])[0, 1] > 0.99
+
+
+def test_a_cell_that_reaches_its_end_is_not_stuck(workspace: Workspace) -> None:
+    samples = workspace.scene.samples
+    level = float(np.quantile(samples.readings[:, 0], 0.8))
+
+    def cut(readings: FloatArray) -> FloatArray:
+        shown = readings.copy()
+        shown[:, 0] = np.minimum(shown[:, 0], level)
+        return shown
+
+    tracks = tuple(replace(one, readings=cut(one.readings)) for one in samples.tracks)
+    assert stopped(replace(samples, tracks=tracks, readings=cut(samples.readings))) is None
 
 
 def test_cells_that_go_on_are_not_stuck(workspace: Workspace) -> None:

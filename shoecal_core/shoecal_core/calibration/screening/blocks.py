@@ -19,24 +19,18 @@ BLOCK_S = 0.2
 
 
 @dataclass(frozen=True)
-class Blocks:
-    """B blocks of one run in double support; vectors are in the left sole's frame.
+class ReadingBlocks:
+    """B blocks of one run's readings.
 
     Attributes:
-        time: (B,) of their middles [s].
+        time: (B,) of their middles, since the run's start [s].
         readings: (B, n) medians.
-        cop: (B, 2) modelled CoP, means [m].
         noise: (n,) standard deviation of a block's reading.
-        columns: (n, 3) what one unit of each output adds to the total wrench.
-        base: (3,) wrench of the parts below the channels.
     """
 
     time: FloatArray
     readings: FloatArray
-    cop: FloatArray
     noise: FloatArray
-    columns: FloatArray
-    base: FloatArray
 
     @property
     def period(self) -> float:
@@ -44,20 +38,43 @@ class Blocks:
         return float(np.median(np.diff(self.time))) if len(self.time) > 1 else BLOCK_S
 
 
+@dataclass(frozen=True)
+class Blocks(ReadingBlocks):
+    """The same of a run in double support; vectors are in the left sole's frame.
+
+    Attributes:
+        cop: (B, 2) modelled CoP, means [m].
+        columns: (n, 3) what one unit of each output adds to the total wrench.
+        base: (3,) wrench of the parts below the channels.
+    """
+
+    cop: FloatArray
+    columns: FloatArray
+    base: FloatArray
+
+
+def reading_blocks(time: FloatArray, readings: FloatArray) -> ReadingBlocks:
+    """Blocks of readings (T, n) at times (T,) since the run's start [s]."""
+    size = block_size(time)
+    # The median of a sample is less sharp than its mean.
+    sharper = np.sqrt(np.pi / 2.0 / size) if size > 2 else 1.0 / np.sqrt(size)
+    return ReadingBlocks(
+        time=in_blocks(time, size).mean(axis=1),
+        readings=np.median(in_blocks(readings, size), axis=1),
+        # A median of a converter's steps is one of them again.
+        noise=np.maximum(noise(readings) * sharper, resolution(readings) / np.sqrt(12.0)),
+    )
+
+
 def blocks(aligned: Aligned, shoe: Shoe) -> Blocks:
     """Blocks of a run whose feet stand where the joint angles mostly say."""
     support = aligned.states.support()
-    size = block_size(aligned.time)
-    # The median of a sample is less sharp than its mean.
-    sharper = np.sqrt(np.pi / 2.0 / size) if size > 2 else 1.0 / np.sqrt(size)
+    shown = reading_blocks(aligned.time, aligned.readings)
     return Blocks(
-        time=in_blocks(aligned.time, size).mean(axis=1),
-        readings=np.median(in_blocks(aligned.readings, size), axis=1),
-        cop=in_blocks(aligned.states.cop[:, 0], size).mean(axis=1),
-        # A median of a converter's steps is one of them again.
-        noise=np.maximum(
-            noise(aligned.readings) * sharper, resolution(aligned.readings) / np.sqrt(12.0)
-        ),
+        time=shown.time,
+        readings=shown.readings,
+        noise=shown.noise,
+        cop=in_blocks(aligned.states.cop[:, 0], block_size(aligned.time)).mean(axis=1),
         columns=columns_in_left(shoe, support),
         base=combined(weight_below(shoe), support),
     )

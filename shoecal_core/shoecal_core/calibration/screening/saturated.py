@@ -12,8 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.screening.blocks import Blocks
-from shoecal_core.calibration.screening.unresponsive import Stuck
+from shoecal_core.calibration.screening.blocks import Blocks, ReadingBlocks
+from shoecal_core.calibration.screening.following import Halt
+from shoecal_core.calibration.screening.unresponsive import joined
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.recording.run import Readings
 from shoecal_core.recording.schemas import SATURATED
@@ -22,8 +23,8 @@ from shoecal_core.sensing.shoe import Shoe
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-VISIT, AWAY_S = 5, 5.0
-"""Blocks of another visit to the same level, and how long before the other it was [s]."""
+BEYOND_SHARE = 0.2
+"""A channel at its end goes no further than this share of what it should, be the end a soft one."""
 END_SHARE = 1e-6
 """Readings this near to an end of the range, as a share of it, are at the end."""
 AT_END_STDS = 4.0
@@ -70,37 +71,23 @@ def told_at_ends(shoe: Shoe, readings: Readings) -> BoolArray:
     return ends
 
 
-def ended(runs: Mapping[int, Blocks], still: Sequence[Stuck]) -> list[Saturated]:
-    """Of channels that stay where they are: those at an extreme of theirs to which they return.
+def ended(runs: Mapping[int, ReadingBlocks], found: Sequence[Halt]) -> list[Saturated]:
+    """Of channels that were stuck: those that should have gone beyond an end, and never do.
 
-    Args:
-        still: in the order of their runs.
+    One that is stuck there by chance goes beyond at other times, or should have come back.
     """
-    found = []
-    for channel in sorted({one.channel for one in still}):
-        values = np.concatenate([blocks.readings[:, channel] for blocks in runs.values()])
-        slack = AT_END_STDS * max(float(blocks.noise[channel]) for blocks in runs.values())
-        own = [one for one in still if one.channel == channel]
-        level = own[0].level
-        extreme = min(abs(level - values.min()), abs(level - values.max())) <= slack
-        same = all(abs(one.level - level) <= slack for one in own)
-        if same and extreme and _comes_and_goes(runs, own, slack):
-            share = float(np.mean(np.abs(values - level) <= slack))
-            found.append(Saturated(channel, level, float("nan"), share))
-    return found
-
-
-def _comes_and_goes(runs: Mapping[int, Blocks], still: Sequence[Stuck], slack: float) -> bool:
-    """Whether the channel leaves its level after it stayed there, or had been there before."""
-    first = still[0]
-    before = left = 0
-    for run, blocks in runs.items():
-        there = np.abs(blocks.readings[:, first.channel] - first.level) <= slack
-        early = (run < first.run) | ((run == first.run) & (blocks.time < first.start - AWAY_S))
-        late = (run > first.run) | ((run == first.run) & (blocks.time > first.end))
-        before += int(np.sum(there & early))
-        left += int(np.sum(~there & late))
-    return max(before, left) >= VISIT
+    readings = joined(runs)
+    at_end = []
+    for halt in found:
+        values = readings[:, halt.channel]
+        level = float(np.median(values[halt.still]))
+        expected = halt.expected[halt.still] - level
+        side = float(np.sign(np.median(expected)))
+        if np.max(side * (values - level)) < BEYOND_SHARE * np.max(side * expected):
+            noise = max(float(blocks.noise[halt.channel]) for blocks in runs.values())
+            share = float(np.mean(np.abs(values - level) <= AT_END_STDS * noise))
+            at_end.append(Saturated(halt.channel, level, float("nan"), share))
+    return at_end
 
 
 def saturated(

@@ -18,7 +18,7 @@ from shoecal_core.calibration.screening.result import LeftOut, Screening
 from shoecal_core.calibration.screening.saturated import ended, told_at_ends
 from shoecal_core.calibration.screening.standing import screen_standing
 from shoecal_core.calibration.screening.stretches import JOIN_S, stretches
-from shoecal_core.calibration.screening.unresponsive import dead, stuck
+from shoecal_core.calibration.screening.unresponsive import dead, halted, stuck
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.unloading import aloft
 from shoecal_core.recording.run import Run
@@ -96,10 +96,10 @@ def _cells(runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe) 
     ends = np.concatenate([told_at_ends(shoe, run.readings) for run in runs.values()])
     parts = {number: blocks(one, shoe) for number, one in aligned.items()}
     silent = dead(shoe, parts)
-    alive = [channel for channel in range(len(shoe.names)) if channel not in silent]
-    still = stuck(shoe, parts, alive)
-    at_end = ended(parts, still)
-    still = [one for one in still if one.channel not in {end.channel for end in at_end}]
+    found = halted(shoe, parts, silent)
+    at_end = ended(parts, found)
+    ends_of = {end.channel for end in at_end}
+    still = stuck(parts, [halt for halt in found if halt.channel not in ends_of])
     return [
         *words.of_dead(shoe, silent),
         *words.of_ends(shoe, ends.mean(axis=0).tolist()),

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from core.calibration.screening.recordings import Recording, read_coarsely, recording
 from shoecal_core.calibration.screening.blocks import Blocks, blocks
+from shoecal_core.calibration.screening.following import Halt
 from shoecal_core.calibration.screening.saturated import ended
-from shoecal_core.calibration.screening.unresponsive import dead, neighbours, stuck
+from shoecal_core.calibration.screening.unresponsive import Stuck, dead, halted, stuck
 
 FloatArray = NDArray[np.float64]
 
@@ -26,10 +27,18 @@ def clean(request: pytest.FixtureRequest) -> Recording:
     return whole if request.param == "fine" else read_coarsely(whole, 10, 0.01)
 
 
+def halts(whole: Recording) -> list[Halt]:
+    return halted(whole.shoe, parts(whole), [])
+
+
+def still(whole: Recording) -> list[Stuck]:
+    return stuck(parts(whole), halts(whole))
+
+
 def test_living_cells(clean: Recording) -> None:
     cut = parts(clean)
     assert dead(clean.shoe, cut) == []
-    assert stuck(clean.shoe, cut, range(8)) == []
+    assert still(clean) == []
 
 
 @pytest.mark.parametrize("channel", [0, 5])
@@ -48,7 +57,7 @@ def test_a_robot_that_stands_still_has_no_dead_cells() -> None:
         lambda _, values: values[0] + 0.001 * rng.standard_normal(values.shape)
     )
     assert dead(whole.shoe, parts(whole)) == []
-    assert stuck(whole.shoe, parts(whole), range(8)) == []
+    assert still(whole) == []
 
 
 def stuck_from(whole: Recording, run: int, second: float, channel: int) -> Recording:
@@ -67,25 +76,35 @@ def stuck_from(whole: Recording, run: int, second: float, channel: int) -> Recor
 
 def test_a_cell_that_stops_answering(clean: Recording) -> None:
     whole = stuck_from(clean, 2, 12.0, 3)
-    found = stuck(whole.shoe, parts(whole), range(8))
+    found = still(whole)
     assert {one.channel for one in found} == {3}
     assert {one.run for one in found} == {2, 3}
     first = next(one for one in found if one.run == 2)
     # It may have been near its turning point already.
     assert 7.0 < first.start < 13.0
     assert first.end > 29.0
-    assert ended(parts(whole), found) == []
+    assert ended(parts(whole), halts(whole)) == []
 
 
-def test_a_cell_that_hardly_moves_for_a_while_is_not_stuck() -> None:
+@pytest.mark.parametrize("share", [0.75, 0.9, 0.975])
+def test_a_cell_that_shows_a_small_part_of_its_signal_is_stuck(share: float) -> None:
     def hardly(run: int, values: FloatArray) -> FloatArray:
         if run == 2:
             part = slice(1000, 1900)
-            values[part] = values[1000] + 0.025 * (values[part] - values[1000])
+            values[part] = values[1000] + (1.0 - share) * (values[part] - values[1000])
         return values
 
-    whole = recording().with_channel(3, hardly)
-    assert stuck(whole.shoe, parts(whole), range(8)) == []
+    (halt,) = halts(recording().with_channel(3, hardly))
+    assert halt.channel == 3
+    assert halt.share == pytest.approx(share, abs=0.03)
+    assert set(np.flatnonzero(halt.still)) <= set(range(198, 247))
+
+
+def test_a_cell_with_a_smaller_gain_for_a_while_is_not_stuck() -> None:
+    def less(run: int, values: FloatArray) -> FloatArray:
+        return values if run != 2 else values[1000] + 0.5 * (values - values[1000])
+
+    assert halts(recording().with_channel(3, less)) == []
 
 
 def test_a_moment_may_stay_while_the_other_one_moves() -> None:
@@ -94,10 +113,10 @@ def test_a_moment_may_stay_while_the_other_one_moves() -> None:
         return values
 
     whole = recording().with_readings(along_the_sole)
-    assert {one.channel for one in stuck(whole.shoe, parts(whole), range(8))} == {0}
+    assert {one.channel for one in still(whole)} == {0}
     moments = tuple(replace(channel, torque=True) for channel in whole.shoe.channels)
     shoe = replace(whole.shoe, channels=moments)
-    assert stuck(shoe, parts(whole), range(8)) == []
+    assert halted(shoe, parts(whole), []) == []
 
 
 def test_a_foot_in_the_air_has_no_stuck_cells() -> None:
@@ -106,7 +125,7 @@ def test_a_foot_in_the_air_has_no_stuck_cells() -> None:
         return values
 
     whole = recording().with_readings(hanging)
-    assert stuck(whole.shoe, parts(whole), range(8)) == []
+    assert still(whole) == []
 
 
 def test_a_cell_that_stays_at_one_end_again_and_again() -> None:
@@ -115,14 +134,8 @@ def test_a_cell_that_stays_at_one_end_again_and_again() -> None:
     values = np.concatenate([one.readings[:, channel] for one in whole.aligned.values()])
     level = float(np.quantile(values, 0.55))
     cut = whole.with_channel(channel, lambda _, one: np.minimum(one, level))
-    still = stuck(cut.shoe, parts(cut), range(8))
-    assert {one.channel for one in still} == {channel}
-    (found,) = ended(parts(cut), still)
+    assert {one.channel for one in still(cut)} == {channel}
+    (found,) = ended(parts(cut), halts(cut))
     assert found.channel == channel
     assert found.level == pytest.approx(level)
     assert found.share == pytest.approx(0.45, abs=0.02)
-
-
-def test_only_like_channels_of_one_foot_are_neighbours() -> None:
-    shoe = recording().shoe
-    assert neighbours(shoe, 5).tolist() == [4, 6, 7]
