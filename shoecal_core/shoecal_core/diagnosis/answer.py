@@ -1,4 +1,4 @@
-"""What is answered, by how large the gap is, what explains it, and how much of it then goes."""
+"""What is answered, by how probable a robot as built is, and what else explains the session."""
 
 from __future__ import annotations
 
@@ -11,14 +11,21 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.result import Candidate, Cause, Verdict
 from shoecal_core.diagnosis.scoring import Scored
-from shoecal_core.diagnosis.selection import Found, happened
+from shoecal_core.diagnosis.selection import Found
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, gap, shrink
 from shoecal_core.diagnosis.sizes import sizes
-from shoecal_core.diagnosis.tempering import shares, temper
+from shoecal_core.diagnosis.tempering import needed, shares, temper
 from shoecal_core.diagnosis.workspace import Workspace
 
 FloatArray = NDArray[np.float64]
+EXPLAINED_FROM = 0.6
+"""Part of the excess that must go on runs left out for a gap to count as explained."""
+SURELY = 3.0
+"""Excess on runs left out from which something is wrong, whatever the others showed: errors twice
+as large as expected."""
+UPHELD_FROM = 1.0 / 3.0
+"""The same of what one cause is said to explain, for it to be named."""
 
 
 @dataclass(frozen=True)
@@ -38,74 +45,72 @@ class Answer:
 
 
 def answer(
-    workspace: Workspace,
-    best: Workspace,
-    certain: Sequence[Cause],
-    found: Found,
-    settings: DiagnosisSettings,
+    workspace: Workspace, certain: Sequence[Cause], found: Found, settings: DiagnosisSettings
 ) -> Answer:
     """The verdict.
 
     Args:
-        workspace: with nothing added. best: the same, or under the wiring that was found and
-            with a stuck cell's readings mended.
+        workspace: under the wiring that was found and with a stuck cell's readings mended.
         certain: causes that no fit was needed for.
     """
-    before, _ = workspace.explained(None)
-    size = gap(best, before)
-    over_floor = max(size.cop_mae_mm / size.cop_floor_mm, size.grf_mae_n / size.grf_floor_n)
-    there = over_floor > settings.gap_from
-    nothing_fits: Verdict = "unknown" if over_floor > settings.unknown_from else "no_gap"
-    causes = [*certain, *causes_of(best, found, before, settings)]
-    ranking = probabilities(found, 0, settings) if found.alternatives else ()
-    ambiguity = ambiguity_set(ranking, settings) if ranking else ()
+    ranking = probabilities(found, 0) if found.alternatives else ()
+    causes = [*certain, *causes_of(workspace, found)]
+    if not causes:
+        there = _gapes(workspace, evident=found.other >= needed(settings))
+        return Answer("unknown" if there else "no_gap", ranking=ranking)
+    ambiguity = ambiguity_set(ranking, settings) if found.chosen is not None else ()
     if certain:
         first = certain[0]
         ambiguity = (Candidate(first.effect, first.location, first.probability),)
         ranking = (*ambiguity, *ranking)
-    if not there and not certain and not happened(best, found, settings):
-        return Answer("no_gap", ranking=ranking)
-    if not causes:
-        return Answer(nothing_fits)
-    after, _ = best.explained(found.chosen)
-    over, left = excess(best, before), excess(best, after)
-    # What happened once, in a run that was fitted, is no gap of the others.
-    explained = 1.0 - max(left, 0.0) / over if there and over > 0.0 else 1.0
-    if explained < settings.unknown_below and not certain:
-        return Answer(nothing_fits, ranking=ranking)
     verdict: Verdict = "ambiguous" if len(ambiguity) > 1 else "explained"
-    if explained < settings.explained_from:
+    if found.chosen is not None and _partly(workspace, found.chosen):
         verdict = "partly_explained"
     return Answer(verdict, tuple(causes), ambiguity, ranking)
 
 
-def causes_of(
-    workspace: Workspace, found: Found, before: FloatArray, settings: DiagnosisSettings
-) -> list[Cause]:
+def upheld(workspace: Workspace, found: Found) -> Found:
+    """Without causes that runs left out contradict: added, they leave the gap as it was.
+
+    What happened once, in a run that was fitted, others can say nothing about.
+    """
+    for index in reversed(range(len(found.chosen.parts) if found.chosen is not None else 0)):
+        chosen = found.chosen
+        assert chosen is not None
+        if chosen.parts[index][1].shape.run is not None:
+            continue
+        now = workspace.at(chosen)
+        rests = now.without(chosen, index), now.explained(chosen)[0]
+        gaps = [[excess(now, rest, runs) for rest in rests] for runs in (now.train, now.test)]
+        (claimed, shown), over = (before - after for before, after in gaps), gaps[1][0]
+        if now.test and shown < UPHELD_FROM * max(claimed, over):
+            found = found.without(index)
+    return found
+
+
+def causes_of(workspace: Workspace, found: Found) -> list[Cause]:
     """All parts of what was chosen, with sizes, shrink and hidden part."""
     if found.chosen is None:
         return []
     return [
-        _cause(
-            workspace, found.chosen, index, before, probabilities(found, index, settings), settings
-        )
+        _cause(workspace, found.chosen, index, probabilities(found, index))
         for index in range(len(found.alternatives))
     ]
 
 
-def probabilities(found: Found, index: int, settings: DiagnosisSettings) -> tuple[Candidate, ...]:
-    """Of everything that could stand in a cause's place, nothing and the unknown included.
+def probabilities(found: Found, index: int) -> tuple[Candidate, ...]:
+    """Of everything that could stand in a cause's place; what lacks is that there is none.
 
     What a cause explains beside much stronger ones may be what these have in another form.
     """
     alternatives = found.alternatives[index]
+    best = max((log for _, log in alternatives), default=0.0)
     together = found.chosen.evidence if found.chosen is not None else 0.0
-    best = max((one for _, one in alternatives), default=0.0)
-    counts = temper(max(best, together), settings)
-    each = (1.0 - settings.outside) * shares([*(counts * one for _, one in alternatives), 0.0])
+    counts = temper(max(best, together))
+    each = shares([*(counts * log for _, log in alternatives), 0.0])
     return tuple(
         Candidate(hypothesis.effect.identifier, hypothesis.place, float(share))
-        for (hypothesis, _), share in zip(alternatives, each[:-1], strict=True)
+        for (hypothesis, _), share in zip(alternatives, each, strict=False)
     )
 
 
@@ -123,18 +128,32 @@ def ambiguity_set(
     return tuple(chosen)
 
 
-def _cause(
-    workspace: Workspace,
-    chosen: Scored,
-    index: int,
-    before: FloatArray,
-    ranking: Sequence[Candidate],
-    settings: DiagnosisSettings,
-) -> Cause:
+def _gapes(workspace: Workspace, *, evident: bool) -> bool:
+    """Whether CoP or GRF are off on runs left out by more than those of a robot as built.
+
+    Args:
+        evident: the training runs show that something is wrong; else it takes twice as much.
+    """
+    rest = workspace.explained(None)[0]
+    if not evident:
+        return excess(workspace, rest, workspace.test or workspace.train) > SURELY
+    size = gap(workspace, rest)
+    return size.cop_mae_mm > size.cop_floor_mm or size.grf_mae_n > size.grf_floor_n
+
+
+def _partly(workspace: Workspace, chosen: Scored) -> bool:
+    """Whether something is left; what happened once, in a run that was fitted, tells nothing."""
+    if chosen.other:
+        return True
+    happened = any(form.shape.run is not None for _, form in chosen.parts)
+    if happened or not _gapes(workspace, evident=True):
+        return False
+    before, after = workspace.explained(None)[0], workspace.explained(chosen)[0]
+    return shrink(workspace, before, after).fraction < EXPLAINED_FROM
+
+
+def _cause(workspace: Workspace, chosen: Scored, index: int, ranking: Sequence[Candidate]) -> Cause:
     hypothesis, form = chosen.parts[index]
-    if len(chosen.parts) > 1:
-        others = [part for at, part in enumerate(chosen.parts) if at != index]
-        before, _ = workspace.explained(workspace.scorer.score(others, foretell=False))
     probability = sum(
         one.probability
         for one in ranking
@@ -145,8 +164,8 @@ def _cause(
         group=hypothesis.effect.group,
         location=hypothesis.place,
         probability=probability,
-        size=sizes(workspace, chosen, index, settings.size_error),
+        size=sizes(workspace, chosen, index),
         run=form.shape.run,
-        shrink=shrink(workspace, before, workspace.explained(chosen)[0]),
+        shrink=shrink(workspace, workspace.without(chosen, index), workspace.explained(chosen)[0]),
         hidden_cop_mm=1e3 * hidden_cop(workspace, chosen, index),
     )

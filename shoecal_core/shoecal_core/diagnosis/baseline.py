@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.error_sources.regression import Noise, Whitening, make_sums, solve
+from shoecal_core.error_sources.regression import Whitening, make_sums, solve
 from shoecal_core.error_sources.scene import Scene
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
+from shoecal_core.error_sources.spectrum import BANDS
 from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.estimation.priors import parameter_std
 from shoecal_core.samples.samples import Samples
@@ -61,12 +63,12 @@ def precision(
 ) -> FloatArray:
     """(p,) prior precision of the baseline's columns."""
     own = parameter_std(scene.samples.shoe, parameters, scene.samples.robot.weight, settings)
-    others = np.array([std for _, std in scene.nuisances])
+    others = np.array([one.std for one in scene.nuisances])
     return np.asarray(1.0 / np.concatenate((own, others)) ** 2)
 
 
-def coarse_noise(samples: Samples) -> Noise:
-    """Before anything is known of the noise; dynamics are foretold far worse than statics."""
+def coarse_noise(samples: Samples) -> FloatArray:
+    """(s, BANDS) variance before anything is known; dynamics are foretold worse than statics."""
     std = np.ones(len(SIGNALS))
     std[GRF], std[COP] = 0.3, 0.001
     std[AIR], std[CLOSURE], std[PARITY], std[TILT] = (0.1, 0.01, 0.01), 0.001, 0.3, 0.002
@@ -74,13 +76,13 @@ def coarse_noise(samples: Samples) -> Noise:
         weight = samples.robot.weight
         std[GRF], std[COP], std[CLOSURE] = 0.02 * weight, 0.01, 0.003
         std[AIR] = 0.01 * weight * np.array([1.0, *HANGING_LEVERS_M])
-    return Noise(std, np.full(len(SIGNALS), 0.8))
+    return np.tile(std[:, None] ** 2, BANDS)
 
 
 def fit_baseline(
     scene: Scene,
     runs: Sequence[int],
-    noise: Noise,
+    noise: FloatArray,
     settings: DiagnosisSettings,
     guess: ChannelParameters | None = None,
 ) -> Scene:
@@ -97,8 +99,7 @@ def fit_baseline(
         prior = precision(scene, guess, settings)
         whitening = Whitening(scene.samples, scene.mask, noise)
         empty = np.zeros((0, *scene.residuals.shape))
-        sums = make_sums(whitening, runs, scene.baseline, empty, scene.residuals, scene.mask, prior)
-        products, _ = sums.of(runs)
+        sums = make_sums(whitening, runs, scene.baseline, empty, scene.residuals, prior)
         # The prior pulls towards the guess, not towards where the fit stands.
         away = np.concatenate(
             (
@@ -107,10 +108,9 @@ def fit_baseline(
                 np.zeros(len(prior) - 2 * channels),
             )
         )
-        products = products.copy()
+        products = sums.products.copy()
         products[: len(prior), -1] += prior * away
-        products[-1, : len(prior)] = products[: len(prior), -1]
-        step = solve(products, sums, (), np.zeros(0)).vector
+        step = solve(replace(sums, products=products), (), np.zeros(0)).vector
         scene = scene.with_parameters(
             ChannelParameters(
                 scene.parameters.gain - step[:channels],

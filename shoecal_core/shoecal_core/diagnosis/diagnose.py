@@ -6,14 +6,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from shoecal_core.calibration.pipeline import split_runs
-from shoecal_core.diagnosis.answer import Answer, answer, causes_of
+from shoecal_core.diagnosis.answer import answer, causes_of, upheld
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.evidence import evidence
 from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
-from shoecal_core.diagnosis.result import Diagnosis, NextMotion
+from shoecal_core.diagnosis.result import Diagnosis
 from shoecal_core.diagnosis.rewiring import rewired
-from shoecal_core.diagnosis.selection import Found, asked_for, select
+from shoecal_core.diagnosis.selection import asked_for, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shaking import shaking
 from shoecal_core.diagnosis.shrink import gap, shrink
@@ -31,8 +31,6 @@ from shoecal_core.samples.sampling import load_samples
 Progress = Callable[[str, float], None]
 SHOWN = 20
 """Hypotheses that a ranking lists."""
-RIVAL_FROM = 0.01
-"""Probability from which a hypothesis counts where the next motion is chosen."""
 
 
 @dataclass(frozen=True)
@@ -103,20 +101,20 @@ def diagnose(
     best = mended if exchange is None else exchange.workspace
     found = select(best, settings) if only is None else asked_for(best)
     tell("measuring the shrink", 0.8)
+    if only is None:
+        found = upheld(best, found)
+    best = best.at(found.stands(best.scorer, settings))
     certain = weak_cells(best, wanted)
     if exchange is not None:
         certain.insert(0, exchange.cause(mended.explained(None)[0]))
     if halted is not None:
         certain.insert(0, halted.cause(workspace, mended))
-    said = answer(workspace, best, certain, found, settings)
+    said = answer(best, certain, found, settings)
     if only is not None and not certain:
-        told = causes_of(best, found, workspace.explained(None)[0], settings)
-        said = replace(said, causes=tuple(told))
-    tell("choosing the next motion", 0.85)
-    proposed = _proposed(best, found, said, settings)
+        said = replace(said, causes=tuple(causes_of(best, found)))
     tell("done", 1.0)
     chosen = found.chosen if said.causes else None
-    without_any, _ = workspace.explained(None)
+    without_any, _ = (workspace if certain else best).explained(None)
     return Diagnosis(
         verdict=said.verdict,
         gap=gap(best, without_any),
@@ -127,7 +125,7 @@ def diagnose(
         ranking=said.ranking[:SHOWN],
         cannot_detect=before.cannot_detect,
         cannot_separate=before.cannot_separate,
-        next_motion=proposed,
+        next_motion=propose(said.ambiguity),
         train=train,
         test=test,
         notes=(*samples.notes, *shaking(best.scene)),
@@ -144,24 +142,3 @@ def _halted(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> Stopp
     if found is None or not wanted("stuck_cell", (samples.shoe.names[found.channel],)):
         return None
     return found
-
-
-def _proposed(
-    workspace: Workspace, found: Found, said: Answer, settings: DiagnosisSettings
-) -> NextMotion | None:
-    if len(said.ambiguity) < 2 or not found.alternatives:
-        return None
-    assert found.chosen is not None
-    # What is only just improbable enough comes back once another rival has left.
-    confused = {
-        (one.effect, one.location): one.probability
-        for one in said.ranking
-        if one in said.ambiguity or one.probability >= RIVAL_FROM
-    }
-    others = found.chosen.parts[1:]
-    rivals = [
-        (workspace.scorer.best_form(hypothesis, others, foreseen=True), confused[key])
-        for hypothesis, _ in found.alternatives[0]
-        if (key := (hypothesis.effect.identifier, hypothesis.place)) in confused
-    ]
-    return propose(workspace, rivals, settings)

@@ -54,6 +54,11 @@ class Hypothesis:
         return tuple(form for form in self.forms if form.shape.spent == 0.0)
 
     @property
+    def usual(self) -> Form:
+        """A form in the middle of those that are foreseen."""
+        return self.foreseen[len(self.foreseen) // 2]
+
+    @property
     def label(self) -> str:
         """For a person to read."""
         return Candidate(self.effect.identifier, self.place, 0.0).label

@@ -17,8 +17,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
+from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.tempering import needed
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP
 from shoecal_core.sensing.shoe import FEET
@@ -53,7 +54,7 @@ def preflight(workspace: Workspace, settings: DiagnosisSettings) -> Preflight:
     left = unexplained(workspace)
     sizes = typical_sizes(workspace)
     gains = np.array([_gain(one, left, sizes) for one in hypotheses])
-    seen = gains >= settings.evidence_min
+    seen = gains >= needed(settings)
     shown = [hypotheses[index] for index in np.flatnonzero(seen)]
     return Preflight(
         cannot_detect=(*_missing_channels(workspace), *_unseen(workspace, seen)),
@@ -64,7 +65,7 @@ def preflight(workspace: Workspace, settings: DiagnosisSettings) -> Preflight:
 def unexplained(workspace: Workspace) -> FloatArray:
     """(k, k) products of the hypotheses' columns that the baseline leaves, on training runs."""
     sums = workspace.sums
-    products, _ = sums.of(workspace.train)
+    products = sums.products
     base, count = sums.base, len(workspace.catalogue.columns)
     normal = products[:base, :base] + np.diag(sums.precision)
     scale = 1.0 / np.sqrt(np.diag(normal))
@@ -163,7 +164,7 @@ def distances(hypotheses: Sequence[Hypothesis], left: FloatArray, sizes: FloatAr
     """
     truth = np.zeros((len(hypotheses), len(left)))
     for row, hypothesis in zip(truth, hypotheses, strict=True):
-        own = list(_usual(hypothesis).columns)
+        own = list(hypothesis.usual.columns)
         row[own] = sizes[own]
     seen = left @ truth.T
     whole = np.einsum("hk,kh->h", truth, seen)
@@ -177,10 +178,6 @@ def distances(hypotheses: Sequence[Hypothesis], left: FloatArray, sizes: FloatAr
         found[:, index] = 0.5 * (whole - most)
     np.fill_diagonal(found, 0.0)
     return np.maximum(found, 0.0)
-
-
-def _usual(hypothesis: Hypothesis) -> Form:
-    return hypothesis.foreseen[len(hypothesis.foreseen) // 2]
 
 
 def _alike(

@@ -1,78 +1,155 @@
-"""How well a hypothesis explains what runs show, and foretells runs it was not fitted on.
+"""How probable the recorded signals are under an explanation, on a robot as built.
 
-With whitened residuals the logarithm of a hypothesis' evidence is
-    - N/2 log(squares / N)   less   what the data narrow its components' priors
-with N the number of rows: the noise is as large as what is left, so that a noise that was
-guessed too small accuses nobody.
+Residuals are  r = B b + A a + X x + e:  gains, offsets and what any recording holds (B); errors
+that every robot has, a ~ N(0, level^2 tolerance^2), each family of sources at a level of its own
+(A); the effects of the explanation, x ~ N(0, prior^2) (X); and e, of which each cosine coefficient
+of a signal has in its band the variance
+
+    P0 = noise + model error + (what as-built errors add in another form than A has)^2
+                             + (what the effects add in another form than X has)^2
+
+P0 itself is known to a factor only: a band's variance P has a scaled inverse chi-squared prior of
+FREEDOM degrees about P0 (Gelman et al., Bayesian Data Analysis, 3rd ed., 2013, sec. 2.6). The
+evidence integrates b, a, x out (Laplace) and takes levels and P at their most probable values.
+
+*Something else* is a hypothesis as well: a term in any signal that is smooth in time, of unknown
+course and unknown size.
+
+What is measured stands in the residuals times the gains; gains that shrink it would shrink its
+noise too, and look right for that alone (errors in variables; Fuller, Measurement Error Models,
+1987). What is left is therefore taken over the scale of what is measured.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import solve_triangular
+from scipy.linalg import cho_solve, solve_triangular
 
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
-from shoecal_core.error_sources.regression import Solution, Sums, solve
+from shoecal_core.error_sources.regression import Solution
+from shoecal_core.error_sources.spectrum import signals_of
 
 FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 Part = tuple[Hypothesis, Form]
+
+COUNTS = 0.15
+"""Of an independent coefficient, what one of a signal counts: signals tell partly the same."""
+FREEDOM = 5.0
+"""Degrees of freedom by which a band's variance is known beforehand."""
+FORM = 0.25
+"""Of what an effect adds, the part that reality may have in another form."""
+LEVEL, LEVEL_FREEDOM = 0.7, 3.0
+"""Usual level of the tolerances, and by how many degrees of freedom it is known."""
+LEAST_LEVEL, FIRST_LEVEL = 0.05, 1.5
+FORM_LEVELS = (1.0, 0.5, 0.25, 0.12)
+"""Factors on the form errors of as-built sources, with a log-normal prior of unit deviation."""
+ELSE_SIZES = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+"""Of something else, over the usual error of a model, in any one signal."""
+ELSE_COST = 1.0
+"""Logarithm of probability that something else costs in each signal that it is in."""
+ROUNDS, NEXT_ROUNDS = 8, 3
+LEAST_SHARE = 0.02
+LEAST_SCALE, MOST_SCALE = 0.02, 3.0
+
+
+def levelled(precision: FloatArray, family: IntArray, levels: FloatArray) -> FloatArray:
+    """(p,) precision of priors, where families of as-built errors are at levels (F,)."""
+    factor = np.where(family < 0, 1.0, levels[np.maximum(family, 0)] ** -2.0)
+    found: FloatArray = precision * factor
+    return found
 
 
 @dataclass(frozen=True)
-class Small:
-    """A fit of a few columns.
+class Rows:
+    """Everything that is fitted, as cosine coefficients of the training runs: R of them.
 
     Attributes:
-        sizes: (k,) of the columns.
-        squares: left, priors included.
-        log_volume: half the logarithm of how much the data narrow the columns' priors.
+        base: (R, p). columns: (R, k) of hypotheses.
+        residuals: (R,) with gains and offsets as the priors have them.
+        away: (p,) how far these are from those that were fitted.
+        measured: (R,) CoP and GRF as measured, by the fitted ones; zero for other signals.
+        group: (R,) to which of G groups, a signal in a band, each belongs.
+        number: (G,) of each group among all there are (`spectrum`).
+        noise: (G,) variance by noise and by what no model tells.
+        form: (G,) the same by the forms of as-built errors.
+        smooth: (G,) of a smooth term as large as the usual error of a model.
+        most: (G,) variance up to which a group may be more than was expected.
+        precision: (p,) of the baseline's priors, at level 1.
+        family: (p,) of as-built errors; -1 for all else.
+        most_level: (F,) of each family.
+        same: (k,) column of the baseline that is the same error as built; -1 where there is none.
     """
 
-    sizes: FloatArray
-    squares: float
-    log_volume: float
+    base: FloatArray
+    columns: FloatArray
+    residuals: FloatArray
+    away: FloatArray
+    measured: FloatArray
+    group: IntArray
+    number: IntArray
+    noise: FloatArray
+    form: FloatArray
+    smooth: FloatArray
+    most: FloatArray
+    precision: FloatArray
+    family: IntArray
+    most_level: FloatArray
+    same: IntArray
 
+    @property
+    def signal(self) -> IntArray:
+        """(G,) of each group."""
+        return signals_of(self.number)
 
-class Reduced:
-    """Sums of some runs, the baseline's columns fitted already whatever else is added.
+    def by_band(self, values: FloatArray, usual: FloatArray) -> FloatArray:
+        """(s, BANDS) of values by group (G,); as usual where no group is."""
+        found = usual.copy()
+        found.ravel()[self.number] = values
+        return found
 
-    Args:
-        products: (q, q) of the runs. sums: what they are of.
-    """
+    @cached_property
+    def count(self) -> FloatArray:
+        """(G,) rows of each group."""
+        return np.bincount(self.group, minlength=len(self.number)).astype(np.float64)
 
-    def __init__(self, products: FloatArray, sums: Sums) -> None:
-        base = sums.base
-        scale = 1.0 / np.sqrt(np.diag(products)[:base] + sums.precision)
-        system = (products[:base, :base] + np.diag(sums.precision)) * np.outer(scale, scale)
-        factor = np.linalg.cholesky(system + 1e-12 * np.eye(base))
-        beside = solve_triangular(factor, scale[:, None] * products[:base, base:], lower=True)
-        self._rest = products[base:, base:] - beside.T @ beside
-        self._log_base = float(
-            np.log(np.diag(factor)).sum() - np.log(scale).sum() - 0.5 * np.log(sums.precision).sum()
-        )
+    def squares(self, values: FloatArray) -> FloatArray:
+        """(G,) sums of squares of values (R,)."""
+        return np.bincount(self.group, values**2, minlength=len(self.number)).astype(np.float64)
 
-    def fit(self, columns: Sequence[int], std: FloatArray) -> Small:
-        """Some columns with priors, beside the baseline."""
-        if not len(columns):
-            return Small(np.zeros(0), float(self._rest[-1, -1]), 0.0)
-        chosen = np.asarray(columns, dtype=np.int64)
-        matrix = np.eye(len(std)) + self._rest[np.ix_(chosen, chosen)] * np.outer(std, std)
-        right = std * self._rest[chosen, -1]
-        factor = np.linalg.cholesky(matrix)
-        half = solve_triangular(factor, right, lower=True)
-        sizes = std * solve_triangular(factor.T, half, lower=False)
-        squares = float(self._rest[-1, -1] - half @ half)
-        return Small(sizes, squares, float(np.log(np.diag(factor)).sum()))
+    def prior(self, levels: FloatArray) -> FloatArray:
+        """(p,) precision where families are at these levels (F,)."""
+        return levelled(self.precision, self.family, levels)
 
-    def log_evidence(self, fit: Small, noise: float) -> float:
-        """Of the runs under noise of this variance, but for a constant."""
-        return -0.5 * fit.squares / noise - fit.log_volume - self._log_base
+    @cached_property
+    def _gains(self) -> tuple[tuple[IntArray, FloatArray, FloatArray], ...]:
+        """Of each signal that is measured: its groups, values and columns."""
+        found = []
+        for signal in np.unique(self.signal[self.group[self.measured != 0.0]]):
+            here = (self.signal[self.group] == signal) & (self.measured != 0.0)
+            groups = np.flatnonzero(self.signal == signal)
+            found.append((groups, self.measured[here], self.base[here]))
+        return tuple(found)
+
+    def scales(self, vector: FloatArray, channels: int) -> FloatArray:
+        """(G,) of what is measured, under gains and offsets that a fit moves (2 n first columns).
+
+        Args:
+            vector: (p,) of the baseline. channels: n.
+        """
+        found = np.ones(len(self.number))
+        for groups, measured, base in self._gains:
+            now = measured - base[:, : 2 * channels] @ vector[: 2 * channels]
+            scale = float(measured @ now) / float(measured @ measured)
+            found[groups] = np.clip(scale, LEAST_SCALE, MOST_SCALE)
+        return found
 
 
 @dataclass(frozen=True)
@@ -82,16 +159,26 @@ class Scored:
     Attributes:
         scorer: what scored them.
         parts: hypotheses with the form chosen of each.
-        sizes: (k,) of all their columns.
-        evidence: logarithm, against nothing added.
-        foretold: logarithm of how much better runs left out are foretold, against nothing added.
+        vector: (p + k,) of the baseline and of all their columns.
+        evidence: logarithm, against a robot as built.
+        levels: (F,) of the families of as-built errors. form_level: of their forms.
+        variance: (G,) of the groups. expected: (G,) what it was expected to be.
+        rest: (R,) coefficients that are left.
+        other: with something else as well.
+        told: (G,) log likelihood of each group.
     """
 
     scorer: Scorer
     parts: tuple[Part, ...]
-    sizes: FloatArray
+    vector: FloatArray
     evidence: float
-    foretold: float
+    levels: FloatArray
+    form_level: float
+    variance: FloatArray
+    expected: FloatArray
+    rest: FloatArray
+    other: bool
+    told: FloatArray
 
     @property
     def columns(self) -> tuple[int, ...]:
@@ -99,19 +186,39 @@ class Scored:
         return tuple(column for _, form in self.parts for column in form.columns)
 
     @property
+    def std(self) -> FloatArray:
+        """(k,) priors of their components."""
+        return np.concatenate([np.zeros(0), *(form.std for _, form in self.parts)])
+
+    @property
+    def sizes(self) -> FloatArray:
+        """(k,) of their components."""
+        return self.vector[len(self.vector) - len(self.columns) :]
+
+    @property
     def sensible(self) -> bool:
         """Whether no component is where it makes no sense: a negative delay, a mass below zero."""
-        least, most = (
-            np.concatenate([np.zeros(0), *(getattr(form, end) for _, form in self.parts)])
-            for end in ("least", "most")
+        return all(
+            sensible(form, self.sizes[self.own(at)]) for at, (_, form) in enumerate(self.parts)
         )
-        return bool(np.all((self.sizes >= least) & (np.abs(self.sizes) <= most)))
+
+    @cached_property
+    def weighted(self) -> _Weighted:
+        """The baseline under its variances: what further hypotheses begin with."""
+        return self.scorer.weighted(self.variance, self.levels)
+
+    @cached_property
+    def strict(self) -> Scored:
+        """As if no group were worse than expected, nor errors as built worse than usual: a fit from
+        here tries to explain what is, while one that takes it for granted never would.
+        """
+        levels = np.minimum(self.levels, LEVEL)
+        return replace(self, variance=self.expected, levels=levels)
 
     @cached_property
     def solution(self) -> Solution:
-        """The whole fit, the baseline's columns included."""
-        std = np.concatenate([np.zeros(0), *(form.std for _, form in self.parts)])
-        return solve(self.scorer.products, self.scorer.sums, self.columns, std)
+        """The whole fit with its covariance."""
+        return self.scorer.solution(self)
 
     def own(self, index: int) -> slice:
         """Where the components of a part stand among all parts', counted from the end."""
@@ -121,71 +228,288 @@ class Scored:
         return slice(start, stop if stop < 0 else None)
 
 
+def sensible(form: Form, sizes: FloatArray) -> bool:
+    """Whether sizes (k,) of a form's components make sense."""
+    return bool(np.all((sizes >= form.least) & (np.abs(sizes) <= form.most)))
+
+
+@dataclass(frozen=True)
+class _Weighted:
+    """The baseline under some variances, ready for columns to be added."""
+
+    weight: FloatArray
+    factor: FloatArray
+    scale: FloatArray
+    base: FloatArray
+    half_log_volume: float
+    precision: FloatArray
+
+    def beside(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """(p, m) weighted columns (R, m) in terms of the baseline, and (m, m) what is left."""
+        across = solve_triangular(
+            self.factor, self.scale[:, None] * (self.base.T @ values), lower=True
+        )
+        return across, values.T @ values - across.T @ across
+
+
 class Scorer:
-    """Scores hypotheses on some runs.
+    """Scores explanations on the training runs.
 
     Args:
-        sums: of all runs. runs: to fit.
+        rows: what is fitted. channels: of the shoes.
     """
 
-    def __init__(self, sums: Sums, runs: Sequence[int]) -> None:
-        self.sums, self.runs = sums, tuple(runs)
-        self.products, self.rows = sums.of(runs)
-        self._all = Reduced(self.products, sums)
-        self._others = [Reduced(products, sums) for products in sums.others(runs)]
-        none = np.zeros(0)
-        self._nothing = self._all.fit((), none)
-        self._nothing_left = [others.fit((), none) for others in self._others]
-        self.nothing = solve(self.products, sums, (), none)
+    def __init__(self, rows: Rows, channels: int) -> None:
+        self.rows, self.channels = rows, channels
+        found = self._nothing(other=False)
+        self._as_built = found.evidence
+        self.nothing = replace(found, evidence=0.0)
 
-    @property
-    def foretells(self) -> bool:
-        """Whether there are runs enough to leave some out."""
-        return bool(self._others)
+    @cached_property
+    def other(self) -> Scored:
+        """Something else, and no effect that has a name."""
+        near = [self._fit((), self.nothing, one, ROUNDS // 2, None, True) for one in FORM_LEVELS]
+        found = max(self._nothing(other=True), *near, key=lambda one: one.evidence)
+        return replace(found, evidence=found.evidence - self._as_built)
 
-    def score(self, parts: Sequence[Part], *, foretell: bool = True) -> Scored:
-        """Fit some forms together."""
-        columns = [column for _, form in parts for column in form.columns]
-        std = np.concatenate([np.zeros(0), *(form.std for _, form in parts)])
-        fit = self._all.fit(columns, std)
-        gain = 0.5 * self.rows * math.log(self._nothing.squares / max(fit.squares, 1e-12))
-        cost = sum(math.log(len(hypothesis.forms)) + form.shape.spent for hypothesis, form in parts)
-        foretold = self._foretold(fit, columns, std) if foretell else 0.0
-        foretold -= sum(form.shape.spent for _, form in parts)
-        return Scored(self, tuple(parts), fit.sizes, gain - fit.log_volume - cost, foretold)
-
-    def _foretold(self, fit: Small, columns: Sequence[int], std: FloatArray) -> float:
-        """Log predictive density of each run under a fit of the others, against nothing added.
-
-        Where there are few runs, of stretches of them. What one is foretold to be, with all
-        uncertainty of the fit, is the evidence of all runs over that of the others.
-        """
-        noise = fit.squares / self.rows
-        ours, usual = (self._all.log_evidence(one, noise) for one in (fit, self._nothing))
-        total = 0.0
-        for others, nothing in zip(self._others, self._nothing_left, strict=True):
-            left = others.fit(columns, std)
-            total += ours - others.log_evidence(left, noise)
-            total -= usual - others.log_evidence(nothing, noise)
-        return total
-
-    def best_form(
+    def score(
         self,
-        hypothesis: Hypothesis,
-        beside: Sequence[Part] = (),
+        parts: Sequence[Part],
         *,
-        foreseen: bool = False,
-        full: bool = True,
+        other: bool = False,
+        start: Scored | None = None,
+        rounds: int = NEXT_ROUNDS,
     ) -> Scored:
-        """The form that explains most, beside others that stay.
+        """Fit some forms together.
 
         Args:
-            foreseen: only of those that are told without having seen the signals.
-            full: with what it foretells.
+            other: with something else as well.
+            start: where variances and levels are begun with.
         """
-        forms = hypothesis.foreseen if foreseen else hypothesis.forms
-        scored = [self.score([*beside, (hypothesis, form)], foretell=False) for form in forms]
-        best = max(
-            range(len(scored)), key=lambda index: (scored[index].sensible, scored[index].evidence)
-        )
-        return self.score([*beside, (hypothesis, forms[best])]) if full else scored[best]
+        if not parts:
+            return self.other if other else self.nothing
+        start = start or (self.other if other else self.nothing)
+        without = (self.other if other else self.nothing).rest
+        ways = [
+            self._fit(parts, one, one.form_level, rounds, without, other)
+            for one in (start, start.strict)
+        ]
+        found = max(ways, key=lambda one: one.evidence)
+        cost = sum(math.log(len(hypothesis.forms)) + form.shape.spent for hypothesis, form in parts)
+        return replace(found, evidence=found.evidence - self._as_built - cost)
+
+    def _nothing(self, *, other: bool) -> Scored:
+        rows = self.rows
+        found: list[Scored] = []
+        for form_level in FORM_LEVELS:
+            if found:
+                found.append(self._fit((), found[-1], form_level, ROUNDS // 2, None, other))
+                continue
+            raw = rows.squares(rows.residuals) / rows.count
+            variance = np.maximum(self._expected(form_level, 0.0), LEAST_SHARE * raw)
+            levels = np.minimum(np.full(len(rows.most_level), FIRST_LEVEL), rows.most_level)
+            found.append(self._fit((), (variance, levels), form_level, ROUNDS, None, other))
+        return max(found, key=lambda one: one.evidence)
+
+    def _expected(self, form_level: float, own: FloatArray | float) -> FloatArray:
+        """(G,) variance, for as-built forms at a level and the power (G,) of effects."""
+        rows = self.rows
+        found: FloatArray = rows.noise + form_level**2 * rows.form + FORM**2 * own
+        return found
+
+    def weighted(self, variance: FloatArray, levels: FloatArray) -> _Weighted:
+        """The baseline under variances (G,), with as-built errors at levels (F,)."""
+        rows = self.rows
+        weight = np.sqrt(COUNTS / variance)[rows.group]
+        base = rows.base * weight[:, None]
+        normal = base.T @ base
+        precision = rows.prior(levels)
+        scale = 1.0 / np.sqrt(np.diag(normal) + precision)
+        system = (normal + np.diag(precision)) * np.outer(scale, scale)
+        factor = np.linalg.cholesky(system + 1e-12 * np.eye(len(system))).astype(np.float64)
+        volume = np.log(np.diag(factor)).sum() - np.log(scale).sum() - 0.5 * np.log(precision).sum()
+        return _Weighted(weight, factor, scale, base, float(volume), precision)
+
+    def _fit(
+        self,
+        parts: Sequence[Part],
+        start: Scored | tuple[FloatArray, FloatArray],
+        form_level: float,
+        rounds: int,
+        without: FloatArray | None,
+        other: bool,
+    ) -> Scored:
+        """Fit, find the variances, fit again; levels follow from what was found.
+
+        Args:
+            start: a fit to begin with, or variances (G,) and levels (F,).
+            without: (R,) what was left without the parts.
+        """
+        rows = self.rows
+        chosen = [column for _, form in parts for column in form.columns]
+        std = np.concatenate([np.zeros(0), *(form.std for _, form in parts)])
+        count = len(chosen)
+        columns = rows.columns[:, chosen]
+        if isinstance(start, Scored):
+            levels, weighted = start.levels, start.weighted
+        else:
+            levels, weighted = start[1], self.weighted(*start)
+        found: Scored | None = None
+        for _ in range(rounds):
+            if found is not None:
+                levels = self._levels(weighted, found.vector)
+                weighted = self.weighted(found.variance, levels)
+            values = np.column_stack((columns, rows.residuals)) * weighted.weight[:, None]
+            across, left = weighted.beside(values)
+            inner = np.eye(count) + left[:count, :count] * np.outer(std, std)
+            root = np.linalg.cholesky(inner)
+            sizes = std * cho_solve((root, True), std * left[:count, count])
+            vector = weighted.scale * solve_triangular(
+                weighted.factor.T, across[:, count] - across[:, :count] @ sizes, lower=False
+            )
+            rest = rows.residuals - rows.base @ vector - columns @ sizes
+            own = 0.0 if without is None else rows.squares(without - rest) / rows.count
+            expected = self._expected(form_level, own)
+            power = rows.squares(rest) / rows.scales(vector + rows.away, self.channels) ** 2
+            variance, told = self._variance(power, expected, other)
+            prior = 0.5 * float((vector**2 * weighted.precision).sum())
+            prior += 0.5 * float(((sizes / std) ** 2).sum())
+            volume = weighted.half_log_volume + float(np.log(np.diag(root)).sum())
+            evidence = float(told.sum()) - prior - volume - _level_cost(levels, form_level)
+            found = Scored(
+                self, tuple(parts), np.concatenate((vector, sizes)), evidence, levels, form_level,
+                variance, expected, rest, other, told,
+            )  # fmt: skip
+        assert found is not None
+        return replace(found, vector=self._whole(chosen) @ found.vector)
+
+    def _whole(self, chosen: Sequence[int]) -> FloatArray:
+        """(p + k, p + k) that takes errors as built for a part of the effects that they are."""
+        base = self.rows.base.shape[1]
+        found = np.eye(base + len(chosen))
+        for at, column in enumerate(chosen, base):
+            if (same := self.rows.same[column]) >= 0:
+                found[at, same], found[same, same] = 1.0, 0.0
+        return found
+
+    def _variance(
+        self, power: FloatArray, expected: FloatArray, other: bool
+    ) -> tuple[FloatArray, FloatArray]:
+        """(G,) most probable variances for sums of squares (G,), and (G,) log likelihoods."""
+        variance, told = self._most_probable(power, expected)
+        for signal in np.unique(self.rows.signal) if other else ():
+            here = self.rows.signal == signal
+            best = float(told[here].sum())
+            for size in ELSE_SIZES:
+                larger, likely = self._most_probable(
+                    power[here], expected[here] + size**2 * self.rows.smooth[here], here
+                )
+                likely -= ELSE_COST / np.count_nonzero(here)
+                if float(likely.sum()) > best:
+                    best, variance[here], told[here] = float(likely.sum()), larger, likely
+        return variance, told
+
+    def _most_probable(
+        self, power: FloatArray, expected: FloatArray, here: BoolArray | slice = slice(None)
+    ) -> tuple[FloatArray, FloatArray]:
+        count, most = COUNTS * self.rows.count[here], self.rows.most[here]
+        power = COUNTS * power
+        free = (FREEDOM * expected + power) / (FREEDOM + count)
+        variance = np.clip(free, expected, expected + most)
+        ratio = variance / expected
+        told = -0.5 * count * np.log(variance) - 0.5 * power / variance
+        told -= 0.5 * FREEDOM * (np.log(ratio) + 1.0 / ratio - 1.0)
+        return variance, told
+
+    def _levels(self, weighted: _Weighted, vector: FloatArray) -> FloatArray:
+        """(F,) most probable levels of as-built errors, by those that the signals tell of.
+
+        The fixed point of MacKay (Neural Computation 4:415, 1992).
+        """
+        rows = self.rows
+        inverse = solve_triangular(weighted.factor, np.diag(weighted.scale), lower=True)
+        told = 1.0 - (inverse**2).sum(axis=0) * weighted.precision
+        size = vector[: len(told)] ** 2 * rows.precision
+        found = np.empty(len(rows.most_level))
+        for family, most in enumerate(rows.most_level):
+            own = rows.family == family
+            total = size[own].sum() + LEVEL_FREEDOM * LEVEL**2
+            level = math.sqrt(total / (told[own].sum() + LEVEL_FREEDOM))
+            found[family] = min(max(level, LEAST_LEVEL), most)
+        return found
+
+    def solution(self, scored: Scored) -> Solution:
+        """Vector and covariance of a fit, at its variances and levels."""
+        rows = self.rows
+        weight = np.sqrt(COUNTS / scored.variance)[rows.group]
+        whole = np.column_stack((rows.base, rows.columns[:, list(scored.columns)]))
+        whole *= weight[:, None]
+        precision = np.concatenate((rows.prior(scored.levels), scored.std**-2.0))
+        normal = whole.T @ whole
+        scale = 1.0 / np.sqrt(np.diag(normal) + precision)
+        system = (normal + np.diag(precision)) * np.outer(scale, scale)
+        inverse = np.linalg.inv(np.linalg.cholesky(system + 1e-12 * np.eye(len(system))))
+        covariance = (inverse.T @ inverse) * np.outer(scale, scale)
+        squares = float(((scored.rest * weight) ** 2).sum() + scored.vector**2 @ precision)
+        turned = self._whole(scored.columns)
+        return Solution(scored.vector, turned @ covariance @ turned.T, squares)
+
+    def gains(
+        self, hypotheses: Sequence[Hypothesis], beside: Scored | None = None
+    ) -> list[tuple[float, Sequence[Part]]]:
+        """Of each hypothesis how much it explains, and the forms that explain most: a quick look.
+
+        At the variances and levels of what is there already, and at the usual ones; forms that
+        make no sense are left out.
+
+        Args:
+            beside: an explanation that stays; None: nothing.
+        """
+        beside = self.nothing if beside is None else beside
+        lefts = [self._left(one) for one in (beside, beside.strict)]
+        found: list[tuple[float, Sequence[Part]]] = []
+        for hypothesis in hypotheses:
+            best = [one for left in lefts if (one := _best(left, hypothesis)) is not None]
+            if best:
+                forms = {form.columns: (hypothesis, form) for _, form in best}
+                found.append((max(gain for gain, _ in best), tuple(forms.values())))
+        return found
+
+    def _left(self, beside: Scored) -> FloatArray:
+        """(k + 1, k + 1) products of columns and residuals, less what an explanation takes."""
+        weighted, rows = beside.weighted, self.rows
+        values = np.column_stack((rows.columns, rows.residuals)) * weighted.weight[:, None]
+        _, left = weighted.beside(values)
+        if beside.parts:
+            own = np.array(beside.columns, dtype=np.int64)
+            inner = left[np.ix_(own, own)] + np.diag(beside.std**-2.0)
+            left = left - left[:, own] @ np.linalg.solve(inner, left[own])
+        return left
+
+
+def _best(left: FloatArray, hypothesis: Hypothesis) -> tuple[float, Form] | None:
+    """The form that adds most evidence, of what the baseline leaves; None if none makes sense."""
+    found: tuple[float, Form] | None = None
+    for form in hypothesis.forms:
+        gain, sizes = _gain(left, form)
+        gain -= form.shape.spent + math.log(len(hypothesis.forms))
+        if sensible(form, sizes) and (found is None or gain > found[0]):
+            found = gain, form
+    return found
+
+
+def _gain(left: FloatArray, form: Form) -> tuple[float, FloatArray]:
+    """Log evidence that a form adds, and (k,) its sizes, of what the baseline leaves."""
+    own = np.array(form.columns, dtype=np.int64)
+    inner = np.eye(len(own)) + left[np.ix_(own, own)] * np.outer(form.std, form.std)
+    root = np.linalg.cholesky(inner)
+    half = solve_triangular(root, form.std * left[own, -1], lower=True)
+    sizes = form.std * solve_triangular(root.T, half, lower=False)
+    return 0.5 * float(half @ half) - float(np.log(np.diag(root)).sum()), sizes
+
+
+def _level_cost(levels: FloatArray, form_level: float) -> float:
+    """Logarithm of what the priors of the levels cost."""
+    ratio = levels / LEVEL
+    cost = 0.5 * LEVEL_FREEDOM * float((2.0 * np.log(ratio) + ratio**-2.0 - 1.0).sum())
+    return cost + 0.5 * math.log(form_level) ** 2

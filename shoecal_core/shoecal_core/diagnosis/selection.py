@@ -1,30 +1,52 @@
-"""Which effects are needed: one after the other, each in the company of those found before."""
+"""Which effects are needed: the most probable one, then each further one in its company.
+
+Everything is judged in two ways: that nothing but it is wrong, or that something else is there as
+well (`scoring`). What explains most at a quick look is fitted in full.
+"""
 
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.hypotheses import Hypothesis
-from shoecal_core.diagnosis.scoring import Part, Scored
+from shoecal_core.diagnosis.scoring import Part, Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.tempering import needed
 from shoecal_core.diagnosis.workspace import Workspace
-from shoecal_core.error_sources.signals import COP
+from shoecal_core.error_sources.signals import COP, GRF
 
-FloatArray = NDArray[np.float64]
-FAR_MORE = 1.5
-"""Times the evidence of the best that matters, from which one that does not is taken first."""
-LOOKED_AT = 40
-"""Hypotheses that are looked at in full, the most probable ones."""
-STARTS, START_FROM = 10, 0.25
-"""Effects that pairs are begun with, each at its best place, and the least share of the best
-one's evidence that they have by themselves."""
-PARTNERS = 3
-"""Partners of each that are looked at in full."""
+LOG_ELSE = math.log(0.05)
+"""Of the probability, beforehand, that something is there which the library has not."""
+LOOKED_AT, PLACES_EACH = 14, 5
+"""Hypotheses that are fitted in full, and of one effect at most."""
+LEAST_GAIN = -1.0
+"""Log evidence at a quick look below which an effect is not fitted in full for its own sake."""
+ARM_M = 0.1
+"""By which a material error of the CoP is one of the force, as a share of the weight."""
+
+
+@dataclass(frozen=True)
+class Judged:
+    """A hypothesis in the company of others.
+
+    Attributes:
+        scored: the company with it, in the more probable of both ways.
+        log: logarithm of its probability against the company alone, its prior included; where
+            something else is there as well, against the company with that.
+    """
+
+    scored: Scored
+    log: float
+
+    @property
+    def part(self) -> Part:
+        """What was added to the company."""
+        return self.scored.parts[-1]
 
 
 @dataclass(frozen=True)
@@ -32,223 +54,168 @@ class Found:
     """What was selected.
 
     Attributes:
-        chosen: all causes together; None when nothing is needed.
+        chosen: all causes together; None when nothing is needed, or nothing known suffices.
         alternatives: of each cause, every hypothesis in its place beside the other causes, the
-            best first, with the logarithm of its evidence against having nothing there.
-        singles: every hypothesis by itself, the best first.
+            most probable first, with the logarithm of its probability against having none there.
+        singles: every hypothesis by itself, the most probable first.
+        other: logarithm of the probability that something else moves CoP or GRF, against a robot
+            as built.
     """
 
     chosen: Scored | None
     alternatives: tuple[tuple[tuple[Hypothesis, float], ...], ...]
     singles: tuple[Scored, ...]
+    other: float
+
+    def stands(self, scorer: Scorer, settings: DiagnosisSettings) -> Scored:
+        """What is most probable: the causes, something else, or a robot as built."""
+        if self.chosen is not None:
+            return self.chosen
+        return scorer.other if self.other >= needed(settings) else scorer.nothing
+
+    def without(self, index: int) -> Found:
+        """Without one of the causes that were chosen."""
+        assert self.chosen is not None
+        parts = [part for at, part in enumerate(self.chosen.parts) if at != index]
+        alternatives = [one for at, one in enumerate(self.alternatives) if at != index]
+        if not parts:
+            return replace(self, chosen=None)
+        scored = self.chosen.scorer.score(parts, other=self.chosen.other, start=self.chosen)
+        return replace(self, chosen=scored, alternatives=tuple(alternatives))
 
 
 def select(workspace: Workspace, settings: DiagnosisSettings) -> Found:
-    """Forward, one at a time; then each is tried again beside the others, and pruned.
-
-    What explains most by itself may be a mixture of two others, so the second step looks at pairs
-    that other effects begin as well.
-    """
-    parts: list[Part] = []
-    before = workspace.scorer.score(())
-    singles = ranked(workspace, settings)
-    while len(parts) < settings.causes_max:
-        candidates = ranked(workspace, settings, parts) if parts else singles
-        if len(parts) == 1:
-            candidates = sorted([*candidates[:1], *_pairs(workspace, settings)], key=whole)[::-1]
-        if not candidates or not is_needed(candidates[0], before, settings):
+    """Forward, one at a time; then what the others make superfluous goes."""
+    singles = judged(workspace, None)
+    chosen: Scored | None = None
+    ranked = singles
+    while ranked and (chosen is None or len(chosen.parts) < settings.causes_max):
+        fits = [one for one in ranked[:1] if one.log >= needed(settings)]
+        if not fits or not material(workspace, fits[0].scored, settings):
             break
-        before = candidates[0]
-        parts = list(before.parts)
-    parts = _revised(workspace, parts, settings)
-    parts = _by_weight(workspace, parts)
-    if not parts:
-        return Found(None, (), tuple(singles))
-    return Found(
-        workspace.scorer.score(parts),
-        tuple(_alternatives(workspace, parts, index, settings) for index in range(len(parts))),
-        tuple(singles),
-    )
+        chosen = fits[0].scored
+        if len(chosen.parts) < settings.causes_max:
+            ranked = judged(workspace, chosen)
+    if chosen is not None:
+        chosen = _pruned(workspace, chosen, settings)
+    return _found(workspace, chosen, singles)
 
 
 def asked_for(workspace: Workspace) -> Found:
     """The best of what is looked at, needed or not: for who asks of one effect how it would do."""
-    scored = [workspace.scorer.best_form(one) for one in workspace.catalogue.hypotheses]
-    scored.sort(key=weight, reverse=True)
-    if not scored:
-        return Found(None, (), ())
-    weights = tuple((one.parts[-1][0], weight(one)) for one in scored)
-    return Found(scored[0], (weights,), tuple(scored))
+    singles = judged(workspace, None, most=len(workspace.catalogue.hypotheses), each=None)
+    return _found(workspace, singles[0].scored if singles else None, singles)
 
 
-def ranked(
-    workspace: Workspace, settings: DiagnosisSettings, beside: Sequence[Part] = ()
-) -> list[Scored]:
-    """Hypotheses that make sense and matter, beside some that stay; the most probable first."""
-    taken = {id(hypothesis) for hypothesis, _ in beside}
-    without = workspace.scorer.score(beside, foretell=False)
-    scored = [
-        _believable(without, hypothesis)
-        for hypothesis in workspace.catalogue.hypotheses
-        if id(hypothesis) not in taken
-    ]
-    before, _ = workspace.explained(without)
-    likely = sorted((one for one in scored if one.sensible), key=weight, reverse=True)[:LOOKED_AT]
-    found = [one for one in likely if matters(workspace, settings, before, without, one)]
-    # What is far more probable than all that matters would only be replaced by something wrong.
-    if not beside and found and weight(likely[0]) > FAR_MORE * weight(found[0]):
-        found.insert(0, likely[0])
-    return found
+def _found(workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged]) -> Found:
+    scorer = workspace.scorer
+    return Found(
+        chosen,
+        _alternatives(workspace, chosen, singles),
+        tuple(one.scored for one in singles),
+        told(scorer.other, scorer.nothing) + LOG_ELSE,
+    )
 
 
-def _pairs(workspace: Workspace, settings: DiagnosisSettings) -> list[Scored]:
-    """Each of the likeliest effects with the partner that suits it best, both of which matter."""
-    scorer, hypotheses = workspace.scorer, workspace.catalogue.hypotheses
-    alone = [scorer.best_form(one, full=False) for one in hypotheses]
-    firsts: dict[str, Scored] = {}
-    alone.sort(key=lambda one: one.evidence, reverse=True)
-    for one in alone:
-        if one.evidence > START_FROM * alone[0].evidence:
-            firsts.setdefault(one.parts[0][0].effect.identifier, one)
-    found = []
-    for first in list(firsts.values())[:STARTS]:
-        partners = [
-            scorer.best_form(one, first.parts, foreseen=True, full=False)
-            for one in hypotheses
-            if one is not first.parts[0][0]
-        ]
-        partners.sort(key=lambda one: one.evidence, reverse=True)
-        before, _ = workspace.explained(first)
-        pairs = [scorer.score(one.parts) for one in partners[:PARTNERS] if one.sensible]
-        found += [one for one in pairs if matters(workspace, settings, before, first, one)]
-    return found
-
-
-def _believable(without: Scored, hypothesis: Hypothesis) -> Scored:
-    """Its best form beside others; if read from the signals, one that explains it twice over.
-
-    A robot without a fault wanders a little too, and what reads its wandering explains some of it.
-    """
-    scorer = without.scorer
-    best = scorer.best_form(hypothesis, without.parts)
-    if best.evidence - without.evidence >= best.parts[-1][1].shape.spent:
-        return best
-    return scorer.best_form(hypothesis, without.parts, foreseen=True)
-
-
-def matters(
+def judged(
     workspace: Workspace,
-    settings: DiagnosisSettings,
-    before: FloatArray,
-    without: Scored,
-    scored: Scored,
-) -> bool:
-    """Whether the part that was added last does; what may be a remainder of others must do more.
+    company: Scored | None,
+    most: int = LOOKED_AT,
+    each: int | None = PLACES_EACH,
+) -> list[Judged]:
+    """Hypotheses that make sense beside others that stay, the most probable first.
 
     Args:
-        before: (T, s) residuals without it. without: the others' fit.
+        company: what stays; None: a robot as built.
+        most: fitted in full, and one of each other effect that explains anything.
+        each: places of one effect at most.
     """
-    least = settings.material
-    if without.parts:
-        added = scored.evidence - without.evidence
-        remainder = added < settings.remainder_share * without.evidence
-        least = settings.later_material if remainder else settings.other_material
-    return matter(workspace, before, scored) >= least
+    scorer = workspace.scorer
+    taken = {one.effect.identifier for one, _ in company.parts} if company is not None else set()
+    # What an effect leaves of itself at another place is no second one.
+    others = [one for one in workspace.catalogue.hypotheses if one.effect.identifier not in taken]
+    gains = scorer.gains(others, company)
+    gains.sort(key=lambda one: one[0] + math.log(one[1][0][0].prior), reverse=True)
+    seen: Counter[str] = Counter()
+    found = []
+    for at, (gain, forms) in enumerate(gains):
+        hypothesis = forms[0][0]
+        effect = hypothesis.effect.identifier
+        if at >= most and (seen[effect] or gain < LEAST_GAIN):
+            continue
+        if each is not None and seen[effect] >= each:
+            continue
+        seen[effect] += 1
+        beside = company.parts if company is not None else ()
+        ways = [_best_way(workspace, (*beside, part), company) for part in forms]
+        scored = max((way for way in ways if way is not None), key=value, default=None)
+        if scored is not None:
+            before = company or (scorer.other if scored.other else scorer.nothing)
+            log = value(scored) - value(before)
+            found.append(Judged(scored, log + math.log(hypothesis.prior)))
+    found.sort(key=lambda one: one.log, reverse=True)
+    return found
 
 
-def happened(workspace: Workspace, found: Found, settings: DiagnosisSettings) -> bool:
-    """Whether one of the causes is something that happened once, and matters in its run."""
-    parts = found.chosen.parts if found.chosen is not None else ()
-    for index, part in enumerate(parts):
-        if part[1].shape.run is not None:
-            others = [*parts[:index], *parts[index + 1 :]]
-            before, _ = workspace.explained(workspace.scorer.score(others, foretell=False))
-            scored = workspace.scorer.score([*others, part], foretell=False)
-            if matter(workspace, before, scored) >= settings.material:
-                return True
-    return False
+def value(scored: Scored) -> float:
+    """Evidence, and what something else costs beforehand where it is there as well."""
+    return scored.evidence + (LOG_ELSE if scored.other else 0.0)
 
 
-def whole(scored: Scored) -> float:
-    """As `weight`, with the priors of all parts."""
-    others = sum(math.log(hypothesis.prior) for hypothesis, _ in scored.parts[:-1])
-    return weight(scored) + others
+def told(scored: Scored, before: Scored) -> float:
+    """Log likelihood by which CoP and GRF are better explained than before."""
+    here = np.isin(scored.scorer.rows.signal, np.r_[GRF, COP])
+    return float((scored.told - before.told)[here].sum())
 
 
-def weight(scored: Scored) -> float:
-    """Evidence and what runs left out say of the part that was added last, and its prior.
+def material(workspace: Workspace, scored: Scored, settings: DiagnosisSettings) -> bool:
+    """Whether a calibration leaves so much of the part that was added last that it matters.
 
-    A hypothesis must do well by both: the mean of the two, each a logarithm of how much more
-    probable the data are with it.
+    What is sure but too small for that is no gap, nor what only legs or plates show. What happened
+    in one run counts there.
     """
-    hypothesis, form = scored.parts[-1]
-    told = scored.evidence
-    if form.shape.run is None:
-        told = 0.5 * (scored.evidence + min(scored.foretold, scored.evidence))
-    return told + math.log(hypothesis.prior)
-
-
-def matter(workspace: Workspace, before: FloatArray, scored: Scored) -> float:
-    """How much of CoP or GRF, whichever is more, one more part explains, over what none does.
-
-    What is sure but too small to matter to a controller is no gap. What gains and offsets would
-    make up for is no gap either: it is told by itself, as hidden.
-
-    Args:
-        before: (T, s) residuals without it.
-    """
-    after, _ = workspace.explained(scored)
+    added = workspace.calibrated(workspace.added(scored, scored.own(len(scored.parts) - 1)))
     rows = workspace.scene.mask[:, 1].copy()
     run = scored.parts[-1][1].shape.run
     if run is not None:
         rows &= workspace.rows_of([run])
     if not rows.any():
-        return 0.0
-    change = (before - after)[rows] / workspace.beyond_all
-    cop = float(np.sqrt(np.mean(change[:, COP] ** 2)))
-    return max(cop, float(np.sqrt(np.mean(change[:, 0] ** 2))))
+        return False
+    cop = float(np.sqrt((added[rows][:, COP] ** 2).sum(axis=1).mean()))
+    share = float(np.sqrt((added[rows][:, GRF] ** 2).mean())) / workspace.scene.samples.robot.weight
+    return max(cop, ARM_M * share) >= settings.material_m
 
 
-def _revised(workspace: Workspace, parts: list[Part], settings: DiagnosisSettings) -> list[Part]:
-    """Each part again beside the others: replaced by a better one, or dropped if not needed."""
-    for _ in range(len(parts)):
-        for index in reversed(range(len(parts))):
-            others = [part for at, part in enumerate(parts) if at != index]
-            without = workspace.scorer.score(others)
-            candidates = ranked(workspace, settings, others)
-            if not candidates or not is_needed(candidates[0], without, settings):
-                return _revised(workspace, others, settings)
-            parts = [*others, candidates[0].parts[-1]]
-    return parts
+def _best_way(workspace: Workspace, parts: Sequence[Part], company: Scored | None) -> Scored | None:
+    """With nothing or with something else besides, whichever is more probable."""
+    scorer = workspace.scorer
+    if company is not None:
+        ways = [scorer.score(parts, other=company.other, start=company)]
+    else:
+        # Where nothing else is seen, nothing else is seen beside an effect.
+        both = (False, True) if scorer.other.evidence > 0.0 else (False,)
+        ways = [scorer.score(parts, other=other) for other in both]
+    return max((way for way in ways if way.sensible), key=value, default=None)
 
 
-def is_needed(scored: Scored, without: Scored, settings: DiagnosisSettings) -> bool:
-    """Whether the part added last is, by the evidence and by what runs left out are foretold."""
-    needed = max(settings.evidence_min, settings.later_share * without.evidence)
-    gains = [scored.evidence - without.evidence]
-    if scored.parts[-1][1].shape.run is None and scored.scorer.foretells:
-        gains.append(scored.foretold - without.foretold)
-    return min(gains) >= needed
-
-
-def _by_weight(workspace: Workspace, parts: list[Part]) -> list[Part]:
-    """The parts without which the others explain least come first."""
-    without = [
-        workspace.scorer.score(parts[:at] + parts[at + 1 :], foretell=False).evidence
-        for at in range(len(parts))
-    ]
-    return [parts[at] for at in np.argsort(without, kind="stable")]
+def _pruned(workspace: Workspace, chosen: Scored, settings: DiagnosisSettings) -> Scored:
+    """Without parts that the others make superfluous."""
+    for index in range(len(chosen.parts)) if len(chosen.parts) > 1 else ():
+        others = [part for at, part in enumerate(chosen.parts) if at != index]
+        left = _best_way(workspace, others, None)
+        if left is not None and value(chosen) - value(left) < needed(settings):
+            return _pruned(workspace, left, settings)
+    return chosen
 
 
 def _alternatives(
-    workspace: Workspace, parts: list[Part], index: int, settings: DiagnosisSettings
-) -> tuple[tuple[Hypothesis, float], ...]:
-    others = [part for at, part in enumerate(parts) if at != index]
-    without = workspace.scorer.score(others, foretell=False).evidence if others else 0.0
-    rivals = ranked(workspace, settings, others)
-    if all(scored.parts[-1][0] is not parts[index][0] for scored in rivals):
-        # Beside the others it may fit in another form: what was chosen is always among them.
-        rivals = sorted(
-            [workspace.scorer.score([*others, parts[index]]), *rivals], key=weight, reverse=True
-        )
-    return tuple((scored.parts[-1][0], weight(scored) - without) for scored in rivals)
+    workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged]
+) -> tuple[tuple[tuple[Hypothesis, float], ...], ...]:
+    if chosen is None or len(chosen.parts) < 2:
+        return (tuple((one.part[0], one.log) for one in singles),) if singles else ()
+    found = []
+    for index in range(len(chosen.parts)):
+        others = [part for at, part in enumerate(chosen.parts) if at != index]
+        rivals = judged(workspace, _best_way(workspace, others, None))
+        found.append(tuple((one.part[0], one.log) for one in rivals))
+    return tuple(found)

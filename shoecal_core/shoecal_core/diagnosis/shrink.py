@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -46,7 +48,7 @@ def judged(workspace: Workspace) -> NDArray[np.bool_]:
 
 def shrink(workspace: Workspace, before: FloatArray, after: FloatArray) -> Shrink:
     """From residuals (T, s) without an explanation to those with it."""
-    first, second = (_squares(workspace, rest) for rest in (before, after))
+    first, second = (_squares(workspace, rest, judged(workspace)) for rest in (before, after))
     blocks = workspace.scene.samples.stretch[judged(workspace) & workspace.scene.mask[:, 1]]
     sums = np.array(
         [
@@ -68,9 +70,9 @@ def shrink(workspace: Workspace, before: FloatArray, after: FloatArray) -> Shrin
     )
 
 
-def excess(workspace: Workspace, rest: FloatArray) -> float:
-    """Mean square of the whitened errors of GRF and CoP on the test runs, less their floor."""
-    return float(_squares(workspace, rest).mean()) - 1.0
+def excess(workspace: Workspace, rest: FloatArray, runs: Sequence[int]) -> float:
+    """Mean square of the whitened errors of GRF and CoP on some runs, less their floor."""
+    return float(_squares(workspace, rest, workspace.rows_of(runs)).mean()) - 1.0
 
 
 def _fraction(before: float, after: float, count: float) -> float:
@@ -80,9 +82,9 @@ def _fraction(before: float, after: float, count: float) -> float:
     return float(np.clip(1.0 - max(after - count, 0.0) / over, -9.0, 1.0))
 
 
-def _squares(workspace: Workspace, rest: FloatArray) -> FloatArray:
-    """(k,) mean over GRF and CoP of the squares of each judged sample, in noises."""
-    rows = judged(workspace) & workspace.scene.mask[:, 1]
+def _squares(workspace: Workspace, rest: FloatArray, rows: NDArray[np.bool_]) -> FloatArray:
+    """(k,) mean over GRF and CoP of the squares of each of some samples (T,), in noises."""
     part = slice(GRF.start, COP.stop)
-    squares: FloatArray = ((rest[rows][:, part] / workspace.floor[part]) ** 2).mean(axis=1)
+    there = rest[rows & workspace.scene.mask[:, 1]][:, part]
+    squares: FloatArray = ((there / workspace.floor[part]) ** 2).mean(axis=1)
     return squares

@@ -1,4 +1,4 @@
-"""How large what was found is, with intervals that do not trust the noise to be white."""
+"""How large what was found is, with intervals that hold whatever form reality has it in."""
 
 from __future__ import annotations
 
@@ -9,28 +9,21 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Size
 from shoecal_core.diagnosis.scoring import Scored
+from shoecal_core.diagnosis.tempering import shares
 from shoecal_core.diagnosis.workspace import Workspace
-from shoecal_core.error_sources.base import Component
+from shoecal_core.error_sources.base import FORM, Component
 
 FloatArray = NDArray[np.float64]
 Z95 = 1.96
 
 
-def sizes(
-    workspace: Workspace, scored: Scored, index: int, size_error: float = 0.0
-) -> Mapping[str, Size]:
-    """Of one part, by component.
-
-    Args:
-        size_error: how far a size may be off, over itself, because reality has the effect in
-            another form; of a size with several components, over all of it.
-    """
+def sizes(workspace: Workspace, scored: Scored, index: int) -> Mapping[str, Size]:
+    """Of one part, by component."""
     hypothesis, form = scored.parts[index]
     known = {component.name: component for component in hypothesis.effect.components}
-    covariance = _sandwich(workspace, scored)
     own = scored.own(index)
     values = scored.solution.vector[own]
-    deviations = np.sqrt(np.diag(covariance)[own])
+    deviations = np.sqrt(np.diag(scored.solution.covariance)[own])
     # Another form of an effect moves its components together, each as far as it usually goes.
     whole = float(np.linalg.norm(values / form.std))
     found: dict[str, Size] = {}
@@ -38,11 +31,11 @@ def sizes(
         form.shape.free, values, deviations, form.std, strict=True
     ):
         if name in known:
-            found[name] = _size(known[name], float(value), deviation, size_error * std * whole)
+            found[name] = _size(known[name], float(value), deviation, FORM * std * whole)
     for name, value in form.shape.fixed.items():
         if name in known:
             deviation = form_spread(workspace, scored, index, name, value)
-            found[name] = _size(known[name], value, deviation, size_error * value)
+            found[name] = _size(known[name], value, deviation, FORM * value)
     return found
 
 
@@ -63,36 +56,13 @@ def form_spread(workspace: Workspace, scored: Scored, index: int, name: str, val
     found = [
         (
             form.shape.fixed.get(name, value),
-            workspace.scorer.score([*beside, (hypothesis, form)], foretell=False).evidence,
+            workspace.scorer.score([*beside, (hypothesis, form)]).evidence,
         )
         for form in hypothesis.forms
     ]
     values = np.array([one for one, _ in found])
     evidence = np.array([one for _, one in found])
-    share = np.exp(evidence - evidence.max())
-    share /= share.sum()
+    share = shares(evidence)
     step = np.diff(np.unique(values))
     grid = 0.5 * float(step.min()) if len(step) else 0.5 * abs(value)
     return float(np.hypot(np.sqrt(share @ (values - value) ** 2), grid / np.sqrt(3.0)))
-
-
-def _sandwich(workspace: Workspace, scored: Scored) -> FloatArray:
-    """(p + k, p + k): stretches of time are independent, what is within one need not be."""
-    scene = workspace.scene
-    rows = workspace.rows_of(workspace.train)
-    columns = np.concatenate((scene.baseline, workspace.catalogue.columns[list(scored.columns)]))
-    whitened = workspace.whitening(columns)
-    rest = workspace.whitening(scene.residuals - np.tensordot(scored.solution.vector, columns, 1))
-    pulls = np.einsum("ptx,tx->tp", whitened[:, rows], rest[rows])
-    samples = scene.samples
-    _, number = np.unique(samples.stretch[rows], return_inverse=True)
-    sums = np.zeros((int(number.max()) + 1, pulls.shape[1]))
-    np.add.at(sums, number, pulls)
-    bread = scored.solution.covariance
-    robust = bread @ (sums.T @ sums) @ bread
-    noise = max(1.0, scored.solution.squares / workspace.scorer.rows)
-    # Whichever is larger: few stretches tell their scatter badly.
-    larger = np.maximum(np.diag(robust), noise * np.diag(bread))
-    scale = np.sqrt(larger / np.maximum(np.diag(bread), 1e-300))
-    widened: FloatArray = bread * np.outer(scale, scale)
-    return widened

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -10,11 +11,18 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 
 FloatArray = NDArray[np.float64]
+FORM_ERROR = 0.04
+"""A cause whose form the library has only nearly is this share of the evidence off."""
 
 
-def temper(best: float, settings: DiagnosisSettings) -> float:
+def temper(best: float) -> float:
     """The share of it that counts where the best explanation has this much."""
-    return 1.0 / (1.0 / settings.temper + settings.form_error * max(best, 0.0))
+    return 1.0 / (1.0 + FORM_ERROR * max(best, 0.0))
+
+
+def needed(settings: DiagnosisSettings) -> float:
+    """Logarithm of evidence from which a robot as built is improbable enough."""
+    return math.log((1.0 - settings.false_alarms) / settings.false_alarms)
 
 
 def shares(logs: FloatArray | Sequence[float]) -> FloatArray:

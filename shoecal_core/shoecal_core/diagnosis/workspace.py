@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,22 +11,38 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.baseline import coarse_noise, fit_baseline, precision
 from shoecal_core.diagnosis.hypotheses import Catalogue, make_catalogue
-from shoecal_core.diagnosis.scoring import Scored, Scorer
+from shoecal_core.diagnosis.scoring import Rows, Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.error_sources.as_built import as_built
 from shoecal_core.error_sources.base import Effect, Place
-from shoecal_core.error_sources.noise import least_noise, noise_of, quiet, with_model_error
-from shoecal_core.error_sources.regression import FEW_RUNS, Noise, Sums, Whitening, make_sums, solve
+from shoecal_core.error_sources.noise import colour, form_error, jolts, least_noise, white_noise
+from shoecal_core.error_sources.regression import Sums, Whitening, make_sums
 from shoecal_core.error_sources.scene import Scene
-from shoecal_core.error_sources.signals import COP, OWN_ERRORS
+from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, TILT
+from shoecal_core.error_sources.spectrum import BANDS, frequencies_of, signals_of
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
-NOISE_ROUNDS = 2
-RICH = 0.3
-"""In the rich model that noise is taken from, every effect has this share of its prior's size."""
+IntArray = NDArray[np.int64]
 
-OUTLYING = 6.0
-"""Noises by which a value must surprise even the rich model to count for nothing: a foot that
-touches down, a jolt. A few such would outweigh all others."""
+FAMILIES = (
+    ("link_com", "link_mass"),
+    ("joint_offset", "joint_compliance", "backlash"),
+    ("soft_ground", "support"),
+    ("foot_placement", "floor_tilt"),
+    ("cell_position", "plates", "crosstalk"),
+    ("zero_offset",),
+)
+"""Sources that are made alike well or badly on one robot."""
+MOST_LEVEL = 2.0
+"""Times that their tolerances may count at most: what is worse is a fault."""
+MOST_N, MOST_M, MOST_CLOSURE, MOST_RAD = 1.0, 0.004, 0.004, 0.02
+"""Beyond what was expected, by which a signal may be off without an explanation."""
+SAME = 1e-8
+"""Squares by which two columns differ, over their own, that are the same."""
+LEAST = 1e-24
+"""Variance of a signal that is not there."""
 
 
 @dataclass(frozen=True)
@@ -35,64 +51,101 @@ class Workspace:
 
     Attributes:
         scene: with gains and offsets fitted to the training runs.
-        noise: of the signals.
-        quiet: (s,) noise that a robot without a fault has at most.
+        noise: (s, BANDS) variance of the coefficients of a robot as built.
         catalogue: of hypotheses.
         whitening: by that noise.
-        sums: of all runs.
+        sums: of the training runs.
         scorer: of the training runs.
         train, test: numbers of the runs.
+        built: the fit by which the robot's errors as built are as large as they are.
     """
 
     scene: Scene
-    noise: Noise
-    quiet: FloatArray
+    noise: FloatArray
     catalogue: Catalogue
     whitening: Whitening
     sums: Sums
     scorer: Scorer
     train: tuple[int, ...]
     test: tuple[int, ...]
+    built: Scored
 
-    def explained(self, scored: Scored | None) -> tuple[FloatArray, FloatArray]:
-        """Residuals (T, s) that are left, and what the hypotheses' columns add (T, s).
+    def at(self, scored: Scored) -> Workspace:
+        """With errors as built as an explanation leaves them."""
+        return replace(self, built=scored)
 
-        Of what every recording may hold only the zero-moment point and what is free count: a
-        stance's own error is no explanation.
+    def calibrated(self, values: FloatArray) -> FloatArray:
+        """(..., T, s) what a calibration on the training runs leaves of residuals (..., T, s).
+
+        Gains and offsets make up for what they can; errors as built are not known to it.
         """
-        scene = self.scene
-        solution = self.scorer.nothing if scored is None else scored.solution
-        columns = () if scored is None else scored.columns
-        base = len(scene.baseline)
-        vector = solution.vector[:base].copy()
-        vector[self.own_errors] = 0.0
-        added = np.tensordot(solution.vector[base:], self.catalogue.columns[list(columns)], 1)
-        rest = scene.residuals - np.tensordot(vector, scene.baseline, 1) - added
-        return rest, added
+        kept, fitter = self._fitter
+        shape = values.shape
+        flat = values.reshape(-1, *shape[-2:])
+        rows = self.rows_of(self.train)
+        coefficients = self.whitening(flat)[:, rows][:, self.whitening.kept[rows]]
+        fitted = coefficients @ fitter.T
+        left: FloatArray = flat - np.tensordot(fitted, self.scene.baseline[kept], 1)
+        return left.reshape(shape)
 
     @cached_property
-    def powers(self) -> Mapping[str, FloatArray]:
-        """(k, k) mean products of all hypotheses' columns, in one axis of the CoP and in GRF."""
-        columns, mask = self.catalogue.columns, self.scene.mask[:, 1]
-        cop = columns[:, mask, COP].reshape(len(columns), -1)
-        grf = columns[:, mask, 0]
-        return {"cop": cop @ cop.T / cop.shape[1], "grf": grf @ grf.T / grf.shape[1]}
+    def _fitter(self) -> tuple[IntArray, FloatArray]:
+        """Which of the baseline's columns a calibration has, and (b, R) how they are fitted."""
+        scene = self.scene
+        kept = np.flatnonzero(scene.shared & ~scene.built)
+        rows = self.rows_of(self.train)
+        base = self.whitening(scene.baseline[kept])[:, rows][:, self.whitening.kept[rows]]
+        normal = base @ base.T + np.diag(self.sums.precision[kept])
+        scale = 1.0 / np.sqrt(np.diag(normal))
+        inverse = np.linalg.inv(normal * np.outer(scale, scale) + 1e-12 * np.eye(len(kept)))
+        return kept, (inverse * np.outer(scale, scale)) @ base
 
-    @property
+    def added(self, scored: Scored | None, part: slice = slice(None)) -> FloatArray:
+        """(T, s) what an explanation's columns add: all of them, or some of its components."""
+        if scored is None or not scored.parts:
+            return np.zeros_like(self.scene.residuals)
+        columns = self.catalogue.columns[list(scored.columns[part])]
+        added: FloatArray = np.tensordot(scored.sizes[part], columns, 1)
+        return added
+
+    def explained(self, scored: Scored | None) -> tuple[FloatArray, FloatArray]:
+        """Residuals (T, s) that a calibration leaves beside an explanation, and what that adds."""
+        added = self.added(scored)
+        return self.calibrated(self.scene.residuals - added), added
+
+    def without(self, scored: Scored, index: int) -> FloatArray:
+        """(T, s) residuals that a calibration leaves beside all parts but one."""
+        others = self.added(scored) - self.added(scored, scored.own(index))
+        return self.calibrated(self.scene.residuals - others)
+
+    @cached_property
     def floor(self) -> FloatArray:
-        """(s,) what noise and the stances' own errors leave of each signal, without a fault."""
-        return np.hypot(np.minimum(self.noise.std, self.quiet), self.scene.standing_errors)
+        """(s,) what the robot shows of each signal on runs left out, but for its fault: noise, and
+        errors as built as the training runs tell them, where a calibration leaves them.
+        """
+        scene, rows = self.scene, self.rows_of(self.test or self.train)
+        there = scene.mask[rows]
+        count = np.maximum(there.sum(axis=0), 1)
+        errors = np.flatnonzero(scene.built | ~scene.shared)
+        solution = self.built.solution
+        left = self.calibrated(scene.baseline[errors])[:, rows]
+        left *= there
+        known = np.tensordot(solution.vector[errors], left, 1)
+        spread = solution.covariance[np.ix_(errors, errors)]
+        unknown = np.array([np.sum(one * (spread @ one)) for one in np.moveaxis(left, 2, 0)])
+        kept, group = self.whitening.kept[rows], self.whitening.spectrum.group[rows]
+        noise = np.where(kept, self._quiet.ravel()[group], 0.0).sum(axis=0)
+        found: FloatArray = np.sqrt(
+            np.maximum(((known**2).sum(axis=0) + unknown + noise) / count, LEAST)
+        )
+        return found
 
-    @property
-    def beyond_all(self) -> FloatArray:
-        """(s,) what is left of each signal when every effect may explain a little."""
-        return np.hypot(self.noise.std, self.scene.standing_errors)
-
-    @property
-    def own_errors(self) -> NDArray[np.int64]:
-        """Places of the stances' own errors among the baseline's columns."""
-        count = len(self.scene.baseline)
-        return np.arange(count - len(OWN_ERRORS) * len(self.scene.slow_segments), count)
+    @cached_property
+    def _quiet(self) -> FloatArray:
+        """(s, BANDS) variance that noise and forms were expected to have."""
+        rows = self.scorer.rows
+        expected = rows.noise + self.built.form_level**2 * rows.form
+        return rows.by_band(expected, self.noise)
 
     def rows_of(self, runs: Sequence[int]) -> NDArray[np.bool_]:
         """(T,) samples of some runs."""
@@ -107,67 +160,153 @@ def make_workspace(
     settings: DiagnosisSettings,
     wanted: Callable[[str, Place], bool] = lambda _effect, _place: True,
 ) -> Workspace:
-    """Fit, find the noise, lay out, add up."""
-    guess, least, noise = scene.parameters, least_noise(scene), coarse_noise(scene.samples)
-    scene = fit_baseline(scene, train, noise, settings)
-    catalogue = make_catalogue(scene, effects)
-    for _ in range(NOISE_ROUNDS):
-        rest = _rest(scene, catalogue, noise, train, settings)
-        fitted = scene.mask & np.isin(scene.samples.run, train)[:, None]
-        noise = noise_of(scene.samples, fitted, rest)
-        noise = Noise(np.maximum(noise.std, least), noise.keep)
-        surprise = np.abs(Whitening(scene.samples, scene.mask, noise)(rest))
-        scene = scene.leaving_out(fitted & (surprise > OUTLYING))
-    noise = with_model_error(scene, noise, settings)
-    scene = fit_baseline(scene, train, noise, settings, guess)
+    """Fit gains, lay out errors as built and hypotheses, and find how large the former are."""
+    coarse, guess = coarse_noise(scene.samples), scene.parameters
+    scene = fit_baseline(scene, train, coarse, settings)
+    # What test runs show is measured as it is.
+    fitted = np.isin(scene.samples.run, train)[:, None]
+    scene = scene.leaving_out(jolts(scene, settings) & fitted)
+    scene = with_deviations(scene, Tolerances())
     catalogue = make_catalogue(scene, effects, wanted)
+    rows = _rows(scene, catalogue, train, coarse, settings, guess)
+    scorer = Scorer(rows, len(scene.parameters.gain))
+    nothing = scorer.nothing
+    noise = scorer.rows.by_band(nothing.variance, coarse)
     whitening = Whitening(scene.samples, scene.mask, noise)
     sums = make_sums(
         whitening,
-        [*train, *test],
+        train,
         scene.baseline,
         catalogue.columns,
         scene.residuals,
-        scene.mask,
-        precision(scene, scene.parameters, settings),
-        cut=len(train) < FEW_RUNS,
+        scorer.rows.prior(nothing.levels),
     )
     return Workspace(
-        scene,
-        noise,
-        quiet(scene, settings),
-        catalogue,
-        whitening,
-        sums,
-        Scorer(sums, train),
-        tuple(train),
-        tuple(test),
+        scene, noise, catalogue, whitening, sums, scorer, tuple(train), tuple(test), nothing
     )
 
 
-def _rest(
+def with_deviations(scene: Scene, tolerances: Tolerances) -> Scene:
+    """With its as-built deviations, linear about where it is."""
+    return replace(scene, deviations=tuple(as_built(scene, tolerances)))
+
+
+def families(scene: Scene) -> IntArray:
+    """(p,) to which of FAMILIES each column of the baseline belongs; -1 for what is no error."""
+    of = {effect: at for at, effects in enumerate(FAMILIES) for effect in effects}
+    found = np.full(len(scene.baseline), -1)
+    found[scene.built] = [of[one.effect] for one in scene.deviations]
+    return found
+
+
+def _rows(
     scene: Scene,
     catalogue: Catalogue,
-    noise: Noise,
     train: Sequence[int],
+    coarse: FloatArray,
     settings: DiagnosisSettings,
+    guess: ChannelParameters,
+) -> Rows:
+    samples = scene.samples
+    flat = Whitening(samples, scene.mask, np.ones_like(coarse))
+    part = np.isin(samples.run, train)
+    kept = flat.kept & part[:, None]
+
+    def coefficients(values: FloatArray) -> FloatArray:
+        return np.ascontiguousarray(flat(values)[..., kept].T)
+
+    present, group = np.unique(flat.spectrum.group[kept], return_inverse=True)
+    signal, frequency = signals_of(present), frequencies_of(present)
+    base = coefficients(scene.baseline)
+    prior, away = precision(scene, guess, settings), _away(scene, guess)
+    free = _unabsorbed(base, prior, scene, 1.0 / np.sqrt(coarse.ravel()[present])[group])
+    count = np.bincount(group)
+    form = np.bincount(group, ((free * _form_stds(scene)) ** 2).sum(axis=1)) / count
+    measured = np.zeros_like(scene.residuals)
+    measured[:, GRF], measured[:, COP] = scene.wrench[:, :1], scene.cop
+    taken = coefficients(np.where(scene.mask, measured, 0.0))
+    # The mean of a stance does not tell how far the CoP moves.
+    taken[np.isin(signal, np.r_[COP])[group] & (present[group] % BANDS == 0)] = 0.0
+    white = np.maximum(white_noise(scene), least_noise(scene))[signal] ** 2
+    smooth = form_error(scene, settings)[signal] ** 2 * colour(samples, frequency, settings)
+    columns = coefficients(catalogue.columns)
+    return Rows(
+        base=base,
+        columns=columns,
+        residuals=coefficients(scene.residuals) - base @ away,
+        away=away,
+        measured=taken,
+        group=group,
+        number=present,
+        noise=white * _flicker(signal, frequency) + smooth,
+        form=form,
+        smooth=smooth,
+        most=_most(scene)[signal] ** 2,
+        precision=prior,
+        family=families(scene),
+        most_level=np.full(len(FAMILIES), MOST_LEVEL),
+        same=_same(base, columns, scene),
+    )
+
+
+def _same(base: FloatArray, columns: FloatArray, scene: Scene) -> IntArray:
+    """(k,) error as built that each of the hypotheses' columns (R, k) also is; -1 for none."""
+    built = np.flatnonzero(scene.built)
+    found = np.full(columns.shape[1], -1)
+    if not len(built):
+        return found
+    own = np.maximum(np.linalg.norm(columns, axis=0), LEAST)
+    away = (base[:, built] ** 2).sum(axis=0)[:, None] + own**2
+    away = away - 2.0 * base[:, built].T @ columns
+    nearest = np.argmin(away, axis=0)
+    here = away[nearest, np.arange(len(found))] < SAME * own**2
+    found[here] = built[nearest[here]]
+    return found
+
+
+def _away(scene: Scene, guess: ChannelParameters) -> FloatArray:
+    """(p,) how far the fitted gains and offsets are from what priors are about."""
+    found = np.zeros(len(scene.baseline))
+    fitted = scene.parameters
+    moved = np.concatenate((fitted.gain - guess.gain, fitted.offset - guess.offset))
+    found[: len(moved)] = moved
+    return found
+
+
+def _unabsorbed(
+    base: FloatArray, prior: FloatArray, scene: Scene, weight: FloatArray
 ) -> FloatArray:
-    """(T, s) that is left when every effect may explain a little."""
-    whitening = Whitening(scene.samples, scene.mask, noise)
-    prior = precision(scene, scene.parameters, settings)
-    sums = make_sums(
-        whitening, train, scene.baseline, catalogue.columns, scene.residuals, scene.mask, prior
-    )
-    products, _ = sums.of(train)
-    # What was taken from the signals themselves would explain their noise too.
-    forms = [form for hypothesis in catalogue.hypotheses for form in hypothesis.foreseen]
-    chosen = [column for form in forms for column in form.columns]
-    std = np.concatenate([np.zeros(0), *(form.std for form in forms)])
-    vector = solve(products, sums, chosen, RICH * std).vector
-    base = len(scene.baseline)
-    rest: FloatArray = (
-        scene.residuals
-        - np.tensordot(vector[:base], scene.baseline, 1)
-        - np.tensordot(vector[base:], catalogue.columns[chosen], 1)
-    )
-    return rest
+    """(R, d) what all else in the baseline leaves of errors as built."""
+    whole = base * weight[:, None]
+    kept = ~scene.built
+    normal = whole[:, kept].T @ whole[:, kept] + np.diag(prior[kept])
+    scale = 1.0 / np.sqrt(np.diag(normal))
+    right = scale[:, None] * (whole[:, kept].T @ whole[:, scene.built])
+    system = normal * np.outer(scale, scale) + 1e-12 * np.eye(len(scale))
+    fitted = scale[:, None] * np.linalg.solve(system, right)
+    left: FloatArray = base[:, scene.built] - base[:, kept] @ fitted
+    return left
+
+
+def _form_stds(scene: Scene) -> FloatArray:
+    """(d,) of errors as built: what they add in another form than the library has them in."""
+    return np.array([one.form * one.std for one in scene.deviations])
+
+
+CORNER_HZ = 0.5
+"""Below it, readings wander more than white noise does."""
+
+
+def _flicker(signal: IntArray, frequency: FloatArray) -> FloatArray:
+    """(G,) times white noise that signals of readings have."""
+    read = np.isin(signal, np.r_[GRF, COP, AIR, PARITY])
+    return np.where(read, 1.0 + CORNER_HZ / frequency, 1.0)
+
+
+def _most(scene: Scene) -> FloatArray:
+    """(s,) by which a signal may be off beyond what was expected."""
+    found = np.zeros(scene.residuals.shape[1])
+    found[GRF], found[COP], found[TILT] = MOST_N, MOST_M, MOST_RAD
+    found[AIR], found[PARITY] = MOST_N * np.array([1.0, 0.1, 0.1]), 1.5 * MOST_N
+    found[CLOSURE] = (*(3 * (MOST_CLOSURE,)), *(3 * (MOST_RAD,)))
+    return found

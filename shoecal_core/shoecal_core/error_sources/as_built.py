@@ -22,18 +22,24 @@ from shoecal_core.sensing.wrench import to_left
 
 FloatArray = NDArray[np.float64]
 AXES = ("x", "y")
+PLATES_FORM = 0.2
+"""Part of what plates carry that is in no proportion to the moment."""
 FEWEST_CELLS = 3
 """Of a foot whose plates may carry a part of the moment past its cells."""
 
 
 def as_built(scene: Scene, tolerances: Tolerances) -> list[Deviation]:
-    """Every deviation with a standard deviation above zero, linear about a scene."""
-    return [*of_body(scene, tolerances), *of_shoes(scene, tolerances)]
+    """Every deviation with a standard deviation above zero, linear about a scene; gears in all
+    forms that a diagnosis knows.
+    """
+    found = [*of_body(scene, tolerances, in_all_forms=True), *of_shoes(scene, tolerances)]
+    return [*found, *of_setup(scene, tolerances)]
 
 
-def of_body(scene: Scene, tolerances: Tolerances) -> list[Deviation]:
+def of_body(scene: Scene, tolerances: Tolerances, *, in_all_forms: bool = False) -> list[Deviation]:
     """Of links, joints and soles: what gains and offsets hardly change."""
-    found = [*_links(scene, tolerances), *_joints(scene, tolerances), *_soles(scene, tolerances)]
+    joints = _joints(scene, tolerances, in_all_forms=in_all_forms)
+    found = [*_links(scene, tolerances), *joints, *_soles(scene, tolerances)]
     return [one for one in found if one.std > 0.0]
 
 
@@ -41,6 +47,17 @@ def of_shoes(scene: Scene, tolerances: Tolerances) -> list[Deviation]:
     """Of channels, plates and single runs: what follows the outputs."""
     found = [*_channels(scene, tolerances), *_runs(scene, tolerances)]
     return [one for one in found if one.std > 0.0]
+
+
+def of_setup(scene: Scene, tolerances: Tolerances) -> list[Deviation]:
+    """Of the floor, and of shoes as they were put on: what cells and stances hardly tell."""
+    sources = (contact.FloorTilt(), contact.FootPlacement(), geometry.Crosstalk())
+    return [
+        one
+        for source in sources
+        for one in deviations(source, scene, tolerances, source.places(scene))
+        if one.std > 0.0
+    ]
 
 
 def _links(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
@@ -56,13 +73,15 @@ def _links(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
         yield Deviation("link_mass", (name,), "share", "", tolerances.link_mass, column)
 
 
-def _joints(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
+def _joints(scene: Scene, tolerances: Tolerances, *, in_all_forms: bool) -> Iterator[Deviation]:
     zero = body.JointOffset()
     yield from deviations(zero, scene, tolerances, zero.places(scene))
     # Gears of one robot are alike, and differ a little: one number in common, one a joint.
     for gear in (body.JointCompliance(), body.Backlash()):
-        yield from deviations(gear, scene, tolerances, [(ALL,)])
-        for one in deviations(gear, scene, tolerances, places.each_joint(scene)):
+        common = [(ALL,)]
+        yield from deviations(gear, scene, tolerances, common, in_all_forms=in_all_forms)
+        each = places.each_joint(scene)
+        for one in deviations(gear, scene, tolerances, each, in_all_forms=in_all_forms):
             yield replace(one, std=tolerances.gear_spread * one.std)
 
 
@@ -83,7 +102,9 @@ def _channels(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
             change = plates_column(shoe, side, axis)
             column = -by_columns(scene, change)
             std = tolerances.plate_share
-            yield Deviation("plates", (side,), axis, "", std, column, shoe_column=change)
+            yield Deviation(
+                "plates", (side,), axis, "", std, column, form=PLATES_FORM, shoe_column=change
+            )
 
 
 def _runs(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
@@ -98,7 +119,7 @@ def _runs(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
             std = tolerances.run_zero_n * (0.1 if torque else 1.0)
             unit = "N m" if torque else "N"
             column = scene.by_outputs(change)
-            yield Deviation("zero_offset", (name,), "offset", unit, std, column, run=run)
+            yield Deviation("zero_offset", (name,), "offset", unit, std, column, run=run, form=0.0)
     stds = (tolerances.support_m, tolerances.support_m, tolerances.support_rad)
     for segment, (left, right) in enumerate(samples.standing):
         if not (left and right):

@@ -25,8 +25,13 @@ FORCES = {
     "kg": 1, "N": 1, "N/s": 1, "N/K": 1, "1/N": -1, "1/N^2": -2, "rad/(N m)": -1,
 }  # fmt: skip
 """Powers of a force in the units of components."""
+LEAST_FACTOR = 0.2
 MOST = 6.0
 """Times its usual size that a component may have."""
+
+
+FORM = 0.08
+"""Part of what an effect adds that reality usually has in another form than the library."""
 
 
 @dataclass(frozen=True)
@@ -38,8 +43,7 @@ class Component:
         std: how large it usually is where it is: the prior, in its unit, on a robot of
             `USUAL_WEIGHT`; units with forces in them grow with the robot.
         least: below this it makes no sense.
-        form: how much more than others its value hangs on the form that reality has it in
-            (times the settings' `size_error`).
+        form: how much more than others it hangs on the form that reality has it in (times FORM).
         blur: what no session could tell of it, as a standard deviation in its unit.
         most: what is larger, either way, is not this effect; by default `MOST` times `std`.
         as_built: setting of `Tolerances` that says how far a robot that works may be off; empty
@@ -65,6 +69,7 @@ class Deviation:
         std: as built, in its unit.
         column: (T, s) what one unit adds to measured minus modelled, in every signal.
         run: the run that it belongs to; None: all of them.
+        form: part of it that a robot may have in another form than the column's.
         shoe_column: (n, 3) what one unit adds to the channels' columns in their own sole's frame,
             [m] for the moments of a force; None where the shoe's channels stay as they are.
     """
@@ -76,6 +81,7 @@ class Deviation:
     std: float
     column: FloatArray
     run: int | None = None
+    form: float = FORM
     shoe_column: FloatArray | None = None
 
     @property
@@ -146,26 +152,36 @@ def as_built_std(component: Component, tolerances: Tolerances, weight: float) ->
 
 
 def deviations(
-    effect: Effect, scene: Scene, tolerances: Tolerances, places: Iterable[Place]
+    effect: Effect,
+    scene: Scene,
+    tolerances: Tolerances,
+    places: Iterable[Place],
+    *,
+    in_all_forms: bool = False,
 ) -> Iterator[Deviation]:
-    """Every as-built component of an effect at these places, in the effect's first form."""
+    """Every as-built component of an effect at these places, in its first form or in each."""
     weight = scene.samples.robot.weight
     stds = {one.name: as_built_std(one, tolerances, weight) for one in effect.components}
-    units = {one.name: one.unit for one in effect.components}
+    known = {one.name: one for one in effect.components}
     for place in places:
-        shape = next(iter(effect.shapes(scene, place)))
-        for name, column in zip(shape.free, shape.columns, strict=True):
-            if stds[name] > 0.0:
-                yield Deviation(effect.identifier, place, name, units[name], stds[name], column)
+        shapes = list(effect.shapes(scene, place))[: None if in_all_forms else 1]
+        for shape in shapes:
+            for name, column in zip(shape.free, shape.columns, strict=True):
+                if stds.get(name, 0.0) > 0.0:
+                    one = known[name]
+                    yield Deviation(
+                        effect.identifier, place, name, one.unit,
+                        stds[name] / np.sqrt(len(shapes)), column, form=FORM * one.form,
+                    )  # fmt: skip
 
 
 def leasts(effect: Effect, names: tuple[str, ...]) -> FloatArray:
-    """Least values of some components; a factor that is no component is at least a half.
+    """Least values of some components; of a factor that is no component LEAST_FACTOR.
 
-    Such a factor says how much of the effect's own fixed form is there: wholly, if it is there.
+    Such a factor says how much of the effect's own fixed form is there.
     """
     known = {component.name: component.least for component in effect.components}
-    return np.array([known.get(name, 0.5) for name in names])
+    return np.array([known.get(name, LEAST_FACTOR) for name in names])
 
 
 def stds(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter, median_filter, minimum_filter
 
-from shoecal_core.error_sources.regression import Noise
 from shoecal_core.error_sources.scene import Scene
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
 from shoecal_core.samples.samples import Samples
 
 FloatArray = NDArray[np.float64]
-MOST_KEEP = 0.97
-FEWEST = 10
+BoolArray = NDArray[np.bool_]
 WHITE = (1.0, -4.0, 6.0, -4.0, 1.0)
 """Shares of samples in a row of whose sum only noise is left that has no memory."""
 HALF_WITHIN = 0.6745
 """Standard deviations within which half of all normal numbers lie."""
-MODEL_ERRORS = 1.5
-"""Of a robot without a fault, times the usual error of a model."""
+WALKING = 30.0
+"""Times the errors of a model of a robot that stands: dynamics are foretold far worse."""
+JOLT_S, JOLT_STDS = 1.0, 10.0
+"""A jolt is over within half of this, and is so many times what usually is that short."""
 
 
 def least_noise(scene: Scene) -> FloatArray:
@@ -42,20 +43,6 @@ def least_noise(scene: Scene) -> FloatArray:
     return least
 
 
-def with_model_error(scene: Scene, noise: Noise, settings: SignalSettings) -> Noise:
-    """With what no model tells: soles that give, legs that brace each other, links that bend.
-
-    As large as if each sole leant by `model_error_rad`, and alike for `model_error_s`: however
-    well sensors tell what happens, smaller things than that are not what is looked for.
-    """
-    samples = scene.samples
-    error = model_error(scene, settings)
-    step = float(np.median(np.diff(samples.time)[np.diff(samples.segment) == 0]))
-    keep = float(np.exp(-step / settings.model_error_s))
-    std = np.hypot(noise.std, error)
-    return Noise(std, (noise.std**2 * noise.keep + error**2 * keep) / std**2)
-
-
 def model_error(scene: Scene, settings: SignalSettings) -> FloatArray:
     """(s,) what each signal is off when soles lean by `model_error_rad`."""
     lean = settings.model_error_rad
@@ -71,16 +58,21 @@ def model_error(scene: Scene, settings: SignalSettings) -> FloatArray:
     return error
 
 
-def quiet(scene: Scene, settings: SignalSettings) -> FloatArray:
-    """(s,) noise that a robot without a fault has at most: of sensors, and of any model.
+def form_error(scene: Scene, settings: SignalSettings) -> FloatArray:
+    """(s,) what no model tells of each signal: more where the robot walks."""
+    error = model_error(scene, settings)
+    return np.maximum(error, WALKING * error) if scene.samples.walks.any() else error
 
-    What is more may be an effect that nothing known explains: it must not raise the floor that
-    it is judged by. Of a robot that walks nothing of the kind can be said.
+
+def colour(samples: Samples, frequency: FloatArray, settings: SignalSettings) -> FloatArray:
+    """(G,) variance of a coefficient at frequencies [Hz], of noise of first order.
+
+    It varies by one, and stays alike for `model_error_s`.
     """
-    if scene.samples.walks.any():
-        return np.full(len(SIGNALS), np.inf)
-    most: FloatArray = np.hypot(MODEL_ERRORS * model_error(scene, settings), white_noise(scene))
-    return most
+    step = float(np.median(np.diff(samples.time)[np.diff(samples.segment) == 0]))
+    keep = settings.model_error_s
+    found: FloatArray = 2.0 * keep / step / (1.0 + (2.0 * np.pi * frequency * keep) ** 2)
+    return found
 
 
 def white_noise(scene: Scene) -> FloatArray:
@@ -106,20 +98,26 @@ def white_noise(scene: Scene) -> FloatArray:
     return white
 
 
-def noise_of(samples: Samples, mask: NDArray[np.bool_], rest: FloatArray) -> Noise:
-    """From residuals (T, s) under a rich model, where a mask (T, s) lets them count."""
-    step = np.diff(samples.time)
-    follows = (np.diff(samples.segment) == 0) & (step > 0) & (step < 1.5 * np.median(step))
-    std, keep = np.ones(len(SIGNALS)), np.zeros(len(SIGNALS))
-    for index in range(len(SIGNALS)):
-        there = mask[:, index]
-        if np.count_nonzero(there) < FEWEST:
-            continue
-        own = rest[:, index]
-        std[index] = np.sqrt(max(float(np.mean(own[there] ** 2)), 1e-24))
-        pair = follows & there[1:] & there[:-1]
-        if np.count_nonzero(pair) > FEWEST:
-            product = float(np.mean(own[1:][pair] * own[:-1][pair]))
-            power = float(np.mean(own[1:][pair] ** 2 + own[:-1][pair] ** 2)) / 2.0
-            keep[index] = np.clip(product / max(power, 1e-300), 0.0, MOST_KEEP)
-    return Noise(std, keep)
+def jolts(scene: Scene, settings: SignalSettings) -> BoolArray:
+    """(T, s) values far off their median over a second: a knock is no error of a robot.
+
+    Nor is a foot that is put down in a walk, which is not looked at.
+    """
+    samples, rest = scene.samples, scene.residuals
+    found = np.zeros(rest.shape, dtype=np.bool_)
+    if samples.walks.any():
+        return found
+    least = np.maximum(form_error(scene, settings), white_noise(scene))
+    for segment in np.unique(samples.segment):
+        here = np.flatnonzero(samples.segment == segment)
+        step = float(np.median(np.diff(samples.time[here]))) if len(here) > 1 else JOLT_S
+        size = 2 * round(0.5 * JOLT_S / step) + 1
+        usual = median_filter(rest[here], (size, 1), mode="nearest")
+        # Halfway up a step is not off.
+        low, high = (
+            one(usual, (size, 1), mode="nearest") for one in (minimum_filter, maximum_filter)
+        )
+        away = np.maximum(rest[here] - high, low - rest[here]).clip(0.0)
+        spread = np.median(np.abs(rest[here] - usual), axis=0) / HALF_WITHIN
+        found[here] = away > JOLT_STDS * np.maximum(spread, least)
+    return found & scene.mask

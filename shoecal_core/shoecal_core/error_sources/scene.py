@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.error_sources import body
-from shoecal_core.error_sources.give import Give
 from shoecal_core.error_sources.planes import cell_planes
 from shoecal_core.error_sources.responses import Responses
 from shoecal_core.error_sources.settings import SignalSettings
@@ -29,6 +29,9 @@ from shoecal_core.error_sources.wiring import Wiring
 from shoecal_core.samples.samples import Samples
 from shoecal_core.sensing.wrench import ChannelParameters
 
+if TYPE_CHECKING:
+    from shoecal_core.error_sources.base import Deviation
+
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
@@ -41,14 +44,33 @@ LEAST_FLAT = (1e-4, 1e-3, 1e-3)
 
 
 @dataclass(frozen=True)
+class Nuisance:
+    """What may be in any recording and is fitted with whatever else is.
+
+    Attributes:
+        column: (T, s) what one unit of it adds.
+        std: prior standard deviation.
+        shared: by all runs, or it belongs to one run or stance.
+        as_built: it is a deviation of a robot as built.
+    """
+
+    column: FloatArray
+    std: float
+    shared: bool = True
+    as_built: bool = False
+
+
+@dataclass(frozen=True)
 class Scene(Responses):
     """All signals at T samples under one set of channel parameters.
 
     Attributes:
         zero_std: how well the joints' zeros are set [rad].
+        deviations: as-built errors that are nuisances here.
     """
 
     zero_std: float
+    deviations: tuple[Deviation, ...] = ()
 
     @cached_property
     def residuals(self) -> FloatArray:
@@ -70,7 +92,7 @@ class Scene(Responses):
         count, channels = self.outputs.shape
         gains = [self._of_channel(i, one) for i, one in enumerate(self.samples.readings.T)]
         offsets = [self._of_channel(i, np.ones(count)) for i in range(channels)]
-        others = [column for column, _ in self.nuisances]
+        others = [one.column for one in self.nuisances]
         return np.array([self.settled(one) for one in (*gains, *offsets, *others)])
 
     def _of_channel(self, channel: int, values: FloatArray) -> FloatArray:
@@ -82,15 +104,18 @@ class Scene(Responses):
         return column
 
     @cached_property
-    def nuisances(self) -> list[tuple[FloatArray, float]]:
-        """What may be there in any recording, each (T, s) with its prior standard deviation."""
+    def nuisances(self) -> list[Nuisance]:
+        """Deviations as built, and what may be there in any recording."""
         count = len(self.samples.run)
-        found: list[tuple[FloatArray, float]] = []
+        found = [
+            Nuisance(one.column, one.std, shared=one.run is None, as_built=True)
+            for one in self.deviations
+        ]
 
-        def add(signal: int, values: FloatArray, std: float) -> None:
+        def add(signal: int, values: FloatArray, std: float, *, shared: bool = True) -> None:
             column = np.zeros((count, len(SIGNALS)))
             column[:, signal] = values
-            found.append((column, std))
+            found.append(Nuisance(column, std, shared))
 
         for foot in (0, 1):
             own = np.flatnonzero(self.wiring.foot == foot)
@@ -100,7 +125,7 @@ class Scene(Responses):
                     add(PARITY.start + foot, values, FREE)
         # Accelerations move the zero-moment point; how much, a rigid body tells roughly.
         if not self.fast:
-            found.append((self.dynamic, FREE))
+            found.append(Nuisance(self.dynamic, FREE))
         for axis in range(TILT.start, TILT.stop):
             add(axis, np.ones(count), FREE)
         for axis, std in enumerate(self.zero_errors, FLAT.start):
@@ -110,8 +135,20 @@ class Scene(Responses):
         for segment in self.slow_segments:
             here = (self.samples.segment == segment).astype(np.float64)
             for signal in OWN_ERRORS:
-                add(signal, here, steps[signal])
+                add(signal, here, steps[signal], shared=False)
         return found
+
+    @cached_property
+    def shared(self) -> BoolArray:
+        """(p,) which of the baseline's columns all runs share."""
+        own = np.ones(2 * len(self.parameters.gain), dtype=np.bool_)
+        return np.concatenate((own, [one.shared for one in self.nuisances]))
+
+    @cached_property
+    def built(self) -> BoolArray:
+        """(p,) which of them are deviations of a robot as built."""
+        own = np.zeros(2 * len(self.parameters.gain), dtype=np.bool_)
+        return np.concatenate((own, [one.as_built for one in self.nuisances]))
 
     @cached_property
     def zero_errors(self) -> FloatArray:
@@ -144,11 +181,6 @@ class Scene(Responses):
             spread = np.sqrt(np.mean(np.sum((answer * step) ** 2, axis=2), axis=0))
             found[part] = np.maximum(spread, least)
         return found
-
-    @cached_property
-    def give(self) -> Give:
-        """What joints give behind their encoders, as the soles tell it."""
-        return Give(self.samples, self.answers.closure, self.residuals[:, CLOSURE], self.torque)
 
     def with_parameters(self, parameters: ChannelParameters) -> Scene:
         """Under other gains and offsets."""

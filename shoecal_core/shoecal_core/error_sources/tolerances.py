@@ -51,3 +51,16 @@ class Tolerances(Settings):
         0.045, "", "sideways force between the feet as a share of the weight: at the cells' "
         "height it moves each foot's CoP, and no cell feels it", minimum=0.0,
     )  # fmt: skip
+    floor_tilt_rad: float = setting(
+        0.002, "rad", "slope of the floor about each axis; diagnosis only", minimum=0.0
+    )
+    foot_placement_m: float = setting(
+        0.001, "m", "where a shoe sits below its ankle, each axis; diagnosis only", minimum=0.0
+    )
+    foot_placement_rad: float = setting(
+        0.006, "rad", "the same of its yaw; diagnosis only", minimum=0.0
+    )
+    crosstalk: float = setting(
+        0.01, "", "part of one cell's force that another one of its foot shows; diagnosis only",
+        minimum=0.0,
+    )  # fmt: skip

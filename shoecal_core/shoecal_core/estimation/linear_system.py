@@ -82,7 +82,7 @@ class LinearSystem:
             )
         )
         std = np.concatenate(
-            (own_std, [one.std for one in deviations], [std for _, std in nuisances])
+            (own_std, [one.std for one in deviations], [one.std for one in nuisances])
         )
         away = np.zeros(len(std))
         parameters = scene.parameters

@@ -18,6 +18,7 @@ from shoecal_core.sensing.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
+IntArray = NDArray[np.int64]
 
 CLEARANCE_M = 0.005
 """A sole whose lowest corner is higher than this above the other's lowest one may be in the air."""
@@ -33,7 +34,9 @@ data sheets and weights are not further off."""
 LEAST_LOADED = 0.25
 """The same of the most that a foot carries, where the other is never in the air."""
 LOWEST_SHARE = 0.08
-"""A foot in the air reads its least, to within this share of the range."""
+"""A foot in the air reads its least, to within this share of the range, and keeps to it."""
+NOISE_RANGE = 3.5
+"""Between the 5th and 95th percentile of noise, over the median of its steps."""
 
 
 @dataclass(frozen=True)
@@ -114,6 +117,21 @@ def at_least_load(shoe: Shoe, readings: FloatArray) -> BoolArray:
     least, most = np.percentile(force, [1.0, 99.0], axis=0)
     low: BoolArray = force - least <= LOWEST_SHARE * (most - least)
     return low
+
+
+def moves(shoe: Shoe, readings: FloatArray, part: IntArray, foot: int) -> bool:
+    """Whether a foot's vertical force changes in some of the samples (T, n): it is not in the air.
+
+    Gears that give and soft floors make a foot that stands look lifted. False where the polarity of
+    vertical channels is not known.
+    """
+    if any(shoe.polarity[i] == 0 for i in np.flatnonzero(shoe.columns[:, 0])):
+        return False
+    force = vertical_forces(shoe, readings)[0][:, foot]
+    least, most = np.percentile(force, [1.0, 99.0])
+    low, high = np.percentile(force[part], [5.0, 95.0])
+    noise = float(np.median(np.abs(np.diff(force[part])))) if len(part) > 1 else 0.0
+    return bool(high - low - NOISE_RANGE * noise > LOWEST_SHARE * (most - least))
 
 
 def _surely(clearance: FloatArray, high: BoolArray) -> BoolArray:

@@ -18,7 +18,7 @@ from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.aligned import Aligned, align
 from shoecal_core.samples.clocks import check_clocks
-from shoecal_core.samples.contact import at_least_load
+from shoecal_core.samples.contact import at_least_load, moves
 from shoecal_core.samples.even import evenly
 from shoecal_core.samples.known_weight import carried, with_mass
 from shoecal_core.samples.missing import missing
@@ -306,23 +306,28 @@ def _stances(
     A foot that the joints lift and the load does not is neither in the air nor on the floor.
     """
     states, time = aligned.states, aligned.time
+    centres = [foot.outline.mean(axis=0) for foot in robot.feet]
+    away = np.stack(
+        [np.linalg.norm(states.com[:, foot, :2] - centres[foot], axis=1) for foot in (0, 1)]
+    )
+    nearer = np.where(away[0] < away[1], 0, 1)
+    air = air.copy()
+    for part in _parts_of(np.where(air, 1 + nearer, 0)):
+        if air[part[0]] and moves(shoe, aligned.readings, part, 1 - int(nearer[part[0]])):
+            air[part] = False
     near = np.zeros(len(air), dtype=bool)
     margin = max(1, round(TRANSIT_S * _rate(time)))
     edges = np.flatnonzero(np.diff((_off(aligned) > 0.3 * settings.lifted_m).astype(int)) != 0)
     if air.any():
         for edge in edges:
             near[max(0, edge - margin) : edge + margin + 1] = True
-    centres = [foot.outline.mean(axis=0) for foot in robot.feet]
-    away = np.stack(
-        [np.linalg.norm(states.com[:, foot, :2] - centres[foot], axis=1) for foot in (0, 1)]
-    )
-    standing = np.where(air, np.where(away[0] < away[1], 1, 2), 0)
+    standing = np.where(air, 1 + nearer, 0)
     standing[near] = -1
-    change = np.flatnonzero((np.diff(standing) != 0) | (np.diff(time) > 1.0)) + 1
+    gaps = np.concatenate(([0], np.cumsum(np.diff(time) > 1.0)))
     unloaded = at_least_load(shoe, aligned.readings)
     stance = np.full(len(time), -1)
     loaded: list[tuple[bool, bool]] = []
-    for part in np.split(np.arange(len(time)), change):
+    for part in _parts_of(standing, gaps):
         kind = int(standing[part[0]])
         if kind < 0 or time[part[-1]] - time[part[0]] < MIN_SEGMENT_S:
             continue
@@ -331,6 +336,12 @@ def _stances(
         stance[part] = len(loaded)
         loaded.append(((True, True), (True, False), (False, True))[kind])
     return stance, np.array(loaded, dtype=bool).reshape(-1, 2)
+
+
+def _parts_of(*values: IntArray) -> list[IntArray]:
+    """Indices of each stretch in which none of the values (T,) changes."""
+    change = np.flatnonzero(np.any([np.diff(one) != 0 for one in values], axis=0)) + 1
+    return np.split(np.arange(len(values[0])), change)
 
 
 def _bins(

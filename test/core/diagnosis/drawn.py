@@ -7,23 +7,27 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.fft import idct
 
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.scoring import Part, Scorer
 from shoecal_core.diagnosis.workspace import Workspace
-from shoecal_core.error_sources.regression import Noise, make_sums
+from shoecal_core.error_sources.regression import Sums, make_sums
 
 FloatArray = NDArray[np.float64]
+MADE = 0.3
+"""Times the tolerances that a drawn robot is as built."""
 
 
-def correlated(noise: Noise, workspace: Workspace, rng: np.random.Generator) -> FloatArray:
-    """(T, s) of noise that begins anew in each segment."""
-    segment = workspace.scene.samples.segment
-    white = rng.normal(size=(len(segment), len(noise.std)))
-    found = noise.std * white
-    for index in range(1, len(segment)):
-        if segment[index] == segment[index - 1]:
-            found[index] = noise.keep * found[index - 1] + noise.innovation * white[index]
+def coloured(workspace: Workspace, rng: np.random.Generator) -> FloatArray:
+    """(T, s) of noise that has the workspace's variance in every band."""
+    spectrum = workspace.whitening.spectrum
+    std = np.sqrt(workspace.noise.ravel()[spectrum.group])
+    drawn = np.where(spectrum.kept, std * rng.normal(size=std.shape), 0.0)
+    found = np.zeros_like(drawn)
+    for rows, own in spectrum.parts:
+        part = np.ix_(rows, own)
+        found[part] = idct(drawn[part], axis=0, norm="ortho")
     return np.where(workspace.scene.mask, found, 0.0)
 
 
@@ -35,7 +39,7 @@ def hypothesis(workspace: Workspace, label: str) -> Hypothesis:
 def part(workspace: Workspace, label: str) -> Part:
     """A hypothesis with its middle form."""
     found = hypothesis(workspace, label)
-    return found, found.foreseen[len(found.foreseen) // 2]
+    return found, found.usual
 
 
 @dataclass(frozen=True)
@@ -44,26 +48,30 @@ class Urn:
 
     Attributes:
         workspace: the layout.
-        whitened: (q, T, s) of all columns.
+        whitened: (q, R) of all columns, on the training runs.
+        kept: (T, s) which coefficients these are.
     """
 
     workspace: Workspace
     whitened: FloatArray
+    kept: NDArray[np.bool_]
 
     @classmethod
     def of(cls, workspace: Workspace) -> Urn:
         """Whiten all columns once."""
         whole = np.concatenate((workspace.scene.baseline, workspace.catalogue.columns))
-        return cls(workspace, workspace.whitening(whole))
+        kept = workspace.whitening.kept & workspace.rows_of(workspace.train)[:, None]
+        return cls(workspace, workspace.whitening(whole)[:, kept], kept)
 
     def draw(
         self, rng: np.random.Generator, truth: Mapping[str, Sequence[float]] | None = None
     ) -> Workspace:
-        """Noise and, at each stance, an error of its own; the truth adds to it by label."""
+        """Noise, errors as built, and at each stance one of its own; the truth adds by label."""
         workspace = self.workspace
-        residuals = correlated(workspace.noise, workspace, rng)
-        for column, std in workspace.scene.nuisances:
-            residuals += column * rng.normal() * (std if std < 1.0 else 0.0)
+        residuals = coloured(workspace, rng)
+        for one in workspace.scene.nuisances:
+            std = MADE * one.std if one.as_built else one.std
+            residuals += one.column * rng.normal() * (std if std < 1.0 else 0.0)
         for label, size in (truth or {}).items():
             _, form = part(workspace, label)
             residuals += np.tensordot(size, workspace.catalogue.columns[list(form.columns)], 1)
@@ -75,28 +83,26 @@ class Urn:
         scene = replace(workspace.scene)
         # All else that the scene has worked out stays.
         scene.__dict__.update(workspace.scene.__dict__ | {"residuals": residuals})
-        rest = workspace.whitening(residuals)
+        own = workspace.whitening(residuals)[self.kept]
         products = workspace.sums.products.copy()
-        for at, run in enumerate(workspace.sums.runs):
-            here = workspace.scene.samples.run == run
-            mask = workspace.scene.mask[here]
-            own = rest[here][mask]
-            pulls = self.whitened[:, here][:, mask] @ own
-            products[at, :-1, -1] = products[at, -1, :-1] = pulls
-            products[at, -1, -1] = own @ own
+        products[:-1, -1] = products[-1, :-1] = self.whitened @ own
+        products[-1, -1] = own @ own
+        old = workspace.scorer
+        told = workspace.whitening.spectrum(residuals)[self.kept]
+        rows = replace(old.rows, residuals=told, away=np.zeros_like(old.rows.away))
+        scorer = Scorer(rows, old.channels)
         sums = replace(workspace.sums, products=products)
-        return replace(workspace, scene=scene, sums=sums, scorer=Scorer(sums, workspace.train))
+        return replace(workspace, scene=scene, sums=sums, scorer=scorer, built=scorer.nothing)
 
 
-def remade(workspace: Workspace) -> FloatArray:
-    """(B, q, q) products from nothing but the workspace's scene."""
+def remade(workspace: Workspace, runs: Sequence[int] = ()) -> Sums:
+    """Sums from nothing but the workspace's scene, of other runs if any are named."""
     scene = workspace.scene
     return make_sums(
         workspace.whitening,
-        [*workspace.train, *workspace.test],
+        runs or workspace.train,
         scene.baseline,
         workspace.catalogue.columns,
         scene.residuals,
-        scene.mask,
         workspace.sums.precision,
-    ).products
+    )

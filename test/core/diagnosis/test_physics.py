@@ -61,7 +61,7 @@ SETTINGS = DiagnosisSettings()
 
 @pytest.mark.parametrize("world", WORLDS)
 def test_sizes_are_those_of_the_physics(world: str, tmp_path: Path) -> None:
-    """Within their interval, or by less than a third: springs and plates are no straight lines."""
+    """Within their interval, or by less than 0.4: springs and plates are no straight lines."""
     reality = tmp_path / "reality.yaml"
     perfect = (CONFIG / "realities" / "perfect.yaml").read_text()
     reality.write_text(perfect + "effects:" + WORLDS[world])
@@ -75,7 +75,7 @@ def test_sizes_are_those_of_the_physics(world: str, tmp_path: Path) -> None:
     for label, truth in TRUTHS[world].items():
         for name, true in truth.items():
             low, high = found[label][name].ci95
-            near = abs(found[label][name].value - true) < 0.3 * abs(true)
+            near = abs(found[label][name].value - true) < 0.4 * abs(true)
             assert near or low <= true <= high, f"{label}: {found[label]}"
 
 

@@ -42,7 +42,7 @@ def test_exchanged_cables_are_found(workspace: Workspace, one: int, other: int) 
     assert found is not None
     assert set(found.hypothesis.place) == {names[one], names[other]}
     before, after = (
-        float(np.sqrt(np.mean(each.scene.residuals[:, 1:3] ** 2)))
+        float(np.sqrt(np.mean(each.explained(None)[0][:, 1:3] ** 2)))
         for each in (crossed, found.workspace)
     )
     assert after < 0.5 * before

@@ -1,22 +1,67 @@
-"""Evidence and foretelling against Gaussian densities of whole vectors."""
+"""Evidence against Gaussian densities of whole vectors; what noise and scale may not do."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.stats import multivariate_normal
 
-from core.error_sources.test_regression import BASE, ROWS, RUNS, dense
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
-from shoecal_core.diagnosis.scoring import Reduced, Scorer
+from shoecal_core.diagnosis.scoring import (
+    COUNTS,
+    FREEDOM,
+    LEVEL,
+    LEVEL_FREEDOM,
+    Rows,
+    Scored,
+    Scorer,
+)
 from shoecal_core.error_sources.base import Shape
 from shoecal_core.error_sources.effects.contact import FloorTilt
+from shoecal_core.error_sources.signals import CLOSURE
+from shoecal_core.error_sources.spectrum import BANDS
 
 FloatArray = NDArray[np.float64]
+ROWS, BASE, BUILT, MORE = 1200, 4, 6, 4
 STD = np.array([0.5, 2.0])
+CLOSURES = CLOSURE.start * BANDS + np.arange(3)
+SETTLED = 60
+"""Rounds after which a fit moves no more."""
+
+
+def rows(seed: int, noise: float = 1.0, size: FloatArray | None = None, built: float = 0.0) -> Rows:
+    """Random columns in three bands of one signal, with noise of unit deviation.
+
+    Args:
+        noise: variance that is expected. size: (MORE,) what effects add. built: as-built level.
+    """
+    rng = np.random.default_rng(seed)
+    base, columns = rng.normal(size=(ROWS, BASE + BUILT)), rng.normal(size=(ROWS, MORE))
+    residuals = rng.normal(size=ROWS) + base[:, :BASE] @ rng.normal(size=BASE)
+    residuals += built * base[:, BASE:] @ rng.normal(size=BUILT)
+    residuals += columns @ (np.zeros(MORE) if size is None else size)
+    group = np.arange(ROWS) * 3 // ROWS
+    return Rows(
+        base=base,
+        columns=columns,
+        residuals=residuals,
+        away=np.zeros(BASE + BUILT),
+        measured=np.zeros(ROWS),
+        group=group,
+        number=CLOSURES,
+        noise=np.full(3, noise),
+        form=np.zeros(3),
+        smooth=np.full(3, 4.0 * noise),
+        most=np.full(3, 100.0),
+        precision=np.concatenate((np.full(BASE, 1e-4), np.ones(BUILT))),
+        family=np.repeat([-1, 0], [BASE, BUILT]),
+        most_level=np.array([4.0]),
+        same=np.full(MORE, -1),
+    )
 
 
 def possible(columns: tuple[int, ...], std: FloatArray, forms: int = 1) -> Hypothesis:
@@ -26,79 +71,102 @@ def possible(columns: tuple[int, ...], std: FloatArray, forms: int = 1) -> Hypot
     return Hypothesis(FloorTilt(), (), (form,) * forms, 1.0)
 
 
-def density(values: FloatArray, mean: FloatArray, covariance: FloatArray) -> float:
-    return float(multivariate_normal(mean, covariance).logpdf(values))
+def log_density(scored: Scored, what: Rows) -> float:
+    """Of all rows, each of which counts for a share of one, under the variances and levels that a
+    fit ended with, and of these.
+    """
+    matrix = np.column_stack((what.base, what.columns[:, list(scored.columns)]))
+    prior = np.concatenate((1.0 / what.prior(scored.levels), scored.std**2))
+    variance = scored.variance[what.group]
+    covariance = np.diag(variance / COUNTS) + (matrix * prior) @ matrix.T
+    found = multivariate_normal(np.zeros(ROWS), covariance).logpdf(what.residuals)
+    found += 0.5 * (1.0 - COUNTS) * float(np.log(variance).sum())
+    ratio = scored.variance / scored.expected
+    found -= 0.5 * FREEDOM * float((np.log(ratio) + 1.0 / ratio - 1.0).sum())
+    level = float(scored.levels[0]) / LEVEL
+    found -= 0.5 * LEVEL_FREEDOM * (2.0 * math.log(level) + level**-2.0 - 1.0)
+    return float(found) - 0.5 * math.log(scored.form_level) ** 2
 
 
-def believed(whole: FloatArray, precision: FloatArray, columns: tuple[int, ...]) -> FloatArray:
-    """(N, N) covariance of all rows before anything is measured, over the noise's variance."""
-    matrix = whole[:, [*range(BASE), *(BASE + one for one in columns)]]
-    prior = np.concatenate((1.0 / precision, STD[: len(columns)] ** 2))
-    return np.asarray(np.eye(len(whole)) + (matrix * prior) @ matrix.T)
-
-
-@pytest.mark.parametrize("noise", [0.5, 1.0, 4.0])
-def test_evidence_is_the_density_of_all_rows(noise: float) -> None:
-    sums, whole, precision = dense(1)
-    reduced = Reduced(sums.of(sums.runs)[0], sums)
-    values, nothing = whole[:, -1], np.zeros(len(whole))
-    usual = noise * believed(whole, precision, ())
-    truth = density(values, nothing, noise * believed(whole, precision, (1, 2)))
-    truth -= density(values, nothing, usual)
-    with_, without = reduced.fit((1, 2), STD), reduced.fit((), np.zeros(0))
-    found = reduced.log_evidence(with_, noise) - reduced.log_evidence(without, noise)
-    assert found == pytest.approx(truth, rel=1e-6)
-
-
-def test_evidence_with_noise_as_large_as_what_is_left() -> None:
-    sums, whole, _ = dense(4)
-    scorer = Scorer(sums, sums.runs)
-    alone = possible((0, 2), STD)
-    found = scorer.score([(alone, alone.forms[0])])
-    reduced = Reduced(scorer.products, sums)
-    fit, nothing = reduced.fit((0, 2), STD), reduced.fit((), np.zeros(0))
-    wanted = 0.5 * len(whole) * math.log(nothing.squares / fit.squares) - fit.log_volume
-    assert found.evidence == pytest.approx(wanted)
-    np.testing.assert_allclose(found.sizes, found.solution.vector[-2:], rtol=1e-6)
-    assert fit.squares == pytest.approx(found.solution.squares)
-    assert fit.log_volume == pytest.approx(found.solution.log_volume)
+@pytest.mark.parametrize(("seed", "built"), [(1, 0.0), (2, 1.0), (3, 3.0)])
+def test_evidence_is_the_density_of_all_rows(seed: int, built: float) -> None:
+    what = rows(seed, size=np.array([0.0, 0.3, -0.4, 0.0]), built=built)
+    scorer = Scorer(what, 0)
+    one = possible((1, 2), STD)
+    nothing = scorer.score([], rounds=SETTLED)
+    found = scorer.score([(one, one.forms[0])], start=nothing, rounds=SETTLED)
+    wanted = log_density(found, what) - log_density(nothing, what)
+    assert found.evidence == pytest.approx(wanted, abs=0.05)
     # Each form that was tried costs.
-    many = possible((0, 2), STD, forms=3)
-    assert scorer.best_form(many).evidence == pytest.approx(wanted - math.log(3))
+    many = possible((1, 2), STD, forms=3)
+    costly = scorer.score([(many, many.forms[0])], start=nothing, rounds=SETTLED)
+    assert costly.evidence == pytest.approx(found.evidence - math.log(3))
 
 
-def test_what_is_foretold_is_each_run_s_density_given_the_others() -> None:
-    sums, whole, precision = dense(5)
-    scorer = Scorer(sums, sums.runs)
-    alone = possible((1, 3), STD)
-    found = scorer.score([(alone, alone.forms[0])])
-    noise = Reduced(scorer.products, sums).fit((1, 3), STD).squares / len(whole)
-    values, total = whole[:, -1], 0.0
-    for columns, sign in (((1, 3), 1.0), ((), -1.0)):
-        covariance = noise * believed(whole, precision, columns)
-        for run in range(RUNS):
-            own = np.arange(len(whole)) // ROWS == run
-            pull = covariance[np.ix_(own, ~own)] @ np.linalg.inv(covariance[np.ix_(~own, ~own)])
-            rest = covariance[np.ix_(own, own)] - pull @ covariance[np.ix_(~own, own)]
-            total += sign * density(values[own], pull @ values[~own], 0.5 * (rest + rest.T))
-    assert found.foretold == pytest.approx(total, rel=1e-6)
+def test_of_noise_nothing_is_evident() -> None:
+    """However large it is against what was expected."""
+    for noise in (0.1, 1.0, 10.0):
+        scorer = Scorer(rows(4, noise), 0)
+        for column in range(MORE):
+            one = possible((column,), STD[:1])
+            assert scorer.score([(one, one.forms[0])]).evidence < 3.0
+        assert scorer.other.evidence < (3.0 if noise >= 1.0 else np.inf)
 
 
-def test_parts_find_their_own_sizes() -> None:
-    sums, _, _ = dense(6)
-    scorer = Scorer(sums, sums.runs)
+def test_sizes_and_their_places() -> None:
+    size = np.array([0.8, -0.7, 0.0, 0.6])
+    scorer = Scorer(rows(5, size=size), 0)
     first, second = possible((0, 1), STD), possible((3,), STD[:1])
     found = scorer.score([(first, first.forms[0]), (second, second.forms[0])])
     assert found.columns == (0, 1, 3)
     assert found.sizes[found.own(0)].tolist() == found.sizes[:2].tolist()
     assert found.sizes[found.own(1)].tolist() == found.sizes[2:].tolist()
+    spread = np.sqrt(np.diag(found.solution.covariance)[-3:])
+    assert (np.abs(found.sizes - size[[0, 1, 3]]) < 4.0 * spread).all()
+    (gain, forms), *_ = sorted(scorer.gains([first, second]), key=lambda one: -one[0])
+    assert 0.3 < gain / scorer.score(forms[:1]).evidence < 3.0
+
+
+def test_levels_follow_what_the_robot_shows() -> None:
+    levels = [float(Scorer(rows(6, built=one), 0).nothing.levels[0]) for one in (0.0, 0.5, 3.0)]
+    assert levels == sorted(levels)
+    assert levels[0] < 0.5
+    assert levels[2] > 1.5
+
+
+def test_something_else_is_evident_where_no_column_is() -> None:
+    rng = np.random.default_rng(7)
+    what = replace(rows(7), most=np.full(3, 4.0))
+    third = ROWS // 3
+    what.residuals[:third] += 8.0 * rng.normal(size=third)
+    scorer = Scorer(what, 0)
+    assert scorer.other.evidence > 20.0
+    one = possible((0,), STD[:1])
+    assert scorer.score([(one, one.forms[0])]).evidence < 5.0
+
+
+def test_a_scale_that_shrinks_what_is_measured_is_no_explanation() -> None:
+    """Were residuals counted as they stand, gains and a model that shrink would look right."""
+    rng = np.random.default_rng(8)
+    what = rows(8)
+    model = 2.0 * rng.normal(size=ROWS)
+    measured = model + rng.normal(size=ROWS)
+    what.base[:, 0], what.columns[:, 0] = measured, -model
+    what.base[:, 1:] = 0.0
+    what.residuals[:] = measured - model
+    what.measured[:] = measured
+    one = possible((0,), STD[:1])
+    parts = [(one, one.forms[0])]
+    assert Scorer(what, 1).score(parts).evidence < 0.0
+    assert Scorer(what, 0).score(parts).evidence > 3.0
 
 
 def test_a_size_below_its_least_makes_no_sense() -> None:
-    sums, _, _ = dense(7)
-    scorer = Scorer(sums, sums.runs)
-    alone = possible((0,), STD[:1])
-    size = float(scorer.best_form(alone).sizes[0])
-    for least, sensible in ((size - 1.0, True), (size + 1.0, False)):
-        form = Form(alone.forms[0].shape, (0,), STD[:1], np.array([least]), np.array([np.inf]))
-        assert scorer.score([(alone, form)]).sensible is sensible
+    scorer = Scorer(rows(9, size=np.array([0.8, 0.0, 0.0, 0.0])), 0)
+    for least, sensible in ((0.2, True), (1.5, False)):
+        form = Form(
+            Shape(("a",), np.zeros((1, 1, 1))), (0,), STD[:1], np.array([least]), np.array([9.0])
+        )
+        one = Hypothesis(FloorTilt(), (), (form,), 1.0)
+        assert scorer.score([(one, form)]).sensible is sensible
+        assert bool(scorer.gains([one])) is sensible

@@ -18,6 +18,7 @@ from shoecal_core.error_sources.base import Place
 from shoecal_core.error_sources.scene import make_scene
 
 SETTINGS = DiagnosisSettings()
+NOTHING = Found(None, (), (), -3.0)
 
 
 def everywhere(_effect: str, _place: Place) -> bool:
@@ -51,19 +52,19 @@ def test_a_cell_that_hardly_answers_is_a_stuck_one(
 def test_it_is_a_cause_though_no_signal_shows_a_gap(workspace: Workspace) -> None:
     weak = answering(workspace, 1, 0.1)
     certain = weak_cells(weak, everywhere)
-    said = answer(weak, weak, certain, Found(None, (), ()), SETTINGS)
+    said = answer(weak, certain, NOTHING, SETTINGS)
     assert said.verdict == "explained"
     assert list(said.causes) == certain
     assert [(one.effect, one.probability) for one in said.ambiguity] == [("stuck_cell", 1.0)]
-    assert answer(weak, weak, (), Found(None, (), ()), SETTINGS).verdict == "no_gap"
+    assert answer(weak, (), NOTHING, SETTINGS).verdict == "no_gap"
 
 
 def test_a_gain_that_nothing_fixes_accuses_no_cell(workspace: Workspace) -> None:
     weak = answering(workspace, 1, 0.1)
-    nothing = weak.scorer.nothing
-    unsure = replace(nothing, covariance=nothing.covariance * 1e8)
     scorer = copy(weak.scorer)
-    scorer.nothing = unsure
+    scorer.nothing = replace(weak.scorer.nothing)
+    solution = weak.scorer.nothing.solution
+    scorer.nothing.__dict__["solution"] = replace(solution, covariance=solution.covariance * 1e8)
     assert weak_cells(replace(weak, scorer=scorer), everywhere) == []
 
 

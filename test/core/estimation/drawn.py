@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from core.calibration import synthetic
 from core.error_sources import world
 from core.error_sources.altered import shifted
-from shoecal_core.error_sources.as_built import as_built
+from shoecal_core.error_sources.as_built import of_body, of_shoes
 from shoecal_core.error_sources.base import ALL, Deviation
 from shoecal_core.error_sources.scene import make_scene
 from shoecal_core.error_sources.settings import SignalSettings
@@ -76,7 +76,7 @@ def drawn(
     parameters = synthetic.truth(moves.shoe, rng)
     exact = world.Truth(parameters, noise=noise)
     scene = make_scene(world.recorded(moves, exact, seed), parameters, SETTINGS)
-    found = as_built(scene, tolerances)
+    found = [*of_body(scene, tolerances), *of_shoes(scene, tolerances)]
     values = {one.key: share * one.std * rng.standard_normal() for one in found}
     samples = world.recorded(moves, _truth(moves, exact, found, values), seed)
     guess = ChannelParameters(

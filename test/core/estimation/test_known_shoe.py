@@ -31,7 +31,9 @@ def deviations(shoe: Shoe) -> list[Deviation]:
     """Plates of both shoes, and one that the shoe's channels do not follow."""
     nothing = np.zeros((0, 0))
     found = [
-        Deviation("plates", (side,), axis, "", 0.1, nothing, None, plates_column(shoe, side, axis))
+        Deviation(
+            "plates", (side,), axis, "", 0.1, nothing, shoe_column=plates_column(shoe, side, axis)
+        )
         for side in FEET
         for axis in ("x", "y")
     ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from collections.abc import Iterator
 
 import numpy as np
@@ -11,16 +10,18 @@ from numpy.typing import NDArray
 from shoecal_core.error_sources.base import ALL, Component, Place, Shape
 from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.effects import places
-from shoecal_core.error_sources.give import Given
 from shoecal_core.error_sources.scene import Scene
+from shoecal_core.samples.filters import slope
 from shoecal_core.samples.known_weight import carried
 from shoecal_core.samples.samples import Samples
 
 FloatArray = NDArray[np.float64]
 LEAST_MASS = 0.01
 """Links lighter than this share of the robot are not looked at."""
-FRICTION = 0.05
+FRICTION = (0.05, 0.2)
 """N m; a torque smaller than this does not say on which side of its play a joint lies."""
+DRAG = 0.01
+"""rad/s; the same of a motion."""
 
 
 def _heavy(scene: Scene) -> Iterator[Place]:
@@ -141,7 +142,7 @@ class JointOffset:
         yield Shape(("angle",), scene.by_angles(change)[None])
 
 
-class _Give(ABC):
+class _Give:
     """What lies between an encoder and its link, and gives with the torque."""
 
     def places(self, scene: Scene) -> Iterator[Place]:
@@ -155,50 +156,31 @@ class _Give(ABC):
         change[:, joints] = given[:, joints]
         return Shape((name,), scene.by_angles(change)[None])
 
-    def _as_soles_tell(self, scene: Scene, place: Place, name: str) -> Iterator[Shape]:
-        """As the soles tell that a place gives, if that is what this effect would make of it."""
-        joints = places.joints_at(scene, place)
-        given = scene.give.of(joints)
-        size = self._size(given)
-        if size is not None:
-            change = np.zeros_like(scene.samples.angles)
-            change[:, joints] = given.course / size
-            yield Shape((name,), scene.by_angles(change)[None], spent=given.spent)
-
-    @abstractmethod
-    def _size(self, given: Given) -> float | None:
-        """Of the effect that makes joints give so; None where it would not do so."""
-        raise NotImplementedError
-
 
 class JointCompliance(_Give):
     """A joint gives under its torque, behind the encoder."""
 
     identifier, group = "joint_compliance", "body"
     components = (
-        Component("compliance", "rad/(N m)", 0.008, 0.0, as_built="gear_compliance_rad_per_nm"),
+        Component(
+            "compliance", "rad/(N m)", 0.008, 0.0, form=3.0, as_built="gear_compliance_rad_per_nm"
+        ),
     )
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
-        """In proportion to the torque that it holds, or as the soles tell if that follows it."""
+        """In proportion to the torque that it holds."""
         yield self._shape(scene, place, "compliance", scene.torque)
-        yield from self._as_soles_tell(scene, place, "compliance")
-
-    def _size(self, given: Given) -> float | None:
-        return given.compliance
 
 
 class Backlash(_Give):
     """A joint has play behind the encoder: it lies on the side to which it is pushed."""
 
     identifier, group = "backlash", "body"
-    components = (Component("play", "rad", 0.015, 0.0, as_built="gear_play_rad"),)
+    components = (Component("play", "rad", 0.015, 0.0, form=7.0, as_built="gear_play_rad"),)
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
-        """By the sign of the torque; or, hardly loaded, anywhere in its play, as the soles tell."""
-        yield self._shape(scene, place, "play", 0.5 * np.tanh(scene.torque / FRICTION))
-        yield from self._as_soles_tell(scene, place, "play")
-
-    def _size(self, given: Given) -> float | None:
-        play = float(np.ptp(given.course, axis=0).max())
-        return play if play > 0.0 and given.compliance is None else None
+        """By the side to which the torque pushes, at once or over a while, or the motion drags."""
+        for friction in FRICTION:
+            yield self._shape(scene, place, "play", 0.5 * np.tanh(scene.torque / friction))
+        rate = scene.samples.decimated(lambda track: slope(track.angles, track.time))
+        yield self._shape(scene, place, "play", 0.5 * np.tanh(rate / DRAG))

@@ -24,7 +24,11 @@ class FootPlacement:
     """A shoe sits askew below its ankle."""
 
     identifier, group = "foot_placement", "contact"
-    components = MOVES
+    components = (
+        Component("dx", "m", 0.004, as_built="foot_placement_m"),
+        Component("dy", "m", 0.004, as_built="foot_placement_m"),
+        Component("dtheta", "rad", 0.03, as_built="foot_placement_rad"),
+    )
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Each foot."""
@@ -129,7 +133,10 @@ class FloorTilt:
     """The floor is not level."""
 
     identifier, group = "floor_tilt", "contact"
-    components = (Component("about_x", "rad", 0.02), Component("about_y", "rad", 0.02))
+    components = (
+        Component("about_x", "rad", 0.02, as_built="floor_tilt_rad"),
+        Component("about_y", "rad", 0.02, as_built="floor_tilt_rad"),
+    )
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Below both feet."""

@@ -13,7 +13,7 @@ from shoecal_core.error_sources.base import Component, Place, Shape
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.effects.load_cell import shown
 from shoecal_core.error_sources.scene import Scene
-from shoecal_core.error_sources.signals import AIR
+from shoecal_core.error_sources.signals import AIR, PARITY
 from shoecal_core.error_sources.wiring import Wiring
 from shoecal_core.sensing.shoe import FEET
 
@@ -62,7 +62,7 @@ class Crosstalk:
     """
 
     identifier, group = "crosstalk", "load_cell"
-    components = (Component("fraction", "", 0.08, most=0.3),)
+    components = (Component("fraction", "", 0.08, most=0.3, as_built="crosstalk"),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Receiver and donor of one foot's cells, which share a board; axes of one sensor."""
@@ -76,10 +76,10 @@ class Crosstalk:
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
         """The donor's force."""
         receiver, donor = (scene.samples.shoe.names.index(name) for name in place)
-        yield Shape(
-            ("fraction",),
-            shown(scene, np.array([receiver]), scene.outputs[:, [donor]])[None],
-        )
+        column = shown(scene, np.array([receiver]), scene.outputs[:, [donor]])
+        # Which way a plane leans is found from the outputs; mixed ones lie on one as well.
+        column[:, PARITY] = 0.0
+        yield Shape(("fraction",), column[None])
 
 
 class SwappedCells:

@@ -20,6 +20,8 @@ LEAST_HANGING = 5
 """Samples in the air that tell what a cell shows when it feels nothing."""
 FLAT_STUCK, FLAT_AT_TOP = 0.01, 0.5
 """Movement of a channel over what is expected, up to which it may be stuck, or saturated."""
+WARM_UP = 0.3
+"""Time constant of what warms up, as a share of the session."""
 
 
 def shown(scene: Scene, channels: NDArray[np.int64], values: FloatArray) -> FloatArray:
@@ -224,9 +226,15 @@ def _flat(shown_: FloatArray, expected: FloatArray, share: float) -> bool:
 
 
 def courses(scene: Scene) -> Iterator[tuple[str, FloatArray]]:
-    """What drifts can follow: the session's time, and the temperature where it changes."""
+    """What drifts can follow: the session's time, and the temperature where it changes.
+
+    Over time evenly, or as what warms up: first fast, then slowly, at the same rate on average.
+    """
     samples = scene.samples
     yield "rate", samples.clock
+    lasts = float(samples.clock.max())
+    warmed = -np.expm1(-samples.clock / (WARM_UP * lasts)) / -np.expm1(-1.0 / WARM_UP)
+    yield "rate", lasts * warmed
     if all(track.temperature is not None for track in samples.tracks):
         told = samples.decimated(lambda track: np.asarray(track.temperature)[:, None])[:, 0]
         if np.ptp(told) > 0.5:

@@ -155,12 +155,28 @@ def test_drifts_with_temperature(scene: Scene) -> None:
         return np.asarray(np.asarray(track.temperature)[:, None] - first)
 
     zero, span = load_cell.ZeroDrift(), load_cell.SpanDrift()
-    assert shape(warm, zero, "left", form=1).free == ("per_kelvin",)
+    assert shape(warm, zero, "left", form=2).free == ("per_kelvin",)
     after = at(warm, "left", lambda track, f: f + 0.1 * warmer(track))
-    assert_shows(warm, after, told(shape(warm, zero, "left", form=1), 0.1))
+    assert_shows(warm, after, told(shape(warm, zero, "left", form=2), 0.1))
     after = at(warm, "left", lambda track, f: f * (1.0 + 0.003 * warmer(track)))
-    assert_shows(warm, after, told(shape(warm, span, "left", form=1), 0.003))
-    assert len(list(zero.shapes(scene, ("left",)))) == 1
+    assert_shows(warm, after, told(shape(warm, span, "left", form=2), 0.003))
+    assert len(list(zero.shapes(scene, ("left",)))) == 2
+
+
+def test_drifts_as_what_warms_up_does(scene: Scene) -> None:
+    """Fast at first: as far by the session's end as an even drift of the same rate."""
+    even, warming = (shape(scene, load_cell.ZeroDrift(), "left", form=form) for form in (0, 1))
+    clock = scene.samples.clock
+    course = 1.0 - np.exp(-clock / (0.3 * clock.max()))
+    size = 0.5 / course.max()
+
+    def warmer(track: Track, force: FloatArray) -> FloatArray:
+        grown = 1.0 - np.exp(-(track.start + track.time) / (0.3 * clock.max()))
+        return np.asarray(force + size * grown[:, None])
+
+    assert_shows(scene, at(scene, "left", warmer), told(warming, 0.5 / clock.max()), within=0.05)
+    last = int(np.argmax(clock))
+    np.testing.assert_allclose(warming.columns[0, last], even.columns[0, last])
 
 
 @pytest.mark.parametrize("cell", CELLS)
