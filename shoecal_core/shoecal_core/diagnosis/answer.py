@@ -74,16 +74,17 @@ def upheld(workspace: Workspace, found: Found) -> Found:
 
     What happened once, in a run that was fitted, others can say nothing about.
     """
-    for index in reversed(range(len(found.chosen.parts) if found.chosen is not None else 0)):
+    if found.chosen is None or not workspace.test:
+        return found
+    for index in reversed(range(len(found.chosen.parts))):
         chosen = found.chosen
-        assert chosen is not None
         if chosen.parts[index][1].shape.run is not None:
             continue
         now = workspace.at(chosen)
         rests = now.without(chosen, index), now.explained(chosen)[0]
         gaps = [[excess(now, rest, runs) for rest in rests] for runs in (now.train, now.test)]
         (claimed, shown), over = (before - after for before, after in gaps), gaps[1][0]
-        if now.test and shown < UPHELD_FROM * max(claimed, over):
+        if shown < UPHELD_FROM * max(claimed, over):
             found = found.without(index)
     return found
 

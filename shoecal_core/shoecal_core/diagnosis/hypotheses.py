@@ -49,14 +49,9 @@ class Hypothesis:
     prior: float
 
     @property
-    def foreseen(self) -> tuple[Form, ...]:
-        """Forms that are told without having seen the signals: of any recording, at least one."""
-        return tuple(form for form in self.forms if form.shape.spent == 0.0)
-
-    @property
     def usual(self) -> Form:
-        """A form in the middle of those that are foreseen."""
-        return self.foreseen[len(self.foreseen) // 2]
+        """The form in the middle."""
+        return self.forms[len(self.forms) // 2]
 
     @property
     def label(self) -> str:

@@ -91,7 +91,7 @@ def typical_sizes(workspace: Workspace) -> FloatArray:
 def _gain(hypothesis: Hypothesis, left: FloatArray, sizes: FloatArray) -> float:
     """Expected log evidence of its best seen component, in a usual form."""
     gains = []
-    for form in hypothesis.foreseen:
+    for form in hypothesis.forms:
         own = list(form.columns)
         block = left[np.ix_(own, own)]
         prior = np.linalg.slogdet(np.eye(len(own)) + np.outer(form.std, form.std) * block)[1]
@@ -171,7 +171,7 @@ def distances(hypotheses: Sequence[Hypothesis], left: FloatArray, sizes: FloatAr
     found = np.zeros((len(hypotheses), len(hypotheses)))
     for index, other in enumerate(hypotheses):
         most = np.zeros(len(hypotheses))
-        for form in other.foreseen:
+        for form in other.forms:
             own = list(form.columns)
             normal = left[np.ix_(own, own)] + np.diag(1.0 / (LARGE * form.std) ** 2)
             most = np.maximum(most, (seen[own] * np.linalg.solve(normal, seen[own])).sum(axis=0))

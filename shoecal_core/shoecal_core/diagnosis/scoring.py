@@ -32,8 +32,8 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_solve, solve_triangular
 
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
-from shoecal_core.error_sources.regression import Solution
-from shoecal_core.error_sources.spectrum import signals_of
+from shoecal_core.diagnosis.rows import Rows
+from shoecal_core.error_sources.regression import covariance_of
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -57,99 +57,6 @@ ELSE_COST = 1.0
 """Logarithm of probability that something else costs in each signal that it is in."""
 ROUNDS, NEXT_ROUNDS = 8, 3
 LEAST_SHARE = 0.02
-LEAST_SCALE, MOST_SCALE = 0.02, 3.0
-
-
-def levelled(precision: FloatArray, family: IntArray, levels: FloatArray) -> FloatArray:
-    """(p,) precision of priors, where families of as-built errors are at levels (F,)."""
-    factor = np.where(family < 0, 1.0, levels[np.maximum(family, 0)] ** -2.0)
-    found: FloatArray = precision * factor
-    return found
-
-
-@dataclass(frozen=True)
-class Rows:
-    """Everything that is fitted, as cosine coefficients of the training runs: R of them.
-
-    Attributes:
-        base: (R, p). columns: (R, k) of hypotheses.
-        residuals: (R,) with gains and offsets as the priors have them.
-        away: (p,) how far these are from those that were fitted.
-        measured: (R,) CoP and GRF as measured, by the fitted ones; zero for other signals.
-        group: (R,) to which of G groups, a signal in a band, each belongs.
-        number: (G,) of each group among all there are (`spectrum`).
-        noise: (G,) variance by noise and by what no model tells.
-        form: (G,) the same by the forms of as-built errors.
-        smooth: (G,) of a smooth term as large as the usual error of a model.
-        most: (G,) variance up to which a group may be more than was expected.
-        precision: (p,) of the baseline's priors, at level 1.
-        family: (p,) of as-built errors; -1 for all else.
-        most_level: (F,) of each family.
-        same: (k,) column of the baseline that is the same error as built; -1 where there is none.
-    """
-
-    base: FloatArray
-    columns: FloatArray
-    residuals: FloatArray
-    away: FloatArray
-    measured: FloatArray
-    group: IntArray
-    number: IntArray
-    noise: FloatArray
-    form: FloatArray
-    smooth: FloatArray
-    most: FloatArray
-    precision: FloatArray
-    family: IntArray
-    most_level: FloatArray
-    same: IntArray
-
-    @property
-    def signal(self) -> IntArray:
-        """(G,) of each group."""
-        return signals_of(self.number)
-
-    def by_band(self, values: FloatArray, usual: FloatArray) -> FloatArray:
-        """(s, BANDS) of values by group (G,); as usual where no group is."""
-        found = usual.copy()
-        found.ravel()[self.number] = values
-        return found
-
-    @cached_property
-    def count(self) -> FloatArray:
-        """(G,) rows of each group."""
-        return np.bincount(self.group, minlength=len(self.number)).astype(np.float64)
-
-    def squares(self, values: FloatArray) -> FloatArray:
-        """(G,) sums of squares of values (R,)."""
-        return np.bincount(self.group, values**2, minlength=len(self.number)).astype(np.float64)
-
-    def prior(self, levels: FloatArray) -> FloatArray:
-        """(p,) precision where families are at these levels (F,)."""
-        return levelled(self.precision, self.family, levels)
-
-    @cached_property
-    def _gains(self) -> tuple[tuple[IntArray, FloatArray, FloatArray], ...]:
-        """Of each signal that is measured: its groups, values and columns."""
-        found = []
-        for signal in np.unique(self.signal[self.group[self.measured != 0.0]]):
-            here = (self.signal[self.group] == signal) & (self.measured != 0.0)
-            groups = np.flatnonzero(self.signal == signal)
-            found.append((groups, self.measured[here], self.base[here]))
-        return tuple(found)
-
-    def scales(self, vector: FloatArray, channels: int) -> FloatArray:
-        """(G,) of what is measured, under gains and offsets that a fit moves (2 n first columns).
-
-        Args:
-            vector: (p,) of the baseline. channels: n.
-        """
-        found = np.ones(len(self.number))
-        for groups, measured, base in self._gains:
-            now = measured - base[:, : 2 * channels] @ vector[: 2 * channels]
-            scale = float(measured @ now) / float(measured @ measured)
-            found[groups] = np.clip(scale, LEAST_SCALE, MOST_SCALE)
-        return found
 
 
 @dataclass(frozen=True)
@@ -216,9 +123,9 @@ class Scored:
         return replace(self, variance=self.expected, levels=levels)
 
     @cached_property
-    def solution(self) -> Solution:
-        """The whole fit with its covariance."""
-        return self.scorer.solution(self)
+    def covariance(self) -> FloatArray:
+        """(p + k, p + k) of the vector."""
+        return self.scorer.covariance(self)
 
     def own(self, index: int) -> slice:
         """Where the components of a part stand among all parts', counted from the end."""
@@ -295,7 +202,7 @@ class Scorer:
             for one in (start, start.strict)
         ]
         found = max(ways, key=lambda one: one.evidence)
-        cost = sum(math.log(len(hypothesis.forms)) + form.shape.spent for hypothesis, form in parts)
+        cost = sum(math.log(len(hypothesis.forms)) for hypothesis, _ in parts)
         return replace(found, evidence=found.evidence - self._as_built - cost)
 
     def _nothing(self, *, other: bool) -> Scored:
@@ -438,21 +345,16 @@ class Scorer:
             found[family] = min(max(level, LEAST_LEVEL), most)
         return found
 
-    def solution(self, scored: Scored) -> Solution:
-        """Vector and covariance of a fit, at its variances and levels."""
+    def covariance(self, scored: Scored) -> FloatArray:
+        """(p + k, p + k) of a fit's vector, at its variances and levels."""
         rows = self.rows
         weight = np.sqrt(COUNTS / scored.variance)[rows.group]
         whole = np.column_stack((rows.base, rows.columns[:, list(scored.columns)]))
         whole *= weight[:, None]
         precision = np.concatenate((rows.prior(scored.levels), scored.std**-2.0))
-        normal = whole.T @ whole
-        scale = 1.0 / np.sqrt(np.diag(normal) + precision)
-        system = (normal + np.diag(precision)) * np.outer(scale, scale)
-        inverse = np.linalg.inv(np.linalg.cholesky(system + 1e-12 * np.eye(len(system))))
-        covariance = (inverse.T @ inverse) * np.outer(scale, scale)
-        squares = float(((scored.rest * weight) ** 2).sum() + scored.vector**2 @ precision)
         turned = self._whole(scored.columns)
-        return Solution(scored.vector, turned @ covariance @ turned.T, squares)
+        found: FloatArray = turned @ covariance_of(whole.T @ whole, precision) @ turned.T
+        return found
 
     def gains(
         self, hypotheses: Sequence[Hypothesis], beside: Scored | None = None
@@ -492,7 +394,7 @@ def _best(left: FloatArray, hypothesis: Hypothesis) -> tuple[float, Form] | None
     found: tuple[float, Form] | None = None
     for form in hypothesis.forms:
         gain, sizes = _gain(left, form)
-        gain -= form.shape.spent + math.log(len(hypothesis.forms))
+        gain -= math.log(len(hypothesis.forms))
         if sensible(form, sizes) and (found is None or gain > found[0]):
             found = gain, form
     return found

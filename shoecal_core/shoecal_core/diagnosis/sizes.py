@@ -22,8 +22,8 @@ def sizes(workspace: Workspace, scored: Scored, index: int) -> Mapping[str, Size
     hypothesis, form = scored.parts[index]
     known = {component.name: component for component in hypothesis.effect.components}
     own = scored.own(index)
-    values = scored.solution.vector[own]
-    deviations = np.sqrt(np.diag(scored.solution.covariance)[own])
+    values = scored.vector[own]
+    deviations = np.sqrt(np.diag(scored.covariance)[own])
     # Another form of an effect moves its components together, each as far as it usually goes.
     whole = float(np.linalg.norm(values / form.std))
     found: dict[str, Size] = {}

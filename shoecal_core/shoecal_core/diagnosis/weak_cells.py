@@ -38,7 +38,7 @@ def weak_cells(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> li
     if len(cells) < FEWEST or any(shoe.channels[cell].nominal_gain is not None for cell in cells):
         return []
     gain = np.abs(scene.parameters.gain[cells])
-    spread = np.sqrt(np.diag(workspace.scorer.nothing.solution.covariance))[cells]
+    spread = np.sqrt(np.diag(workspace.scorer.nothing.covariance))[cells]
     usual = float(np.median(gain))
     found = []
     for cell in cells[(gain > TOO_LARGE * usual) & (gain > SURE * spread)].tolist():

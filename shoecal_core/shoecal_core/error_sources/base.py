@@ -103,7 +103,6 @@ class Shape:
         scene: the scene that it belongs to, where it changes what channels mean; None: the
             one that was given.
         scale: a component's value is the fitted number times this (1 where not listed).
-        spent: logarithm of evidence that it costs, where it was itself taken from the signals.
     """
 
     free: tuple[str, ...]
@@ -113,7 +112,6 @@ class Shape:
     onset: float | None = None
     scene: Scene | None = None
     scale: Mapping[str, float] = field(default_factory=dict)
-    spent: float = 0.0
 
 
 class Effect(Protocol):

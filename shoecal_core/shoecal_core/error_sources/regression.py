@@ -50,13 +50,11 @@ class Sums:
 
     Attributes:
         products: (q, q).
-        rows: number of whitened rows.
         base: number of the baseline's columns.
         precision: (base,) prior precision of the baseline's columns.
     """
 
     products: FloatArray
-    rows: float
     base: int
     precision: FloatArray
 
@@ -79,7 +77,7 @@ def make_sums(
     whitened = whitening(np.concatenate((baseline, hypotheses, residuals[None])))
     kept = whitening.kept[part]
     flat = whitened[:, part][:, kept]
-    return Sums(flat @ flat.T, float(kept.sum()), len(baseline), precision)
+    return Sums(flat @ flat.T, len(baseline), precision)
 
 
 @dataclass(frozen=True)
@@ -106,13 +104,17 @@ def solve(sums: Sums, columns: Sequence[int], std: FloatArray) -> Solution:
     """
     chosen = np.concatenate((np.arange(sums.base), sums.base + np.asarray(columns, dtype=np.int64)))
     precision = np.concatenate((sums.precision, 1.0 / std**2))
-    normal = sums.products[np.ix_(chosen, chosen)]
     right = sums.products[chosen, -1]
-    scale = 1.0 / np.sqrt(np.diag(normal) + precision)
-    system = (normal + np.diag(precision)) * np.outer(scale, scale)
-    factor = np.linalg.cholesky(system + 1e-12 * np.eye(len(system)))
-    inverse = np.linalg.inv(factor)
-    covariance = (inverse.T @ inverse) * np.outer(scale, scale)
+    covariance = covariance_of(sums.products[np.ix_(chosen, chosen)], precision)
     vector = covariance @ right
     squares = float(sums.products[-1, -1] - right @ vector)
     return Solution(vector, covariance, squares)
+
+
+def covariance_of(normal: FloatArray, precision: FloatArray) -> FloatArray:
+    """(p, p) inverse of a normal matrix (p, p) and priors of precision (p,), in any units."""
+    scale = 1.0 / np.sqrt(np.diag(normal) + precision)
+    system = (normal + np.diag(precision)) * np.outer(scale, scale)
+    inverse = np.linalg.inv(np.linalg.cholesky(system + 1e-12 * np.eye(len(system))))
+    covariance: FloatArray = (inverse.T @ inverse) * np.outer(scale, scale)
+    return covariance

@@ -111,7 +111,7 @@ def at_least_load(shoe: Shoe, readings: FloatArray) -> BoolArray:
     That is no proof that it is in the air, but one that carries more is not. All is True where the
     polarity of vertical channels is not known.
     """
-    if any(shoe.polarity[i] == 0 for i in np.flatnonzero(shoe.columns[:, 0])):
+    if not _polarity_known(shoe):
         return np.ones((len(readings), 2), dtype=bool)
     force, _ = vertical_forces(shoe, readings)
     least, most = np.percentile(force, [1.0, 99.0], axis=0)
@@ -125,13 +125,18 @@ def moves(shoe: Shoe, readings: FloatArray, part: IntArray, foot: int) -> bool:
     Gears that give and soft floors make a foot that stands look lifted. False where the polarity of
     vertical channels is not known.
     """
-    if any(shoe.polarity[i] == 0 for i in np.flatnonzero(shoe.columns[:, 0])):
+    if not _polarity_known(shoe):
         return False
     force = vertical_forces(shoe, readings)[0][:, foot]
     least, most = np.percentile(force, [1.0, 99.0])
     low, high = np.percentile(force[part], [5.0, 95.0])
     noise = float(np.median(np.abs(np.diff(force[part])))) if len(part) > 1 else 0.0
     return bool(high - low - NOISE_RANGE * noise > LOWEST_SHARE * (most - least))
+
+
+def _polarity_known(shoe: Shoe) -> bool:
+    """Of every vertical channel."""
+    return not any(shoe.polarity[i] == 0 for i in np.flatnonzero(shoe.columns[:, 0]))
 
 
 def _surely(clearance: FloatArray, high: BoolArray) -> BoolArray:

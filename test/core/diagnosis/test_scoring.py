@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from scipy.stats import multivariate_normal
 
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
+from shoecal_core.diagnosis.rows import Rows
 from shoecal_core.diagnosis.scoring import (
     COUNTS,
     FREEDOM,
     LEVEL,
     LEVEL_FREEDOM,
-    Rows,
     Scored,
     Scorer,
 )
@@ -121,7 +121,7 @@ def test_sizes_and_their_places() -> None:
     assert found.columns == (0, 1, 3)
     assert found.sizes[found.own(0)].tolist() == found.sizes[:2].tolist()
     assert found.sizes[found.own(1)].tolist() == found.sizes[2:].tolist()
-    spread = np.sqrt(np.diag(found.solution.covariance)[-3:])
+    spread = np.sqrt(np.diag(found.covariance)[-3:])
     assert (np.abs(found.sizes - size[[0, 1, 3]]) < 4.0 * spread).all()
     (gain, forms), *_ = sorted(scorer.gains([first, second]), key=lambda one: -one[0])
     assert 0.3 < gain / scorer.score(forms[:1]).evidence < 3.0

@@ -63,8 +63,7 @@ def test_a_gain_that_nothing_fixes_accuses_no_cell(workspace: Workspace) -> None
     weak = answering(workspace, 1, 0.1)
     scorer = copy(weak.scorer)
     scorer.nothing = replace(weak.scorer.nothing)
-    solution = weak.scorer.nothing.solution
-    scorer.nothing.__dict__["solution"] = replace(solution, covariance=solution.covariance * 1e8)
+    scorer.nothing.__dict__["covariance"] = weak.scorer.nothing.covariance * 1e8
     assert weak_cells(replace(weak, scorer=scorer), everywhere) == []
 
 

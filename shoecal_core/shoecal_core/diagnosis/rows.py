@@ -1,0 +1,254 @@
+"""All that a diagnosis fits, laid out as cosine coefficients of the training runs."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.diagnosis.baseline import precision
+from shoecal_core.diagnosis.hypotheses import Catalogue
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.error_sources.noise import colour, form_error, least_noise, white_noise
+from shoecal_core.error_sources.regression import Whitening, covariance_of
+from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, TILT
+from shoecal_core.error_sources.spectrum import BANDS, frequencies_of, signals_of
+from shoecal_core.sensing.wrench import ChannelParameters
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+
+FAMILIES = (
+    ("link_com", "link_mass"),
+    ("joint_offset", "joint_compliance", "backlash"),
+    ("soft_ground", "support"),
+    ("foot_placement", "floor_tilt"),
+    ("cell_position", "plates", "crosstalk"),
+    ("zero_offset",),
+)
+"""Sources that are made alike well or badly on one robot."""
+MOST_LEVEL = 2.0
+"""Times that their tolerances may count at most: what is worse is a fault."""
+MOST_N, MOST_M, MOST_CLOSURE, MOST_RAD = 1.0, 0.004, 0.004, 0.02
+"""Beyond what was expected, by which a signal may be off without an explanation."""
+SAME = 1e-8
+"""Squares by which two columns differ, over their own, that are the same."""
+CORNER_HZ = 0.5
+"""Below it, readings wander more than white noise does."""
+LEAST_SCALE, MOST_SCALE = 0.02, 3.0
+"""Between which gains that a fit moves may scale what is measured."""
+LEAST_NORM = 1e-24
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Everything that is fitted, as cosine coefficients of the training runs: R of them.
+
+    Attributes:
+        base: (R, p). columns: (R, k) of hypotheses.
+        residuals: (R,) with gains and offsets as the priors have them.
+        away: (p,) how far these are from those that were fitted.
+        measured: (R,) CoP and GRF as measured, by the fitted ones; zero for other signals.
+        group: (R,) to which of G groups, a signal in a band, each belongs.
+        number: (G,) of each group among all there are (`spectrum`).
+        noise: (G,) variance by noise and by what no model tells.
+        form: (G,) the same by the forms of as-built errors.
+        smooth: (G,) of a smooth term as large as the usual error of a model.
+        most: (G,) variance up to which a group may be more than was expected.
+        precision: (p,) of the baseline's priors, at level 1.
+        family: (p,) of as-built errors; -1 for all else.
+        most_level: (F,) of each family.
+        same: (k,) column of the baseline that is the same error as built; -1 where there is none.
+    """
+
+    base: FloatArray
+    columns: FloatArray
+    residuals: FloatArray
+    away: FloatArray
+    measured: FloatArray
+    group: IntArray
+    number: IntArray
+    noise: FloatArray
+    form: FloatArray
+    smooth: FloatArray
+    most: FloatArray
+    precision: FloatArray
+    family: IntArray
+    most_level: FloatArray
+    same: IntArray
+
+    @property
+    def signal(self) -> IntArray:
+        """(G,) of each group."""
+        return signals_of(self.number)
+
+    def by_band(self, values: FloatArray, usual: FloatArray) -> FloatArray:
+        """(s, BANDS) of values by group (G,); as usual where no group is."""
+        found = usual.copy()
+        found.ravel()[self.number] = values
+        return found
+
+    @cached_property
+    def count(self) -> FloatArray:
+        """(G,) rows of each group."""
+        return np.bincount(self.group, minlength=len(self.number)).astype(np.float64)
+
+    def squares(self, values: FloatArray) -> FloatArray:
+        """(G,) sums of squares of values (R,)."""
+        return np.bincount(self.group, values**2, minlength=len(self.number)).astype(np.float64)
+
+    def prior(self, levels: FloatArray) -> FloatArray:
+        """(p,) precision where families are at these levels (F,)."""
+        level = np.where(self.family < 0, 1.0, levels[np.maximum(self.family, 0)])
+        found: FloatArray = self.precision * level**-2.0
+        return found
+
+    @cached_property
+    def _gains(self) -> tuple[tuple[IntArray, FloatArray, FloatArray], ...]:
+        """Of each signal that is measured: its groups, values and columns."""
+        found = []
+        for signal in np.unique(self.signal[self.group[self.measured != 0.0]]):
+            here = (self.signal[self.group] == signal) & (self.measured != 0.0)
+            groups = np.flatnonzero(self.signal == signal)
+            found.append((groups, self.measured[here], self.base[here]))
+        return tuple(found)
+
+    def scales(self, vector: FloatArray, channels: int) -> FloatArray:
+        """(G,) of what is measured, under gains and offsets that a fit moves (2 n first columns).
+
+        Args:
+            vector: (p,) of the baseline. channels: n.
+        """
+        found = np.ones(len(self.number))
+        for groups, measured, base in self._gains:
+            now = measured - base[:, : 2 * channels] @ vector[: 2 * channels]
+            scale = float(measured @ now) / float(measured @ measured)
+            found[groups] = np.clip(scale, LEAST_SCALE, MOST_SCALE)
+        return found
+
+
+def make_rows(
+    scene: Scene,
+    catalogue: Catalogue,
+    train: Sequence[int],
+    coarse: FloatArray,
+    settings: DiagnosisSettings,
+    guess: ChannelParameters,
+) -> Rows:
+    """Lay out the training runs.
+
+    Args:
+        scene: with gains and offsets fitted, and deviations as built. catalogue: of hypotheses.
+        train: runs.
+        coarse: (s, BANDS) variance before anything is known.
+        settings: of the diagnosis.
+        guess: gains and offsets that priors are about.
+    """
+    samples = scene.samples
+    flat = Whitening(samples, scene.mask, np.ones_like(coarse))
+    part = np.isin(samples.run, train)
+    kept = flat.kept & part[:, None]
+
+    def coefficients(values: FloatArray) -> FloatArray:
+        return np.ascontiguousarray(flat(values)[..., kept].T)
+
+    present, group = np.unique(flat.spectrum.group[kept], return_inverse=True)
+    signal, frequency = signals_of(present), frequencies_of(present)
+    base = coefficients(scene.baseline)
+    prior, away = precision(scene, guess, settings), _away(scene, guess)
+    free = _unabsorbed(base, prior, scene, 1.0 / np.sqrt(coarse.ravel()[present])[group])
+    count = np.bincount(group)
+    form = np.bincount(group, ((free * _form_stds(scene)) ** 2).sum(axis=1)) / count
+    measured = np.zeros_like(scene.residuals)
+    measured[:, GRF], measured[:, COP] = scene.wrench[:, :1], scene.cop
+    taken = coefficients(np.where(scene.mask, measured, 0.0))
+    # The mean of a stance does not tell how far the CoP moves.
+    taken[np.isin(signal, np.r_[COP])[group] & (present[group] % BANDS == 0)] = 0.0
+    white = np.maximum(white_noise(scene), least_noise(scene))[signal] ** 2
+    smooth = form_error(scene, settings)[signal] ** 2 * colour(samples, frequency, settings)
+    columns = coefficients(catalogue.columns)
+    return Rows(
+        base=base,
+        columns=columns,
+        residuals=coefficients(scene.residuals) - base @ away,
+        away=away,
+        measured=taken,
+        group=group,
+        number=present,
+        noise=white * _flicker(signal, frequency) + smooth,
+        form=form,
+        smooth=smooth,
+        most=_most(scene)[signal] ** 2,
+        precision=prior,
+        family=_families(scene),
+        most_level=np.full(len(FAMILIES), MOST_LEVEL),
+        same=_same(base, columns, scene),
+    )
+
+
+def _families(scene: Scene) -> IntArray:
+    """(p,) to which of FAMILIES each column of the baseline belongs; -1 for what is no error."""
+    of = {effect: at for at, effects in enumerate(FAMILIES) for effect in effects}
+    found = np.full(len(scene.baseline), -1)
+    found[scene.built] = [of[one.effect] for one in scene.deviations]
+    return found
+
+
+def _same(base: FloatArray, columns: FloatArray, scene: Scene) -> IntArray:
+    """(k,) error as built that each of the hypotheses' columns (R, k) also is; -1 for none."""
+    built = np.flatnonzero(scene.built)
+    found = np.full(columns.shape[1], -1)
+    if not len(built):
+        return found
+    own = np.maximum(np.linalg.norm(columns, axis=0), LEAST_NORM)
+    away = (base[:, built] ** 2).sum(axis=0)[:, None] + own**2
+    away = away - 2.0 * base[:, built].T @ columns
+    nearest = np.argmin(away, axis=0)
+    here = away[nearest, np.arange(len(found))] < SAME * own**2
+    found[here] = built[nearest[here]]
+    return found
+
+
+def _away(scene: Scene, guess: ChannelParameters) -> FloatArray:
+    """(p,) how far the fitted gains and offsets are from what priors are about."""
+    found = np.zeros(len(scene.baseline))
+    fitted = scene.parameters
+    moved = np.concatenate((fitted.gain - guess.gain, fitted.offset - guess.offset))
+    found[: len(moved)] = moved
+    return found
+
+
+def _unabsorbed(
+    base: FloatArray, prior: FloatArray, scene: Scene, weight: FloatArray
+) -> FloatArray:
+    """(R, d) what all else in the baseline leaves of errors as built."""
+    whole = base * weight[:, None]
+    kept = ~scene.built
+    covariance = covariance_of(whole[:, kept].T @ whole[:, kept], prior[kept])
+    fitted = covariance @ (whole[:, kept].T @ whole[:, scene.built])
+    left: FloatArray = base[:, scene.built] - base[:, kept] @ fitted
+    return left
+
+
+def _form_stds(scene: Scene) -> FloatArray:
+    """(d,) of errors as built: what they add in another form than the library has them in."""
+    return np.array([one.form * one.std for one in scene.deviations])
+
+
+def _flicker(signal: IntArray, frequency: FloatArray) -> FloatArray:
+    """(G,) times white noise that signals of readings have."""
+    read = np.isin(signal, np.r_[GRF, COP, AIR, PARITY])
+    return np.where(read, 1.0 + CORNER_HZ / frequency, 1.0)
+
+
+def _most(scene: Scene) -> FloatArray:
+    """(s,) by which a signal may be off beyond what was expected."""
+    found = np.zeros(scene.residuals.shape[1])
+    found[GRF], found[COP], found[TILT] = MOST_N, MOST_M, MOST_RAD
+    found[AIR], found[PARITY] = MOST_N * np.array([1.0, 0.1, 0.1]), 1.5 * MOST_N
+    found[CLOSURE] = (*(3 * (MOST_CLOSURE,)), *(3 * (MOST_RAD,)))
+    return found
