@@ -16,6 +16,7 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.error_sources.scene import make_scene
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.sampling import load_samples
 from shoecal_core.sensing.shoe import Shoe
@@ -69,7 +70,7 @@ def workspace(standard_session: Session) -> Workspace:
     samples = load_samples(standard_session, range(1, 9), settings)
     train, test = range(1, 7), (7, 8)
     scene = make_scene(samples, first_parameters(samples, train), settings)
-    return make_workspace(scene, EFFECTS, train, test, settings)
+    return make_workspace(scene, EFFECTS, train, test, settings, Tolerances())
 
 
 @pytest.fixture(scope="session")

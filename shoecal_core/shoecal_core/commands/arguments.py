@@ -6,6 +6,7 @@ import argparse
 import dataclasses
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TypeVar
 
 from shoecal_core.commands.suggestions import nearest
 from shoecal_core.errors import FileMissingError, ShoecalError
@@ -18,9 +19,10 @@ from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.planning.supports.named import NAMED, named_support
 from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.settings import SettingError, load_settings
+from shoecal_core.settings import SettingError, Settings, load_settings
 from shoecal_core.workspace import config_dir
 
+S = TypeVar("S", bound=Settings)
 STANDARD_SET = "standard"
 """Names the standard set of motions."""
 
@@ -75,6 +77,21 @@ def require_folder(path: Path) -> None:
     folder = path.absolute().parent
     if not folder.is_dir():
         raise FileMissingError(folder, f"does not exist; make it first, for {path.name}")
+
+
+def add_settings(parser: argparse.ArgumentParser, meant: str) -> None:
+    """Declare where settings are read from; `meant` names those that a command reads."""
+    parser.add_argument(
+        "--settings",
+        type=Path,
+        metavar="FILE",
+        help=f"parameter file of the calibrator node, for its {meant}",
+    )
+
+
+def settings_of(cls: type[S], file: Path | None, section: str) -> S:
+    """A section of the calibrator's parameter file; the usual ones where no file is named."""
+    return cls() if file is None else load_settings(cls, file, "calibrator", section)
 
 
 def add_sets(parser: argparse.ArgumentParser) -> None:

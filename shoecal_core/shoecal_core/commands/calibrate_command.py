@@ -17,8 +17,10 @@ from shoecal_core.commands.arguments import (
     add_force,
     add_rezero,
     add_sets,
+    add_settings,
     add_weight,
     require_folder,
+    settings_of,
 )
 from shoecal_core.commands.assessment_table import expected_table, trust_lines
 from shoecal_core.commands.screening_table import screening_table
@@ -30,7 +32,6 @@ from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.recording.session import Session
 from shoecal_core.report.quantities import channel_units, uncertain
-from shoecal_core.settings import load_settings
 
 SURE = 3.0
 """Standard deviations from which on a deviation is listed as significant."""
@@ -47,12 +48,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, metavar="FILE", required=True, help="calibration file to write"
     )
     parser.add_argument("--report", type=Path, metavar="FILE", help="also write an HTML report")
-    parser.add_argument(
-        "--settings",
-        type=Path,
-        metavar="FILE",
-        help="parameter file of the calibrator node, for its weights and tolerances",
-    )
+    add_settings(parser, "weights and tolerances")
     parser.add_argument(
         "--manual",
         type=Path,
@@ -68,10 +64,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Calibrate; a calibration with the verdict FAIL is not written."""
-    settings, tolerances = CalibrationSettings(), Tolerances()
-    if args.settings:
-        settings = load_settings(CalibrationSettings, args.settings, "calibrator", "calibration")
-        tolerances = load_settings(Tolerances, args.settings, "calibrator", "tolerances")
+    settings = settings_of(CalibrationSettings, args.settings, "calibration")
+    tolerances = settings_of(Tolerances, args.settings, "tolerances")
     for path in filter(None, (args.out, args.report, args.json)):
         require_folder(path)
     session = Session.open(args.session, force=args.force)

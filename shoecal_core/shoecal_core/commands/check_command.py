@@ -17,7 +17,13 @@ from shoecal_core.calibration.screening.clocks import put_together
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.commands.arguments import add_force, add_weight, require_folder
+from shoecal_core.commands.arguments import (
+    add_force,
+    add_settings,
+    add_weight,
+    require_folder,
+    settings_of,
+)
 from shoecal_core.commands.assessment_table import expected_table
 from shoecal_core.commands.screening_table import screening_table
 from shoecal_core.commands.tables import new_table, verdict_line
@@ -31,7 +37,6 @@ from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
 from shoecal_core.samples.aligned import align
 from shoecal_core.samples.zeros import Zero, zeros_json
-from shoecal_core.settings import load_settings
 
 
 class UnfitSessionError(PartialError):
@@ -41,12 +46,7 @@ class UnfitSessionError(PartialError):
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare its arguments."""
     parser.add_argument("session", type=Path, help="folder of the recorded session")
-    parser.add_argument(
-        "--settings",
-        type=Path,
-        metavar="FILE",
-        help="parameter file of the calibrator node, for its weights and tolerances",
-    )
+    add_settings(parser, "weights and tolerances")
     parser.add_argument("--report", type=Path, metavar="FILE", help="also write an HTML report")
     add_weight(parser)
     add_force(parser)
@@ -56,7 +56,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """List what is in every run, then calibrate: what `calibrate` refuses, this never passes."""
     if args.report is not None:
         require_folder(args.report)
-    settings, tolerances = _settings(args.settings)
+    settings = settings_of(CalibrationSettings, args.settings, "calibration")
+    tolerances = settings_of(Tolerances, args.settings, "tolerances")
     session = Session.open(args.session, force=args.force)
     problems = [
         f"{path.name} was not finished: rescue it with `shoecal recover {path}`"
@@ -124,16 +125,6 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     told = "fit for use, with the warnings above" if warnings else "fit for use"
     console.print(verdict_line("WARN" if warnings else "PASS", told))
     return figures
-
-
-def _settings(file: Path | None) -> tuple[CalibrationSettings, Tolerances]:
-    """Those of a file, else the usual ones."""
-    if file is None:
-        return CalibrationSettings(), Tolerances()
-    return (
-        load_settings(CalibrationSettings, file, "calibrator", "calibration"),
-        load_settings(Tolerances, file, "calibrator", "tolerances"),
-    )
 
 
 def _calibration(

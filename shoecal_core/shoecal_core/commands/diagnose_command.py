@@ -8,12 +8,20 @@ from pathlib import Path
 
 from rich.console import Console
 
-from shoecal_core.commands.arguments import add_force, add_sets, require_folder
+from shoecal_core.commands.arguments import (
+    add_force,
+    add_sets,
+    add_settings,
+    require_folder,
+    settings_of,
+)
 from shoecal_core.commands.diagnosis_job import Diagnosed, DiagnosisJob, attempt, do
 from shoecal_core.commands.diagnosis_table import print_diagnosis, sessions_table
 from shoecal_core.commands.many_jobs import over_cluster, over_cores
 from shoecal_core.commands.progress import shown_progress
 from shoecal_core.commands.zeros_table import zeros_table
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import PartialError, ShoecalError
 from shoecal_core.recording.errors import SessionError
 
@@ -32,6 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="of these shoes: the gap that it leaves is told beside",
     )
+    add_settings(parser, "settings of a diagnosis and tolerances")
     add_sets(parser)
     add_force(parser)
     parser.add_argument(
@@ -105,6 +114,8 @@ def _jobs(text: str) -> int:
 
 def _jobs_of(args: argparse.Namespace) -> list[DiagnosisJob]:
     several = len(args.sessions) > 1
+    settings = settings_of(DiagnosisSettings, args.settings, "diagnosis")
+    tolerances = settings_of(Tolerances, args.settings, "tolerances")
     jobs, seen = [], set()
     for session in args.sessions:
         if session.resolve() in seen:
@@ -113,6 +124,8 @@ def _jobs_of(args: argparse.Namespace) -> list[DiagnosisJob]:
         jobs.append(
             DiagnosisJob(
                 session=session.absolute() if args.scheduler else session,
+                settings=settings,
+                tolerances=tolerances,
                 calibration=args.calibration,
                 train=args.train,
                 test=args.test,

@@ -15,8 +15,10 @@ from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.simulated_shrink import with_simulated_shrink
 from shoecal_core.diagnosis.diagnose import diagnose
 from shoecal_core.diagnosis.result import Diagnosis
+from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.base import Effect
 from shoecal_core.error_sources.effects.known import EFFECTS, effects_from
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session
@@ -34,6 +36,7 @@ class DiagnosisJob:
 
     Attributes:
         session: its folder.
+        settings, tolerances: of the diagnosis.
         calibration: file of one whose own gap is told beside it; None: none.
         train, test: runs; empty: as the session marks them.
         without: signals that are not used: closure, parity, tilt, air.
@@ -46,6 +49,8 @@ class DiagnosisJob:
     """
 
     session: Path
+    settings: DiagnosisSettings = field(default_factory=DiagnosisSettings)
+    tolerances: Tolerances = field(default_factory=Tolerances)
     calibration: Path | None = None
     train: tuple[int, ...] = ()
     test: tuple[int, ...] = ()
@@ -123,6 +128,8 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
         session,
         job.train,
         job.test,
+        job.settings,
+        job.tolerances,
         without=job.without,
         only=job.wanted if job.only else None,
         effects=effects,

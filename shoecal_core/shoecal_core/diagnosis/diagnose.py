@@ -24,6 +24,7 @@ from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.base import Effect, Place
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.error_sources.scene import make_scene
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.sampling import load_samples
@@ -50,6 +51,7 @@ def diagnose(
     train: Sequence[int] = (),
     test: Sequence[int] = (),
     settings: DiagnosisSettings | None = None,
+    tolerances: Tolerances | None = None,
     *,
     without: frozenset[str] = frozenset(),
     only: Callable[[str, Place], bool] | None = None,
@@ -61,7 +63,8 @@ def diagnose(
     Args:
         session: recorded.
         train, test: runs; see `split_runs`. Test runs touch no fit and no ranking.
-        settings: thresholds.
+        settings: what the user decides.
+        tolerances: how far a robot that works may be off its files.
         without: families of signals left out (`signals.FAMILIES`).
         only: tells of an effect and a place whether to look; None: everywhere (see `Wanted`).
         effects: the library.
@@ -71,6 +74,7 @@ def diagnose(
         ShoecalError: when the session cannot tell a gap from a parameter at all.
     """
     settings = DiagnosisSettings() if settings is None else settings
+    tolerances = Tolerances() if tolerances is None else tolerances
     tell = progress or (lambda _text, _share: None)
     train, test = split_runs(session, train, test)
     samples = load_samples(
@@ -80,7 +84,7 @@ def diagnose(
     tell("fitting with nothing added", 0.2)
     scene = make_scene(samples, first_parameters(samples, train), settings, without)
     wanted = only or (lambda _effect, _place: True)
-    workspace = make_workspace(scene, effects, train, test, settings, wanted)
+    workspace = make_workspace(scene, effects, train, test, settings, tolerances, wanted)
     halted = _halted(workspace, wanted)
     looked_at = workspace.catalogue.hypotheses or workspace.catalogue.rewired or halted
     if only is not None and not looked_at:
@@ -94,7 +98,7 @@ def diagnose(
     if halted is not None:
         whole = halted.mended(samples)
         scene = make_scene(whole, first_parameters(whole, train), settings, without)
-        mended = make_workspace(scene, effects, train, test, settings, wanted)
+        mended = make_workspace(scene, effects, train, test, settings, tolerances, wanted)
     before = preflight(mended, settings)
     tell("trying every effect", 0.5)
     exchange = rewired(mended, effects, settings, wanted)

@@ -75,7 +75,9 @@ def rewired(
         return None
     return Exchange(
         hypothesis,
-        make_workspace(scene, effects, workspace.train, workspace.test, settings, wanted),
+        make_workspace(
+            scene, effects, workspace.train, workspace.test, settings, workspace.tolerances, wanted
+        ),
     )
 
 

@@ -40,6 +40,7 @@ class Workspace:
         sums: of the training runs.
         scorer: of the training runs.
         train, test: numbers of the runs.
+        tolerances: of the robot's errors as built.
         built: the fit by which the robot's errors as built are as large as they are.
     """
 
@@ -51,6 +52,7 @@ class Workspace:
     scorer: Scorer
     train: tuple[int, ...]
     test: tuple[int, ...]
+    tolerances: Tolerances
     built: Scored
 
     def at(self, scored: Scored) -> Workspace:
@@ -137,6 +139,7 @@ def make_workspace(
     train: Sequence[int],
     test: Sequence[int],
     settings: DiagnosisSettings,
+    tolerances: Tolerances,
     wanted: Callable[[str, Place], bool] = lambda _effect, _place: True,
 ) -> Workspace:
     """Fit gains, lay out errors as built and hypotheses, and find how large the former are."""
@@ -145,7 +148,7 @@ def make_workspace(
     # What test runs show is measured as it is.
     fitted = np.isin(scene.samples.run, train)[:, None]
     scene = scene.leaving_out(jolts(scene, settings) & fitted)
-    scene = replace(scene, deviations=tuple(as_built(scene, Tolerances())))
+    scene = replace(scene, deviations=tuple(as_built(scene, tolerances)))
     catalogue = make_catalogue(scene, effects, wanted)
     rows = make_rows(scene, catalogue, train, coarse, settings, guess)
     scorer = Scorer(rows, len(scene.parameters.gain))
@@ -161,5 +164,14 @@ def make_workspace(
         scorer.rows.prior(nothing.levels),
     )
     return Workspace(
-        scene, noise, catalogue, whitening, sums, scorer, tuple(train), tuple(test), nothing
+        scene,
+        noise,
+        catalogue,
+        whitening,
+        sums,
+        scorer,
+        tuple(train),
+        tuple(test),
+        tolerances,
+        nothing,
     )

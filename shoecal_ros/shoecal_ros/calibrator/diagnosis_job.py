@@ -187,13 +187,17 @@ class DiagnosisJob:
     async def _diagnose(self, worker: Worker) -> Diagnosed:
         """Diagnose what there is; only cancelling ends it."""
         assert self.session is not None, "recorded or named"
+        site = self._site
         self._tell("diagnosing", 0.0, "looking for causes of the gap")
         self.found = await self._job.worked(
-            worker.do(diagnosis_work.diagnose_session, self.session),
+            worker.do(
+                diagnosis_work.diagnose_session,
+                self.session, site.diagnosis_settings, site.tolerances,
+            ),
             Diagnose.Result.DIAGNOSIS_FAILED,
             moving=False,
             progress=self._hear_diagnosis,
-        )
+        )  # fmt: skip
         self._progress.next()
         return self.found
 

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from shoecal_core.diagnosis.candidates import stance
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.files import atomic_write
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
@@ -91,12 +93,14 @@ def runs_to_record(
     ]
 
 
-def diagnose_session(link: Link, folder: Path) -> Diagnosed:
+def diagnose_session(
+    link: Link, folder: Path, settings: DiagnosisSettings, tolerances: Tolerances
+) -> Diagnosed:
     """Diagnose a session; JSON and report are kept in its folder."""
     # Simulator and pictures come along: the node itself stays lean.
     from shoecal_core.commands.diagnosis_job import DiagnosisJob, do  # noqa: PLC0415
 
-    job = DiagnosisJob(folder, report=folder / REPORT)
+    job = DiagnosisJob(folder, settings, tolerances, report=folder / REPORT)
     done = do(job, lambda doing, share: link.progress((doing, share)))
     found = done.diagnosis
     assert found is not None, "else it has raised"

@@ -15,6 +15,7 @@ from shoecal_msgs.action import Calibrate
 
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.robot import Robot
@@ -50,6 +51,7 @@ class JobContext(Protocol):
     job_settings: JobSettings
     fit_settings: CalibrationSettings
     tolerances: Tolerances
+    diagnosis_settings: DiagnosisSettings
     planning: PlannerSettings
     manual: Calibration | None
     recorder: Recorder

@@ -19,6 +19,7 @@ from shoecal_core.calibration.calibration import Calibration, WrongShoeError, lo
 from shoecal_core.calibration.drift import FALSE_ALARM
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.calibration.standstill import ModelTolerance
+from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import FieldError
 from shoecal_core.model.double_support import DoubleSupport
@@ -138,6 +139,7 @@ class Calibrator(ShoecalNode):
         self.job_settings = self.settings(JobSettings)
         self.fit_settings = self.settings(CalibrationSettings, "calibration.")
         self.tolerances = self.settings(Tolerances, "tolerances.")
+        self.diagnosis_settings = self.settings(DiagnosisSettings, "diagnosis.")
         self.node_settings = settings = self.settings(CalibratorSettings)
         self.planning = self._load_planning()
         self.robot, self.shoe = self.files.load_robot(), self.files.load_shoe()

@@ -11,6 +11,8 @@ import pytest
 from core.commands.conftest import Run
 from shoecal_core.commands.diagnose_command import effect_at
 from shoecal_core.diagnosis.result import VERDICTS
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.settings import describe
 
 KEYS = {
     "format", "verdict", "gap", "where", "causes", "ambiguity_set", "cannot_detect", "next_motion",
@@ -69,6 +71,36 @@ def test_what_it_refuses(
     assert code == 1
     assert problem in error
     assert "Traceback" not in error
+
+
+def test_settings_and_tolerances_of_a_file(shoecal: Run, simulated: Path, tmp_path: Path) -> None:
+    """A robot that has nothing wrong as built shows no more than its noise."""
+    exact = tmp_path / "exact.yaml"
+    none = ", ".join(f"{entry.name}: 0.0" for entry in describe(Tolerances))
+    sections = f"diagnosis: {{rate_hz: 2.0}}, tolerances: {{{none}}}"
+    exact.write_text(f"/**/calibrator: {{ros__parameters: {{{sections}}}}}")
+    floors = []
+    for number, words in enumerate(((), ("--settings", exact))):
+        figures = tmp_path / f"{number}.json"
+        code, _, error = shoecal(
+            "diagnose", simulated, *words, "--only", "payload", "--train", "1,2", "--test", "3",
+            "--no-simulation", "--json", figures,
+        )  # fmt: skip
+        assert code == 0, error
+        floors.append(json.loads(figures.read_text())["gap"]["cop_floor_mm"])
+    assert floors[1] < 0.5 * floors[0]
+
+
+@pytest.mark.parametrize("section", ["diagnosis", "tolerances"])
+def test_settings_that_it_does_not_know(
+    shoecal: Run, simulated: Path, tmp_path: Path, section: str
+) -> None:
+    file = tmp_path / "wrong.yaml"
+    file.write_text(f"/**/calibrator: {{ros__parameters: {{{section}: {{crostalk: 1.0}}}}}}")
+    code, _, error = shoecal("diagnose", simulated, "--settings", file)
+    assert code == 1
+    assert "wrong.yaml" in error
+    assert "crostalk" in error
 
 
 def test_a_calibration_of_another_robot(

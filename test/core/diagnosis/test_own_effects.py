@@ -13,6 +13,7 @@ from shoecal_core.diagnosis.selection import select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.effects.known import effects_from
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import FileError, FileMissingError, FileSyntaxError
 
 OWN = '''
@@ -54,7 +55,9 @@ def own(workspace: Workspace, tmp_path_factory: pytest.TempPathFactory) -> Urn:
     path.write_text(OWN)
     effects = effects_from(path)
     return Urn.of(
-        make_workspace(workspace.scene, effects, workspace.train, workspace.test, SETTINGS)
+        make_workspace(
+            workspace.scene, effects, workspace.train, workspace.test, SETTINGS, Tolerances()
+        )
     )
 
 

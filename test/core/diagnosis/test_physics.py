@@ -19,6 +19,7 @@ from shoecal_core.diagnosis.sizes import sizes
 from shoecal_core.diagnosis.workspace import make_workspace
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.error_sources.scene import make_scene
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.sampling import load_samples
 
@@ -85,6 +86,6 @@ def fitted(folder: Path, labels: tuple[str, ...]) -> Mapping[str, Mapping[str, S
     scene = make_scene(samples, first_parameters(samples, RUNS), SETTINGS)
     wanted = {label.split(" ")[0] for label in labels}
     effects = [effect for effect in EFFECTS if effect.identifier in wanted]
-    workspace = make_workspace(scene, effects, RUNS, (), SETTINGS)
+    workspace = make_workspace(scene, effects, RUNS, (), SETTINGS, Tolerances())
     scored = workspace.scorer.score([part(workspace, label) for label in labels])
     return {label: sizes(workspace, scored, index) for index, label in enumerate(labels)}

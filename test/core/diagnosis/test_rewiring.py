@@ -16,6 +16,7 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.effects.geometry import SwappedCells
 from shoecal_core.error_sources.scene import make_scene
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 
@@ -31,7 +32,7 @@ def swapped(workspace: Workspace, one: int, other: int) -> Workspace:
     crossed = replace(samples, tracks=tracks, readings=samples.readings[:, order])
     first = first_parameters(crossed, workspace.train)
     scene = make_scene(crossed, first, SETTINGS)
-    return make_workspace(scene, EFFECTS, workspace.train, workspace.test, SETTINGS)
+    return make_workspace(scene, EFFECTS, workspace.train, workspace.test, SETTINGS, Tolerances())
 
 
 @pytest.mark.parametrize(("one", "other"), [(0, 3), (2, 5)])
@@ -49,7 +50,9 @@ def test_exchanged_cables_are_found(workspace: Workspace, one: int, other: int) 
 
 
 def test_cables_that_are_right_stay(workspace: Workspace) -> None:
-    usual = make_workspace(workspace.scene, EFFECTS, workspace.train, workspace.test, SETTINGS)
+    usual = make_workspace(
+        workspace.scene, EFFECTS, workspace.train, workspace.test, SETTINGS, Tolerances()
+    )
     assert len(usual.catalogue.rewired) == 28
     assert rewired(usual, EFFECTS, SETTINGS) is None
     assert (

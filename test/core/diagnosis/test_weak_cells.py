@@ -16,6 +16,7 @@ from shoecal_core.diagnosis.weak_cells import weak_cells
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.base import Place
 from shoecal_core.error_sources.scene import make_scene
+from shoecal_core.error_sources.tolerances import Tolerances
 
 SETTINGS = DiagnosisSettings()
 NOTHING = Found(None, (), (), -3.0)
@@ -34,7 +35,7 @@ def answering(workspace: Workspace, channel: int, share: float) -> Workspace:
     tracks = tuple(replace(one, readings=one.readings * factor) for one in samples.tracks)
     weak = replace(samples, tracks=tracks, readings=samples.readings * factor)
     scene = make_scene(weak, first_parameters(weak, workspace.train), SETTINGS)
-    return make_workspace(scene, (), workspace.train, workspace.test, SETTINGS)
+    return make_workspace(scene, (), workspace.train, workspace.test, SETTINGS, Tolerances())
 
 
 @pytest.mark.parametrize(("channel", "share"), [(1, 0.1), (6, 0.25)])

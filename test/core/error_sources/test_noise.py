@@ -11,6 +11,7 @@ from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.effects.known import EFFECTS
 from shoecal_core.error_sources.noise import jolts, white_noise
 from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.samples.samples import Track
 
 FloatArray = NDArray[np.float64]
@@ -19,7 +20,7 @@ SETTINGS = DiagnosisSettings()
 
 def again(workspace: Workspace, scene: Scene) -> Workspace:
     """The same runs of another scene."""
-    return make_workspace(scene, EFFECTS, workspace.train, workspace.test, SETTINGS)
+    return make_workspace(scene, EFFECTS, workspace.train, workspace.test, SETTINGS, Tolerances())
 
 
 def test_a_jolt_counts_for_nothing(workspace: Workspace) -> None:

@@ -4,6 +4,7 @@ import pytest
 
 from ros.bodies import ROOT
 from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.settings import Settings, describe
@@ -17,6 +18,7 @@ NODE = (RobotFiles, FrameSettings, CalibratorSettings, JobSettings)
 SECTIONS: dict[type[Settings], str] = {
     CalibrationSettings: "calibration",
     Tolerances: "tolerances",
+    DiagnosisSettings: "diagnosis",
 }
 
 
@@ -35,10 +37,11 @@ def test_the_file_holds_every_parameter_and_no_other() -> None:
 
 @pytest.mark.parametrize("settings", [*NODE, *SECTIONS])
 def test_each_stands_at_its_default_with_unit_and_meaning(settings: type[Settings]) -> None:
-    block, indent = parameters(), " " * 4
+    block, indent, lines = parameters(), " " * 4, PATH.read_text().splitlines()
     if settings in SECTIONS:
-        block, indent = block.mapping(SECTIONS[settings]), " " * 6
-    lines = PATH.read_text().splitlines()
+        section = SECTIONS[settings]
+        block, indent = block.mapping(section), " " * 6
+        lines = lines[lines.index(f"    {section}:") :]
     for entry in describe(settings):
         assert entry.checked(block.value(entry.name)) == entry.default
         line = next(line for line in lines if line.startswith(f"{indent}{entry.name}: "))
