@@ -14,6 +14,7 @@ from shoecal_core.calibration.pipeline import load_data
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.simulated_shrink import with_simulated_shrink
 from shoecal_core.diagnosis.diagnose import diagnose
+from shoecal_core.diagnosis.dissent import after_replay
 from shoecal_core.diagnosis.result import Diagnosis
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.base import Effect
@@ -138,6 +139,8 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
     if job.simulate and found.causes:
         tell("simulating what was found", SIMULATED_FROM)
         found = with_simulated_shrink(found, session)
+        if not job.only:
+            found = after_replay(found)
     if job.report is not None:
         # Matplotlib takes a second to load, which most calls need not wait for.
         from shoecal_core.report.diagnosis_report import write_diagnosis_report  # noqa: PLC0415

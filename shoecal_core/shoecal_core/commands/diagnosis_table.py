@@ -30,6 +30,12 @@ def print_diagnosis(
 ) -> None:
     """Verdict, gap, causes, what stays open, and what to do next."""
     console.print(f"[bold]{diagnosis.verdict}[/]: {VERDICTS[diagnosis.verdict]}")
+    if diagnosis.action is not None:
+        before, after = diagnosis.action.expected_cop_mm
+        won = f" (CoP error {before:.2f} -> {after:.2f} mm)" if after < before else ""
+        console.print(f"to do: {diagnosis.action.do}{won}", markup=False, soft_wrap=True)
+    for line in diagnosis.dissent:
+        console.print(f"but: {line}", markup=False, soft_wrap=True)
     for line in _gap(diagnosis, calibrated):
         console.print(f"  {line}", markup=False)
     if diagnosis.causes:

@@ -43,6 +43,8 @@ SUFFIXES = {
     "rad/(N m)": "_rad_per_nm",
 }  # fmt: skip
 """What a unit is called in the keys of a reality file."""
+JUDGED = ("grf", "cop_x", "cop_y")
+"""Signals that are compared."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +71,7 @@ class Difference:
 
     Attributes:
         voltage, grf, cop: mean absolute error, the CoP's a distance [the shoe's unit, N, m].
-        square: mean square of all three, each in the settings' standard deviations.
+        square: mean square of GRF and CoP, each in the settings' standard deviations.
     """
 
     voltage: float
@@ -155,10 +157,24 @@ def _shrink(diagnosis: Diagnosis, causes: Sequence[Cause], session: Session) -> 
     before, after = _mean(found[: len(recorded)]), _mean(found[len(recorded) :])
     return SimulatedShrink(
         fraction=1.0 - after.square / before.square if before.square > 0.0 else 0.0,
+        claimed=_claimed(diagnosis.evidence, settings),
         cop_mae_mm=(1e3 * before.cop, 1e3 * after.cop),
         grf_mae_n=(before.grf, after.grf),
         voltage_mae=(before.voltage, after.voltage),
     )
+
+
+def _claimed(evidence: Evidence | None, settings: CalibrationSettings) -> float:
+    """What the diagnosis says of the mean square on the test runs."""
+    if evidence is None or evidence.explained is None:
+        return 0.0
+    column = [evidence.signals.index(name) for name in JUDGED]
+    squares = []
+    for fitted in (evidence.without, evidence.explained):
+        rest = fitted.residuals[evidence.test][:, column]
+        rest = rest[np.isfinite(rest).all(axis=1)]
+        squares.append(_square(rest[:, 0], np.linalg.norm(rest[:, 1:], axis=1), settings))
+    return 1.0 - squares[1] / squares[0] if squares[0] > 0.0 else 0.0
 
 
 def _law(shoe: Shoe, stances: Sequence[Stance], settings: CalibrationSettings) -> ChannelParameters:
@@ -170,7 +186,7 @@ def _explained(stances: Sequence[Stance], evidence: Evidence | None) -> list[Sta
     """Stances that are to be measured with what the explanation adds to GRF and CoP."""
     if evidence is None or evidence.explained is None:
         return list(stances)
-    column = [evidence.signals.index(name) for name in ("grf", "cop_x", "cop_y")]
+    column = [evidence.signals.index(name) for name in JUDGED]
     added = np.nan_to_num(evidence.explained.contribution[:, column])
     explained = []
     for stance in stances:
@@ -224,14 +240,19 @@ def _difference(
     )
     loaded = np.isfinite(place).all(axis=1)
     length = np.linalg.norm(place[loaded], axis=1)
-    force = np.abs(parameters.gain) * off
-    square = (
-        float((force**2).mean()) / settings.force_std_n**2
-        + float((grf**2).mean()) / settings.force_std_n**2
-        + float((length**2).mean()) / settings.cop_std_m**2
-    )
     return Difference(
-        float(np.abs(off).mean()), float(np.abs(grf).mean()), float(length.mean()), square / 3.0
+        float(np.abs(off).mean()),
+        float(np.abs(grf).mean()),
+        float(length.mean()),
+        _square(grf, length, settings),
+    )
+
+
+def _square(grf: FloatArray, cop_off: FloatArray, settings: CalibrationSettings) -> float:
+    """Mean square of errors of GRF (k,) and CoP (m,), each in standard deviations."""
+    return 0.5 * (
+        float((grf**2).mean()) / settings.force_std_n**2
+        + float((cop_off**2).mean()) / settings.cop_std_m**2
     )
 
 

@@ -13,7 +13,7 @@ from shoecal_core.diagnosis.result import Candidate, Cause, Verdict
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.selection import Found
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.diagnosis.shrink import excess, gap, shrink
+from shoecal_core.diagnosis.shrink import excess, gap, judged, shrink
 from shoecal_core.diagnosis.sizes import sizes
 from shoecal_core.diagnosis.tempering import needed, shares, temper
 from shoecal_core.diagnosis.workspace import Workspace
@@ -69,15 +69,20 @@ def answer(
     return Answer(verdict, tuple(causes), ambiguity, ranking)
 
 
-def upheld(workspace: Workspace, found: Found) -> Found:
+def upheld(workspace: Workspace, found: Found) -> tuple[Found, tuple[str, ...]]:
     """Without causes that runs left out contradict: added, they leave the gap as it was.
 
     What happened once, in a run that was fitted, others can say nothing about.
+
+    Returns:
+        What stays, and in words what went.
     """
     if found.chosen is None or not workspace.test:
-        return found
+        return found, ()
+    told = []
     for index in reversed(range(len(found.chosen.parts))):
         chosen = found.chosen
+        assert chosen is not None, "the part at hand is left"
         if chosen.parts[index][1].shape.run is not None:
             continue
         now = workspace.at(chosen)
@@ -86,7 +91,17 @@ def upheld(workspace: Workspace, found: Found) -> Found:
         (claimed, shown), over = (before - after for before, after in gaps), gaps[1][0]
         if shown < UPHELD_FROM * max(claimed, over):
             found = found.without(index)
-    return found
+            hypothesis = chosen.parts[index][0]
+            label = Candidate(hypothesis.effect.identifier, hypothesis.place, 0.0).label
+            told.append(
+                f"{label}: on training runs it takes {_share(claimed, gaps[0][0])} of the gap "
+                f"away, on test runs {_share(shown, over)}: not named"
+            )
+    return found, tuple(told)
+
+
+def _share(part: float, whole: float) -> str:
+    return f"{part / whole:.0%}" if whole > 0.0 else "nothing"
 
 
 def causes_of(workspace: Workspace, found: Found) -> list[Cause]:
@@ -137,7 +152,7 @@ def _gapes(workspace: Workspace, *, evident: bool) -> bool:
     """
     rest = workspace.explained(None)[0]
     if not evident:
-        return excess(workspace, rest, workspace.test or workspace.train) > SURELY
+        return excess(workspace, rest, judged(workspace)) > SURELY
     size = gap(workspace, rest)
     return size.cop_mae_mm > size.cop_floor_mm or size.grf_mae_n > size.grf_floor_n
 

@@ -6,8 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from shoecal_core.calibration.pipeline import split_runs
+from shoecal_core.diagnosis.action import action
 from shoecal_core.diagnosis.answer import answer, causes_of, upheld
 from shoecal_core.diagnosis.baseline import first_parameters
+from shoecal_core.diagnosis.dissent import lowered, worse_runs
 from shoecal_core.diagnosis.evidence import evidence
 from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
@@ -105,8 +107,9 @@ def diagnose(
     best = mended if exchange is None else exchange.workspace
     found = select(best, settings) if only is None else asked_for(best)
     tell("measuring the shrink", 0.8)
+    denied: tuple[str, ...] = ()
     if only is None:
-        found = upheld(best, found)
+        found, denied = upheld(best, found)
     best = best.at(found.stands(best.scorer, settings))
     certain = weak_cells(best, wanted)
     if exchange is not None:
@@ -119,11 +122,13 @@ def diagnose(
     tell("done", 1.0)
     chosen = found.chosen if said.causes else None
     without_any, _ = (workspace if certain else best).explained(None)
-    return Diagnosis(
+    left = best.explained(chosen)[0]
+    worse, grown = worse_runs(best, without_any, left, settings) if chosen is not None else ((), ())
+    told = Diagnosis(
         verdict=said.verdict,
         gap=gap(best, without_any),
         where=where(best, without_any, chosen),
-        shrink=shrink(best, without_any, best.explained(chosen)[0]) if said.causes else None,
+        shrink=shrink(best, without_any, left) if said.causes else None,
         causes=said.causes,
         ambiguity=said.ambiguity,
         ranking=said.ranking[:SHOWN],
@@ -136,7 +141,10 @@ def diagnose(
         robot=samples.robot.name,
         shoe=samples.shoe.name,
         evidence=evidence(best, chosen, found.singles),
+        dissent=(*denied, *grown),
     )
+    told = lowered(told, worse)
+    return replace(told, action=action(told))
 
 
 def _halted(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> Stopped | None:

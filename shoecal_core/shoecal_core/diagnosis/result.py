@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -89,12 +89,14 @@ class SimulatedShrink:
     """The same between the recording and a simulated robot that has the effect.
 
     Attributes:
-        fraction: of the difference of voltages, CoP and GRF, together.
+        fraction: of the difference of CoP and GRF, together.
+        claimed: what the model of the diagnosis removes of the same.
         cop_mae_mm, grf_mae_n: before and after [mm, N].
         voltage_mae: before and after, in the shoe's unit.
     """
 
     fraction: float
+    claimed: float
     cop_mae_mm: tuple[float, float]
     grf_mae_n: tuple[float, float]
     voltage_mae: tuple[float, float]
@@ -144,6 +146,19 @@ class Cause:
     def label(self) -> str:
         """For a person to read."""
         return Candidate(self.effect, self.location, self.probability).label
+
+
+@dataclass(frozen=True)
+class Action:
+    """What to do about it.
+
+    Attributes:
+        do: in words.
+        expected_cop_mm: mean error of the CoP on test runs before and after [mm].
+    """
+
+    do: str
+    expected_cop_mm: tuple[float, float]
 
 
 @dataclass(frozen=True)
@@ -233,6 +248,8 @@ class Diagnosis:
         robot, shoe: names.
         shrink: with all causes together, from nothing added; None where it was not measured.
         evidence: for pictures; None where it was not kept.
+        action: what to do first.
+        dissent: what speaks against the causes, or spoke against others, in words.
     """
 
     verdict: Verdict
@@ -251,6 +268,8 @@ class Diagnosis:
     shoe: str
     shrink: Shrink | None = None
     evidence: Evidence | None = field(default=None, repr=False, compare=False)
+    action: Action | None = None
+    dissent: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, object]:
         """The public form (`shoecal diagnose --json`)."""
@@ -266,6 +285,8 @@ class Diagnosis:
             "shrink": None if self.shrink is None else _pairs(vars(self.shrink)),
             "causes": [_cause(cause) for cause in self.causes],
             "ambiguity_set": [_candidate(one) for one in self.ambiguity],
+            "action": None if self.action is None else _pairs(vars(self.action)),
+            "dissent": list(self.dissent),
             "ranking": [_candidate(one) for one in self.ranking],
             "cannot_detect": list(self.cannot_detect),
             "cannot_separate": [list(names) for names in self.cannot_separate],
@@ -305,7 +326,7 @@ def _cause(cause: Cause) -> dict[str, object]:
     }
 
 
-def _pairs(values: Mapping[str, float | Sequence[float]]) -> dict[str, object]:
+def _pairs(values: Mapping[str, object]) -> dict[str, object]:
     return {
-        name: value if isinstance(value, float) else list(value) for name, value in values.items()
+        name: list(value) if isinstance(value, tuple) else value for name, value in values.items()
     }

@@ -20,7 +20,7 @@ DRAWS = 400
 
 def gap(workspace: Workspace, rest: FloatArray) -> Gap:
     """Errors against the model on the test runs, of residuals (T, s), and their floor."""
-    cop, grf = maes(workspace, rest)
+    cop, grf = maes(workspace, rest, judged(workspace))
     noise = workspace.floor
     return Gap(
         cop_mae_mm=1e3 * cop,
@@ -30,9 +30,9 @@ def gap(workspace: Workspace, rest: FloatArray) -> Gap:
     )
 
 
-def maes(workspace: Workspace, rest: FloatArray) -> tuple[float, float]:
-    """Mean error of CoP [m] and GRF [N] of residuals (T, s) on the test runs."""
-    rows = judged(workspace)
+def maes(workspace: Workspace, rest: FloatArray, runs: Sequence[int]) -> tuple[float, float]:
+    """Mean error of CoP [m] and GRF [N] of residuals (T, s) on some runs."""
+    rows = workspace.rows_of(runs)
     mask = workspace.scene.mask
     force, place = rows & mask[:, 0], rows & mask[:, 1]
     return (
@@ -41,15 +41,16 @@ def maes(workspace: Workspace, rest: FloatArray) -> tuple[float, float]:
     )
 
 
-def judged(workspace: Workspace) -> NDArray[np.bool_]:
-    """(T,) samples of the test runs; of the training runs where there is none."""
-    return workspace.rows_of(workspace.test or workspace.train)
+def judged(workspace: Workspace) -> tuple[int, ...]:
+    """The test runs; the training runs where there is none."""
+    return workspace.test or workspace.train
 
 
 def shrink(workspace: Workspace, before: FloatArray, after: FloatArray) -> Shrink:
     """From residuals (T, s) without an explanation to those with it."""
-    first, second = (_squares(workspace, rest, judged(workspace)) for rest in (before, after))
-    blocks = workspace.scene.samples.stretch[judged(workspace) & workspace.scene.mask[:, 1]]
+    rows = workspace.rows_of(judged(workspace))
+    first, second = (_squares(workspace, rest, rows) for rest in (before, after))
+    blocks = workspace.scene.samples.stretch[rows & workspace.scene.mask[:, 1]]
     sums = np.array(
         [
             [one[blocks == block].sum() for block in np.unique(blocks)]
@@ -60,7 +61,7 @@ def shrink(workspace: Workspace, before: FloatArray, after: FloatArray) -> Shrin
     fractions = [_fraction(*one) for one in sums[:, draws].sum(axis=2).T]
     low, high = np.quantile(fractions, (0.025, 0.975))
     (cop_before, grf_before), (cop_after, grf_after) = (
-        maes(workspace, rest) for rest in (before, after)
+        maes(workspace, rest, judged(workspace)) for rest in (before, after)
     )
     return Shrink(
         fraction=_fraction(*sums.sum(axis=1)),

@@ -40,7 +40,7 @@ def where(workspace: Workspace, rest: FloatArray, chosen: Scored | None) -> tupl
         chosen: the explanation.
     """
     scene = workspace.scene
-    rows = judged(workspace)
+    rows = workspace.rows_of(judged(workspace))
     over = np.where(scene.mask, (rest / workspace.floor) ** 2 - 1.0, 0.0)
     phases = {track.run: track.motion for track in scene.samples.tracks}
     sums = [

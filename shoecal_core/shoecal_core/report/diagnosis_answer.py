@@ -57,9 +57,11 @@ def verdict_of(diagnosis: Diagnosis) -> Verdict:
             filter(
                 None,
                 (
+                    _to_do(diagnosis),
                     *_what(diagnosis),
                     _where(diagnosis),
                     _shrinks(diagnosis),
+                    _against(diagnosis),
                     UNKNOWN_CURE if diagnosis.verdict == "unknown" else "",
                 ),
             )
@@ -109,6 +111,20 @@ def run_text(diagnosis: Diagnosis) -> str:
         return "training runs, for want of test runs"
     plural = "s" if len(diagnosis.test) > 1 else ""
     return f"test run{plural} {listed([str(run) for run in diagnosis.test])}"
+
+
+def _to_do(diagnosis: Diagnosis) -> str:
+    """What to do first, and what it is expected to win."""
+    if diagnosis.action is None:
+        return ""
+    before, after = diagnosis.action.expected_cop_mm
+    won = f" It is expected to win {millimetres(before - after)} of CoP." if after < before else ""
+    return f"What to do: {diagnosis.action.do}.{won}"
+
+
+def _against(diagnosis: Diagnosis) -> str:
+    """What speaks against it."""
+    return f"Against it: {'; '.join(diagnosis.dissent)}." if diagnosis.dissent else ""
 
 
 def _what(diagnosis: Diagnosis) -> list[str]:

@@ -8,7 +8,13 @@ import numpy as np
 import pytest
 
 from core.diagnosis.drawn import Urn, part
-from shoecal_core.diagnosis.answer import EXPLAINED_FROM, ambiguity_set, answer, probabilities
+from shoecal_core.diagnosis.answer import (
+    EXPLAINED_FROM,
+    ambiguity_set,
+    answer,
+    probabilities,
+    upheld,
+)
 from shoecal_core.diagnosis.result import Candidate
 from shoecal_core.diagnosis.scoring import Part
 from shoecal_core.diagnosis.selection import Found
@@ -52,6 +58,16 @@ def test_what_explains_a_gap_is_its_cause(urn: Urn) -> None:
     assert cause.shrink.fraction > EXPLAINED_FROM
     other = answer(drawn, (), found_in(drawn, "link_com (Neck_link)"), SETTINGS)
     assert other.verdict == "partly_explained"
+
+
+def test_what_test_runs_contradict_is_not_named(urn: Urn) -> None:
+    drawn = urn.draw(np.random.default_rng(2), TILT)
+    found = found_in(drawn, "floor_tilt")
+    assert upheld(drawn, found) == (found, ())
+    left, words = upheld(drawn, found_in(drawn, "link_com (Neck_link)"))
+    assert left.chosen is None
+    assert words[0].startswith("link_com (Neck_link): on training runs it takes ")
+    assert words[0].endswith(": not named")
 
 
 def test_what_a_robot_as_built_could_be_lowers_every_probability(urn: Urn) -> None:
