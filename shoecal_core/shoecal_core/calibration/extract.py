@@ -6,19 +6,15 @@ Where the feet move (walking, stepping) `walking` finds the stances.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.unloading import Aloft, aloft
 from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import Run
-from shoecal_core.recording.session import Session
-from shoecal_core.samples.aligned import Aligned, align
+from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.contact import find_contact
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.samples.walking import World, in_world, walking_stances
@@ -77,16 +73,6 @@ def zeros_of(run: Run, aligned: Aligned, shoe: Shoe, kinematics: Kinematics) -> 
         weight = kinematics.robot.weight
         air = find_contact(shoe, aligned.readings, world.clearance, weight).air
     return zeros_of_run(run.info.run, aligned.time, aligned.readings, air)
-
-
-def session_zeros(session: Session, runs: Sequence[int]) -> list[Zero]:
-    """The same of some runs of a session."""
-    shoe = session.shoe
-    kinematics = Kinematics(load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf))
-    found = []
-    for run in map(session.read, runs):
-        found += zeros_of(run, align(run, shoe, kinematics), shoe, kinematics)
-    return found
 
 
 def _world(run: Run, aligned: Aligned, kinematics: Kinematics) -> World:

@@ -10,8 +10,10 @@ from rich.console import Console
 
 from shoecal_core.commands.arguments import (
     add_force,
+    add_rezero,
     add_sets,
     add_settings,
+    add_weight,
     require_folder,
     settings_of,
 )
@@ -41,6 +43,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="of these shoes: the gap that it leaves is told beside",
     )
     add_settings(parser, "settings of a diagnosis and tolerances")
+    add_weight(parser)
+    add_rezero(parser)
     add_sets(parser)
     add_force(parser)
     parser.add_argument(
@@ -127,6 +131,8 @@ def _jobs_of(args: argparse.Namespace) -> list[DiagnosisJob]:
                 settings=settings,
                 tolerances=tolerances,
                 calibration=args.calibration,
+                weight_kg=args.weight_kg,
+                rezero=args.rezero,
                 train=args.train,
                 test=args.test,
                 without=frozenset(args.without),

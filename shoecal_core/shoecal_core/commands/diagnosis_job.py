@@ -9,7 +9,6 @@ from pathlib import Path
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.calibration.evaluate import errors, measured_series, modelled_series
 from shoecal_core.calibration.evaluation import load_calibration_of
-from shoecal_core.calibration.extract import session_zeros
 from shoecal_core.calibration.pipeline import load_data
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.simulated_shrink import with_simulated_shrink
@@ -39,6 +38,8 @@ class DiagnosisJob:
         session: its folder.
         settings, tolerances: of the diagnosis.
         calibration: file of one whose own gap is told beside it; None: none.
+        weight_kg: of robot and shoes, in place of the robot file's; None: that.
+        rezero: whether each run is taken with its own zeros.
         train, test: runs; empty: as the session marks them.
         without: signals that are not used: closure, parity, tilt, air.
         only: effects that are looked for, each with the place it is looked for at (empty: at
@@ -53,6 +54,8 @@ class DiagnosisJob:
     settings: DiagnosisSettings = field(default_factory=DiagnosisSettings)
     tolerances: Tolerances = field(default_factory=Tolerances)
     calibration: Path | None = None
+    weight_kg: float | None = None
+    rezero: bool = False
     train: tuple[int, ...] = ()
     test: tuple[int, ...] = ()
     without: frozenset[str] = frozenset()
@@ -131,6 +134,8 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
         job.test,
         job.settings,
         job.tolerances,
+        weight_kg=job.weight_kg,
+        rezero=job.rezero,
         without=job.without,
         only=job.wanted if job.only else None,
         effects=effects,
@@ -156,12 +161,11 @@ def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
     calibrated = None if calibration is None else _calibrated(calibration, session, found.test)
     tell("done", 1.0)
     parameters = None if calibration is None else calibration.parameters
-    zeros = session_zeros(session, sorted((*found.train, *found.test)))
     return Diagnosed(
         job.session,
         replace(found, evidence=None),
         calibrated,
-        zeros=zeros_json(session.shoe, zeros, parameters),
+        zeros=zeros_json(session.shoe, found.zeros, parameters),
     )
 
 

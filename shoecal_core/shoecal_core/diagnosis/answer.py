@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.result import Candidate, Cause, Verdict
 from shoecal_core.diagnosis.scoring import Scored
-from shoecal_core.diagnosis.selection import Found
+from shoecal_core.diagnosis.selection import TAKEN_FROM, Found, taken
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, gap, judged, shrink
 from shoecal_core.diagnosis.sizes import sizes
@@ -24,8 +24,6 @@ EXPLAINED_FROM = 0.6
 SURELY = 3.0
 """Excess on runs left out from which something is wrong, whatever the others showed: errors twice
 as large as expected."""
-UPHELD_FROM = 1.0 / 3.0
-"""The same of what one cause is said to explain, for it to be named."""
 
 
 @dataclass(frozen=True)
@@ -64,13 +62,17 @@ def answer(
         ambiguity = (Candidate(first.effect, first.location, first.probability),)
         ranking = (*ambiguity, *ranking)
     verdict: Verdict = "ambiguous" if len(ambiguity) > 1 else "explained"
-    if found.chosen is not None and _partly(workspace, found.chosen):
+    if found.chosen is not None:
+        left = _partly(workspace, found.chosen)
+    else:
+        left = _gapes(workspace, evident=found.other >= needed(settings))
+    if left:
         verdict = "partly_explained"
     return Answer(verdict, tuple(causes), ambiguity, ranking)
 
 
-def upheld(workspace: Workspace, found: Found) -> tuple[Found, tuple[str, ...]]:
-    """Without causes that runs left out contradict: added, they leave the gap as it was.
+def borne_out(workspace: Workspace, found: Found) -> tuple[Found, tuple[str, ...]]:
+    """Without causes that runs left out do not bear out: there is no gap, or it does not go.
 
     What happened once, in a run that was fitted, others can say nothing about.
 
@@ -83,25 +85,22 @@ def upheld(workspace: Workspace, found: Found) -> tuple[Found, tuple[str, ...]]:
     for index in reversed(range(len(found.chosen.parts))):
         chosen = found.chosen
         assert chosen is not None, "the part at hand is left"
-        if chosen.parts[index][1].shape.run is not None:
+        hypothesis, form = chosen.parts[index]
+        if form.shape.run is not None:
             continue
-        now = workspace.at(chosen)
-        rests = now.without(chosen, index), now.explained(chosen)[0]
-        gaps = [[excess(now, rest, runs) for rest in rests] for runs in (now.train, now.test)]
-        (claimed, shown), over = (before - after for before, after in gaps), gaps[1][0]
-        if shown < UPHELD_FROM * max(claimed, over):
-            found = found.without(index)
-            hypothesis = chosen.parts[index][0]
-            label = Candidate(hypothesis.effect.identifier, hypothesis.place, 0.0).label
-            told.append(
-                f"{label}: on training runs it takes {_share(claimed, gaps[0][0])} of the gap "
-                f"away, on test runs {_share(shown, over)}: not named"
-            )
+        there, shown, added = taken(workspace, chosen, index, workspace.test)
+        left = found.without(index)
+        if there <= 0.0:
+            found, why = left, "on test runs there is no gap that it could explain"
+        elif shown < TAKEN_FROM * added:
+            # Not that, but something: a robot as built is as improbable as before.
+            found = replace(left, other=max(left.other, chosen.evidence))
+            why = f"explains training runs, but takes {max(shown, 0.0) / there:.0%} of the gap on "
+            why += "test runs away"
+        else:
+            continue
+        told.append(f"{hypothesis.label}: {why}: not named")
     return found, tuple(told)
-
-
-def _share(part: float, whole: float) -> str:
-    return f"{part / whole:.0%}" if whole > 0.0 else "nothing"
 
 
 def causes_of(workspace: Workspace, found: Found) -> list[Cause]:

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 
 from shoecal_core.calibration.pipeline import split_runs
 from shoecal_core.diagnosis.action import action
-from shoecal_core.diagnosis.answer import answer, causes_of, upheld
+from shoecal_core.diagnosis.answer import answer, borne_out, causes_of
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.dissent import lowered, worse_runs
 from shoecal_core.diagnosis.evidence import evidence
+from shoecal_core.diagnosis.measured import Measured, at_zeros, measure, zeros_in
 from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
 from shoecal_core.diagnosis.result import Diagnosis
@@ -29,7 +30,7 @@ from shoecal_core.error_sources.scene import make_scene
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
-from shoecal_core.samples.sampling import load_samples
+from shoecal_core.samples.sampling import read_runs, samples_of
 
 Progress = Callable[[str, float], None]
 SHOWN = 20
@@ -55,6 +56,8 @@ def diagnose(
     settings: DiagnosisSettings | None = None,
     tolerances: Tolerances | None = None,
     *,
+    weight_kg: float | None = None,
+    rezero: bool = False,
     without: frozenset[str] = frozenset(),
     only: Callable[[str, Place], bool] | None = None,
     effects: Sequence[Effect] = EFFECTS,
@@ -67,6 +70,8 @@ def diagnose(
         train, test: runs; see `split_runs`. Test runs touch no fit and no ranking.
         settings: what the user decides.
         tolerances: how far a robot that works may be off its files.
+        weight_kg: of robot and shoes, in place of the robot file's [kg].
+        rezero: take each run with its own zeros, where a foot hangs in it.
         without: families of signals left out (`signals.FAMILIES`).
         only: tells of an effect and a place whether to look; None: everywhere (see `Wanted`).
         effects: the library.
@@ -79,10 +84,13 @@ def diagnose(
     tolerances = Tolerances() if tolerances is None else tolerances
     tell = progress or (lambda _text, _share: None)
     train, test = split_runs(session, train, test)
-    samples = load_samples(
-        session, (*train, *test), settings, lambda text, share: tell(text, 0.2 * share)
+    read = read_runs(
+        session, (*train, *test), lambda text, share: tell(text, 0.2 * share), weight_kg=weight_kg
     )
+    samples, zeros = samples_of(read, settings), zeros_in(read)
     train, test = (tuple(run for run in runs if run in samples.runs) for runs in (train, test))
+    if rezero:
+        samples = at_zeros(samples, zeros, train)
     tell("fitting with nothing added", 0.2)
     scene = make_scene(samples, first_parameters(samples, train), settings, without)
     wanted = only or (lambda _effect, _place: True)
@@ -96,9 +104,16 @@ def diagnose(
             "and these shoes, or the recording lacks what the effect needs",
         )
     tell("what this session can tell", 0.45)
+    known = Measured()
+    if only is None:
+        known = measure(
+            session, read, samples, () if rezero else zeros, train, workspace.scene.parameters,
+            settings, weighs=weight_kg is None,
+        )  # fmt: skip
     mended = workspace
-    if halted is not None:
-        whole = halted.mended(samples)
+    if halted is not None or known:
+        whole = known.mended(samples)
+        whole = whole if halted is None else halted.mended(whole)
         scene = make_scene(whole, first_parameters(whole, train), settings, without)
         mended = make_workspace(scene, effects, train, test, settings, tolerances, wanted)
     before = preflight(mended, settings)
@@ -109,13 +124,14 @@ def diagnose(
     tell("measuring the shrink", 0.8)
     denied: tuple[str, ...] = ()
     if only is None:
-        found, denied = upheld(best, found)
+        found, denied = borne_out(best, found)
     best = best.at(found.stands(best.scorer, settings))
-    certain = weak_cells(best, wanted)
-    if exchange is not None:
-        certain.insert(0, exchange.cause(mended.explained(None)[0]))
-    if halted is not None:
-        certain.insert(0, halted.cause(workspace, mended))
+    certain = [
+        *(known.causes(workspace, mended) if known else ()),
+        *(() if halted is None else (halted.cause(workspace, mended),)),
+        *(() if exchange is None else (exchange.cause(mended.explained(None)[0]),)),
+        *weak_cells(best, wanted),
+    ]
     said = answer(best, certain, found, settings)
     if only is not None and not certain:
         said = replace(said, causes=tuple(causes_of(best, found)))
@@ -123,7 +139,7 @@ def diagnose(
     chosen = found.chosen if said.causes else None
     without_any, _ = (workspace if certain else best).explained(None)
     left = best.explained(chosen)[0]
-    worse, grown = worse_runs(best, without_any, left, settings) if chosen is not None else ((), ())
+    worse, grown = worse_runs(best, without_any, left, settings)
     told = Diagnosis(
         verdict=said.verdict,
         gap=gap(best, without_any),
@@ -142,8 +158,9 @@ def diagnose(
         shoe=samples.shoe.name,
         evidence=evidence(best, chosen, found.singles),
         dissent=(*denied, *grown),
+        zeros=zeros,
     )
-    told = lowered(told, worse)
+    told = lowered(told, worse) if said.causes else told
     return replace(told, action=action(told))
 
 

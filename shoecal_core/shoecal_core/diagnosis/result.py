@@ -9,6 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.samples.zeros import Zero
+
 FloatArray = NDArray[np.float64]
 FORMAT = 1
 
@@ -250,6 +252,7 @@ class Diagnosis:
         evidence: for pictures; None where it was not kept.
         action: what to do first.
         dissent: what speaks against the causes, or spoke against others, in words.
+        zeros: what feet in the air show, run by run.
     """
 
     verdict: Verdict
@@ -270,6 +273,7 @@ class Diagnosis:
     evidence: Evidence | None = field(default=None, repr=False, compare=False)
     action: Action | None = None
     dissent: tuple[str, ...] = ()
+    zeros: tuple[Zero, ...] = field(default=(), repr=False, compare=False)
 
     def to_json(self) -> dict[str, object]:
         """The public form (`shoecal diagnose --json`)."""

@@ -55,9 +55,9 @@ class Rows:
         measured: (R,) CoP and GRF as measured, by the fitted ones; zero for other signals.
         group: (R,) to which of G groups, a signal in a band, each belongs.
         number: (G,) of each group among all there are (`spectrum`).
-        noise: (G,) variance by noise and by what no model tells.
+        noise: (G,) variance by noise.
         form: (G,) the same by the forms of as-built errors.
-        smooth: (G,) of a smooth term as large as the usual error of a model.
+        smooth: (G,) by what no model tells: a smooth term, as large as it usually is.
         most: (G,) variance up to which a group may be more than was expected.
         precision: (p,) of the baseline's priors, at level 1.
         family: (p,) of as-built errors; -1 for all else.
@@ -179,7 +179,7 @@ def make_rows(
         measured=taken,
         group=group,
         number=present,
-        noise=white * _flicker(signal, frequency) + smooth,
+        noise=white * _flicker(signal, frequency),
         form=form,
         smooth=smooth,
         most=_most(scene)[signal] ** 2,

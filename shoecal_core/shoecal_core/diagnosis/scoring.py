@@ -34,6 +34,7 @@ from scipy.linalg import cho_solve, solve_triangular
 from shoecal_core.diagnosis.hypotheses import Form, Hypothesis
 from shoecal_core.diagnosis.rows import Rows
 from shoecal_core.error_sources.regression import covariance_of
+from shoecal_core.error_sources.signals import AIR, GRF, PARITY
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -51,8 +52,12 @@ LEVEL, LEVEL_FREEDOM = 0.7, 3.0
 LEAST_LEVEL, FIRST_LEVEL = 0.05, 1.5
 FORM_LEVELS = (1.0, 0.5, 0.25, 0.12)
 """Factors on the form errors of as-built sources, with a log-normal prior of unit deviation."""
-ELSE_SIZES = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
-"""Of something else, over the usual error of a model, in any one signal."""
+MODEL_LEVELS = (1.0, 0.5, 0.25, 0.12)
+"""Of what a model lacks in a signal, over the usual; with a log-normal prior of unit deviation."""
+BODILESS = frozenset((GRF.start, *range(AIR.start, AIR.stop), *range(PARITY.start, PARITY.stop)))
+"""Signals that hang on cells and weight alone: there the model may be far better than usual."""
+ELSE_LEVELS = (2.0, 4.0, 8.0, 16.0, 32.0, 64.0)
+"""The same where something else is there."""
 ELSE_COST = 1.0
 """Logarithm of probability that something else costs in each signal that it is in."""
 ROUNDS, NEXT_ROUNDS = 8, 3
@@ -70,6 +75,7 @@ class Scored:
         evidence: logarithm, against a robot as built.
         levels: (F,) of the families of as-built errors. form_level: of their forms.
         variance: (G,) of the groups. expected: (G,) what it was expected to be.
+        model_level: (G,) of what the model lacks in each signal.
         rest: (R,) coefficients that are left.
         other: with something else as well.
         told: (G,) log likelihood of each group.
@@ -83,6 +89,7 @@ class Scored:
     form_level: float
     variance: FloatArray
     expected: FloatArray
+    model_level: FloatArray
     rest: FloatArray
     other: bool
     told: FloatArray
@@ -213,16 +220,11 @@ class Scorer:
                 found.append(self._fit((), found[-1], form_level, ROUNDS // 2, None, other))
                 continue
             raw = rows.squares(rows.residuals) / rows.count
-            variance = np.maximum(self._expected(form_level, 0.0), LEAST_SHARE * raw)
+            usual = rows.noise + rows.smooth + form_level**2 * rows.form
+            variance = np.maximum(usual, LEAST_SHARE * raw)
             levels = np.minimum(np.full(len(rows.most_level), FIRST_LEVEL), rows.most_level)
             found.append(self._fit((), (variance, levels), form_level, ROUNDS, None, other))
         return max(found, key=lambda one: one.evidence)
-
-    def _expected(self, form_level: float, own: FloatArray | float) -> FloatArray:
-        """(G,) variance, for as-built forms at a level and the power (G,) of effects."""
-        rows = self.rows
-        found: FloatArray = rows.noise + form_level**2 * rows.form + FORM**2 * own
-        return found
 
     def weighted(self, variance: FloatArray, levels: FloatArray) -> _Weighted:
         """The baseline under variances (G,), with as-built errors at levels (F,)."""
@@ -276,16 +278,17 @@ class Scorer:
             )
             rest = rows.residuals - rows.base @ vector - columns @ sizes
             own = 0.0 if without is None else rows.squares(without - rest) / rows.count
-            expected = self._expected(form_level, own)
+            known = rows.noise + form_level**2 * rows.form
             power = rows.squares(rest) / rows.scales(vector + rows.away, self.channels) ** 2
-            variance, told = self._variance(power, expected, other)
+            lacking = rows.smooth + FORM**2 * own
+            variance, expected, model_level, told = self._variance(power, known, lacking, other)
             prior = 0.5 * float((vector**2 * weighted.precision).sum())
             prior += 0.5 * float(((sizes / std) ** 2).sum())
             volume = weighted.half_log_volume + float(np.log(np.diag(root)).sum())
             evidence = float(told.sum()) - prior - volume - _level_cost(levels, form_level)
             found = Scored(
                 self, tuple(parts), np.concatenate((vector, sizes)), evidence, levels, form_level,
-                variance, expected, rest, other, told,
+                variance, expected, model_level, rest, other, told,
             )  # fmt: skip
         assert found is not None
         return replace(found, vector=self._whole(chosen) @ found.vector)
@@ -300,21 +303,37 @@ class Scorer:
         return found
 
     def _variance(
-        self, power: FloatArray, expected: FloatArray, other: bool
-    ) -> tuple[FloatArray, FloatArray]:
-        """(G,) most probable variances for sums of squares (G,), and (G,) log likelihoods."""
-        variance, told = self._most_probable(power, expected)
-        for signal in np.unique(self.rows.signal) if other else ():
-            here = self.rows.signal == signal
-            best = float(told[here].sum())
-            for size in ELSE_SIZES:
-                larger, likely = self._most_probable(
-                    power[here], expected[here] + size**2 * self.rows.smooth[here], here
-                )
-                likely -= ELSE_COST / np.count_nonzero(here)
+        self, power: FloatArray, known: FloatArray, lacking: FloatArray, other: bool
+    ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+        """What each group (G,) most probably has, for sums of squares (G,).
+
+        Of every signal the model lacks as much as it usually does; where no body is in the model,
+        perhaps less; where something else is there, perhaps more.
+
+        Args:
+            known: variance that any session has. lacking: that the model usually lacks.
+
+        Returns:
+            Variances, what was expected of them, levels, and log likelihoods.
+        """
+        rows = self.rows
+        variance, level, told = (np.empty_like(power) for _ in range(3))
+        for signal in np.unique(rows.signal):
+            here = rows.signal == signal
+            share = 1.0 / np.count_nonzero(here)
+            best = -np.inf
+            levels = MODEL_LEVELS if signal in BODILESS else MODEL_LEVELS[:1]
+            for one in (*levels, *(ELSE_LEVELS if other else ())):
+                usual = min(one, 1.0)
+                wanted = known[here] + usual**2 * lacking[here]
+                if one > 1.0:
+                    wanted = wanted + one**2 * rows.smooth[here]
+                found, likely = self._most_probable(power[here], wanted, here)
+                likely -= share * (ELSE_COST if one > 1.0 else 0.5 * math.log(one) ** 2)
                 if float(likely.sum()) > best:
-                    best, variance[here], told[here] = float(likely.sum()), larger, likely
-        return variance, told
+                    best = float(likely.sum())
+                    variance[here], level[here], told[here] = found, usual, likely
+        return variance, known + level**2 * lacking, level, told
 
     def _most_probable(
         self, power: FloatArray, expected: FloatArray, here: BoolArray | slice = slice(None)

@@ -12,20 +12,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.scoring import Part, Scored, Scorer
 from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.shrink import excess, squares
 from shoecal_core.diagnosis.tempering import needed
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP, GRF
 
+FloatArray = NDArray[np.float64]
 LOG_ELSE = math.log(0.05)
 """Of the probability, beforehand, that something is there which the library has not."""
 LOOKED_AT, PLACES_EACH = 14, 5
 """Hypotheses that are fitted in full, and of one effect at most."""
 LEAST_GAIN = -1.0
 """Log evidence at a quick look below which an effect is not fitted in full for its own sake."""
+TAKEN_FROM = 1.0 / 3.0
+"""Part of the gap, and of what a cause adds, that must go with it."""
 ARM_M = 0.1
 """By which a material error of the CoP is one of the force, as a share of the weight."""
 
@@ -38,10 +43,12 @@ class Judged:
         scored: the company with it, in the more probable of both ways.
         log: logarithm of its probability against the company alone, its prior included; where
             something else is there as well, against the company with that.
+        before: that company.
     """
 
     scored: Scored
     log: float
+    before: Scored
 
     @property
     def part(self) -> Part:
@@ -89,16 +96,59 @@ def select(workspace: Workspace, settings: DiagnosisSettings) -> Found:
     singles = judged(workspace, None)
     chosen: Scored | None = None
     ranked = singles
-    while ranked and (chosen is None or len(chosen.parts) < settings.causes_max):
-        fits = [one for one in ranked[:1] if one.log >= needed(settings)]
-        if not fits or not material(workspace, fits[0].scored, settings):
+    while chosen is None or len(chosen.parts) < settings.causes_max:
+        at = _first(workspace, ranked, settings)
+        if at is None:
             break
-        chosen = fits[0].scored
+        if chosen is None:
+            # What explains nearly nothing, however surely, stands in nobody's place.
+            singles = singles[at:]
+        chosen = ranked[at].scored
         if len(chosen.parts) < settings.causes_max:
             ranked = judged(workspace, chosen)
     if chosen is not None:
         chosen = _pruned(workspace, chosen, settings)
     return _found(workspace, chosen, singles)
+
+
+def _first(
+    workspace: Workspace, ranked: Sequence[Judged], settings: DiagnosisSettings
+) -> int | None:
+    """Place of the most probable hypothesis that is evident, matters, and explains the gap."""
+    for at, one in enumerate(ranked):
+        if one.log < needed(settings):
+            return None
+        if explains(workspace, one) and material(workspace, one.scored, settings):
+            return at
+    return None
+
+
+def explains(workspace: Workspace, one: Judged) -> bool:
+    """Whether a good part of what is off goes with it, in CoP and GRF or in all signals.
+
+    What happened in one run has to take the gap of that run away.
+    """
+    after, before = one.scored, one.before
+    run = one.part[1].shape.run
+    if run is not None:
+        there, shown, added = taken(workspace, after, len(after.parts) - 1, (run,))
+        return shown >= TAKEN_FROM * max(added, there)
+    rows = after.scorer.rows
+    over, left = (
+        rows.squares(each.rest) / before.expected - rows.count for each in (before, after)
+    )
+    judged_by = (np.isin(rows.signal, np.r_[GRF, COP]), np.ones(len(over), dtype=bool))
+    return any((over - left)[here].sum() >= TAKEN_FROM * over[here].sum() for here in judged_by)
+
+
+def taken(
+    workspace: Workspace, scored: Scored, index: int, runs: Sequence[int]
+) -> tuple[float, float, float]:
+    """Excess of CoP and GRF on some runs without a cause, what it takes of it, and what it adds."""
+    now = workspace.at(scored)
+    before, after = now.without(scored, index), now.explained(scored)[0]
+    there = excess(now, before, runs)
+    return there, there - excess(now, after, runs), squares(now, before - after, runs)
 
 
 def asked_for(workspace: Workspace) -> Found:
@@ -152,7 +202,7 @@ def judged(
         if scored is not None:
             before = company or (scorer.other if scored.other else scorer.nothing)
             log = value(scored) - value(before)
-            found.append(Judged(scored, log + math.log(hypothesis.prior)))
+            found.append(Judged(scored, log + math.log(hypothesis.prior), before))
     found.sort(key=lambda one: one.log, reverse=True)
     return found
 
@@ -171,30 +221,33 @@ def told(scored: Scored, before: Scored) -> float:
 def material(workspace: Workspace, scored: Scored, settings: DiagnosisSettings) -> bool:
     """Whether a calibration leaves so much of the part that was added last that it matters.
 
-    What is sure but too small for that is no gap, nor what only legs or plates show. What happened
-    in one run counts there.
+    What is sure but too small for that is no gap, nor what only legs or plates show. It matters on
+    the runs that were fitted or on those left out, which a drift shows more; what happened in one
+    run counts there.
     """
     added = workspace.calibrated(workspace.added(scored, scored.own(len(scored.parts) - 1)))
-    rows = workspace.scene.mask[:, 1].copy()
     run = scored.parts[-1][1].shape.run
-    if run is not None:
-        rows &= workspace.rows_of([run])
-    if not rows.any():
-        return False
-    cop = float(np.sqrt((added[rows][:, COP] ** 2).sum(axis=1).mean()))
-    share = float(np.sqrt((added[rows][:, GRF] ** 2).mean())) / workspace.scene.samples.robot.weight
-    return max(cop, ARM_M * share) >= settings.material_m
+    sets = (workspace.train, workspace.test) if run is None else ((run,),)
+    return any(_moves(workspace, added, runs) >= settings.material_m for runs in sets)
+
+
+def _moves(workspace: Workspace, added: FloatArray, runs: Sequence[int]) -> float:
+    """RMS of what residuals (T, s) are moved by on some runs, as an error of the CoP [m]."""
+    here = added[workspace.rows_of(runs) & workspace.scene.mask[:, 1]]
+    if not len(here):
+        return 0.0
+    cop = float(np.sqrt((here[:, COP] ** 2).sum(axis=1).mean()))
+    share = float(np.sqrt((here[:, GRF] ** 2).mean())) / workspace.scene.samples.robot.weight
+    return max(cop, ARM_M * share)
 
 
 def _best_way(workspace: Workspace, parts: Sequence[Part], company: Scored | None) -> Scored | None:
     """With nothing or with something else besides, whichever is more probable."""
     scorer = workspace.scorer
-    if company is not None:
-        ways = [scorer.score(parts, other=company.other, start=company)]
-    else:
-        # Where nothing else is seen, nothing else is seen beside an effect.
-        both = (False, True) if scorer.other.evidence > 0.0 else (False,)
-        ways = [scorer.score(parts, other=other) for other in both]
+    # Where nothing else is seen, nothing else is seen beside an effect.
+    seen = scorer.other.evidence > 0.0 if company is None else company.other
+    both = (False, True) if seen else (False,)
+    ways = [scorer.score(parts, other=other, start=company) for other in both]
     return max((way for way in ways if way.sensible), key=value, default=None)
 
 

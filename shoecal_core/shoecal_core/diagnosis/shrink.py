@@ -73,7 +73,12 @@ def shrink(workspace: Workspace, before: FloatArray, after: FloatArray) -> Shrin
 
 def excess(workspace: Workspace, rest: FloatArray, runs: Sequence[int]) -> float:
     """Mean square of the whitened errors of GRF and CoP on some runs, less their floor."""
-    return float(_squares(workspace, rest, workspace.rows_of(runs)).mean()) - 1.0
+    return squares(workspace, rest, runs) - 1.0
+
+
+def squares(workspace: Workspace, rest: FloatArray, runs: Sequence[int]) -> float:
+    """Mean square of the whitened errors of GRF and CoP on some runs."""
+    return float(_squares(workspace, rest, workspace.rows_of(runs)).mean())
 
 
 def _fraction(before: float, after: float, count: float) -> float:

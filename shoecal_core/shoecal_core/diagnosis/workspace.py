@@ -57,7 +57,10 @@ class Workspace:
 
     def at(self, scored: Scored) -> Workspace:
         """With errors as built as an explanation leaves them."""
-        return replace(self, built=scored)
+        found = replace(self, built=scored)
+        # What does not hang on them stays.
+        found.__dict__.update(_fitter=self._fitter, _left_of_errors=self._left_of_errors)
+        return found
 
     def calibrated(self, values: FloatArray) -> FloatArray:
         """(..., T, s) what a calibration on the training runs leaves of residuals (..., T, s).
@@ -105,12 +108,9 @@ class Workspace:
         """(s,) what the robot shows of each signal on runs left out, but for its fault: noise, and
         errors as built as the training runs tell them, where a calibration leaves them.
         """
-        scene, rows = self.scene, self.rows_of(self.test or self.train)
-        there = scene.mask[rows]
-        count = np.maximum(there.sum(axis=0), 1)
-        errors = np.flatnonzero(scene.built | ~scene.shared)
-        left = self.calibrated(scene.baseline[errors])[:, rows]
-        left *= there
+        rows = self.rows_of(self.test or self.train)
+        count = np.maximum(self.scene.mask[rows].sum(axis=0), 1)
+        errors, left = self._left_of_errors
         known = np.tensordot(self.built.vector[errors], left, 1)
         spread = self.built.covariance[np.ix_(errors, errors)]
         unknown = np.array([np.sum(one * (spread @ one)) for one in np.moveaxis(left, 2, 0)])
@@ -122,10 +122,20 @@ class Workspace:
         return found
 
     @cached_property
+    def _left_of_errors(self) -> tuple[IntArray, FloatArray]:
+        """Columns of errors as built, and (e, T', s) what a calibration leaves of them there."""
+        scene, rows = self.scene, self.rows_of(self.test or self.train)
+        errors = np.flatnonzero(scene.built | ~scene.shared)
+        left = self.calibrated(scene.baseline[errors])[:, rows] * scene.mask[rows]
+        return errors, left
+
+    @cached_property
     def _quiet(self) -> FloatArray:
         """(s, BANDS) variance that noise and forms were expected to have."""
         rows = self.scorer.rows
-        expected = rows.noise + self.built.form_level**2 * rows.form
+        built = self.built
+        lacking = built.model_level**2 * rows.smooth
+        expected = rows.noise + lacking + built.form_level**2 * rows.form
         return rows.by_band(expected, self.noise)
 
     def rows_of(self, runs: Sequence[int]) -> NDArray[np.bool_]:

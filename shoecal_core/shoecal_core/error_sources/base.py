@@ -26,9 +26,6 @@ FORCES = {
 }  # fmt: skip
 """Powers of a force in the units of components."""
 LEAST_FACTOR = 0.2
-MOST = 6.0
-"""Times its usual size that a component may have."""
-
 
 FORM = 0.08
 """Part of what an effect adds that reality usually has in another form than the library."""
@@ -45,7 +42,7 @@ class Component:
         least: below this it makes no sense.
         form: how much more than others it hangs on the form that reality has it in (times FORM).
         blur: what no session could tell of it, as a standard deviation in its unit.
-        most: what is larger, either way, is not this effect; by default `MOST` times `std`.
+        most: what is larger, either way, is not this effect; by default nothing is.
         as_built: setting of `Tolerances` that says how far a robot that works may be off; empty
             for what is normally not there at all.
     """
@@ -195,7 +192,7 @@ def mosts(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
     """Largest values of some components on a robot of this weight [N]; as for `stds`."""
     own = {component.name: component for component in effect.components}
     shares = [
-        MOST if (one := own.get(name)) is None or one.most is None else one.most / one.std
+        np.inf if (one := own.get(name)) is None or one.most is None else one.most / one.std
         for name in names
     ]
     most: FloatArray = stds(effect, names, weight) * np.array(shares)

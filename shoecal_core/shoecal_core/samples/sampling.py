@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -40,21 +41,39 @@ LEAST_FILLED = 0.5
 """Part of a sample's time in which there must be readings."""
 
 
-def load_samples(
+@dataclass(frozen=True)
+class Read:
+    """Runs as they were recorded, with the joint angles at the times of their readings.
+
+    Attributes:
+        session: folder.
+        robot, shoe, kinematics: of what was recorded.
+        runs: those that could be read.
+        notes: why others were left out.
+    """
+
+    session: Path
+    robot: Robot
+    shoe: Shoe
+    kinematics: Kinematics
+    runs: tuple[tuple[Run, Aligned], ...]
+    notes: tuple[str, ...]
+
+
+def read_runs(
     session: Session,
     runs: Sequence[int],
-    settings: SampleSettings,
     progress: Callable[[str, float], None] | None = None,
-) -> Samples:
-    """Read runs and make samples of them.
+    *,
+    weight_kg: float | None = None,
+) -> Read:
+    """Read runs; one that is damaged is left out, with a note.
 
-    A run of which nothing can be used is left out, with a note.
-
-    Raises:
-        ShoecalError: when no run is left.
+    Args:
+        weight_kg: of robot and shoes, in place of the robot file's [kg].
     """
     shoe = session.shoe
-    robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf)
+    robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf, weight_kg=weight_kg)
     kinematics = Kinematics(robot)
     notes: list[str] = []
     read = []
@@ -67,10 +86,25 @@ def load_samples(
             read.append((run, align(run, shoe, kinematics)))
         except FileError as error:
             notes.append(f"run {number} is left out: {error}")
-    samples = make_samples(read, robot, shoe, kinematics, settings, notes=notes)
+    return Read(session.folder, robot, shoe, kinematics, tuple(read), tuple(notes))
+
+
+def samples_of(read: Read, settings: SampleSettings) -> Samples:
+    """Samples of runs that were read; one of which nothing can be used is left out, with a note.
+
+    Raises:
+        ShoecalError: when no run is left.
+    """
+    notes = list(read.notes)
+    samples = make_samples(read.runs, read.robot, read.shoe, read.kinematics, settings, notes=notes)
     if samples is None:
-        raise SessionError(session.folder, "no run can be used: " + "; ".join(notes))
+        raise SessionError(read.session, "no run can be used: " + "; ".join(notes))
     return replace(samples, notes=(*notes, *missing(samples)))
+
+
+def load_samples(session: Session, runs: Sequence[int], settings: SampleSettings) -> Samples:
+    """Read runs and make samples of them."""
+    return samples_of(read_runs(session, runs), settings)
 
 
 def make_samples(

@@ -17,18 +17,20 @@ from shoecal_core.diagnosis.scoring import (
     FREEDOM,
     LEVEL,
     LEVEL_FREEDOM,
+    MODEL_LEVELS,
     Scored,
     Scorer,
 )
 from shoecal_core.error_sources.base import Shape
 from shoecal_core.error_sources.effects.contact import FloorTilt
-from shoecal_core.error_sources.signals import CLOSURE
+from shoecal_core.error_sources.signals import CLOSURE, PARITY
 from shoecal_core.error_sources.spectrum import BANDS
 
 FloatArray = NDArray[np.float64]
 ROWS, BASE, BUILT, MORE = 1200, 4, 6, 4
 STD = np.array([0.5, 2.0])
 CLOSURES = CLOSURE.start * BANDS + np.arange(3)
+PARITIES = PARITY.start * BANDS + np.arange(3)
 SETTLED = 60
 """Rounds after which a fit moves no more."""
 
@@ -55,7 +57,7 @@ def rows(seed: int, noise: float = 1.0, size: FloatArray | None = None, built: f
         number=CLOSURES,
         noise=np.full(3, noise),
         form=np.zeros(3),
-        smooth=np.full(3, 4.0 * noise),
+        smooth=np.zeros(3),
         most=np.full(3, 100.0),
         precision=np.concatenate((np.full(BASE, 1e-4), np.ones(BUILT))),
         family=np.repeat([-1, 0], [BASE, BUILT]),
@@ -134,9 +136,23 @@ def test_levels_follow_what_the_robot_shows() -> None:
     assert levels[2] > 1.5
 
 
+def test_how_much_a_model_lacks_is_found() -> None:
+    """Where it lacks less than models usually do, smaller effects show."""
+    what, rng = rows(10, 0.01), np.random.default_rng(11)
+    what.residuals[:] = 0.05 * what.columns[:, 0] + 0.1 * rng.normal(size=ROWS)
+    one, usual = possible((0,), STD[:1]), np.ones(3)
+    exact = Scorer(replace(what, smooth=usual, number=PARITIES), 0)
+    assert (exact.nothing.model_level == MODEL_LEVELS[-1]).all()
+    rough = replace(what, smooth=usual, number=PARITIES, residuals=10.0 * what.residuals)
+    assert (Scorer(rough, 0).nothing.model_level == 1.0).all()
+    # Of a body no model is so good, however well it fits.
+    assert (Scorer(replace(what, smooth=usual), 0).nothing.model_level == 1.0).all()
+    assert exact.score([(one, one.forms[0])]).evidence > 5.0
+
+
 def test_something_else_is_evident_where_no_column_is() -> None:
     rng = np.random.default_rng(7)
-    what = replace(rows(7), most=np.full(3, 4.0))
+    what = replace(rows(7), most=np.full(3, 4.0), smooth=np.ones(3))
     third = ROWS // 3
     what.residuals[:third] += 8.0 * rng.normal(size=third)
     scorer = Scorer(what, 0)

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from core.diagnosis.drawn import Urn, part, remade
-from shoecal_core.diagnosis.selection import Found, select
+from shoecal_core.diagnosis.selection import Found, material, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.tempering import needed
 from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.signals import COP
 
 SETTINGS = DiagnosisSettings()
 TRUTHS: dict[str, Sequence[float]] = {
@@ -20,6 +21,8 @@ TRUTHS: dict[str, Sequence[float]] = {
     "latency (left)": [0.08],
     "floor_tilt": [0.02, 0.012],
     "zero_drift (left)": [0.003],
+    # A loop that runs the other way round.
+    "hysteresis (left/front_left)": [-0.15],
 }
 
 
@@ -94,6 +97,21 @@ def test_exact_twins_are_equally_probable_and_others_are_not(urn: Urn) -> None:
     other = drawn.scorer.score([part(drawn, "cell_position (left/rear_left)")]).evidence
     assert abs(singles[true] - singles[twin]) < 8.0
     assert min(singles.values()) > other
+
+
+def test_what_shows_on_runs_left_out_alone_matters(urn: Urn) -> None:
+    """A drift is a part of zeros and gains while they are fitted, and not any more later."""
+    drawn = urn.draw(np.random.default_rng(6), {"zero_drift (left)": [0.003]})
+    scored = drawn.scorer.score([part(drawn, "zero_drift (left)")])
+    added = drawn.calibrated(drawn.added(scored))
+    sizes = [
+        float(np.sqrt((added[drawn.rows_of(runs)][:, COP] ** 2).sum(axis=1).mean()))
+        for runs in (drawn.train, drawn.test)
+    ]
+    assert sizes[1] > 1.2 * sizes[0]
+    between = replace(SETTINGS, material_m=0.5 * sum(sizes))
+    assert material(drawn, scored, between)
+    assert not material(replace(drawn, test=()), scored, between)
 
 
 def test_what_is_sure_but_too_small_to_matter_is_left_out(urn: Urn) -> None:

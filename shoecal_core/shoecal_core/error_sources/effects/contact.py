@@ -120,7 +120,7 @@ def moved_sole(scene: Scene, foot: int, axis: int, how_far: FloatArray) -> Float
         rotation = states.rotation @ turn
         translation = states.translation + states.rotation @ shift
     rows = np.arange(len(frame))
-    cop = (com[rows, frame, :2] - samples.cop) / step
+    cop = (com - states.com)[rows, frame, :2] / step
     yaw = np.arctan2(rotation[:, 1, 0], rotation[:, 0, 0])
     # What the model says falls behind the truth by this.
     support = np.column_stack(((translation - states.translation)[:, :2], yaw - states.yaw)) / step

@@ -20,6 +20,8 @@ LEAST_HANGING = 5
 """Samples in the air that tell what a cell shows when it feels nothing."""
 FLAT_STUCK, FLAT_AT_TOP = 0.01, 0.5
 """Movement of a channel over what is expected, up to which it may be stuck, or saturated."""
+RIDGE, LEAST_SPREAD = 1e-4, 1e-6
+"""Of a law's normal matrix, as some directions never move; and of a channel that does not [N]."""
 WARM_UP = 0.3
 """Time constant of what warms up, as a share of the session."""
 
@@ -94,10 +96,10 @@ class Saturation:
 
 
 class Hysteresis:
-    """Outputs lag behind the direction in which the load goes."""
+    """Outputs depend on the direction in which the load goes: behind it, or ahead of it."""
 
     identifier, group = "hysteresis", "load_cell"
-    components = (Component("fraction", "", 0.03, 0.0, form=3.0),)
+    components = (Component("fraction", "", 0.03, form=3.0),)
 
     def places(self, scene: Scene) -> Iterator[Place]:
         """Every cell, and all of a foot alike."""
@@ -111,11 +113,11 @@ class Hysteresis:
 
 
 class Creep:
-    """After a change of load the output goes on growing for a while."""
+    """After a change of load the output goes on growing for a while, or comes back in part."""
 
     identifier, group = "creep", "load_cell"
     components = (
-        Component("fraction", "", 0.03, 0.0, form=4.0), Component("time", "s", 30.0, form=4.0)
+        Component("fraction", "", 0.03, form=4.0), Component("time", "s", 30.0, form=4.0)
     )  # fmt: skip
 
     def places(self, scene: Scene) -> Iterator[Place]:
@@ -244,26 +246,15 @@ def courses(scene: Scene) -> Iterator[tuple[str, FloatArray]]:
 def expected(scene: Scene, channel: int, right: BoolArray) -> FloatArray:
     """(T,) what one cell should feel by the others [N].
 
-    From the plane of a foot with four cells, else from the weight. Offsets of a foot's cells
-    that change neither its force nor its CoP no data fix: so it is what the cell shows in
-    the median of the samples (T,) in which it is taken to be right.
+    Plates and weight tie a shoe's channels to each other: each follows from the others by a linear
+    law, whatever gains and offsets are. It is that of the samples (T,) in which the cell is taken
+    to be right.
     """
-    told = _told_by_others(scene, channel)
-    found: FloatArray = told + np.median((scene.outputs[:, channel] - told)[right])
+    others = np.delete(scene.outputs, channel, axis=1)
+    spread = np.maximum(others.std(axis=0), LEAST_SPREAD)
+    matrix = np.column_stack((np.ones(len(others)), (others - others.mean(axis=0)) / spread))
+    rows = matrix[right]
+    normal = rows.T @ rows + RIDGE * max(len(rows), 1) * np.eye(matrix.shape[1])
+    law = np.linalg.solve(normal, rows.T @ scene.outputs[right, channel])
+    found: FloatArray = matrix @ law
     return found
-
-
-def _told_by_others(scene: Scene, channel: int) -> FloatArray:
-    """(T,) but for a constant [N]."""
-    own = [
-        i
-        for i in np.flatnonzero(scene.wiring.foot == scene.wiring.foot[channel]).tolist()
-        if scene.wiring.columns[i, 0] == 1.0
-    ]
-    if len(own) == 4:
-        plane = np.linalg.svd(scene.wiring.columns[own].T)[2][-1]
-        at = own.index(channel)
-        if abs(plane[at]) > 0.2:
-            rest: FloatArray = scene.outputs[:, own] @ plane / plane[at]
-            return scene.outputs[:, channel] - rest
-    return np.asarray(scene.outputs[:, channel] - scene.residuals[:, 0])

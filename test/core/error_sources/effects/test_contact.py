@@ -18,9 +18,10 @@ from core.error_sources.altered import (
     with_robot,
 )
 from core.error_sources.shows import assert_shows, shape, told
+from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources import body
 from shoecal_core.error_sources.effects.contact import FloorTilt, FootPlacement, Slip, SoftGround
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.scene import Scene, make_scene
 from shoecal_core.error_sources.signals import CLOSURE, COP
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.samples.samples import Samples
@@ -38,6 +39,16 @@ def test_foot_placement(scene: Scene, foot: str, axis: int) -> None:
     robot = askew(scene.samples.robot, FEET.index(foot), *(-size))
     found = shape(scene, FootPlacement(), foot)
     assert_shows(scene, with_robot(scene, robot), told(found, *size))
+
+
+def test_foot_placement_of_a_robot_that_walks(scene: Scene) -> None:
+    """The CoP is the zero-moment point, not below the CoM: the sole moves as below that."""
+    samples = scene.samples
+    walks = replace(samples, cop=samples.cop + np.array([0.05, -0.03]))
+    walking = make_scene(walks, scene.parameters, DiagnosisSettings())
+    told = (scene.mask & walking.mask)[:, COP]
+    one, other = (shape(there, FootPlacement(), "left").columns for there in (scene, walking))
+    np.testing.assert_allclose(other[:, :, COP][:, told], one[:, :, COP][:, told], atol=0.1)
 
 
 @pytest.mark.parametrize(("about_x", "about_y"), [(0.004, 0.0), (0.0, 0.004), (-0.002, 0.003)])

@@ -55,6 +55,20 @@ def test_a_saturated_cell_misses_what_the_others_tell(scene: Scene, cell: str) -
     assert_shows(scene, after, told(best, 1.0), within=0.15)
 
 
+def test_saturation_is_seen_whatever_gains_were_fitted(scene: Scene) -> None:
+    """A cell that ends early bends all gains; how cells follow from each other it does not."""
+    cell = CELLS[0]
+    (channel,) = channels_at(scene, (cell,))
+    force = scene.outputs[:, channel]
+    after = at(scene, cell, lambda _, f: np.minimum(f, force.max() - 0.3 * np.ptp(force)))
+    gain = after.parameters.gain * np.array([0.6, 1.4, 1.2, 0.7, 1.0, 1.3, 0.8, 1.1])
+    bent = after.with_parameters(ChannelParameters(gain, after.parameters.offset))
+    assert list(load_cell.Saturation().shapes(bent, (cell,)))
+    assert not list(load_cell.Saturation().shapes(bent, (CELLS[1],)))
+    at_top = load_cell.expected(after, int(channel), force <= np.median(force))
+    np.testing.assert_allclose(at_top, force, atol=0.05 * np.ptp(force))
+
+
 def test_a_cell_that_moves_freely_is_not_saturated(scene: Scene) -> None:
     for (cell,) in load_cell.Saturation().places(scene):
         assert not list(load_cell.Saturation().shapes(scene, (cell,)))

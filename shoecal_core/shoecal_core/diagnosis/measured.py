@@ -1,0 +1,220 @@
+"""What needs no fit: zeros that feet in the air show, and the weight by data sheets.
+
+Screening finds both as well. All else is looked for as if every run had the mean zeros of the
+training runs, and the robot that weight.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.calibration.extract import zeros_of
+from shoecal_core.calibration.walking_fit import common_zeros
+from shoecal_core.diagnosis.result import Cause, Shrink, Size
+from shoecal_core.diagnosis.selection import ARM_M
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.shrink import shrink
+from shoecal_core.diagnosis.workspace import Workspace
+from shoecal_core.error_sources.base import ALL
+from shoecal_core.error_sources.effects import places
+from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.weight import Weighed, weigh
+from shoecal_core.model.robot import Robot
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.recording.session import Session
+from shoecal_core.samples.samples import Samples
+from shoecal_core.samples.sampling import Read
+from shoecal_core.samples.zeros import NORMAL_95, Zero, data_sheet
+from shoecal_core.sensing.shoe import FEET
+from shoecal_core.sensing.wrench import ChannelParameters
+
+FloatArray = NDArray[np.float64]
+SURE_STDS = 4.0
+"""By which a zero has to be off: a session has many of them."""
+DATA_SHEET_STD = 0.1
+"""How far the data sheets' gains may be off together, as a share."""
+
+
+@dataclass(frozen=True)
+class Moved:
+    """A foot that shows another zero in one run than in the training runs.
+
+    Attributes:
+        run, foot: which.
+        offset, std: of each vertical channel [N].
+    """
+
+    run: int
+    foot: int
+    offset: float
+    std: float
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was found so.
+
+    Attributes:
+        moved: zeros, the farthest first.
+        zeros: of all runs; empty where none moved.
+        train: runs whose zeros are taken.
+        heavier: the robot with the weight by data sheets; None where its file's may be right.
+        weighed: that weight.
+    """
+
+    moved: tuple[Moved, ...] = ()
+    zeros: tuple[Zero, ...] = ()
+    train: tuple[int, ...] = ()
+    heavier: Robot | None = None
+    weighed: Weighed | None = None
+
+    def __bool__(self) -> bool:
+        return bool(self.moved) or self.heavier is not None
+
+    def mended(self, samples: Samples) -> Samples:
+        """The session with the mean zeros in every run, and with that weight."""
+        samples = at_zeros(samples, self.zeros, self.train)
+        if self.heavier is None:
+            return samples
+        force = samples.force * (self.heavier.mass / samples.robot.mass)
+        return replace(samples, robot=self.heavier, force=force)
+
+    def causes(self, before: Workspace, mended: Workspace) -> list[Cause]:
+        """What it is, by what is left of the session as it came and as mended."""
+        gone = shrink(mended, before.explained(None)[0], mended.explained(None)[0])
+        found = [_zero_cause(one, gone) for one in self.moved]
+        if self.heavier is not None:
+            found.append(self._weight_cause(before.scene.samples.robot.mass, gone))
+        return found
+
+    def _weight_cause(self, mass: float, gone: Shrink) -> Cause:
+        """A common error of all data sheets would look the same.
+
+        Args:
+            mass: as the robot file has it [kg].
+        """
+        assert self.weighed is not None
+        low, high = self.weighed.ci95
+        off = self.weighed.kg - mass
+        return Cause(
+            effect="total_mass",
+            group="body",
+            location=(ALL,),
+            probability=_surely(off / mass / DATA_SHEET_STD),
+            size={"mass": Size(off, "kg", (low - mass, high - mass))},
+            run=None,
+            shrink=gone,
+            hidden_cop_mm=0.0,
+        )
+
+
+def measure(
+    session: Session,
+    read: Read,
+    samples: Samples,
+    zeros: tuple[Zero, ...],
+    train: Sequence[int],
+    fitted: ChannelParameters,
+    settings: DiagnosisSettings,
+    *,
+    weighs: bool,
+) -> Measured:
+    """Look for zeros that moved, and for another weight than the robot file's.
+
+    Args:
+        session: that was read.
+        samples: of it. zeros: of its runs.
+        train: runs.
+        fitted: gains of channels without data sheets.
+        weighs: whether the weight may be wrong.
+    """
+    found = _moved(samples, zeros, train, fitted, settings)
+    taken = zeros if found else ()
+    weighed = weigh(read.shoe, {run.info.run: one.readings for run, one in read.runs}, zeros)
+    mass = samples.robot.mass
+    if weighed is None or not weighs or weighed.ci95[0] <= mass <= weighed.ci95[1]:
+        return Measured(tuple(found), taken, tuple(train))
+    if abs(weighed.kg - mass) <= mass * settings.material_m / ARM_M:
+        return Measured(tuple(found), taken, tuple(train))
+    robot = load_robot(session.robot_yaml, read.shoe, urdf=session.robot_urdf, weight_kg=weighed.kg)
+    return Measured(tuple(found), taken, tuple(train), robot, weighed)
+
+
+def zeros_in(read: Read) -> tuple[Zero, ...]:
+    """What feet show in the air; a run in which they cannot be found has none."""
+    found: list[Zero] = []
+    for run, aligned in read.runs:
+        try:
+            found += zeros_of(run, aligned, read.shoe, read.kinematics)
+        except ShoecalError:
+            continue  # it is left out of the samples as well, with a note
+    return tuple(found)
+
+
+def at_zeros(samples: Samples, zeros: Sequence[Zero], train: Sequence[int]) -> Samples:
+    """Readings as if every run whose feet were in the air had the mean zeros of the training runs.
+
+    A foot that is in the air in no training run is left as it is.
+    """
+    common = common_zeros(samples.shoe, zeros, train)
+    known = np.isfinite(common.std)
+    shift = {track.run: np.zeros(len(known)) for track in samples.tracks}
+    for zero in zeros:
+        if zero.run in shift:
+            own = known & (samples.shoe.foot == zero.foot)
+            shift[zero.run] += np.where(own, common.reading - zero.reading, 0.0)
+    readings = samples.readings + np.array([shift[run] for run in samples.run.tolist()])
+    tracks = tuple(
+        replace(track, readings=track.readings + shift[track.run]) for track in samples.tracks
+    )
+    return replace(samples, tracks=tracks, readings=readings)
+
+
+def _moved(
+    samples: Samples,
+    zeros: Sequence[Zero],
+    train: Sequence[int],
+    fitted: ChannelParameters,
+    settings: DiagnosisSettings,
+) -> list[Moved]:
+    """Zeros that differ from the mean of the training runs, surely and enough to matter."""
+    shoe, found = samples.shoe, []
+    least = samples.robot.weight * settings.material_m / ARM_M
+    for foot in range(len(FEET)):
+        law = data_sheet(shoe, foot) or fitted
+        shown = {zero.run: zero.force(shoe, law) for zero in zeros if zero.foot == foot}
+        base = [shown[run] for run in train if run in shown]
+        if not base or len(shown) < 2:
+            continue
+        mean = float(np.mean([force for force, _ in base]))
+        spread = float(np.sqrt(np.mean([std**2 for _, std in base]) / len(base)))
+        cells = np.count_nonzero(shoe.foot[places.vertical(shoe)] == foot)
+        for run, (force, std) in shown.items():
+            off, unsure = force - mean, math.hypot(std, spread)
+            if abs(off) > max(SURE_STDS * unsure, least):
+                found.append(Moved(run, foot, off / cells, unsure / cells))
+    return sorted(found, key=lambda one: -abs(one.offset))
+
+
+def _zero_cause(one: Moved, gone: Shrink) -> Cause:
+    half = NORMAL_95 * one.std
+    return Cause(
+        effect="zero_offset",
+        group="load_cell",
+        location=(FEET[one.foot],),
+        probability=_surely(one.offset / one.std),
+        size={"offset": Size(one.offset, "N", (one.offset - half, one.offset + half))},
+        run=one.run,
+        shrink=gone,
+        hidden_cop_mm=0.0,
+    )
+
+
+def _surely(stds: float) -> float:
+    """Probability that a normal number is not as far off as this many standard deviations."""
+    return math.erf(abs(stds) / math.sqrt(2.0))
