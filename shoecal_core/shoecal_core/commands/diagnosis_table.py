@@ -13,6 +13,8 @@ from shoecal_core.diagnosis.result import VERDICTS, Cause, Diagnosis, Size
 
 SHOWN = 3
 """Places of the gap that are named."""
+LEAST_SHARE = 0.05
+"""Of the CoP's gap, from which a source is named."""
 SMALL: Mapping[str, tuple[float, str]] = {
     "m": (1e3, "mm"),
     "rad": (1e3, "mrad"),
@@ -44,6 +46,9 @@ def print_diagnosis(
     if len(diagnosis.ambiguity) > 1:
         alike = "; ".join(f"{one.label} {one.probability:.0%}" for one in diagnosis.ambiguity)
         console.print(f"not to be told apart: {alike}", markup=False, soft_wrap=True)
+    if made_of := [one for one in diagnosis.budget if abs(one.cop_share) >= LEAST_SHARE]:
+        shares = ", ".join(f"{one.label} {one.cop_share:.0%}" for one in made_of)
+        console.print(f"the CoP's gap is made of: {shares}", markup=False, soft_wrap=True)
     lines = [("could not be seen here", ", ".join(diagnosis.cannot_detect))]
     if diagnosis.next_motion is not None:
         motion = diagnosis.next_motion

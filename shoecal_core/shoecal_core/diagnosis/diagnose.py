@@ -9,6 +9,7 @@ from shoecal_core.calibration.pipeline import split_runs
 from shoecal_core.diagnosis.action import action
 from shoecal_core.diagnosis.answer import answer, borne_out, causes_of
 from shoecal_core.diagnosis.baseline import first_parameters
+from shoecal_core.diagnosis.budget import budget
 from shoecal_core.diagnosis.dissent import lowered, worse_runs
 from shoecal_core.diagnosis.evidence import evidence
 from shoecal_core.diagnosis.measured import Measured, at_zeros, measure, zeros_in
@@ -159,6 +160,7 @@ def diagnose(
         evidence=evidence(best, chosen, found.singles),
         dissent=(*denied, *grown),
         zeros=zeros,
+        budget=budget(best, best.explained(None)[0], chosen),
     )
     told = lowered(told, worse) if said.causes else told
     return replace(told, action=action(told))

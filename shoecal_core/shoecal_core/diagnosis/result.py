@@ -164,6 +164,29 @@ class Action:
 
 
 @dataclass(frozen=True)
+class BudgetShare:
+    """What one source holds of the CoP's gap.
+
+    Attributes:
+        source: an effect, as a cause or as an error as built; or `other errors as built`, or
+            `not explained`.
+        location: its place; empty for all places together.
+        cop_share: of the mean square on the test runs; negative where it works against others.
+        ci95: its 95 % interval.
+    """
+
+    source: str
+    location: tuple[str, ...]
+    cop_share: float
+    ci95: tuple[float, float]
+
+    @property
+    def label(self) -> str:
+        """For a person to read."""
+        return Candidate(self.source, self.location, 0.0).label
+
+
+@dataclass(frozen=True)
 class NextMotion:
     """The run that would best separate what is still confused.
 
@@ -253,6 +276,7 @@ class Diagnosis:
         action: what to do first.
         dissent: what speaks against the causes, or spoke against others, in words.
         zeros: what feet in the air show, run by run.
+        budget: what the CoP's gap is made of, the largest first.
     """
 
     verdict: Verdict
@@ -274,6 +298,7 @@ class Diagnosis:
     action: Action | None = None
     dissent: tuple[str, ...] = ()
     zeros: tuple[Zero, ...] = field(default=(), repr=False, compare=False)
+    budget: tuple[BudgetShare, ...] = ()
 
     def to_json(self) -> dict[str, object]:
         """The public form (`shoecal diagnose --json`)."""
@@ -291,6 +316,7 @@ class Diagnosis:
             "ambiguity_set": [_candidate(one) for one in self.ambiguity],
             "action": None if self.action is None else _pairs(vars(self.action)),
             "dissent": list(self.dissent),
+            "budget": [_pairs(vars(one)) for one in self.budget],
             "ranking": [_candidate(one) for one in self.ranking],
             "cannot_detect": list(self.cannot_detect),
             "cannot_separate": [list(names) for names in self.cannot_separate],

@@ -59,7 +59,7 @@ class Workspace:
         """With errors as built as an explanation leaves them."""
         found = replace(self, built=scored)
         # What does not hang on them stays.
-        found.__dict__.update(_fitter=self._fitter, _left_of_errors=self._left_of_errors)
+        found.__dict__.update(_fitter=self._fitter, left_of_errors=self.left_of_errors)
         return found
 
     def calibrated(self, values: FloatArray) -> FloatArray:
@@ -110,7 +110,7 @@ class Workspace:
         """
         rows = self.rows_of(self.test or self.train)
         count = np.maximum(self.scene.mask[rows].sum(axis=0), 1)
-        errors, left = self._left_of_errors
+        errors, left = self.left_of_errors
         known = np.tensordot(self.built.vector[errors], left, 1)
         spread = self.built.covariance[np.ix_(errors, errors)]
         unknown = np.array([np.sum(one * (spread @ one)) for one in np.moveaxis(left, 2, 0)])
@@ -122,7 +122,7 @@ class Workspace:
         return found
 
     @cached_property
-    def _left_of_errors(self) -> tuple[IntArray, FloatArray]:
+    def left_of_errors(self) -> tuple[IntArray, FloatArray]:
         """Columns of errors as built, and (e, T', s) what a calibration leaves of them there."""
         scene, rows = self.scene, self.rows_of(self.test or self.train)
         errors = np.flatnonzero(scene.built | ~scene.shared)

@@ -21,6 +21,7 @@ from shoecal_core.report.diagnosis_place_figures import lever_picture, place_pic
 from shoecal_core.report.diagnosis_tables import (
     alike_table,
     blind_spots_table,
+    budget_table,
     causes_table,
     hidden_table,
     notes_table,
@@ -102,6 +103,9 @@ def _where(diagnosis: Diagnosis, robot: Robot, shoe: Shoe) -> Section:
         groups.append(Group("In time", text, pictures=time_pictures(diagnosis, evidence)))
     elif shares is not None:
         groups.append(Group("How much of it where", pictures=(shares,)))
+    made_of = budget_table(diagnosis)
+    if made_of is not None:
+        groups.append(Group(tables=(made_of,)))
     text = (
         "Model: what masses, lengths and joint angles say of GRF and CoP. Error: measured minus "
         "modelled, after gains and offsets of all channels were fitted."

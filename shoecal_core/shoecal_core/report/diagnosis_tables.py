@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Sequence
 
-from shoecal_core.diagnosis.result import Diagnosis, Shrink, SimulatedShrink
+from shoecal_core.diagnosis.result import Candidate, Diagnosis, Shrink, SimulatedShrink
 from shoecal_core.model.robot import Robot
 from shoecal_core.report.diagnosis_answer import (
     interval_text,
@@ -28,7 +28,7 @@ from shoecal_core.report.diagnosis_words import (
 from shoecal_core.report.figures.shares import percent
 from shoecal_core.report.origin import robot_text, shoe_text
 from shoecal_core.report.page import Table
-from shoecal_core.report.quantities import UNKNOWN
+from shoecal_core.report.quantities import SPACE, UNKNOWN
 from shoecal_core.sensing.shoe import Shoe
 
 MOST_OF_SET = 6
@@ -47,6 +47,21 @@ def causes_table(diagnosis: Diagnosis) -> Table:
             (candidate_text(cause), effect_text(cause.effect), cause.group.replace("_", " "),
              sizes_text(cause) or UNKNOWN, percent(cause.probability))
             for cause in diagnosis.causes
+        ),
+    )  # fmt: skip
+
+
+def budget_table(diagnosis: Diagnosis) -> Table | None:
+    """What the CoP's gap is made of; None where that is not known."""
+    if not diagnosis.budget:
+        return None
+    return Table(
+        "What the CoP's error is made of",
+        ("source and place", "share of its mean square", f"95{SPACE}% interval"),
+        tuple(
+            (candidate_text(Candidate(one.source, one.location, 0.0)), percent(one.cop_share),
+             f"{percent(one.ci95[0])} to {percent(one.ci95[1])}")
+            for one in diagnosis.budget
         ),
     )  # fmt: skip
 

@@ -91,6 +91,20 @@ def test_settings_and_tolerances_of_a_file(shoecal: Run, simulated: Path, tmp_pa
     assert floors[1] < 0.5 * floors[0]
 
 
+def test_a_weight_of_the_scale(shoecal: Run, simulated: Path, tmp_path: Path) -> None:
+    """Nothing but its weight says what GRF a robot should show."""
+    gaps = []
+    for number, words in enumerate(((), ("--weight-kg", "9.0", "--rezero"))):
+        figures = tmp_path / f"{number}.json"
+        code, _, error = shoecal(
+            "diagnose", simulated, *words, "--only", "payload", "--train", "1,2", "--test", "3",
+            "--no-simulation", "--json", figures,
+        )  # fmt: skip
+        assert code == 0, error
+        gaps.append(json.loads(figures.read_text())["gap"]["grf_mae_n"])
+    assert gaps[1] != gaps[0]
+
+
 @pytest.mark.parametrize("section", ["diagnosis", "tolerances"])
 def test_settings_that_it_does_not_know(
     shoecal: Run, simulated: Path, tmp_path: Path, section: str

@@ -11,6 +11,7 @@ from core.calibration import synthetic
 from core.sensing import shoes
 from shoecal_core.diagnosis.result import (
     Action,
+    BudgetShare,
     Candidate,
     Cause,
     Diagnosis,
@@ -137,6 +138,11 @@ def diagnosis(
         notes=("no /imu in the recording: tilt of the floor was not looked at",),
         robot="nao", shoe="nao_shoe", evidence=found,
         action=Action("exchange the cell left/front_left", (1.42, 0.45)),
+        budget=(
+            BudgetShare("nonlinearity", (CELL,), 0.72, (0.6, 0.84)),
+            BudgetShare("joint_compliance", ("all",), 0.2, (0.1, 0.3)),
+            BudgetShare("not explained", (), 0.08, (0.02, 0.14)),
+        ),
         dissent=("test run 8 gets worse with it: CoP 0.58 -> 1.10 mm",),
     )  # fmt: skip
     return replace(whole, **changes)  # type: ignore[arg-type]

@@ -42,7 +42,7 @@ class Hysteresis(SensorEffect):
 
     Attributes:
         channels: of any kind.
-        fraction: whole width of the loop over the range of f.
+        fraction: whole width of the loop over the range of f; below 0 readings lead.
     """
 
     channels: Channels
@@ -52,7 +52,7 @@ class Hysteresis(SensorEffect):
     def read(cls, fields: Fields) -> Hysteresis:
         """From the item of a reality file."""
         fields.only("effect", "location", "fraction")
-        fraction = fields.number("fraction", minimum=0.0, maximum=0.5)
+        fraction = fields.number("fraction", minimum=-0.5, maximum=0.5)
         return cls(Channels.read(fields, areas=True), fraction)
 
     def stage(self, shoes: DrawnShoes) -> Loops:

@@ -30,7 +30,7 @@ def shoes(tmp_path: Path, listed: str, shoe: Shoe) -> None:
         ("effect: nonlinearity, location: left, cubic_per_n2: 0", "expected a list of names"),
         ("effect: saturation, location: [left/front_left], level_n: 0", "level_n: must be above 0"),
         ("effect: saturation, location: [], level_n: 9", "location: names nothing"),
-        ("effect: hysteresis, location: [left], fraction: 2", "fraction: must be at least 0 and"),
+        ("effect: hysteresis, location: [left], fraction: 2", "fraction: must be at least -0.5"),
         ("effect: hysteresis, location: [nose], fraction: 0.1", "there is no channel 'nose'"),
         ("effect: creep, location: [left], fraction: 0.1", "time_s: is missing"),
         ("effect: creep, location: [left, left], fraction: 0.1, time_s: 9", "names one twice"),
