@@ -57,6 +57,7 @@ from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.estimation.known_shoe import known_shoe
 from shoecal_core.estimation.weight import Weighed, weigh
 from shoecal_core.files import sha256
+from shoecal_core.model.double_support import count_distinct
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
@@ -358,14 +359,14 @@ def _require_supports(
     double = [stance for stance in stances if all(stance.loaded)]
     if len({stance.hanging for stance in stances} - {None}) == 2:
         return  # each foot stood alone
-    distinct = {tuple(np.round((s.support.dx, s.support.dy, s.support.dtheta), 2)) for s in double}
-    if len(distinct) < DISTINCT_SUPPORTS:
+    distinct = count_distinct(stance.support for stance in double)
+    if distinct < DISTINCT_SUPPORTS:
         told = "".join(f"; {finding.reason}" for finding in found)
         if walks(stances):
             told = f"; {stances_found(stances)}{told}"
         raise SessionError(
             session.folder,
-            f"{len(distinct)} double support among the training runs; record at least "
+            f"{distinct} double support among the training runs; record at least "
             f"{DISTINCT_SUPPORTS} that differ in yaw (3 or more are better){told}",
         )
 

@@ -50,11 +50,12 @@ def worse_runs(
 def lowered(diagnosis: Diagnosis, worse: Sequence[int]) -> Diagnosis:
     """With test runs that get worse: each takes its share of the probability.
 
+    The share is that of runs that bear it out, by the rule of succession: of few runs none is all.
     What happened in one run that was fitted is not judged by others.
     """
     if not worse:
         return diagnosis
-    share = 1.0 - len(worse) / len(diagnosis.test)
+    share = (len(diagnosis.test) - len(worse) + 1) / (len(diagnosis.test) + 1)
     causes = tuple(
         cause if cause.run is not None else replace(cause, probability=share * cause.probability)
         for cause in diagnosis.causes

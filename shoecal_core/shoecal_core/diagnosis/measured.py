@@ -197,7 +197,7 @@ def _moved(
         for run, (force, std) in shown.items():
             off, unsure = force - mean, math.hypot(std, spread)
             if abs(off) > max(SURE_STDS * unsure, least):
-                found.append(Moved(run, foot, off / cells, unsure / cells))
+                found.append(Moved(run, foot, float(off / cells), float(unsure / cells)))
     return sorted(found, key=lambda one: -abs(one.offset))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,8 @@ from shoecal_core.files import Fields
 
 FARTHEST_M = 100.0
 """Beyond that geometry is rounding."""
+NEAR_M, NEAR_RAD = 0.01, 0.02
+"""Double supports that are nearer to each other tell a calibration the same."""
 
 
 @dataclass(frozen=True)
@@ -66,3 +69,18 @@ def read_support(fields: Fields, key: str = "support") -> DoubleSupport | None:
         return DoubleSupport(*map(float, numbers))
     except ShoecalError as error:
         raise fields.error(key, str(error)) from error
+
+
+def count_distinct(supports: Iterable[DoubleSupport]) -> int:
+    """How many double supports there are, those that nearly coincide taken as one."""
+    found: list[DoubleSupport] = []
+    for one in supports:
+        if not any(_near(one, other) for other in found):
+            found.append(one)
+    return len(found)
+
+
+def _near(one: DoubleSupport, other: DoubleSupport) -> bool:
+    away = math.hypot(one.dx - other.dx, one.dy - other.dy)
+    turned = math.remainder(one.dtheta - other.dtheta, math.tau)
+    return away < NEAR_M and abs(turned) < NEAR_RAD

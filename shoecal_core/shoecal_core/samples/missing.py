@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from shoecal_core.errors import ShoecalError
+from shoecal_core.model.double_support import count_distinct
 from shoecal_core.samples.samples import Samples
 
 MOVES_M = 0.003
@@ -48,5 +49,12 @@ def missing(samples: Samples) -> list[str]:
     if len(tracks) < 2:
         raise ShoecalError(
             "one run alone cannot tell a gap from a parameter: record at least two double supports"
+        )
+    stances = list(zip(samples.supports, samples.standing, strict=True))
+    lifted = {feet for _, feet in stances if not all(feet)}
+    if count_distinct(support for support, feet in stances if all(feet)) < 2 and len(lifted) < 2:
+        raise ShoecalError(
+            "all runs stand in one double support, where a gap cannot be told from a parameter: "
+            "record at least two that differ in yaw, or lift each foot once"
         )
     return notes

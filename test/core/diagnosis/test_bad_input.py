@@ -45,6 +45,20 @@ def test_one_run_alone(standard_session: Session) -> None:
         diagnose(standard_session, [1])
 
 
+def test_one_double_support_alone(standard_session: Session) -> None:
+    """Whatever is wrong there, gains and offsets can imitate it."""
+    entries = standard_session.runs
+    first = entries[0].info.support
+    same = [
+        entry.run
+        for entry in entries
+        if entry.info.support == first and not entry.info.motion.startswith("unload_")
+    ]
+    assert len(same) > 1
+    with pytest.raises(ShoecalError, match="record at least two that differ in yaw"):
+        diagnose(standard_session, same)
+
+
 def test_a_robot_that_stands_still(standard_session: Session, tmp_path: Path) -> None:
     def still(run: Run) -> Run:
         rng = np.random.default_rng(run.info.run)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.files import read_yaml
-from shoecal_core.model.double_support import DoubleSupport, read_support
+from shoecal_core.model.double_support import DoubleSupport, count_distinct, read_support
 
 numbers = st.floats(-1.0, 1.0)
 supports = st.builds(DoubleSupport, numbers, numbers, st.floats(-math.pi, math.pi))
@@ -75,3 +75,14 @@ def test_a_support_of_a_file(tmp_path: Path) -> None:
     path.write_text("support: [0.01, -0.1, 0.2]\n")
     assert read_support(read_yaml(path)) == DoubleSupport(0.01, -0.1, 0.2)
     assert read_support(read_yaml(path), "another") is None
+
+
+def test_supports_that_nearly_coincide_are_one() -> None:
+    """However they would be rounded."""
+    near = [DoubleSupport(0.0049 + 0.0002 * step, -0.1, 0.3) for step in range(3)]
+    assert count_distinct(near) == 1
+    assert count_distinct([*near, DoubleSupport(0.0, -0.1, 0.3 + math.tau)]) == 1
+    assert (
+        count_distinct([*near, DoubleSupport(0.0, -0.1, 0.35), DoubleSupport(0.1, -0.1, 0.3)]) == 3
+    )
+    assert count_distinct([]) == 0
