@@ -81,7 +81,7 @@ def test_supports_that_nearly_coincide_are_one() -> None:
     """However they would be rounded."""
     near = [DoubleSupport(0.0049 + 0.0002 * step, -0.1, 0.3) for step in range(3)]
     assert count_distinct(near) == 1
-    assert count_distinct([*near, DoubleSupport(0.0, -0.1, 0.3 + math.tau)]) == 1
+    assert count_distinct([*near, DoubleSupport(0.0, -0.1, 0.3 - math.tau)]) == 1
     assert (
         count_distinct([*near, DoubleSupport(0.0, -0.1, 0.35), DoubleSupport(0.1, -0.1, 0.3)]) == 3
     )
