@@ -21,6 +21,8 @@ from shoecal_core.diagnosis.workspace import Workspace
 FloatArray = NDArray[np.float64]
 EXPLAINED_FROM = 0.6
 """Part of the excess that must go on runs left out for a gap to count as explained."""
+LIKELY = 0.5
+"""Probability from which something is more likely there than not."""
 SURELY = 3.0
 """Excess on runs left out from which something is wrong, whatever the others showed: errors twice
 as large as expected."""
@@ -74,11 +76,17 @@ def answer(
 def borne_out(workspace: Workspace, found: Found) -> tuple[Found, tuple[str, ...]]:
     """Without causes that runs left out do not bear out: there is no gap, or it does not go.
 
-    What happened once, in a run that was fitted, others can say nothing about.
+    What happened once, in a run that was fitted, others can say nothing about. Of further causes it
+    has to be likely that anything is in their place at all.
 
     Returns:
         What stays, and in words what went.
     """
+    if found.chosen is None:
+        return found, ()
+    for index in reversed(range(1, len(found.chosen.parts))):
+        if sum(one.probability for one in probabilities(found, index)) < LIKELY:
+            found = found.without(index)
     if found.chosen is None or not workspace.test:
         return found, ()
     told = []

@@ -65,8 +65,8 @@ class Found:
         alternatives: of each cause, every hypothesis in its place beside the other causes, the
             most probable first, with the logarithm of its probability against having none there.
         singles: every hypothesis by itself, the most probable first.
-        other: logarithm of the probability that something else moves CoP or GRF, against a robot
-            as built.
+        other: logarithm of the probability that something moves CoP or GRF that was not chosen,
+            against a robot as built.
     """
 
     chosen: Scored | None
@@ -108,7 +108,12 @@ def select(workspace: Workspace, settings: DiagnosisSettings) -> Found:
             ranked = judged(workspace, chosen)
     if chosen is not None:
         chosen = _pruned(workspace, chosen, settings)
-    return _found(workspace, chosen, singles)
+    found = _found(workspace, chosen, singles)
+    sure = [one for one in singles if one.log >= needed(settings)]
+    if chosen is None and any(material(workspace, one.scored, settings) for one in sure):
+        # None of these explains it, but they say that something is there.
+        found = replace(found, other=max(found.other, sure[0].log))
+    return found
 
 
 def _first(
