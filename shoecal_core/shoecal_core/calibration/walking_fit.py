@@ -62,16 +62,23 @@ def at_common_zeros(
     shoe: Shoe, stances: Sequence[Stance], zeros: Sequence[Zero], common: CommonZeros
 ) -> list[Stance]:
     """Stances with readings as if every run had the common zeros; a foot without keeps its own."""
-    shift: dict[int, FloatArray] = {}
-    for zero in zeros:
-        own = np.where(shoe.foot == zero.foot, common.reading - zero.reading, 0.0)
-        shift[zero.run] = shift.get(zero.run, np.zeros(len(own))) + own
+    shift = zero_shifts(shoe, zeros, common)
     return [
         replace(stance, readings=stance.readings + shift[stance.run])
         if stance.run in shift
         else stance
         for stance in stances
     ]
+
+
+def zero_shifts(shoe: Shoe, zeros: Sequence[Zero], common: CommonZeros) -> dict[int, FloatArray]:
+    """(n,) by run, what readings change by where the run gets the common zeros."""
+    shift: dict[int, FloatArray] = {}
+    for zero in zeros:
+        own = (shoe.foot == zero.foot) & np.isfinite(common.std)
+        change = np.where(own, common.reading - zero.reading, 0.0)
+        shift[zero.run] = shift.get(zero.run, np.zeros(len(own))) + change
+    return shift
 
 
 def fit_walk(

@@ -9,12 +9,11 @@ from rich.table import Table
 
 from shoecal_core.commands.diagnosis_job import CalibratedGap, Diagnosed
 from shoecal_core.commands.tables import new_table
+from shoecal_core.diagnosis.budget import LEAST_SHARE
 from shoecal_core.diagnosis.result import VERDICTS, Cause, Diagnosis, Size
 
 SHOWN = 3
 """Places of the gap that are named."""
-LEAST_SHARE = 0.05
-"""Of the CoP's gap, from which a source is named."""
 SMALL: Mapping[str, tuple[float, str]] = {
     "m": (1e3, "mm"),
     "rad": (1e3, "mrad"),

@@ -128,7 +128,7 @@ def diagnose(
         found, denied = borne_out(best, found)
     best = best.at(found.stands(best.scorer, settings))
     certain = [
-        *(known.causes(workspace, mended) if known else ()),
+        *(known.causes(workspace, mended, settings) if known else ()),
         *(() if halted is None else (halted.cause(workspace, mended),)),
         *(() if exchange is None else (exchange.cause(mended.explained(None)[0]),)),
         *weak_cells(best, wanted),
@@ -138,7 +138,8 @@ def diagnose(
         said = replace(said, causes=tuple(causes_of(best, found)))
     tell("done", 1.0)
     chosen = found.chosen if said.causes else None
-    without_any, _ = (workspace if certain else best).explained(None)
+    mended_gap = best.explained(None)[0]
+    without_any = workspace.explained(None)[0] if certain else mended_gap
     left = best.explained(chosen)[0]
     worse, grown = worse_runs(best, without_any, left, settings)
     told = Diagnosis(
@@ -160,7 +161,7 @@ def diagnose(
         evidence=evidence(best, chosen, found.singles),
         dissent=(*denied, *grown),
         zeros=zeros,
-        budget=budget(best, best.explained(None)[0], chosen),
+        budget=budget(best, mended_gap, chosen),
     )
     told = lowered(told, worse) if said.causes else told
     return replace(told, action=action(told))

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.action import action
 from shoecal_core.diagnosis.result import Diagnosis
-from shoecal_core.diagnosis.selection import ARM_M
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import maes
 from shoecal_core.diagnosis.workspace import Workspace
@@ -30,7 +29,7 @@ def worse_runs(
     Args:
         before, after: (T, s) residuals without it and with it.
     """
-    weight = workspace.scene.samples.robot.weight
+    least_n = workspace.scene.samples.robot.weight * settings.material_share
     runs, told = [], []
     for run in workspace.test:
         (cop, grf), (cop_after, grf_after) = (
@@ -39,7 +38,7 @@ def worse_runs(
         grown = []
         if cop_after > max(WORSE * cop, cop + settings.material_m):
             grown.append(f"CoP {1e3 * cop:.2f} -> {1e3 * cop_after:.2f} mm")
-        if grf_after > max(WORSE * grf, grf + weight * settings.material_m / ARM_M):
+        if grf_after > max(WORSE * grf, grf + least_n):
             grown.append(f"GRF {grf:.3f} -> {grf_after:.3f} N")
         if grown:
             runs.append(run)
@@ -89,7 +88,7 @@ def after_replay(diagnosis: Diagnosis) -> Diagnosis:
         diagnosis,
         causes=left,
         verdict="partly_explained" if left else "unknown",
-        ambiguity=tuple(one for one in diagnosis.ambiguity if left),
+        ambiguity=diagnosis.ambiguity if left else (),
         next_motion=diagnosis.next_motion if left else None,
         shrink=diagnosis.shrink if left else None,
         dissent=(*diagnosis.dissent, words),

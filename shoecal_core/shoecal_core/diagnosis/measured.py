@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.extract import zeros_of
-from shoecal_core.calibration.walking_fit import common_zeros
+from shoecal_core.calibration.walking_fit import common_zeros, zero_shifts
 from shoecal_core.diagnosis.result import Cause, Shrink, Size
-from shoecal_core.diagnosis.selection import ARM_M
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import shrink
 from shoecal_core.diagnosis.workspace import Workspace
@@ -36,8 +35,6 @@ from shoecal_core.sensing.wrench import ChannelParameters
 FloatArray = NDArray[np.float64]
 SURE_STDS = 4.0
 """By which a zero has to be off: a session has many of them."""
-DATA_SHEET_STD = 0.1
-"""How far the data sheets' gains may be off together, as a share."""
 
 
 @dataclass(frozen=True)
@@ -84,15 +81,17 @@ class Measured:
         force = samples.force * (self.heavier.mass / samples.robot.mass)
         return replace(samples, robot=self.heavier, force=force)
 
-    def causes(self, before: Workspace, mended: Workspace) -> list[Cause]:
+    def causes(
+        self, before: Workspace, mended: Workspace, settings: DiagnosisSettings
+    ) -> list[Cause]:
         """What it is, by what is left of the session as it came and as mended."""
         gone = shrink(mended, before.explained(None)[0], mended.explained(None)[0])
         found = [_zero_cause(one, gone) for one in self.moved]
         if self.heavier is not None:
-            found.append(self._weight_cause(before.scene.samples.robot.mass, gone))
+            found.append(self._weight_cause(before.scene.samples.robot.mass, gone, settings))
         return found
 
-    def _weight_cause(self, mass: float, gone: Shrink) -> Cause:
+    def _weight_cause(self, mass: float, gone: Shrink, settings: DiagnosisSettings) -> Cause:
         """A common error of all data sheets would look the same.
 
         Args:
@@ -105,7 +104,7 @@ class Measured:
             effect="total_mass",
             group="body",
             location=(ALL,),
-            probability=_surely(off / mass / DATA_SHEET_STD),
+            probability=_surely(off / mass / settings.nominal_gain_std),
             size={"mass": Size(off, "kg", (low - mass, high - mass))},
             run=None,
             shrink=gone,
@@ -139,7 +138,7 @@ def measure(
     mass = samples.robot.mass
     if weighed is None or not weighs or weighed.ci95[0] <= mass <= weighed.ci95[1]:
         return Measured(tuple(found), taken, tuple(train))
-    if abs(weighed.kg - mass) <= mass * settings.material_m / ARM_M:
+    if abs(weighed.kg - mass) <= mass * settings.material_share:
         return Measured(tuple(found), taken, tuple(train))
     robot = load_robot(session.robot_yaml, read.shoe, urdf=session.robot_urdf, weight_kg=weighed.kg)
     return Measured(tuple(found), taken, tuple(train), robot, weighed)
@@ -161,16 +160,14 @@ def at_zeros(samples: Samples, zeros: Sequence[Zero], train: Sequence[int]) -> S
 
     A foot that is in the air in no training run is left as it is.
     """
-    common = common_zeros(samples.shoe, zeros, train)
-    known = np.isfinite(common.std)
-    shift = {track.run: np.zeros(len(known)) for track in samples.tracks}
-    for zero in zeros:
-        if zero.run in shift:
-            own = known & (samples.shoe.foot == zero.foot)
-            shift[zero.run] += np.where(own, common.reading - zero.reading, 0.0)
-    readings = samples.readings + np.array([shift[run] for run in samples.run.tolist()])
+    shift = zero_shifts(samples.shoe, zeros, common_zeros(samples.shoe, zeros, train))
+    nothing = np.zeros(len(samples.shoe.names))
+    readings = samples.readings.copy()
+    for run, change in shift.items():
+        readings[samples.run == run] += change
     tracks = tuple(
-        replace(track, readings=track.readings + shift[track.run]) for track in samples.tracks
+        replace(track, readings=track.readings + shift.get(track.run, nothing))
+        for track in samples.tracks
     )
     return replace(samples, tracks=tracks, readings=readings)
 
@@ -184,7 +181,7 @@ def _moved(
 ) -> list[Moved]:
     """Zeros that differ from the mean of the training runs, surely and enough to matter."""
     shoe, found = samples.shoe, []
-    least = samples.robot.weight * settings.material_m / ARM_M
+    least = samples.robot.weight * settings.material_share
     for foot in range(len(FEET)):
         law = data_sheet(shoe, foot) or fitted
         shown = {zero.run: zero.force(shoe, law) for zero in zeros if zero.foot == foot}

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.scoring import Part, Scored, Scorer
-from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.diagnosis.settings import ARM_M, DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, squares
 from shoecal_core.diagnosis.tempering import needed
 from shoecal_core.diagnosis.workspace import Workspace
@@ -31,8 +31,6 @@ LEAST_GAIN = -1.0
 """Log evidence at a quick look below which an effect is not fitted in full for its own sake."""
 TAKEN_FROM = 1.0 / 3.0
 """Part of the gap, and of what a cause adds, that must go with it."""
-ARM_M = 0.1
-"""By which a material error of the CoP is one of the force, as a share of the weight."""
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,9 @@ from dataclasses import dataclass
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.settings import setting
 
+ARM_M = 0.1
+"""By which a material error of the CoP is one of the force, as a share of the weight."""
+
 
 @dataclass(frozen=True)
 class DiagnosisSettings(SignalSettings):
@@ -25,3 +28,8 @@ class DiagnosisSettings(SignalSettings):
         minimum=0.5, maximum=0.999,
     )  # fmt: skip
     causes_max: int = setting(2, "", "effects in one explanation at most", minimum=1, maximum=12)
+
+    @property
+    def material_share(self) -> float:
+        """Errors of a force below this share of the weight matter to nobody."""
+        return self.material_m / ARM_M

@@ -73,36 +73,34 @@ def test_what_it_refuses(
     assert "Traceback" not in error
 
 
+def gap_of(shoecal: Run, session: Path, figures: Path, *words: str | Path) -> dict[str, float]:
+    """The gap that a diagnosis with these words states."""
+    code, _, error = shoecal(
+        "diagnose", session, *words, "--only", "payload", "--train", "1,2", "--test", "3",
+        "--no-simulation", "--json", figures,
+    )  # fmt: skip
+    assert code == 0, error
+    gap: dict[str, float] = json.loads(figures.read_text())["gap"]
+    return gap
+
+
 def test_settings_and_tolerances_of_a_file(shoecal: Run, simulated: Path, tmp_path: Path) -> None:
     """A robot that has nothing wrong as built shows no more than its noise."""
     exact = tmp_path / "exact.yaml"
     none = ", ".join(f"{entry.name}: 0.0" for entry in describe(Tolerances))
     sections = f"diagnosis: {{rate_hz: 2.0}}, tolerances: {{{none}}}"
     exact.write_text(f"/**/calibrator: {{ros__parameters: {{{sections}}}}}")
-    floors = []
-    for number, words in enumerate(((), ("--settings", exact))):
-        figures = tmp_path / f"{number}.json"
-        code, _, error = shoecal(
-            "diagnose", simulated, *words, "--only", "payload", "--train", "1,2", "--test", "3",
-            "--no-simulation", "--json", figures,
-        )  # fmt: skip
-        assert code == 0, error
-        floors.append(json.loads(figures.read_text())["gap"]["cop_floor_mm"])
-    assert floors[1] < 0.5 * floors[0]
+    usual = gap_of(shoecal, simulated, tmp_path / "usual.json")
+    strict = gap_of(shoecal, simulated, tmp_path / "strict.json", "--settings", exact)
+    assert strict["cop_floor_mm"] < 0.5 * usual["cop_floor_mm"]
 
 
 def test_a_weight_of_the_scale(shoecal: Run, simulated: Path, tmp_path: Path) -> None:
     """Nothing but its weight says what GRF a robot should show."""
-    gaps = []
-    for number, words in enumerate(((), ("--weight-kg", "9.0", "--rezero"))):
-        figures = tmp_path / f"{number}.json"
-        code, _, error = shoecal(
-            "diagnose", simulated, *words, "--only", "payload", "--train", "1,2", "--test", "3",
-            "--no-simulation", "--json", figures,
-        )  # fmt: skip
-        assert code == 0, error
-        gaps.append(json.loads(figures.read_text())["gap"]["grf_mae_n"])
-    assert gaps[1] != gaps[0]
+    usual = gap_of(shoecal, simulated, tmp_path / "usual.json")
+    words = ("--weight-kg", "9.0", "--rezero")
+    weighed = gap_of(shoecal, simulated, tmp_path / "weighed.json", *words)
+    assert weighed["grf_mae_n"] != usual["grf_mae_n"]
 
 
 @pytest.mark.parametrize("section", ["diagnosis", "tolerances"])

@@ -61,7 +61,7 @@ def test_a_zero_that_moved_in_one_run(
     assert one.offset == pytest.approx(0.4, abs=0.01)
     # Cells without data sheets do not tell a weight.
     assert told.heavier is None
-    (cause,) = told.causes(workspace, workspace)
+    (cause,) = told.causes(workspace, workspace, SETTINGS)
     assert (cause.effect, cause.location, cause.run) == ("zero_offset", ("right",), 7)
     low, high = cause.size["offset"].ci95
     assert low < 0.4 < high
