@@ -33,7 +33,7 @@ def main() -> None:
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--out", type=Path, help="folder of the round")
     parser.add_argument(
-        "--ablations", type=int, default=40, metavar="N",
+        "--ablations", type=int, default=12, metavar="N",
         help="single sets looked at again with something switched off; 0: no further looks",
     )  # fmt: skip
     parser.add_argument("--no-page", action="store_true", help="print the figures, write none")
@@ -57,8 +57,9 @@ def main() -> None:
             ablations=args.ablations,
             project=None if args.no_page else ROOT,
         )
-        for key, figure in found.items():
-            print(f"{key}: {figure.to_json()}")
+        for name, of in found.items():
+            for key, figure in of.items():
+                print(f"{name}, {key}: {figure.to_json()}")
 
 
 def diagnose(place: Round, jobs: int) -> None:

@@ -21,7 +21,7 @@ from typing import NamedTuple
 import numpy as np
 
 from blind.intervals import clopper_pearson
-from blind.world import draw_world, write_reality
+from blind.world import draw_sections, write_reality
 from pages import EVIDENCE, Row, markdown, record, write_section
 from shoecal_core.commands.simulated_session import SimulationPlan, simulate_session
 from shoecal_core.diagnosis.diagnose import diagnose
@@ -55,7 +55,7 @@ def outcome(seed: int) -> Outcome:
     robot = load_robot(robots / "wren.yaml", shoe)
     settings = PlannerSettings()
     supports = draw_supports(robot, shoe, settings, len(MOTIONS), seed)
-    world = draw_world(np.random.default_rng([seed, 7]))
+    world = draw_sections(np.random.default_rng([seed, 7]))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         plan = SimulationPlan(

@@ -13,8 +13,10 @@ from blind.layout import PRIVATE, Round
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
 
-Category = Literal["clean", "single", "double", "unknown", "inseparable"]
-CATEGORIES: tuple[Category, ...] = ("clean", "single", "double", "unknown", "inseparable")
+Category = Literal["clean", "single", "double", "unknown"]
+CATEGORIES: tuple[Category, ...] = ("clean", "single", "double", "unknown")
+PERFECT = "perfect"
+"""The reality of a robot that is as its files say."""
 
 
 @dataclass(frozen=True)
@@ -79,10 +81,10 @@ class Answer:
         order: of the standard set, those that are recorded, in their order.
         pace: how many times as fast as planned.
         imu: whether an inertial unit is recorded.
-        world: what the reality changes of the perfect one, by section.
-        truths: effects it has; of an inseparable set the one that was put in.
+        base: the reality that its world changes (`world.BASES`).
+        world: what it changes, by section.
+        truths: effects it has.
         foreign: what it has beside the library.
-        alike: of an inseparable set, all that explains it as well, the truth included.
     """
 
     number: int
@@ -92,10 +94,15 @@ class Answer:
     order: tuple[int, ...]
     pace: float
     imu: bool
+    base: str
     world: Mapping[str, Any]
     truths: tuple[Truth, ...] = ()
     foreign: Foreign | None = None
-    alike: tuple[Place, ...] = ()
+
+    @property
+    def as_built(self) -> bool:
+        """Whether its robot has the errors that any robot has."""
+        return self.base != PERFECT
 
 
 def seal(place: Round, answers: Sequence[Answer]) -> str:
@@ -138,12 +145,10 @@ def read_answers(place: Round) -> list[Answer]:
 
 def _answer(item: dict[str, Any]) -> Answer:
     truths = [Truth(**{**one, "location": tuple(one["location"])}) for one in item["truths"]]
-    alike = [Place(one["effect"], tuple(one["location"])) for one in item["alike"]]
     foreign = None if item["foreign"] is None else Foreign(**item["foreign"])
     changed = {
         "order": tuple(item["order"]),
         "truths": tuple(truths),
         "foreign": foreign,
-        "alike": tuple(alike),
     }
     return Answer(**{**item, **changed})

@@ -142,13 +142,21 @@ def place_of(told: Mapping[str, Any]) -> Place:
     return Place(str(told["effect"]), tuple(told["location"]))
 
 
-def load_cases(place: Round) -> tuple[list[Case], MeasuredGap, int]:
-    """All sets that could be made and were diagnosed; the floor; how many could not be made."""
+def load_cases(place: Round) -> tuple[list[Case], Mapping[bool, MeasuredGap], int]:
+    """All sets that could be made and were diagnosed; the floors; how many could not be made.
+
+    Floors are of robots as built (True) and of perfect ones (False).
+    """
     answers = read_answers(place)
     made = {one.number: json.loads(place.made(one.number).read_text()) for one in answers}
     gaps = {number: MeasuredGap.told(came) for number, came in made.items() if "failed" not in came}
-    clean = [one.number for one in answers if one.category == "clean"]
-    floor = floor_of([gaps[number] for number in clean if number in gaps])
+    clean = [one for one in answers if one.category == "clean" and one.number in gaps]
+    floors = {
+        kind: floor_of(
+            [gaps[one.number] for one in clean if one.as_built is kind] or [*gaps.values()]
+        )
+        for kind in (True, False)
+    }
     cases = []
     for answer in answers:
         file = place.diagnosis(answer.number)
@@ -157,12 +165,12 @@ def load_cases(place: Round) -> tuple[list[Case], MeasuredGap, int]:
             cases.append(
                 Case(
                     answer,
-                    gaps[answer.number].over(floor),
+                    gaps[answer.number].over(floors[answer.as_built]),
                     starts,
                     read_diagnosis(file.read_text()),
                 )
             )
-    return cases, floor, len(answers) - len(gaps)
+    return cases, floors, len(answers) - len(gaps)
 
 
 def variant_cases(place: Round, cases: Sequence[Case], variant: str) -> list[Case]:

@@ -19,16 +19,17 @@ from blind.draws import (
     magnitude_of,
     unit_key,
 )
-from blind.inseparable import PAIRS, Pair
 from blind.recorder import HOLD_S, PAUSE_S
 from blind.unknowns import KINDS
 from blind.world import draw_world
 from shoecal_core.planning.standard import STANDARD
 
-FULL = {"clean": 200, "single": 160, "double": 50, "unknown": 50, "inseparable": 20}
+FULL = {"clean": 48, "single": 69, "double": 12, "unknown": 16}
 """Sets of a full round, by category."""
 LACKING = 0.1
 """Of the clean sets have no inertial sensor, and as many lack some motions."""
+AS_BUILT_FLOOR = 4.0
+"""Of a robot as built over that of a perfect one, about: effects have to stand out from it."""
 LEAST_PACE = 1.3
 """Motions that show inertia are faster than planned by this at least."""
 Motions = Mapping[int, Sequence[float]]
@@ -43,7 +44,6 @@ class Mix:
     single: int
     double: int
     unknown: int
-    inseparable: int
 
     @staticmethod
     def of(total: int | None) -> Mix:
@@ -65,7 +65,6 @@ def compose(seed: int, mix: Mix, motions: Motions) -> list[Answer]:
     rng = np.random.default_rng([seed, 20])
     drawn = [*_clean(mix.clean, rng, motions), *_single(mix.single, rng, motions)]
     drawn += [*_double(mix.double, rng, motions), *_unknown(mix.unknown, rng, motions)]
-    drawn += _inseparable(mix.inseparable, rng, motions)
     return [
         dataclasses.replace(drawn[place], number=number)
         for number, place in enumerate(rng.permutation(len(drawn)), start=1)
@@ -74,6 +73,7 @@ def compose(seed: int, mix: Mix, motions: Motions) -> list[Answer]:
 
 def _blank(category: Category, rng: np.random.Generator, motions: Motions) -> Answer:
     """A set without any effect."""
+    base, world = draw_world(rng)
     return Answer(
         number=0,
         category=category,
@@ -82,7 +82,8 @@ def _blank(category: Category, rng: np.random.Generator, motions: Motions) -> An
         order=tuple(rng.permutation(len(STANDARD)).tolist()),
         pace=1.0,
         imu=True,
-        world=draw_world(rng),
+        base=base,
+        world=world,
     )
 
 
@@ -124,32 +125,30 @@ def _unknown(count: int, rng: np.random.Generator, motions: Motions) -> Iterator
     for index in range(count):
         turn, place = divmod(index, len(names))
         strength = STRENGTHS[(turn + place) % len(STRENGTHS)]
-        size = magnitude_of(f"unknown {names[place]}", strength, FOREIGN_LIMITS[names[place]])
-        foreign = Foreign(names[place], size, int(rng.integers(2**31)), strength)
-        yield dataclasses.replace(_blank("unknown", rng, motions), foreign=foreign)
+        answer, kind = _blank("unknown", rng, motions), names[place]
+        wanted = _over_perfect(answer, strength)
+        size = magnitude_of(f"unknown {kind}", wanted, FOREIGN_LIMITS[kind])
+        foreign = Foreign(kind, size, int(rng.integers(2**31)), strength)
+        yield dataclasses.replace(answer, foreign=foreign)
 
 
-def _inseparable(count: int, rng: np.random.Generator, motions: Motions) -> Iterator[Answer]:
-    for index in range(count):
-        pair: Pair = PAIRS[index % len(PAIRS)]
-        answer = _without(_blank("inseparable", rng, motions), pair.lacking)
-        answer = dataclasses.replace(answer, imu=pair.imu)
-        strength, durations = STRENGTHS[1 + index % 2], motions[answer.motions]
-        answer = with_effect(answer, pair.effect, strength, rng, durations, pair.kind)
-        (truth,) = answer.truths
-        truth, alike = pair.alike(truth, rng)
-        yield dataclasses.replace(answer, truths=(truth,), alike=alike)
+def _over_perfect(answer: Answer, strength: float) -> float:
+    """A gap over its own world's floor, over the floor of a perfect one."""
+    return AS_BUILT_FLOOR * strength if answer.as_built else strength
 
 
 def with_effect(
     answer: Answer, effect: str, strength: float, rng: np.random.Generator,
-    durations: Sequence[float], kind: str = "",
+    durations: Sequence[float],
 ) -> Answer:  # fmt: skip
     """One more effect of the table, at a random place."""
-    kind = kind or str(rng.choice(EFFECTS[effect].places))
-    location = draw_location(effect, kind, rng)
+    location = draw_location(effect, str(rng.choice(EFFECTS[effect].places)), rng)
     key = unit_key(effect, location)
-    magnitude = magnitude_of(key, strength, LIMITS[effect]) if effect in LIMITS else 1.0
+    magnitude = (
+        magnitude_of(key, _over_perfect(answer, strength), LIMITS[effect])
+        if effect in LIMITS
+        else 1.0
+    )
     truth = Truth(effect, location, draw_size(effect, magnitude, rng), strength=strength)
     if effect == "slip":
         truth = slipping(answer, truth, rng, durations)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -17,7 +16,7 @@ from blind.catalogue import item
 from blind.composition import Mix, compose
 from blind.gap import measure_gap
 from blind.layout import Round
-from blind.motions import PlannedMotion, fill, standard_set
+from blind.motions import fill, standard_set
 from blind.processes import over
 from blind.recorder import record
 from blind.unknowns import KINDS
@@ -62,15 +61,12 @@ def _make(place: Round, answer: Answer) -> str:
     return f"{folder.name}{' could not be made' if 'failed' in came else ''}"
 
 
-def make_set(
-    place: Round, answer: Answer, more: Sequence[PlannedMotion] = (), rate: float = RATE_HZ
-) -> list[float]:
+def make_set(place: Round, answer: Answer, rate: float = RATE_HZ) -> list[float]:
     """Simulate and record one set; when its runs started, in the robot's session time [s].
 
     Args:
         place: to put it into.
         answer: what it is.
-        more: motions beside its own.
         rate: samples a second [Hz].
     """
     items = []
@@ -83,4 +79,4 @@ def make_set(
     reality = write_world(place.world(answer.number), answer, items)
     planned = standard_set(answer.motions)
     own = [planned[index].paced(answer.pace) for index in answer.order]
-    return record(place.recorded(answer.number), answer, reality, [*own, *more], foreign, rate)
+    return record(place.recorded(answer.number), answer, reality, own, foreign, rate)

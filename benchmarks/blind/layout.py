@@ -27,16 +27,14 @@ class Round:
 
     Attributes:
         folder: of everything.
-        within: sealed folder of another round that holds this one's.
     """
 
     folder: Path
-    within: Path | None = None
 
     @property
     def sealed(self) -> Path:
         """What the diagnosis cannot read."""
-        return self.folder / "sealed" if self.within is None else self.within / self.folder.name
+        return self.folder / "sealed"
 
     @property
     def answers(self) -> Path:

@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from blind.by_hand import ByHand
 from blind.layout import POOL
 from blind.processes import over
 from population import nao
@@ -33,12 +32,10 @@ class PlannedMotion:
     Attributes:
         run: which motion in which double support, what for.
         trajectory: of all joints.
-        before: what a person does first; None: nothing.
     """
 
     run: PlannedRun
     trajectory: JointTrajectory
-    before: ByHand | None = None
 
     def paced(self, factor: float) -> PlannedMotion:
         """The same, so many times as fast."""
@@ -53,16 +50,6 @@ def standard_set(seed: int) -> tuple[PlannedMotion, ...]:
     if not file.is_file():
         _keep(file, [_planned(run) for run in _runs(seed)])
     return _kept(file)
-
-
-def extra(seed: int, run: PlannedRun) -> PlannedMotion:
-    """One more motion in a double support of a seed's set; planned once."""
-    support = run.support
-    about = f"{run.motion}_{support.dx:.3f}_{support.dy:.3f}_{support.dtheta:.3f}"
-    file = _file(f"{seed:04d}_{about}")
-    if not file.is_file():
-        _keep(file, [_planned(run)])
-    return _kept(file)[0]
 
 
 def fill(seeds: Sequence[int], jobs: int) -> list[int]:

@@ -31,7 +31,7 @@ Figures = Mapping[str, Figure]
 
 def write(
     about: Mapping[str, object],
-    figures: Figures,
+    figures: Mapping[str, Figures],
     cases: Sequence[Case],
     ablations: Mapping[str, Figures],
     project: Path,
@@ -40,14 +40,17 @@ def write(
 
     Args:
         about: the round: its command, seal, sets and noise floor.
-        figures: by key.
+        figures: by kind of worlds and key.
         cases: of the round.
         ablations: figures with something switched off, by what.
         project: folder whose page and JSON are written.
     """
     tables: dict[str, Sequence[Row]] = {
         "blind-round": [{"round": key, "value": value} for key, value in about.items()],
-        "blind": [_row(figure) for figure in figures.values()],
+        **{
+            f"blind-{name.replace(' ', '-')}": [_row(figure) for figure in of.values()]
+            for name, of in figures.items()
+        },
         "blind-classes": _classes(cases),
         "blind-confused": _confused(cases),
         "blind-ablations": [_compared(name, found) for name, found in ablations.items()],
@@ -56,7 +59,10 @@ def write(
         write_section(name, markdown(rows) if rows else "None.", project / PAGE)
     content = {
         **about,
-        "figures": {key: figure.to_json() for key, figure in figures.items()},
+        "figures": {
+            name: {key: figure.to_json() for key, figure in of.items()}
+            for name, of in figures.items()
+        },
         "confusion": confusion(cases, by_class=False),
         "ablations": {
             name: {key: figure.to_json() for key, figure in of.items()}

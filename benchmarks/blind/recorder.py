@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from blind.answers import Answer
-from blind.by_hand import after
 from blind.motions import PlannedMotion
 from blind.unknowns import Unknown
 from population import RATE_HZ, nao
@@ -65,10 +64,7 @@ def record(
     session = Session.create(begun, robot.path, robot.urdf, shoe.path)
     begin_ns = int(rng.integers(15_000, 20_000)) * _DAY_NS + int(rng.integers(_DAY_NS))
     starts: list[float] = []
-    for index, motion in enumerate(motions):
-        if motion.before is not None:
-            noise = np.random.default_rng([answer.seed, 9, index])
-            simulated = after(motion.before, simulated, noise)
+    for motion in motions:
         simulated.place(motion.trajectory.positions[0])
         starts.append(simulated.session_time)
         samples = run(simulated, motion.trajectory, rate, hold=HOLD_S)

@@ -9,8 +9,7 @@ from pathlib import Path
 from blind.answers import check_seal
 from blind.cases import Case, load_cases, variant_cases
 from blind.chart import write_chart
-from blind.figures import Figure, figures, shrink_figures
-from blind.follow import follow
+from blind.figures import AS_BUILT, CLEAN, Figure, figures, shrink_figures
 from blind.layout import Round
 from blind.page import FIGURE, write
 from blind.variants import LANDMARKS, TRUE, WITHOUT, run_variants
@@ -20,36 +19,37 @@ WHOLE = "everything"
 
 def score(
     place: Round, jobs: int, *, command: str, ablations: int, project: Path | None
-) -> dict[str, Figure]:
-    """Every figure of a round; for a project its page, picture and JSON too.
+) -> dict[str, dict[str, Figure]]:
+    """Every figure of a round, by kind of worlds; for a project its page, picture and JSON too.
 
     Args:
         place: of the round, all sets diagnosed.
         jobs: processes for the further looks.
         command: that makes the round, for the page.
         ablations: single sets that are looked at with something switched off; 0: none, and
-            neither true effects nor proposed motions are looked at.
+            true effects are not looked at.
         project: whose docs/evidence/diagnosis.md and out/blind.json are written; None: nothing is.
     """
-    cases, floor, failed = load_cases(place)
-    found = figures(cases)
-    without: dict[str, dict[str, Figure]] = {}
+    cases, floors, failed = load_cases(place)
     if ablations:
         run_variants(place, cases, jobs, ablations)
-        found |= shrink_figures(_pairs(place, cases))
-        found |= follow(place, cases, jobs)
-        without = _ablations(place, cases, [*WITHOUT, LANDMARKS])
+    found = {}
+    for name, as_built, aim in (("as built", True, AS_BUILT), ("clean", False, CLEAN)):
+        own = [case for case in cases if case.answer.as_built is as_built]
+        found[name] = figures(own, aim) | shrink_figures(_pairs(place, own))
+    without = _ablations(place, cases, [*WITHOUT, LANDMARKS]) if ablations else {}
     if project is not None:
         write_chart(cases, project / FIGURE)
         counts = Counter(case.answer.category for case in cases)
-        cop, grf = floor.with_noise
+        (cop, grf), (clean_cop, clean_grf) = (floors[kind].with_noise for kind in (True, False))
         about = {
             "command": command,
             "answers, SHA-256": check_seal(place),
-            "sets": ", ".join(f"{count} {name}" for name, count in counts.items()),
+            "sets": ", ".join(f"{count} {name}" for name, count in sorted(counts.items())),
+            "worlds as built": sum(case.answer.as_built for case in cases),
             "sets that could not be simulated (the robot fell)": failed,
-            "noise floor, CoP [mm]": cop,
-            "noise floor, GRF [N]": grf,
+            "floor, as built: CoP [mm], GRF [N]": f"{cop:.2f}, {grf:.3f}",
+            "floor, clean: CoP [mm], GRF [N]": f"{clean_cop:.2f}, {clean_grf:.3f}",
         }
         write(about, found, cases, without, project)
     return found

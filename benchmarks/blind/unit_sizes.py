@@ -18,7 +18,7 @@ from zlib import crc32
 
 import numpy as np
 
-from blind.answers import Answer, Foreign, Truth
+from blind.answers import PERFECT, Answer, Foreign, Truth
 from blind.catalogue import EFFECTS
 from blind.composition import slipping
 from blind.draws import (
@@ -155,7 +155,9 @@ def _next(found: Mapping[float, float]) -> float:
 
 def _answer() -> Answer:
     """A clean set, always the same."""
-    return Answer(0, "single", _SEED, _SEED, _ORDER, 1.0, imu=True, world=middle_world())
+    return Answer(
+        0, "single", _SEED, _SEED, _ORDER, 1.0, imu=True, base=PERFECT, world=middle_world()
+    )
 
 
 def _with(unit: Unit, magnitude: float) -> Answer:

@@ -1,7 +1,7 @@
-"""The world of a set: as the model says but for what every robot differs in, and another engine.
+"""The world of a set: a robot as built or a perfect one, computed by another engine.
 
-Nothing here is taken from the default simulated reality: steps, servos, contact and cells are
-drawn beside its values, as no real robot is computed with them either.
+Steps, servos, contact and cells are drawn beside the values of any reality file, as no real robot
+is computed with them either.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import yaml
 
-from blind.answers import Answer
+from blind.answers import PERFECT, Answer
 from shoecal_core.files import write_yaml
 from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.reality_file import load_reality
@@ -22,16 +22,30 @@ from shoecal_core.workspace import config_dir
 
 WHOLE = ""
 """Stands for the keys of a reality file that are in no section."""
+BASES: Mapping[str, float] = {PERFECT: 0.25, "default": 0.375, "other_laws": 0.375}
+"""Realities that worlds change, and how often each is drawn."""
 NOISE_N = 0.01
-"""Of a cell in the middle of the range drawn."""
+"""Of a perfect robot's cell, in the middle of the range drawn."""
+AS_BUILT_NOISE_N = (0.003, 1.0)
+"""Of cells as they are bought, good ones to cheap ones."""
 
 
-def draw_world(rng: np.random.Generator) -> dict[str, dict[str, float | str]]:
-    """Sections of a reality file: gains, offsets, noise, encoders, and the engine."""
+Sections = dict[str, dict[str, float | str]]
+
+
+def draw_world(rng: np.random.Generator) -> tuple[str, Sections]:
+    """A reality, and what is changed of it: gains, offsets, noise, encoders, and the engine."""
+    base = str(rng.choice(list(BASES), p=list(BASES.values())))
+    return base, draw_sections(rng, base)
+
+
+def draw_sections(rng: np.random.Generator, base: str = PERFECT) -> Sections:
+    """What is changed of a reality."""
 
     def between(lowest: float, highest: float) -> float:
         return float(np.exp(rng.uniform(np.log(lowest), np.log(highest))))
 
+    noise = (0.5 * NOISE_N, 2.0 * NOISE_N) if base == PERFECT else AS_BUILT_NOISE_N
     return {
         WHOLE: {"step_s": float(rng.choice([0.002, 0.01 / 3.0]))},
         "engine": {
@@ -48,7 +62,7 @@ def draw_world(rng: np.random.Generator) -> dict[str, dict[str, float | str]]:
             "stiffness_n_per_m": between(2e5, 1e6),
             "gain_spread_fraction": between(0.1, 0.3),
             "offset_std_fraction": between(0.02, 0.08),
-            "noise_std_n": NOISE_N * between(0.5, 2.0),
+            "noise_std_n": between(*noise),
             "converter_bits": int(rng.integers(20, 25)),
         },
         "imu": {
@@ -61,8 +75,8 @@ def draw_world(rng: np.random.Generator) -> dict[str, dict[str, float | str]]:
     }
 
 
-def middle_world() -> dict[str, dict[str, float | str]]:
-    """The middle of what is drawn."""
+def middle_world() -> Sections:
+    """The middle of what is drawn of perfect robots."""
     return {
         WHOLE: {"step_s": 0.01 / 3.0},
         "servo": {"full_torque_error_rad": 0.012, "damping_time_s": 0.03},
@@ -80,14 +94,14 @@ def middle_world() -> dict[str, dict[str, float | str]]:
 
 
 def write_world(path: Path, answer: Answer, items: Sequence[Mapping[str, Any]]) -> Reality:
-    """Write a set's reality file and read it: the perfect world, changed.
+    """Write a set's reality file and read it: that of its base, changed.
 
     Args:
         path: of the file.
         answer: whose world it is.
         items: the effects it has, as a reality file lists them.
     """
-    return write_reality(path, answer.world, items, imu=answer.imu)
+    return write_reality(path, answer.world, items, base=answer.base, imu=answer.imu)
 
 
 def write_reality(
@@ -95,11 +109,12 @@ def write_reality(
     world: Mapping[str, Mapping[str, Any]],
     items: Sequence[Mapping[str, Any]] = (),
     *,
+    base: str = PERFECT,
     imu: bool = True,
 ) -> Reality:
-    """The same of any sections that `draw_world` has drawn, with or without inertial sensor."""
+    """The same of any sections that were drawn, with or without inertial sensor."""
     realities = config_dir() / "realities"
-    merged = copy.deepcopy(yaml.safe_load((realities / "perfect.yaml").read_text()))
+    merged = copy.deepcopy(yaml.safe_load((realities / f"{base}.yaml").read_text()))
     for section, values in world.items():
         if section == WHOLE:
             merged |= values

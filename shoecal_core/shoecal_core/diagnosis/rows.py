@@ -108,6 +108,23 @@ class Rows:
         return found
 
     @cached_property
+    def _normals(self) -> FloatArray:
+        """(G, p (p + 1) / 2) lower triangles of the baseline's normal matrix, by group."""
+        inside = np.tril_indices(self.base.shape[1])
+        found = np.empty((len(self.number), len(inside[0])))
+        for group in range(len(found)):
+            own = self.base[self.group == group]
+            found[group] = (own.T @ own)[inside]
+        return found
+
+    def normal(self, weight: FloatArray) -> FloatArray:
+        """(p, p) normal matrix of the baseline under weights (G,), its lower triangle alone."""
+        count = self.base.shape[1]
+        found = np.zeros((count, count))
+        found[np.tril_indices(count)] = weight @ self._normals
+        return found
+
+    @cached_property
     def _gains(self) -> tuple[tuple[IntArray, FloatArray, FloatArray], ...]:
         """Of each signal that is measured: its groups, values and columns."""
         found = []

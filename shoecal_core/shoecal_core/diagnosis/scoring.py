@@ -160,9 +160,8 @@ class _Weighted:
 
     def beside(self, values: FloatArray) -> tuple[FloatArray, FloatArray]:
         """(p, m) weighted columns (R, m) in terms of the baseline, and (m, m) what is left."""
-        across = solve_triangular(
-            self.factor, self.scale[:, None] * (self.base.T @ values), lower=True
-        )
+        products = self.base.T @ (self.weight[:, None] * values)
+        across = solve_triangular(self.factor, self.scale[:, None] * products, lower=True)
         return across, values.T @ values - across.T @ across
 
 
@@ -229,15 +228,14 @@ class Scorer:
     def weighted(self, variance: FloatArray, levels: FloatArray) -> _Weighted:
         """The baseline under variances (G,), with as-built errors at levels (F,)."""
         rows = self.rows
-        weight = np.sqrt(COUNTS / variance)[rows.group]
-        base = rows.base * weight[:, None]
-        normal = base.T @ base
-        precision = rows.prior(levels)
+        each = COUNTS / variance
+        normal, precision = rows.normal(each), rows.prior(levels)
         scale = 1.0 / np.sqrt(np.diag(normal) + precision)
         system = (normal + np.diag(precision)) * np.outer(scale, scale)
         factor = np.linalg.cholesky(system + 1e-12 * np.eye(len(system))).astype(np.float64)
         volume = np.log(np.diag(factor)).sum() - np.log(scale).sum() - 0.5 * np.log(precision).sum()
-        return _Weighted(weight, factor, scale, base, float(volume), precision)
+        weight = np.sqrt(each)[rows.group]
+        return _Weighted(weight, factor, scale, rows.base, float(volume), precision)
 
     def _fit(
         self,

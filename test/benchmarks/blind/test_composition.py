@@ -13,9 +13,7 @@ from blind.answers import Answer
 from blind.catalogue import EFFECTS, exactly, item
 from blind.composition import FULL, Mix, compose
 from blind.draws import STRENGTHS, draw_location, draw_size, magnitude_of, own_gap, unit_sizes
-from blind.inseparable import PAIRS
 from blind.unknowns import KINDS
-from population import nao
 from shoecal_core.planning.standard import STANDARD
 from shoecal_core.simulation.effects.registry import EFFECTS as SIMULATED
 from shoecal_core.simulation.reality_file import load_reality
@@ -32,8 +30,7 @@ def full() -> list[Answer]:
 def test_a_full_round_has_enough_of_everything(full: list[Answer]) -> None:
     counts = Counter(one.category for one in full)
     assert counts == FULL
-    assert counts["clean"] >= 190
-    assert len(full) >= 480
+    assert sum(not one.as_built for one in full) / len(full) == pytest.approx(0.25, abs=0.1)
 
 
 def test_numbers_tell_nothing(full: list[Answer]) -> None:
@@ -71,17 +68,9 @@ def test_two_effects_are_two(full: list[Answer]) -> None:
             assert len({exactly(truth.place) for truth in one.truths}) == 2
 
 
-def test_an_inseparable_set_holds_one_of_those_that_explain_it(full: list[Answer]) -> None:
-    sets = [one for one in full if one.category == "inseparable"]
-    assert len({one.truths[0].effect for one in sets}) == len(PAIRS)
-    for one in sets:
-        assert one.truths[0].place in one.alike
-        assert len(one.alike) == 2
-
-
 def test_a_small_round_has_the_same_mix() -> None:
-    assert Mix.of(48) == Mix(20, 16, 5, 5, 2)
-    assert Mix.of(2) == Mix(1, 1, 1, 1, 1)
+    assert Mix.of(29) == Mix(10, 14, 2, 3)
+    assert Mix.of(2) == Mix(1, 1, 1, 1)
 
 
 def test_every_effect_drawn_is_simulated_and_all_others_are_known() -> None:
@@ -101,28 +90,6 @@ def test_every_effect_drawn_can_be_read(effect: str, tmp_path: Path) -> None:
         run = {"run": 1} if effect == "slip" else {}
         file.write_text(yaml.safe_dump({"format": 1, "effects": [{**listed, **run}]}))
         assert load_reality(config_dir() / "realities" / "default.yaml", file).effects
-
-
-def test_a_cell_off_its_place_towards_another_is_as_if_that_one_heard_it() -> None:
-    """Force f at t + e (u - t) has the moments of f at t (1 - e) and e f at u."""
-    pair = next(one for one in PAIRS if one.effect == "cell_position")
-    rng = np.random.default_rng(2)
-    (answer,) = [
-        one
-        for one in compose(3, Mix(0, 0, 0, 0, 4), DURATIONS)
-        if one.truths[0].effect == pair.effect
-    ]
-    _, twin = answer.alike
-    shoe, (receiver, donor) = nao()[1], twin.location
-    place = {name: shoe.positions[shoe.names.index(name)] for name in (receiver, donor)}
-    moved = np.array([answer.truths[0].size["x"], answer.truths[0].size["y"]])
-    way = place[receiver] - place[donor]
-    assert abs(moved[0] * way[1] - moved[1] * way[0]) < 1e-12
-    heard = float(moved @ way / (way @ way))
-    force = rng.uniform(5.0, 10.0)
-    one = force * (place[donor] + moved)
-    other = force * (1.0 - heard) * place[donor] + heard * force * place[receiver]
-    np.testing.assert_allclose(one, other)
 
 
 def test_sizes_are_read_off_what_was_measured() -> None:

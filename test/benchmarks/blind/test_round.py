@@ -39,7 +39,7 @@ def test_a_small_round(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     place = Round(tmp_path / "round")
     answers = [
         dataclasses.replace(one, order=tuple(range(len(SHORT))))
-        for one in compose(5, Mix(1, 1, 0, 0, 0), {MOTIONS: [30.0] * len(STANDARD)})
+        for one in compose(5, Mix(1, 1, 0, 0), {MOTIONS: [30.0] * len(STANDARD)})
     ]
     motions.standard_set(MOTIONS)
     digest = seal(place, answers)
@@ -66,12 +66,14 @@ def test_a_small_round(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (project / "docs" / "evidence").mkdir(parents=True)
     shutil.copy(ROOT / "docs" / "evidence" / "diagnosis.md", project / "docs" / "evidence")
     figures = score(place, 2, command="make blind", ablations=0, project=project)
-    assert figures["errors"].value == 0.0
+    assert figures["as built"]["errors"].value in {0.0, None}
+    assert figures["clean"]["errors"].value in {0.0, None}
     told = json.loads((project / "out" / "blind.json").read_text())
     assert set(told["figures"]) == set(figures)
     assert all(
         set(one) == {"value", "interval", "target", "met", "count"}
-        for one in told["figures"].values()
+        for of in told["figures"].values()
+        for one in of.values()
     )
     page = (project / "docs" / "evidence" / "diagnosis.md").read_text()
     assert digest in page

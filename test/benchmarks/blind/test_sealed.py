@@ -11,10 +11,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from blind.answers import Answer, Foreign, Place, Truth, check_seal, read_answers, seal
+from blind.answers import Answer, Foreign, Truth, check_seal, read_answers, seal
 from blind.layout import PRIVATE, Round
 from blind.submit import WORKER, Ledger, Submission, powerless, submit
-from blind.world import draw_world
+from blind.world import draw_sections
 from shoecal_core.errors import ShoecalError
 
 BENCHMARKS = WORKER.parents[1]
@@ -24,8 +24,8 @@ def answer(number: int = 1) -> Answer:
     truth = Truth("latency", ("left",), {"delay": 0.02}, strength=3.0)
     return Answer(
         number, "single", 7, 101, (2, 0, 1), 1.0, imu=True,
-        world=draw_world(np.random.default_rng(1)), truths=(truth,),
-        foreign=Foreign("cable", 5.0, 3, 1.5), alike=(Place("low_pass", ("left",)),),
+        base="default", world=draw_sections(np.random.default_rng(1)), truths=(truth,),
+        foreign=Foreign("cable", 5.0, 3, 1.5),
     )  # fmt: skip
 
 
