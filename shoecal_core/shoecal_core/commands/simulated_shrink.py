@@ -22,6 +22,7 @@ from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.many_jobs import over_cores
 from shoecal_core.commands.replayed import Replayed, like_the_model, replay
 from shoecal_core.diagnosis.result import Cause, Diagnosis, Evidence, SimulatedShrink
+from shoecal_core.error_sources.base import split_name
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.files import Fields
@@ -107,16 +108,22 @@ def _can_be_simulated(cause: Cause) -> bool:
     return cause.effect in EFFECTS and all(one.unit in SUFFIXES for one in cause.size.values())
 
 
-def item_of(cause: Cause) -> dict[object, object]:
-    """The cause as a reality file lists it."""
-    item: dict[object, object] = {"effect": cause.effect}
-    if cause.location:
-        item["location"] = list(cause.location)
+def items_of(cause: Cause) -> tuple[dict[object, object], ...]:
+    """The cause as a reality file lists it; channels with sizes of their own each by itself."""
+    sizes: dict[str, dict[object, object]] = {}
     for name, size in cause.size.items():
-        item[f"{name}{SUFFIXES[size.unit]}"] = size.value
-    if cause.run is not None:
-        item["run"] = cause.run
-    return item
+        component, channel = split_name(name)
+        sizes.setdefault(channel, {})[f"{component}{SUFFIXES[size.unit]}"] = size.value
+    found = []
+    for channel, own in (sizes or {"": {}}).items():
+        location = [channel] if channel else list(cause.location)
+        item: dict[object, object] = {"effect": cause.effect, **own}
+        if location:
+            item["location"] = location
+        if cause.run is not None:
+            item["run"] = cause.run
+        found.append(item)
+    return tuple(found)
 
 
 def replay_job(job: ReplayJob) -> Replayed:
@@ -142,7 +149,7 @@ def _shrink(diagnosis: Diagnosis, causes: Sequence[Cause], session: Session) -> 
         (_law(data.shoe, stances, settings), ()),
         (
             _law(data.shoe, _explained(stances, diagnosis.evidence), settings),
-            tuple(item_of(cause) for cause in causes),
+            tuple(item for cause in causes for item in items_of(cause)),
         ),
     )
     recorded = {run: session.read(run) for run in diagnosis.test}

@@ -11,7 +11,7 @@ from shoecal_core.diagnosis.result import Size
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.tempering import shares
 from shoecal_core.diagnosis.workspace import Workspace
-from shoecal_core.error_sources.base import FORM, Component
+from shoecal_core.error_sources.base import FORM, Component, split_name
 
 FloatArray = NDArray[np.float64]
 Z95 = 1.96
@@ -30,8 +30,9 @@ def sizes(workspace: Workspace, scored: Scored, index: int) -> Mapping[str, Size
     for name, value, deviation, std in zip(
         form.shape.free, values, deviations, form.std, strict=True
     ):
-        if name in known:
-            found[name] = _size(known[name], float(value), deviation, FORM * std * whole)
+        component = known.get(split_name(name)[0])
+        if component is not None:
+            found[name] = _size(component, float(value), deviation, FORM * std * whole)
     for name, value in form.shape.fixed.items():
         if name in known:
             deviation = form_spread(workspace, scored, index, name, value)

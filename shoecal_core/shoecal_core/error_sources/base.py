@@ -92,7 +92,7 @@ class Shape:
     """One form of an effect at a place: what each unit of its free components adds.
 
     Attributes:
-        free: names of the components that are fitted.
+        free: names of the components that are fitted; see `one_of`.
         columns: (len(free), T, s) signals a unit.
         fixed: components that this form holds at a value.
         run: the run that it happens in; None: in all.
@@ -138,6 +138,17 @@ class Effect(Protocol):
         ...
 
 
+def one_of(component: str, channel: str) -> str:
+    """Name of a component that channels of one place have each for itself: `rate left/heel`."""
+    return f"{component} {channel}"
+
+
+def split_name(name: str) -> tuple[str, str]:
+    """Component, and the channel that it is of; empty where all have it alike."""
+    component, _, channel = name.partition(" ")
+    return component, channel
+
+
 def as_built_std(component: Component, tolerances: Tolerances, weight: float) -> float:
     """Of one component on a robot of this weight [N], in the component's unit."""
     if not component.as_built:
@@ -176,7 +187,7 @@ def leasts(effect: Effect, names: tuple[str, ...]) -> FloatArray:
     Such a factor says how much of the effect's own fixed form is there.
     """
     known = {component.name: component.least for component in effect.components}
-    return np.array([known.get(name, LEAST_FACTOR) for name in names])
+    return np.array([known.get(split_name(name)[0], LEAST_FACTOR) for name in names])
 
 
 def stds(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
@@ -185,14 +196,16 @@ def stds(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
         component.name: component.std * (weight / USUAL_WEIGHT) ** FORCES.get(component.unit, 0)
         for component in effect.components
     }
-    return np.array([known.get(name, 1.0) for name in names])
+    return np.array([known.get(split_name(name)[0], 1.0) for name in names])
 
 
 def mosts(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
     """Largest values of some components on a robot of this weight [N]; as for `stds`."""
     own = {component.name: component for component in effect.components}
     shares = [
-        np.inf if (one := own.get(name)) is None or one.most is None else one.most / one.std
+        np.inf
+        if (one := own.get(split_name(name)[0])) is None or one.most is None
+        else one.most / one.std
         for name in names
     ]
     most: FloatArray = stds(effect, names, weight) * np.array(shares)

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 from shoecal_core.commands.replayed import like_the_model, replay
-from shoecal_core.commands.simulated_shrink import item_of, with_simulated_shrink
+from shoecal_core.commands.simulated_shrink import items_of, with_simulated_shrink
 from shoecal_core.diagnosis.result import Cause, Diagnosis, Gap, Shrink, Size
+from shoecal_core.error_sources.base import one_of
 from shoecal_core.errors import FileError
 from shoecal_core.files import Fields
 from shoecal_core.model.robot_file import load_robot
@@ -48,9 +49,19 @@ def diagnosis(*causes: Cause) -> Diagnosis:
     ids=lambda one: one.effect,
 )
 def test_causes_are_items_of_a_reality_file(one: Cause) -> None:
-    item = item_of(one)
+    (item,) = items_of(one)
     assert item["effect"] in EFFECTS
     read_effect(Fields(Path("diagnosis"), "", item))
+
+
+def test_channels_with_sizes_of_their_own_are_items_of_their_own() -> None:
+    size = {one_of("rate", "left/a"): (0.01, "N/s"), one_of("rate", "left/b"): (-0.02, "N/s")}
+    items = items_of(cause("zero_drift", ("left",), **size))
+    assert [(item["location"], item["rate_n_per_s"]) for item in items] == [
+        (["left/a"], 0.01), (["left/b"], -0.02)
+    ]  # fmt: skip
+    for item in items:
+        read_effect(Fields(Path("diagnosis"), "", item))
 
 
 def test_the_same_commands_give_about_the_same_readings(simulated: Path) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.error_sources.base import Component, Place, Shape
+from shoecal_core.error_sources.base import Component, Place, Shape, one_of
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.scene import Scene
 from shoecal_core.samples.filters import low_passed
@@ -166,11 +166,11 @@ class ZeroDrift:
         return places.cells_feet_and_all(scene)
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
-        """Straight lines."""
+        """Over time or temperature; several channels all alike, or each at a rate of its own."""
         channels = places.channels_at(scene, place)
         for name, course in courses(scene):
             values = np.repeat(course[:, None], len(channels), axis=1)
-            yield Shape((name,), shown(scene, channels, values)[None])
+            yield from _alike_or_each(scene, channels, name, values)
 
 
 class SpanDrift:
@@ -184,11 +184,11 @@ class SpanDrift:
         return places.cells_feet_and_all(scene)
 
     def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
-        """Straight lines."""
+        """Over time or temperature; several channels all alike, or each at a rate of its own."""
         channels = places.channels_at(scene, place)
         for name, course in courses(scene):
             values = course[:, None] * scene.outputs[:, channels]
-            yield Shape((name,), shown(scene, channels, values)[None])
+            yield from _alike_or_each(scene, channels, name, values)
 
 
 class StuckCell:
@@ -225,6 +225,17 @@ class StuckCell:
 def _flat(shown_: FloatArray, expected: FloatArray, share: float) -> bool:
     """Whether a channel hardly moved while it should have."""
     return bool(np.std(shown_) <= share * np.std(expected))
+
+
+def _alike_or_each(
+    scene: Scene, channels: NDArray[np.int64], name: str, values: FloatArray
+) -> Iterator[Shape]:
+    """What shows as values (T, k) a unit: by one number for all channels, or by one for each."""
+    yield Shape((name,), shown(scene, channels, values)[None])
+    if len(channels) > 1:
+        each = [shown(scene, channels[[at]], values[:, [at]]) for at in range(len(channels))]
+        names = scene.samples.shoe.names
+        yield Shape(tuple(one_of(name, names[at]) for at in channels), np.array(each))
 
 
 def courses(scene: Scene) -> Iterator[tuple[str, FloatArray]]:

@@ -169,17 +169,33 @@ def test_drifts_with_temperature(scene: Scene) -> None:
         return np.asarray(np.asarray(track.temperature)[:, None] - first)
 
     zero, span = load_cell.ZeroDrift(), load_cell.SpanDrift()
-    assert shape(warm, zero, "left", form=2).free == ("per_kelvin",)
+    assert shape(warm, zero, "left", form=4).free == ("per_kelvin",)
     after = at(warm, "left", lambda track, f: f + 0.1 * warmer(track))
-    assert_shows(warm, after, told(shape(warm, zero, "left", form=2), 0.1))
+    assert_shows(warm, after, told(shape(warm, zero, "left", form=4), 0.1))
     after = at(warm, "left", lambda track, f: f * (1.0 + 0.003 * warmer(track)))
-    assert_shows(warm, after, told(shape(warm, span, "left", form=2), 0.003))
-    assert len(list(zero.shapes(scene, ("left",)))) == 2
+    assert_shows(warm, after, told(shape(warm, span, "left", form=4), 0.003))
+    assert len(list(zero.shapes(scene, ("left",)))) == 4
+
+
+@pytest.mark.parametrize("place", ["right", "all"])
+def test_channels_of_one_place_drift_each_at_a_rate_of_its_own(scene: Scene, place: str) -> None:
+    """Whatever their signs: what they share is the warmth."""
+    channels = channels_at(scene, (place,))
+    rates = 2e-5 * np.random.default_rng(4).choice([-1.0, 0.5, 1.5], len(channels))
+
+    def drifted(track: Track, force: FloatArray) -> FloatArray:
+        age = np.asarray(track.start + track.time)[:, None]
+        return np.asarray(force * (1.0 + rates * age))
+
+    found = shape(scene, load_cell.SpanDrift(), place, form=1)
+    names = [scene.samples.shoe.names[at] for at in channels]
+    assert found.free == tuple(f"rate {name}" for name in names)
+    assert_shows(scene, at(scene, place, drifted), told(found, *rates))
 
 
 def test_drifts_as_what_warms_up_does(scene: Scene) -> None:
     """Fast at first: as far by the session's end as an even drift of the same rate."""
-    even, warming = (shape(scene, load_cell.ZeroDrift(), "left", form=form) for form in (0, 1))
+    even, warming = (shape(scene, load_cell.ZeroDrift(), "left", form=form) for form in (0, 2))
     clock = scene.samples.clock
     course = 1.0 - np.exp(-clock / (0.3 * clock.max()))
     size = 0.5 / course.max()
