@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import itertools
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,8 @@ FloatArray = NDArray[np.float64]
 CIRCLE = 32
 """Points for a circle; the first lies on an axis of its shape."""
 
+LEAST_SINE = 0.1
+"""Axes with a smaller sine of the angle between them count as parallel."""
 Y_UP = b"<up_axis>Y_UP</up_axis>"
 Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
@@ -38,24 +40,23 @@ class Body:
         root: its elements.
         model: on a free-flying base.
         mimics: joints that another one's motor turns.
+        locked: joints that the file fixes by equal limits.
         placements: of every joint of the model, in the base.
+        centres: (3,) of every joint on its axis, wherever along it the file puts the joint's
+            frame, in the base [m].
     """
 
     urdf: Path
     root: ElementTree.Element
     model: pin.Model
     mimics: Mapping[str, Mimic]
+    locked: tuple[str, ...]
     placements: tuple[pin.SE3, ...]
-
-    def origin(self, joint: int) -> FloatArray:
-        """(3,) of a joint of the model, in the base [m]."""
-        return np.asarray(self.placements[joint].translation)
+    centres: tuple[FloatArray, ...]
 
     def axis(self, joint: int) -> FloatArray:
         """(3,) unit axis about which it turns, in the base."""
-        linear, angular = joint_axis(self.model, joint)
-        axis = self.placements[joint].rotation @ (linear + angular)
-        return np.asarray(axis / np.linalg.norm(axis))
+        return _axis(self.model, self.placements, joint)
 
     def link(self, joint: int) -> tuple[str, pin.SE3]:
         """The link that a joint turns, and its frame in the joint's frame.
@@ -89,13 +90,47 @@ def read_body(urdf: Path) -> Body:
     pin.forwardKinematics(description.model, data, zero)
     # read_urdf has refused document types, so no entity can unfold here.
     root = ElementTree.parse(urdf).getroot()  # noqa: S314
+    placements = tuple(pin.SE3(placement) for placement in data.oMi)
+    centres = _centres(description.model, placements)
     return Body(
-        urdf,
-        root,
-        description.model,
-        description.mimics,
-        tuple(pin.SE3(placement) for placement in data.oMi),
+        urdf, root, description.model, description.mimics, description.locked, placements, centres
     )
+
+
+def _axis(model: pin.Model, placements: Sequence[pin.SE3], joint: int) -> FloatArray:
+    linear, angular = joint_axis(model, joint)
+    axis = placements[joint].rotation @ (linear + angular)
+    return np.asarray(axis / np.linalg.norm(axis))
+
+
+def _centres(model: pin.Model, placements: Sequence[pin.SE3]) -> tuple[FloatArray, ...]:
+    """Of every joint the point of its axis that is nearest to the joint before it.
+
+    Of a limb's first joint it is the one nearest to the axis of the next that is not parallel.
+    """
+    found = [np.asarray(placement.translation, dtype=np.float64) for placement in placements]
+    for joint in own_joints(model):
+        if not joint_axis(model, joint)[1].any():
+            continue  # a slide has no axis in any place
+        axis, before = _axis(model, placements, joint), int(model.parents[joint])
+        if before in own_joints(model):
+            found[joint] = found[joint] + axis * (axis @ (found[before] - found[joint]))
+            continue
+        after = _only_child(model, joint)
+        while after is not None:
+            other = _axis(model, placements, after)
+            normal = np.cross(axis, other)
+            if (square := float(normal @ normal)) > LEAST_SINE**2:
+                way = np.cross(found[after] - found[joint], other) @ normal / square
+                found[joint] = found[joint] + axis * way
+                break
+            after = _only_child(model, after)
+    return tuple(found)
+
+
+def _only_child(model: pin.Model, joint: int) -> int | None:
+    children = [one for one in own_joints(model) if int(model.parents[one]) == joint]
+    return children[0] if len(children) == 1 else None
 
 
 @dataclass(frozen=True)

@@ -111,7 +111,7 @@ def around(points: FloatArray) -> tuple[FloatArray, FloatArray, float]:
 def _segments(body: Body, chain: Sequence[int]) -> dict[str, int]:
     """The joints that carry thigh and shank: their ends are the two longest ways of the leg."""
     ways = [
-        float(np.linalg.norm(body.origin(after) - body.origin(before)))
+        float(np.linalg.norm(body.centres[after] - body.centres[before]))
         for before, after in itertools.pairwise(chain)
     ]
     longest = sorted(np.argsort(ways)[-2:])

@@ -92,7 +92,7 @@ def _mirrored(
     one, other = one[shared:], other[shared:]
     if len(one) != len(other) or len(one) < 2:
         return None
-    a, b = (np.array([body.origin(joint) for joint in chain]) for chain in (one, other))
+    a, b = (np.array([body.centres[joint] for joint in chain]) for chain in (one, other))
     length = float(np.linalg.norm(np.diff(a, axis=0), axis=1).sum())
     across = (a - b).sum(axis=0)
     if length < 1e-6 or np.linalg.norm(across) < 1e-6:
@@ -105,13 +105,13 @@ def _mirrored(
 
 
 def _height(body: Body, chain: Sequence[int]) -> float:
-    return float(body.origin(chain[-1]) @ UP)
+    return float(body.centres[chain[-1]] @ UP)
 
 
 def _apart(body: Body, one: Sequence[int], other: Sequence[int]) -> FloatArray:
     """Unit vector from the other chain to the one."""
     across = np.sum(
-        [body.origin(a) - body.origin(b) for a, b in zip(one, other, strict=True)], axis=0
+        [body.centres[a] - body.centres[b] for a, b in zip(one, other, strict=True)], axis=0
     )
     return np.asarray(across / np.linalg.norm(across))
 

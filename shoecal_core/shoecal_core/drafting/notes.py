@@ -55,6 +55,14 @@ def robot_notes(draft: Draft) -> list[Note]:
                 "make them revolute there, with the motors' limits.",
             )
         )
+    if draft.body.locked:
+        notes.append(
+            Note(
+                "urdf",
+                f"{', '.join(draft.body.locked)}: both limits are one angle, so fixed at it.",
+                "it is locked there; else give its limits in the URDF.",
+            )
+        )
     notes.append(_posture(draft))
     notes.append(
         Note(

@@ -86,7 +86,7 @@ def find_sole(body: Body, joint: int, points: FloatArray, forward: FloatArray) -
         )
     placement = body.placements[joint]
     seen = np.array([placement.act(point) for point in points])
-    ankle = body.origin(joint)
+    ankle = body.centres[joint]
     normal = _standing_normal(body, link, seen, ankle)
     ground = float((seen @ normal).min())
     touching = seen[seen @ normal < ground + TOUCHING]
@@ -118,7 +118,7 @@ def measured_sole(
     """
     right, left = (size.inner, size.outer) if is_left else (size.outer, size.inner)
     corners = shapely.box(-size.back, -right, size.front, left)
-    in_base = _below(body.origin(joint), size.height, UP, forward)
+    in_base = _below(body.centres[joint], size.height, UP, forward)
     return _sole(body, joint, simplified(corners), in_base, size.height)
 
 

@@ -39,7 +39,7 @@ def find_range(
 ) -> DraftRange:
     """A range that small humanoids reach mostly; planning leaves out what is beyond reach."""
     left, right = soles
-    length = float(body.origin(legs.chains[0][0]) @ UP - left.in_base.translation @ UP)
+    length = float(body.centres[legs.chains[0][0]] @ UP - left.in_base.translation @ UP)
     between = left.in_base.actInv(right.in_base).translation
     outlines = float(right.outline[:, 1].max() - left.outline[:, 1].min())
     shanks = sum(capsule.radius for capsule in capsules if capsule.name.endswith("shank"))

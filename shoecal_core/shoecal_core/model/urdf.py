@@ -16,6 +16,7 @@ from xml.parsers import expat
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from shoecal_core.errors import FileError, FileSyntaxError
 from shoecal_core.files import read_bytes
@@ -56,10 +57,12 @@ class Urdf:
     Attributes:
         model: on a free-flying base; joints that mimic are joints like all others there.
         mimics: by the name of the joint that follows.
+        locked: names of joints whose limits are one angle; they are fixed at it.
     """
 
     model: pin.Model
     mimics: Mapping[str, Mimic]
+    locked: tuple[str, ...]
 
 
 class UrdfError(FileError):
@@ -87,7 +90,8 @@ def read_urdf(path: Path) -> Urdf:
         )
     try:
         with caught_stderr() as complaints:
-            model = pin.buildModelFromXML(_bounded(text), pin.JointModelFreeFlyer())
+            moving = _bounded(with_locked_fixed(text))
+            model = pin.buildModelFromXML(moving, pin.JointModelFreeFlyer())
     except (ValueError, RuntimeError, IndexError) as error:
         raise UrdfError(path, f"not a usable URDF: {_reason(complaints, error)}") from error
     understood = sum(inertia.mass for inertia in model.inertias)
@@ -102,7 +106,64 @@ def read_urdf(path: Path) -> Urdf:
         missing = f" ({_named(reader.unweighed)})" if reader.unweighed else ""
         raise UrdfError(path, f"no link has a mass{missing}; the CoM needs them", field="inertial")
     _check_joints(path, model)
-    return Urdf(model, reader.mimics)
+    mimics = {one: mimic for one, mimic in reader.mimics.items() if one not in reader.locked}
+    for name, mimic in mimics.items():
+        if mimic.leader in reader.locked:
+            raise UrdfError(
+                path,
+                f"follows {mimic.leader}, which is locked; make it fixed, or give it a motor",
+                field=f"joint {name}",
+            )
+    return Urdf(model, mimics, tuple(reader.locked))
+
+
+def with_locked_fixed(text: str) -> str:
+    """A URDF's text with every joint whose limits are one angle, or place, as one that is fixed.
+
+    The text is XML without a document type.
+    """
+    root = ElementTree.fromstring(text)  # noqa: S314 - document types have been refused
+    locked = [joint for joint in root.iter("joint") if _is_locked(joint)]
+    if not locked:
+        return text
+    for joint in locked:
+        _fix(joint)
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def _is_locked(joint: ElementTree.Element) -> bool:
+    limit = joint.find("limit")
+    if limit is None or joint.get("type") not in ("revolute", "prismatic"):
+        return False
+    return limits_are_one(limit.attrib)
+
+
+def limits_are_one(limit: Mapping[str, str]) -> bool:
+    """Whether the attributes of a <limit> lock its joint: both are given, and the same."""
+    low, high = (_number(limit.get(key, "")) for key in ("lower", "upper"))
+    return low == high
+
+
+def _fix(joint: ElementTree.Element) -> None:
+    """Fix a joint where its limits lock it."""
+    limit, axis, origin = (joint.find(tag) for tag in ("limit", "axis", "origin"))
+    angle = 0.0 if limit is None else _number(limit.get("lower", "0"))
+    if origin is None:
+        origin = ElementTree.SubElement(joint, "origin")
+    direction = _vector("1 0 0" if axis is None else axis.get("xyz", "1 0 0"))
+    direction /= max(float(np.linalg.norm(direction)), 1e-12)
+    place, rpy = (_vector(origin.get(key, "0 0 0")) for key in ("xyz", "rpy"))
+    rotation = pin.rpy.rpyToMatrix(rpy)
+    if joint.get("type") == "revolute":
+        rotation = rotation @ pin.AngleAxis(angle, direction).toRotationMatrix()
+        origin.set("rpy", " ".join(f"{one:.12g}" for one in pin.rpy.matrixToRpy(rotation)))
+    else:
+        place = place + rotation @ direction * angle
+        origin.set("xyz", " ".join(f"{one:.12g}" for one in place))
+    for tag in ("limit", "axis", "mimic"):
+        if (part := joint.find(tag)) is not None:
+            joint.remove(part)
+    joint.set("type", "fixed")
 
 
 def _bounded(text: str) -> str:
@@ -216,6 +277,7 @@ class _Reader:
         unweighed: links whose <inertial> has no <mass>, which the parser leaves out.
         displaced: links whose <inertial> is at no place, likewise.
         mimics: by the name of the joint that follows.
+        locked: joints whose limits are one.
     """
 
     def __init__(self, path: Path, text: str) -> None:
@@ -223,9 +285,11 @@ class _Reader:
         self.unweighed: list[str] = []
         self.displaced: list[str] = []
         self.mimics: dict[str, Mimic] = {}
+        self.locked: list[str] = []
         self._path = path
         self._place: list[str] = []
         self._name = ""
+        self._kind = ""
         self._limitless = False
         _parse(path, text, self._start, self._end)
 
@@ -235,7 +299,8 @@ class _Reader:
             self._check_origin(attributes.get("xyz", ""))
         if self._place in _PARTS:
             self._name = attributes.get("name", "")
-            self._limitless = attributes.get("type") in ("revolute", "prismatic")
+            self._kind = attributes.get("type", "")
+            self._limitless = self._kind in ("revolute", "prismatic")
         elif self._place[:-1] == ["robot", "link", "inertial"]:
             self._start_of_inertial(tag, attributes)
         elif self._place == ["robot", "joint", "limit"]:
@@ -244,6 +309,8 @@ class _Reader:
                 self._joint_number(attributes, key, "", minimum=0.0)
             for key in ("lower", "upper"):
                 self._joint_number(attributes, key, "0")
+            if self._kind in ("revolute", "prismatic") and limits_are_one(attributes):
+                self.locked.append(self._name)
         elif self._place == ["robot", "joint", "mimic"]:
             self.mimics[self._name] = Mimic(
                 leader=attributes.get("joint", ""),
@@ -309,6 +376,11 @@ def _is_vector(text: str) -> bool:
     """Three numbers."""
     numbers = [_number(part) for part in text.split()]
     return len(numbers) == 3 and all(map(math.isfinite, numbers))
+
+
+def _vector(text: str) -> NDArray[np.float64]:
+    """(3,) numbers; NaN where the text has none, which the parser refuses."""
+    return np.array([_number(part) for part in text.split()])
 
 
 def _mass(path: Path, link: str, text: str) -> float:

@@ -9,8 +9,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from shoecal_core.files import read_bytes
 from shoecal_core.model.robot import Robot
-from shoecal_core.model.urdf import UrdfError
+from shoecal_core.model.urdf import UrdfError, with_locked_fixed
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.simulation.drawn import DrawnReality
 from shoecal_core.simulation.joint_friction import add_bristle
@@ -62,7 +63,7 @@ def build(robot: Robot, shoe: Shoe, drawn: DrawnReality) -> RobotPhysics:
     """
     try:
         model = build_spec(robot, shoe, drawn).compile()
-    except ValueError as error:
+    except (ValueError, SyntaxError) as error:
         raise UrdfError(robot.urdf, f"not fit for simulation: {error}; mend the link") from error
     leader = np.arange(len(robot.joint_names))
     ratio = np.ones(len(leader))
@@ -105,9 +106,10 @@ def _askew(placement: FloatArray) -> pin.SE3:
 
 def _read_urdf(robot: Robot) -> mujoco.MjSpec:
     """The URDF's links and joints; shapes are left out, only soles touch anything."""
+    text = read_bytes(robot.urdf).decode("utf-8", errors="replace")
     try:
-        spec = mujoco.MjSpec.from_file(str(robot.urdf))
-    except ValueError as error:
+        spec = mujoco.MjSpec.from_string(with_locked_fixed(text))
+    except (ValueError, SyntaxError) as error:
         raise UrdfError(robot.urdf, f"not fit for simulation: {error}") from error
     for element in (*spec.geoms, *spec.meshes, *spec.equalities):
         spec.delete(element)

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from xml.etree import ElementTree
 
+import mujoco
 import numpy as np
+import pinocchio as pin
 import pytest
 
 from core.drafting.drafts import ROBOTS, draft, edited
@@ -16,6 +19,7 @@ from shoecal_core.drafting.soles import SoleSize
 from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileError
 from shoecal_core.model.robot_file import load_robot
+from shoecal_core.model.urdf import read_urdf, with_locked_fixed
 
 FINGER = """<link name="{0}"><inertial><mass value="1e-6"/><inertia ixx="1e-9" ixy="0" ixz="0"
     iyy="1e-9" iyz="0" izz="1e-9"/></inertial></link>
@@ -49,6 +53,34 @@ def with_meshes(folder: Path, part: str) -> Path:
     return urdf
 
 
+def slid(folder: Path, along_m: dict[str, float]) -> Path:
+    """The known robot, frames of some joints that far along their own axes; all else in place."""
+    tree = ElementTree.parse(ROBOTS / "wren.urdf")
+    root = tree.getroot()
+    for name, distance in along_m.items():
+        joint = next(one for one in root.iter("joint") if one.get("name") == name)
+        link = next(one.get("link", "") for one in joint.iter("child"))
+        for element in root:
+            if element is joint:
+                moved(next(element.iter("origin")), distance, turned=True)
+            elif element.get("name") == link and element.tag == "link":
+                for origin in element.iter("origin"):
+                    moved(origin, -distance, turned=False)
+            elif element.tag == "joint" and next(element.iter("parent")).get("link") == link:
+                moved(next(element.iter("origin")), -distance, turned=False)
+    urdf = folder / "wren.urdf"
+    tree.write(urdf)
+    return urdf
+
+
+def moved(origin: ElementTree.Element, distance: float, *, turned: bool) -> None:
+    """An origin moved along the z axis, its own or the frame's that it is in."""
+    rpy = np.array([float(one) for one in origin.get("rpy", "0 0 0").split()])
+    way = (pin.rpy.rpyToMatrix(rpy) if turned else np.eye(3))[:, 2]
+    place = np.array([float(one) for one in origin.get("xyz", "0 0 0").split()])
+    origin.set("xyz", " ".join(f"{one:.12f}" for one in place + distance * way))
+
+
 def drafted(urdf: Path) -> Draft:
     """A draft that loads."""
     found = draft_robot(urdf, "wren")
@@ -73,6 +105,38 @@ def test_joints_without_limits_and_followers(tmp_path: Path) -> None:
     assert (robot.lower[place], robot.upper[place]) == (-np.pi, np.pi)
     assert [robot.joint_names[motor.joint] for motor in robot.shared] == ["finger"]
     assert "continuous" not in told(found)
+
+
+@pytest.mark.parametrize(
+    ("angle", "kind"), [(0.0, "revolute"), (0.4, "revolute"), (0.02, "prismatic")]
+)
+def test_joints_that_equal_limits_lock(angle: float, kind: str, tmp_path: Path) -> None:
+    """Fixed where they are: the model, the draft and the simulator see one robot."""
+    finger = """<link name="finger"><inertial><origin xyz="0.1 0 0"/><mass value="0.5"/>
+        <inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="1e-4"/></inertial></link>
+        <joint name="finger" type="{0}"><parent link="left_forearm"/><child link="finger"/>
+        <origin xyz="0 0.02 0" rpy="0.3 0 0.2"/><axis xyz="0 1 0"/>{1}</joint>"""
+    limit = '<limit lower="{0}" upper="{1}" effort="1" velocity="1"/>'
+    one, other = tmp_path / "locked", tmp_path / "free"
+    one.mkdir()
+    other.mkdir()
+    locked = with_more(one, finger.format(kind, limit.format(angle, angle)))
+    free = with_more(other, finger.format(kind, limit.format(-1.0, 1.0)))
+    found = drafted(locked)
+    assert "finger: both limits are one angle, so fixed at it." in told(found)
+    model, free_model = read_urdf(locked).model, read_urdf(free).model
+    assert not model.existJointName("finger")
+    bent = pin.neutral(free_model)
+    bent[free_model.joints[free_model.getJointId("finger")].idx_q] = angle
+    np.testing.assert_allclose(
+        pin.centerOfMass(model, model.createData(), pin.neutral(model)),
+        pin.centerOfMass(free_model, free_model.createData(), bent),
+        atol=1e-9,
+    )
+    spec = mujoco.MjSpec.from_string(with_locked_fixed(locked.read_text()))
+    assert spec.joint("finger") is None
+    with pytest.raises(FileError, match="missing or crossed"):
+        read_urdf(with_more(one, finger.format(kind, limit.format(0.1, 0.0))))
 
 
 def test_a_leg_joint_without_limits_is_reported(tmp_path: Path) -> None:
@@ -167,6 +231,19 @@ def test_two_sensors_a_foot_are_reported(tmp_path: Path) -> None:
             more += DECLARED.format(f"{side}_{end}_ft", STILL)
     note = "left_front_ft, left_rear_ft, right_front_ft, right_rear_ft each carry a part"
     assert note in told(drafted(with_more(tmp_path, more)))
+
+
+def test_frames_that_stand_elsewhere_along_their_axes(tmp_path: Path) -> None:
+    """As CAD exports put them; a hinge is the same wherever along it its frame stands."""
+    names = [name for name in draft("wren").leg_names if name.startswith("right_")]
+    along_m = dict(zip(names, np.linspace(-0.04, 0.05, len(names)), strict=True))
+    found, known = drafted(slid(tmp_path, along_m)), draft("wren")
+    assert found.leg_names == known.leg_names
+    for one, other in zip(found.soles, known.soles, strict=True):
+        np.testing.assert_allclose(one.outline, other.outline, atol=2e-4)
+        np.testing.assert_allclose(one.in_base.homogeneous, other.in_base.homogeneous, atol=1e-6)
+        assert one.height == pytest.approx(other.height, abs=1e-6)
+    assert found.posture == pytest.approx(known.posture, abs=2e-3)
 
 
 def test_a_base_that_looks_backwards(tmp_path: Path) -> None:

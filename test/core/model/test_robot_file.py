@@ -485,9 +485,6 @@ BAD_URDF = {
     "crossed limits": (
         'lower="-0.5" upper="0.8"', 'lower="0.8" upper="-0.5"', "joint waist_pitch", "crossed"
     ),
-    "equal limits": (
-        'lower="-0.5" upper="0.8"', 'lower="0.8" upper="0.8"', "joint waist_pitch", "crossed"
-    ),
     "a limit that is none": (
         'upper="0.8"', 'upper="nan"', "joint waist_pitch", 'upper="nan" of its <limit> is not'
     ),
