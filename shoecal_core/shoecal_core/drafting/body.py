@@ -27,6 +27,8 @@ CIRCLE = 32
 
 LEAST_SINE = 0.1
 """Axes with a smaller sine of the angle between them count as parallel."""
+LFS_POINTER = b"version https://git-lfs"
+"""Begins a file that stands for one in another store."""
 Y_UP = b"<up_axis>Y_UP</up_axis>"
 Y_TO_Z = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
 
@@ -139,7 +141,8 @@ class Shapes:
 
     Attributes:
         points: (k, 3) corners by joint, each in its joint's frame [m].
-        missing: by joint, mesh files of links of which no shape is there.
+        missing: by joint, mesh files of links of which no shape is there, each with what is the
+            matter with it.
     """
 
     points: Mapping[int, FloatArray]
@@ -153,14 +156,14 @@ def find_shapes(body: Body, joints: set[int]) -> Shapes:
     with corners; those on a shape's own axes lie on its surface exactly.
 
     Raises:
-        FileError: for a mesh that is there and cannot be read.
+        FileError: for shapes that are not understood.
     """
     links = {
         str(frame.name): int(frame.parentJoint)
         for frame in body.model.frames
         if frame.type == pin.FrameType.BODY and frame.parentJoint in joints
     }
-    root, lost = _without_missing_meshes(body, set(links))
+    root, lost = _without_lost_meshes(body, set(links))
     collision = {
         link.get("name")
         for link in root.iter("link")
@@ -187,10 +190,10 @@ def find_shapes(body: Body, joints: set[int]) -> Shapes:
     return Shapes(corners_of, missing)
 
 
-def _without_missing_meshes(
+def _without_lost_meshes(
     body: Body, links: set[str]
 ) -> tuple[ElementTree.Element, dict[str, tuple[str, ...]]]:
-    """The URDF without shapes whose meshes are not there, and their files by link.
+    """The URDF without shapes whose meshes cannot be had, and these by link.
 
     Descriptions are often installed without their meshes, which are another package.
     """
@@ -202,9 +205,9 @@ def _without_missing_meshes(
             for shape in link.findall(tag) if name in links else ():
                 mesh = shape.find("geometry/mesh")
                 file = "" if mesh is None else mesh.get("filename", "")
-                if file and not _exists(body, file):
+                if file and (why := _trouble(body, file)):
                     link.remove(shape)
-                    missing[name] = (*missing.get(name, ()), file)
+                    missing[name] = (*missing.get(name, ()), f"{file} {why}")
         if link.find("collision/geometry") is not None or link.find("visual/geometry") is not None:
             missing.pop(name, None)
     return root, missing
@@ -215,11 +218,24 @@ def _folders(body: Body) -> list[Path]:
     return list(body.urdf.resolve().parents)[:-1]
 
 
-def _exists(body: Body, file: str) -> bool:
+def _trouble(body: Body, file: str) -> str:
+    """What is the matter with a mesh file; empty where it can be used."""
     scheme, _, rest = file.rpartition("://")
-    if scheme == "file":
-        return Path(rest).is_file()
-    return any((folder / rest).is_file() for folder in _folders(body))
+    places = [Path(rest)] if scheme == "file" else [folder / rest for folder in _folders(body)]
+    there = next((place for place in places if place.is_file()), None)
+    if there is None:
+        return "is not there"
+    content = read_bytes(there)
+    if not content:
+        return "is empty"
+    if content.startswith(LFS_POINTER):
+        return "is a Git LFS pointer (run git lfs pull)"
+    try:
+        with caught_stderr():
+            coal.MeshLoader().load(str(there), np.ones(3))
+    except (ValueError, RuntimeError):
+        return "is no mesh that can be read"
+    return ""
 
 
 def _geometry(
@@ -249,7 +265,7 @@ def _geometry(
         reason = str(error).splitlines()[0] if str(error) else "rejected by the parser"
         raise UrdfError(
             body.urdf,
-            f"a shape of its legs cannot be read: {reason}; repair that mesh or take it out",
+            f"a shape of its legs cannot be read: {reason}; repair that shape or take it out",
             field=tag,
         ) from error
     return list(geometry.geometryObjects)

@@ -16,7 +16,7 @@ from shapely.ops import nearest_points
 
 from shoecal_core.drafting.body import Body, Shapes, find_shapes, own_joints, read_body
 from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
-from shoecal_core.drafting.legs import Legs, find_legs
+from shoecal_core.drafting.legs import UP, Legs, find_legs
 from shoecal_core.drafting.posture import find_posture
 from shoecal_core.drafting.six_axis import (
     SixAxis,
@@ -26,6 +26,7 @@ from shoecal_core.drafting.six_axis import (
     more_on_feet,
 )
 from shoecal_core.drafting.soles import (
+    TOUCHING,
     Sole,
     SoleSize,
     find_sole,
@@ -61,7 +62,7 @@ class Draft:
         six_axis: left, right; None where the foot has none.
         other_sensors: six-axis sensors of the legs that are not used.
         parallel_sensors: of feet with several sensors, each of which carries a part of the load.
-        missing_meshes: of the legs; their capsules are not known.
+        missing_meshes: of the legs, each with what is the matter; their capsules are not known.
         measured: the soles' sizes were given, not found.
     """
 
@@ -190,12 +191,13 @@ def _soles(body: Body, legs: Legs, shapes: Shapes, size: SoleSize | None) -> tup
     for chain, is_left in zip(legs.chains, (True, False), strict=True):
         foot = chain[-1]
         if size is not None:
+            _check_height(body, foot, shapes, size)
             found.append(measured_sole(body, foot, size, legs.forward, is_left=is_left))
             continue
         if shapes.missing[foot]:
             raise UrdfError(
                 body.urdf,
-                f"its mesh {shapes.missing[foot][0]} is not there, so its sole is not known; put "
+                f"its mesh {shapes.missing[foot][0]}, so its sole is not known; put "
                 "the meshes where the URDF names them (package://NAME is looked for in the "
                 "folders above it), or measure the sole and give --sole",
                 field=f"link {body.link(foot)[0]}",
@@ -204,6 +206,23 @@ def _soles(body: Body, legs: Legs, shapes: Shapes, size: SoleSize | None) -> tup
     left, right = found
     _check_apart(body, left, right)
     return left, right
+
+
+def _check_height(body: Body, foot: int, shapes: Shapes, size: SoleSize) -> None:
+    """Refuse a measured sole that the foot's own shapes reach through."""
+    points = shapes.points[foot]
+    if not len(points):
+        return
+    ankle, placement = body.centres[foot], body.placements[foot]
+    below = max(float((ankle - placement.act(point)) @ UP) for point in points)
+    if below > size.height + TOUCHING:
+        raise UrdfError(
+            body.urdf,
+            f"by it the ankle is {size.height:g} m above the floor, but by the shapes of "
+            f"{body.link(foot)[0]} the foot reaches {below:.3f} m below the ankle; measure HEIGHT "
+            "again, from the floor up to the ankle's axes",
+            field="--sole",
+        )
 
 
 def _check_apart(body: Body, left: Sole, right: Sole) -> None:

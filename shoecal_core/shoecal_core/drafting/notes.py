@@ -76,8 +76,8 @@ def robot_notes(draft: Draft) -> list[Note]:
         missing = "Thighs or shanks have no shape in the URDF, so no capsule. "
     if draft.missing_meshes:
         more = len(draft.missing_meshes) - 1
-        rest = f" and {more} more meshes are" if more else " is"
-        missing = f"{missing}{draft.missing_meshes[0]}{rest} not there. "
+        rest = f", and {more} more are of no use" if more else ""
+        missing = f"{missing}Mesh {draft.missing_meshes[0]}{rest}. "
     notes.append(
         Note(
             "capsules",

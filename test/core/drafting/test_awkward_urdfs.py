@@ -153,7 +153,9 @@ def test_meshes_of_thighs_that_are_not_installed(tmp_path: Path) -> None:
     found = drafted(urdf)
     assert "left_thigh" not in [capsule.name for capsule in found.capsules]
     assert "left_shank" in [capsule.name for capsule in found.capsules]
-    assert "package://wren_meshes/left.stl and 1 more meshes are not there." in told(found)
+    assert "Mesh package://wren_meshes/left.stl is not there, and 1 more are of no use." in told(
+        found
+    )
 
 
 def test_meshes_of_feet_that_are_not_installed(tmp_path: Path) -> None:
@@ -170,6 +172,38 @@ def test_meshes_of_feet_that_are_not_installed(tmp_path: Path) -> None:
         str(caught.value)
     )
     assert str(caught.value).endswith("or measure the sole and give --sole")
+
+
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [
+        (b"", "is empty"),
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 9\n", "git lfs pull"),
+        (b"no mesh at all", "is no mesh that can be read"),
+    ],
+)
+def test_meshes_that_cannot_be_had(content: bytes, why: str, tmp_path: Path) -> None:
+    """Named with their link and what is the matter; a measured sole makes them needless."""
+    folder = tmp_path / "wren_meshes"
+    folder.mkdir()
+    for side in ("left", "right"):
+        (folder / f"{side}.stl").write_bytes(content)
+    urdf = with_meshes(tmp_path, "sole")
+    with pytest.raises(
+        FileError, match=r"link left_sole: its mesh package://wren_meshes/left\.stl"
+    ) as caught:
+        draft_robot(urdf, "wren")
+    assert why in str(caught.value)
+    size = SoleSize(back=0.03, front=0.05, inner=0.02, outer=0.03, height=0.036)
+    assert why in told(draft_robot(urdf, "wren", sole=size))
+
+
+def test_a_measured_sole_that_the_foot_reaches_through(tmp_path: Path) -> None:
+    size = SoleSize(back=0.03, front=0.05, inner=0.02, outer=0.03, height=0.01)
+    with pytest.raises(
+        FileError, match=r"--sole: by it the ankle is 0.01 m above .* 0.036 m below"
+    ):
+        draft_robot(ROBOTS / "wren.urdf", "wren", sole=size)
 
 
 def test_a_measured_sole(tmp_path: Path) -> None:
