@@ -1,102 +1,50 @@
-"""What `diagnose` says of three trials of the REEM-C, each held out once.
-
-The sensors' axes are not documented, so they are read in two ways: all parallel to the sole's, and
-with both sideways forces the other way round.
-"""
+"""What `diagnose` says of the REEM-C's trials, each held out once."""
 
 from __future__ import annotations
 
-import shutil
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-
-import numpy as np
-
-from pages import ROOT, Row
-from shoecal_core.calibration.axes import SIDEWAYS
+from pages import Row
 from shoecal_core.diagnosis.diagnose import diagnose
 from shoecal_core.diagnosis.result import Cause, Diagnosis
-from shoecal_core.recording.csv_import import import_csv
 from shoecal_core.recording.session import Session
 
-JUDGED = slice(0, 3)
-"""Signals whose errors are compared: GRF and both axes of the CoP."""
-SHOWN = 3
-"""Of the explanations that cannot be told apart."""
+ZEROS, WEIGHT = "zero_offset", "total_mass"
 
 
-def tables(
-    recordings: Path,
-    folder: Path,
-    splits: Sequence[tuple[tuple[int, ...], int]],
-    trials: Mapping[int, str],
-) -> dict[str, list[Row]]:
-    """By the sections of docs/evidence/real-robots.md; a row is a reading of the axes and a split.
-
-    Args:
-        recordings: of the robot.
-        folder: for sessions.
-        splits: runs to train and the one held out.
-        trials: names of the runs.
-    """
-    errors: list[Row] = []
-    causes: list[Row] = []
-    for axes, session in _sessions(recordings, folder).items():
-        for train, test in splits:
-            found = diagnose(session, train, (test,))
-            split = {"axes": axes, "held out": trials[test]}
-            errors.append({**split, "verdict": found.verdict, **_errors(found)})
-            causes.append({**split, **_causes(found)})
-    return {"diagnosis": errors, "causes": causes}
+def tables(session: Session) -> dict[str, list[Row]]:
+    """By the sections of docs/evidence/real-robots.md; a row a trial that is held out."""
+    names = {entry.run: f"{entry.run} {entry.info.motion}" for entry in session.runs}
+    rows: list[Row] = []
+    for run, name in names.items():
+        train = [other for other in names if other != run]
+        rows.append({"held out": name, **_row(diagnose(session, train, (run,)))})
+    return {"diagnosis": rows}
 
 
-def _sessions(recordings: Path, folder: Path) -> dict[str, Session]:
-    """The recordings with the axes read in both ways."""
-    config = folder / "config"
-    shutil.copytree(ROOT / "config", config)
-    shoe = config / "shoes" / "reemc.yaml"
-    found = {"parallel": import_csv(config / "imports" / "reemc.yaml", recordings, folder / "a")}
-    text = shoe.read_text()
-    for axis in SIDEWAYS:
-        text = text.replace(f"{{axis: {axis}, polarity: 1", f"{{axis: {axis}, polarity: -1")
-    shoe.write_text(text)
-    found["reversed"] = import_csv(config / "imports" / "reemc.yaml", recordings, folder / "b")
-    return found
-
-
-def _errors(diagnosis: Diagnosis) -> Row:
-    """Mean errors of the held-out trial without and with the causes found.
-
-    The excess is the mean square of GRF and CoP errors in noises, less 1.
-    """
-    evidence = diagnosis.evidence
-    assert evidence is not None
-    grf, cop, excess = [], [], []
-    for fitted in (evidence.without, evidence.explained or evidence.without):
-        rest = fitted.residuals[evidence.test]
-        grf.append(f"{np.nanmean(np.abs(rest[:, 0])):.1f}")
-        cop.append(f"{1e3 * np.nanmean(np.linalg.norm(rest[:, 1:3], axis=1)):.1f}")
-        in_noises = rest[:, JUDGED] / evidence.noise[JUDGED]
-        excess.append(f"{np.nanmean(in_noises**2) - 1.0:.1f}")
+def _row(found: Diagnosis) -> Row:
+    """Causes in the order in which they are named, and errors before and with all of them."""
+    zeros = [one for one in found.causes if one.effect == ZEROS]
+    weights = [one for one in found.causes if one.effect == WEIGHT]
+    others = [one.label for one in found.causes if one.effect not in {ZEROS, WEIGHT}]
+    offsets = [one.size["offset"].value for one in zeros]
+    runs = sorted({one.run for one in zeros if one.run is not None})
+    shrink = found.shrink
+    none = (found.gap.cop_mae_mm,) * 2, (found.gap.grf_mae_n,) * 2
+    cop, grf = none if shrink is None else (shrink.cop_mae_mm, shrink.grf_mae_n)
     return {
-        "GRF (N)": " → ".join(grf),
-        "CoP (mm)": " → ".join(cop),
-        "CoP floor (mm)": f"{diagnosis.gap.cop_floor_mm:.1f}",
-        "excess": " → ".join(excess),
+        "verdict": found.verdict,
+        "first": found.causes[0].effect if found.causes else "none",
+        "zeros moved in trials": ", ".join(map(str, runs)),
+        "by (N)": f"{min(offsets):.0f} to {max(offsets):.0f}" if offsets else "",
+        "weight (95 %) [kg]": _heavier(weights),
+        "else": ", ".join(others) or "nothing",
+        "GRF (N)": f"{grf[0]:.1f} → {grf[1]:.1f}",
+        "CoP (mm)": f"{cop[0]:.1f} → {cop[1]:.1f}",
     }
 
 
-def _causes(diagnosis: Diagnosis) -> Row:
-    rivals = (f"{one.label} {one.probability:.2f}" for one in diagnosis.ambiguity[:SHOWN])
-    return {
-        "causes chosen (95 % interval)": "; ".join(map(_cause, diagnosis.causes)) or "none",
-        "most probable last causes": ", ".join(rivals) or "none",
-    }
-
-
-def _cause(cause: Cause) -> str:
-    sizes = ", ".join(
-        f"{name} {size.value:.3g} [{size.ci95[0]:.3g}, {size.ci95[1]:.3g}] {size.unit}".strip()
-        for name, size in cause.size.items()
-    )
-    return f"{cause.label}: {sizes}"
+def _heavier(weights: list[Cause]) -> str:
+    if not weights:
+        return ""
+    size = weights[0].size["mass"]
+    low, high = size.ci95
+    return f"{size.value:+.1f} ({low:.1f} to {high:.1f})"

@@ -53,7 +53,7 @@ def main() -> None:
                 {"checks of the first split": one} for one in outcomes[0].calibration.reasons
             ],
             **real_trials.tables(session, settings),
-            **real_diagnosis.tables(args.folder, folder, SPLITS, TRIALS),
+            **real_diagnosis.tables(session),
         }
     for name, rows in tables.items():
         write_section(name, markdown(rows), args.doc)

@@ -54,11 +54,13 @@ def action(diagnosis: Diagnosis) -> Action:
         parted = " from ".join(following.separates[:2])
         return Action(f"record the motion {following.motion}: it tells {parted}", shrink.cop_mae_mm)
     first = diagnosis.causes[0]
-    place = " and ".join(first.location)
-    where = {"": "the robot", "all": "all"}.get(place, place)
+    alike = [one for one in diagnosis.causes if one.effect == first.effect]
+    places = dict.fromkeys(name for one in alike for name in one.location)
+    where = {"": "the robot"}.get(place := " and ".join(places), place)
     cure = CURES.get(first.effect, f"look into {first.effect.replace('_', ' ')} at {{place}}")
-    run = "" if first.run is None else f" (run {first.run})"
-    return Action(f"{cure.format(place=where)}{run}", shrink.cop_mae_mm)
+    numbers = sorted({one.run for one in alike if one.run is not None})
+    runs = f" (run{'s'[: len(numbers) > 1]} {', '.join(map(str, numbers))})" if numbers else ""
+    return Action(f"{cure.format(place=where)}{runs}", shrink.cop_mae_mm)
 
 
 def _where(diagnosis: Diagnosis) -> str:

@@ -47,14 +47,15 @@ def worse_runs(
 
 
 def lowered(diagnosis: Diagnosis, worse: Sequence[int]) -> Diagnosis:
-    """With test runs that get worse: each takes its share of the probability.
+    """With test runs that get worse: each takes half its share of the probability.
 
-    The share is that of runs that bear it out, by the rule of succession: of few runs none is all.
-    What happened in one run that was fitted is not judged by others.
+    A run in which it fits badly speaks half against a cause, as one may be right and its size a
+    little off; shares are counted by the rule of succession, as of few runs none is all. What
+    happened in one run that was fitted is not judged by others.
     """
     if not worse:
         return diagnosis
-    share = (len(diagnosis.test) - len(worse) + 1) / (len(diagnosis.test) + 1)
+    share = (len(diagnosis.test) - 0.5 * len(worse) + 1.0) / (len(diagnosis.test) + 1.0)
     causes = tuple(
         cause if cause.run is not None else replace(cause, probability=share * cause.probability)
         for cause in diagnosis.causes

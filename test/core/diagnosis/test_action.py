@@ -24,6 +24,16 @@ def test_there_is_a_cure_for_every_effect(effect: str) -> None:
     assert told.expected_cop_mm == one.shrink.cop_mae_mm
 
 
+def test_zeros_of_several_runs_are_one_thing_to_do() -> None:
+    moved = [cause("zero_offset", "load_cell", (foot,), 1.0, run=run) for foot, run in
+             (("right", 4), ("left", 1), ("left", 4))]  # fmt: skip
+    heavy = cause("total_mass", "body", ("all",), 0.8)
+    told = action(replace(FOUND, causes=(*moved, heavy)))
+    assert (
+        told.do == "correct the zeros of right and left from feet in the air: --rezero (runs 1, 4)"
+    )
+
+
 def test_an_effect_of_a_users_own_is_looked_into() -> None:
     own = cause("loose_plate", "load_cell", ("left",), 0.9)
     assert action(replace(FOUND, causes=(own,))).do == "look into loose plate at left"

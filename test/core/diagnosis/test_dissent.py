@@ -37,7 +37,7 @@ def test_each_takes_its_share_of_the_probability() -> None:
     found = diagnosis(causes=(always, once))
     assert lowered(found, ()) == found
     less = lowered(found, found.test[:1])
-    assert [one.probability for one in less.causes] == [pytest.approx(0.6), 0.8]
+    assert [one.probability for one in less.causes] == [pytest.approx(0.75), 0.8]
     assert less.verdict == "partly_explained"
 
 
