@@ -29,7 +29,7 @@ from shoecal_core.files import (
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.model.urdf import read_urdf
 from shoecal_core.recording.container import read_info
-from shoecal_core.recording.csv_table import Table
+from shoecal_core.recording.csv_table import Layout, Table
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.writer import RunWriter
 from shoecal_core.sensing.shoe import load_shoe
@@ -64,7 +64,7 @@ READERS: dict[str, Read] = {
     "urdf": read_urdf,
     "calibration": load_calibration,
     "run": read_info,
-    "csv": lambda path: Table(path, ",", "."),
+    "csv": lambda path: Table(path, Layout()),
     "effects": effects_from,
 }
 

@@ -30,10 +30,10 @@ from shoecal_core.recording.bag_support import standing_support
 from shoecal_core.recording.container import MAX_RECORDS
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
-from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.sensing.shoe import AXES, FEET, Shoe
 
-MAX_CLOCK_OFFSET_S = 1.0
-"""Between the stamps of two topics, seen from when their messages were received."""
+MAX_CLOCK_OFFSET_S = 0.25
+"""Between the stamps of two topics of one clock, by when their messages were received."""
 FULL = 0.9
 """Of what a run may hold, so much a drafted trial takes."""
 
@@ -99,6 +99,11 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
     used = [topic for match in found.values() for topic in match.topics]
     received = _other_clocks({topic: seen[topic] for topic in used})
     notes = [f"{topic}: its stamps are of another clock or missing" for topic in received]
+    notes += [
+        f"no topic fits the {foot} foot's six-axis sensor, which is left out: record it"
+        for foot in FEET
+        if f"wrenches.{foot}" not in found and any(f"{foot}/{axis}" in shoe.names for axis in AXES)
+    ]
     standing = None if "base_pose" in found else found["joints"]
     trials = [trial for bag in bags for trial in _trials(bag, used, robot, standing)]
     notes += [
@@ -111,14 +116,14 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
 
 
 def _other_clocks(seen: Mapping[str, Seen]) -> tuple[str, ...]:
-    """Topics without stamps, or whose stamps are off those of most topics."""
+    """Topics without stamps, or whose stamps are off the times of receipt, where they differ.
+
+    Stamps of one clock are kept, however far it is off.
+    """
     delays = {name: one.offset_s for name, one in seen.items() if one.offset_s is not None}
-    usual = float(np.median(list(delays.values()))) if delays else 0.0
-    return tuple(
-        name
-        for name in seen
-        if name not in delays or abs(delays[name] - usual) > MAX_CLOCK_OFFSET_S
-    )
+    if len(delays) == len(seen) and np.ptp(list(delays.values())) <= MAX_CLOCK_OFFSET_S:
+        return ()
+    return tuple(name for name in seen if not abs(delays.get(name, np.inf)) <= MAX_CLOCK_OFFSET_S)
 
 
 def _trials(

@@ -19,7 +19,7 @@ from shoecal_core.recording.bag import Bag, BagMessage
 from shoecal_core.recording.bag_mapping import BagMapping, BagTrial, load_bag_mapping
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import Floats, ImportedRun, StampedMessage, Stamps
-from shoecal_core.recording.join import in_order
+from shoecal_core.recording.join import in_order, tell_two_orders, two_orders
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import Shoe, load_shoe
@@ -122,7 +122,7 @@ class _Importer:
                     f"{topic}: {late} of {len(stamps)} messages have a stamp that repeats or goes "
                     "back; they are left out"
                 )
-            found += self._convert(topic, stamps, received, notes)
+            found += self._convert(path, topic, stamps, received, notes)
         missing = sorted(self._mapping.topics - set(by_topic))
         if missing:
             raise RecordingError(
@@ -168,13 +168,18 @@ class _Importer:
         return stamps
 
     def _convert(
-        self, topic: str, stamps: list[int], received: list[BagMessage], notes: list[str]
+        self,
+        path: Path,
+        topic: str,
+        stamps: list[int],
+        received: list[BagMessage],
+        notes: list[str],
     ) -> list[StampedMessage]:
         """Messages of a run made of those of one topic of the bag."""
         mapping = self._mapping
         contents = [message.content for message in received]
         if topic in mapping.joints.topics:
-            return self._joint_states(topic, stamps, contents, notes)
+            return self._joint_states(path, topic, stamps, contents, notes)
         if topic in mapping.cells.topics:
             return self._voltages(stamps, contents)
         frame = str(contents[0].header.frame_id)
@@ -193,7 +198,7 @@ class _Importer:
         return found
 
     def _joint_states(
-        self, topic: str, stamps: list[int], contents: list[Any], notes: list[str]
+        self, path: Path, topic: str, stamps: list[int], contents: list[Any], notes: list[str]
     ) -> list[StampedMessage]:
         by_names: dict[tuple[tuple[str, ...], bool], _Samples] = defaultdict(_Samples)
         without = 0
@@ -209,6 +214,9 @@ class _Importer:
             )
         if without:
             notes.append(f"{topic}: {without} messages without joint angles left out")
+        groups = [(names, np.array(one.stamps)) for (names, _), one in by_names.items()]
+        if (twice := two_orders(groups)) is not None:
+            raise RecordingError(path, tell_two_orders(*twice), field=topic)
         unknown = set[str]()
         found = []
         for (names, with_effort), samples in by_names.items():
@@ -279,7 +287,8 @@ def _base_T_link(mapping: BagMapping) -> tuple[Floats, Floats]:
 
 
 def _imu(frame: str, stamps: list[int], contents: list[Any]) -> list[StampedMessage]:
-    # By the message's definition -1 as first element says that there is no orientation.
+    # By the message's definition -1 as first element says that there is no orientation; what is
+    # no unit quaternion the reader leaves out.
     oriented = contents[0].orientation_covariance[0] != -1.0
     samples = _Samples(frame, stamps)
     samples.rows = [

@@ -146,6 +146,10 @@ def load_bag_mapping(path: Path, folder: Path) -> BagMapping:
         received=frozenset(fields.texts("received") if "received" in fields else []),
         trials=tuple(_trial(item) for item in fields.items("trials")),
     )
+    topics = [wrench.topic for wrench in mapping.wrenches.values()]
+    for topic in set(topics):
+        if topics.count(topic) > 1:
+            raise fields.error("wrenches", f"'{topic}' is given for both feet; it is one foot's")
     for topic in mapping.received - mapping.topics:
         raise fields.error("received", f"'{topic}' is not imported; name one that is")
     return mapping

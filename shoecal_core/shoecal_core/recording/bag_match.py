@@ -202,13 +202,12 @@ def match_wrench(seen: Mapping[str, Seen], robot: Robot, shoe: Shoe, foot: str) 
     ]
     framed = [name for name in wrenches if name not in on_foot]
     framed = [name for name in framed if _parent_joint(robot, wrenches[name].frames[0]) is None]
-    named = [
-        name
-        for name in framed
-        if _WORDS[foot].search(text := f"{name} {wrenches[name].frames[0]}".lower())
-        and not _HAND.search(text)
-    ]
-    fitting = on_foot or named or framed
+    text = {name: f"{name} {wrenches[name].frames[0]}".lower() for name in framed}
+    said = {side: [name for name in framed if _WORDS[side].search(text[name])] for side in FEET}
+    named = [name for name in said[foot] if not _HAND.search(text[name])]
+    # What says that it is the other foot's is not this one's, for want of a better.
+    unsaid = [name for name in framed if not any(name in said[side] for side in FEET)]
+    fitting = on_foot or named or unsaid
     if not fitting:
         return None
     if len(fitting) > 1:

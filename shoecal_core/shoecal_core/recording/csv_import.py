@@ -19,6 +19,7 @@ from shoecal_core.recording.csv_mapping import (
     JointColumns,
     PoseColumns,
     Trial,
+    WrenchColumns,
     load_mapping,
 )
 from shoecal_core.recording.csv_table import Column, Table
@@ -75,6 +76,18 @@ class _Rows:
         """(T, c) numbers."""
         return self.table.read_all(columns)[self.kept]
 
+    def read_with_gaps(self, columns: tuple[Column, ...], notes: list[str]) -> Floats:
+        """(T, c) numbers, NaN for readings that are not there; how many these are is noted."""
+        found = self.table.read_all(columns, gaps=True)[self.kept]
+        missing = np.isnan(found).sum(axis=0)
+        if missing.any():
+            worst = columns[int(np.argmax(missing))].name
+            notes.append(
+                f"{self.table.path.name}: {int(missing.sum())} readings are not there, "
+                f"{int(missing.max())} of {len(found)} of '{worst}'"
+            )
+        return found
+
 
 class _Importer:
     def __init__(
@@ -90,8 +103,7 @@ class _Importer:
         """One trial."""
         mapping, notes = self._mapping, list[str]()
         tables = {
-            name: Table(self._folder / file, mapping.separator, mapping.decimal)
-            for name, file in trial.files.items()
+            name: Table(self._folder / file, mapping.layout) for name, file in trial.files.items()
         }
         rows = self._rows(tables, trial.start_ns, notes)
         found = self._joint_states(rows)
@@ -99,13 +111,12 @@ class _Importer:
             here = rows[name]
             if meaning.base_pose is not None:
                 found += _poses(here, meaning.base_pose)
-            if (columns := meaning.wrench) is not None:
-                force, torque = here.read(columns.force), here.read(columns.torque)
-                found += foreign.wrenches(columns.foot, here.stamps, columns.frame, force, torque)
+            if meaning.wrench is not None:
+                found += _wrenches(here, meaning.wrench, notes)
             if meaning.imu is not None:
                 found += _imu(here, meaning.imu)
             if meaning.cells:
-                values = here.read(tuple(meaning.cells.values()))
+                values = here.read_with_gaps(tuple(meaning.cells.values()), notes)
                 found += foreign.voltages(here.stamps, tuple(meaning.cells), values)
         source = next(iter(tables.values())).path
         return ImportedRun(source, trial.run, found, tuple(notes))
@@ -222,6 +233,14 @@ def _timed(
             f"their time repeats or goes back (first in line {table.line(int(back[0]))})"
         )
     return _Rows(table, stamps[forward], np.flatnonzero(forward))
+
+
+def _wrenches(rows: _Rows, columns: WrenchColumns, notes: list[str]) -> list[StampedMessage]:
+    """Of the rows that have all six."""
+    values = rows.read_with_gaps((*columns.force, *columns.torque), notes)
+    whole = np.isfinite(values).all(axis=1)
+    force, torque = values[whole, :3], values[whole, 3:]
+    return foreign.wrenches(columns.foot, rows.stamps[whole], columns.frame, force, torque)
 
 
 def _poses(rows: _Rows, columns: PoseColumns) -> list[StampedMessage]:

@@ -9,7 +9,7 @@ from datetime import date, datetime
 from pathlib import Path
 
 from shoecal_core.files import Fields, read_yaml
-from shoecal_core.recording.csv_table import Column
+from shoecal_core.recording.csv_table import Column, Layout
 from shoecal_core.recording.foreign import (
     RUN_KEYS,
     MappedFiles,
@@ -121,8 +121,7 @@ class CsvMapping:
 
     path: Path
     files: MappedFiles
-    separator: str
-    decimal: str
+    layout: Layout
     clock: str | None
     tables: Mapping[str, TableMapping]
     trials: tuple[Trial, ...]
@@ -141,11 +140,10 @@ def load_mapping(path: Path, folder: Path) -> CsvMapping:
     fields = read_yaml(path)
     fields.format(FORMAT)
     fields.only(
-        "format", "robot", "urdf", "shoe", "separator", "decimal", "clock", "tables", "trials"
-    )
-    separator, decimal = _character(fields, "separator", ","), _character(fields, "decimal", ".")
-    if separator == decimal:
-        raise fields.error("decimal", "must differ from 'separator'")
+        "format", "robot", "urdf", "shoe", "separator", "decimal", "lines_before_header",
+        "lines_after_header", "clock", "tables", "trials",
+    )  # fmt: skip
+    layout = _layout(fields)
     tables_block = fields.mapping("tables")
     names = dict.fromkeys(tables_block.keys())
     clock = fields.choice("clock", names) if "clock" in fields else None
@@ -159,12 +157,21 @@ def load_mapping(path: Path, folder: Path) -> CsvMapping:
     return CsvMapping(
         path=Path(path),
         files=mapped_files(fields, folder),
-        separator=separator,
-        decimal=decimal,
+        layout=layout,
         clock=clock,
         tables=tables,
         trials=tuple(_trial(item, tuple(names)) for item in fields.items("trials")),
     )
+
+
+def _layout(fields: Fields) -> Layout:
+    skipped = [
+        fields.integer(key, 0, minimum=0) for key in ("lines_before_header", "lines_after_header")
+    ]
+    separator, decimal = _character(fields, "separator", ","), _character(fields, "decimal", ".")
+    if separator == decimal:
+        raise fields.error("decimal", "must differ from 'separator'")
+    return Layout(separator, decimal, *skipped)
 
 
 def _table(fields: Fields, name: str, clock: str | None) -> TableMapping:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import math
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,9 @@ from shoecal_core.errors import FieldError, FileSyntaxError
 from shoecal_core.files import read_error
 from shoecal_core.recording.run import Floats
 
+NO_VALUE = frozenset(("", "nan", "na", "n/a", "null", "none"))
+"""What stands in a table where there is no value, in small letters."""
+
 
 @dataclass(frozen=True)
 class Column:
@@ -20,6 +24,22 @@ class Column:
 
     name: str
     scale: float = 1.0
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How the files of a recording are written.
+
+    Attributes:
+        separator, decimal: one character each.
+        lines_before_header: that are skipped above the names of the columns.
+        lines_after_header: that are skipped below them, such as a row of units.
+    """
+
+    separator: str = ","
+    decimal: str = "."
+    lines_before_header: int = 0
+    lines_after_header: int = 0
 
 
 class Table:
@@ -30,7 +50,7 @@ class Table:
         names: of its columns.
     """
 
-    def __init__(self, path: Path, separator: str, decimal: str) -> None:
+    def __init__(self, path: Path, layout: Layout) -> None:
         """Read a file.
 
         Raises:
@@ -38,17 +58,19 @@ class Table:
             FileSyntaxError: is no CSV file, has no rows, or rows of unequal length.
         """
         self.path = path
-        self._decimal = decimal
+        self._decimal = layout.decimal
         self._lines: list[int] = []
         self._rows: list[list[str]] = []
         try:
             with path.open(encoding="utf-8-sig", newline="") as file:
-                reader = csv.reader(file, delimiter=separator)
+                for _ in range(layout.lines_before_header):
+                    next(file, "")
+                reader = csv.reader(file, delimiter=layout.separator)
                 self.names = [name.strip() for name in next(reader, [])]
-                for row in reader:
+                for row in itertools.islice(reader, layout.lines_after_header, None):
                     if row:
                         self._rows.append(row)
-                        self._lines.append(reader.line_num)
+                        self._lines.append(layout.lines_before_header + reader.line_num)
         except OSError as error:
             raise read_error(path, error) from error
         except (UnicodeDecodeError, csv.Error) as error:
@@ -59,15 +81,20 @@ class Table:
             if len(row) != len(self.names):
                 raise FileSyntaxError(
                     path,
-                    f"{len(row)} values for {len(self.names)} columns; check the separator",
+                    f"{len(row)} values for {len(self.names)} columns in the header; check the "
+                    "separator, or skip what stands above the header ('lines_before_header')",
                     field=f"line {line}",
                 )
 
     def __len__(self) -> int:
         return len(self._rows)
 
-    def read(self, column: Column) -> Floats:
+    def read(self, column: Column, *, gaps: bool = False) -> Floats:
         """Numbers (T,) of a column, scaled.
+
+        Args:
+            column: which.
+            gaps: take what is empty or NaN as NaN: a value that is not there.
 
         Raises:
             FieldError: no such column, two of it, or something that is no finite number.
@@ -80,20 +107,41 @@ class Table:
                 field=f"column '{column.name}'",
             )
         index = self.names.index(column.name)
-        numbers = np.empty(len(self))
-        for place, row in enumerate(self._rows):
-            try:
-                numbers[place] = float(row[index].replace(self._decimal, "."))
-            except ValueError:
-                numbers[place] = math.nan
-        if not np.isfinite(numbers).all():
-            place = int(np.flatnonzero(~np.isfinite(numbers))[0])
-            raise self.error(column.name, place, f"'{self._rows[place][index]}' is not a number")
+        numbers = np.array([self._number(row[index]) for row in self._rows])
+        wrong = ~np.isfinite(numbers)
+        if gaps:
+            wrong &= [row[index].strip().lower() not in NO_VALUE for row in self._rows]
+        if wrong.any():
+            place = int(np.flatnonzero(wrong)[0])
+            raise self.error(column.name, place, self._why(self._rows[place][index], place))
         return numbers * column.scale
 
-    def read_all(self, columns: tuple[Column, ...]) -> Floats:
-        """Numbers (T, c) of several columns."""
-        return np.column_stack([self.read(column) for column in columns])
+    def _number(self, text: str) -> float:
+        """NaN where it is none."""
+        if self._decimal != "." and "." in text:
+            return math.nan
+        try:
+            return float(text.replace(self._decimal, "."))
+        except ValueError:
+            return math.nan
+
+    def _why(self, text: str, place: int) -> str:
+        """What is wrong with a value, by its place below the header."""
+        if self._decimal != "." and "." in text:
+            return (
+                f"'{text}' has a '.', but 'decimal' is '{self._decimal}'; export the file without "
+                "thousands separators, or correct 'decimal'"
+            )
+        told = f"'{text}' is not a number"
+        if self._decimal == "." and "," in text:
+            return f"{told}; does the mapping lack decimal: ','?"
+        if place == 0:
+            return f"{told}; skip a row of units below the header with 'lines_after_header: 1'"
+        return told
+
+    def read_all(self, columns: tuple[Column, ...], *, gaps: bool = False) -> Floats:
+        """Numbers (T, c) of several columns; see `read`."""
+        return np.column_stack([self.read(column, gaps=gaps) for column in columns])
 
     def line(self, place: int) -> int:
         """Line of the file, from 1, by a row's place below the header."""

@@ -209,10 +209,10 @@ def imu(
 
 
 def voltages(stamps: Stamps, cells: Sequence[str], values: Floats) -> list[StampedMessage]:
-    """/shoe/voltages: readings (T, k) of k cells at stamps (T,) [ns], all of status GOOD."""
-    good = np.full(len(cells), schemas.GOOD)
+    """/shoe/voltages: readings (T, k) of k cells at stamps (T,) [ns]; NaN is status NO_DATA."""
+    status = np.where(np.isfinite(values), schemas.GOOD, schemas.NO_DATA)
     data = [
-        messages.shoe_voltages(stamp, sequence, cells, row, good)
+        messages.shoe_voltages(stamp, sequence, cells, row, status[sequence])
         for sequence, (stamp, row) in enumerate(zip(stamps.tolist(), values, strict=True))
     ]
     return _stamped(schemas.VOLTAGES, stamps, data)

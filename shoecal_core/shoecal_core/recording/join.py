@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from bisect import bisect_left
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -50,10 +52,60 @@ class TwoSourcesError(Exception):
         super().__init__(f"column {column} is given twice at {stamp_ns} ns")
 
 
+def two_orders(
+    groups: Sequence[tuple[Sequence[str], NDArray[np.int64]]],
+) -> tuple[str, tuple[Sequence[str], Sequence[str]]] | None:
+    """A name that two senders tell in turns, and their lists of names; None where nobody does.
+
+    One sender lists its names in one order, whichever of them it leaves out now and then.
+
+    Args:
+        groups: lists of names, each with the stamps (k,) of its messages.
+    """
+    for (one, stamps), (other, others) in itertools.combinations(groups, 2):
+        shared = [name for name in one if name in other]
+        if [name for name in other if name in shared] == shared:
+            continue
+        turns = np.argsort(np.concatenate([stamps, others]), kind="stable") < len(stamps)
+        if np.count_nonzero(turns[1:] != turns[:-1]) > 1:
+            return shared[0], (one, other)
+    return None
+
+
+def tell_two_orders(name: str, lists: tuple[Sequence[str], Sequence[str]]) -> str:
+    """The error for what `two_orders` finds."""
+    one, other = (f"{', '.join(names[:3])}, …" for names in lists)
+    return (
+        f"two senders tell '{name}' in turns, one as ({one}), the other as ({other}); record one "
+        "of them"
+    )
+
+
 def in_order(stamp_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """(k,) which samples are later than every one before them."""
-    before = np.maximum.accumulate(stamp_ns)[:-1]
-    return np.concatenate([np.ones(min(1, len(stamp_ns)), dtype=bool), stamp_ns[1:] > before])
+    """(k,) which samples to keep: as many as can be whose stamps increase.
+
+    So one stamp far ahead is left out, not all that follow it.
+    """
+    kept = np.ones(len(stamp_ns), dtype=bool)
+    if (np.diff(stamp_ns) > 0).all():
+        return kept
+    # Longest increasing subsequence (patience sorting): of every length the one that ends first.
+    ends: list[int] = []
+    places: list[int] = []
+    before = np.full(len(stamp_ns), -1)
+    for place, stamp in enumerate(stamp_ns.tolist()):
+        length = bisect_left(ends, stamp)
+        if length < len(ends) and ends[length] == stamp:
+            continue  # of several with one stamp the first
+        before[place] = places[length - 1] if length else -1
+        ends[length : length + 1] = [stamp]
+        places[length : length + 1] = [place]
+    kept[:] = False
+    place = places[-1]
+    while place >= 0:
+        kept[place] = True
+        place = int(before[place])
+    return kept
 
 
 def join(

@@ -15,7 +15,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import Block
 from shoecal_core.recording.container import read_container
-from shoecal_core.recording.join import Piece
+from shoecal_core.recording.join import Piece, tell_two_orders, two_orders
 from shoecal_core.recording.readings import make_readings, read_readings
 from shoecal_core.recording.run import (
     CommandedTrajectory,
@@ -29,7 +29,7 @@ from shoecal_core.recording.run import (
 from shoecal_core.recording.source import Source
 from shoecal_core.sensing.shoe import Shoe
 
-_UNIT_TOLERANCE = 1e-3
+_UNIT_TOLERANCE = 0.1
 _QUATERNION = tuple(f"orientation.{axis}" for axis in "xyzw")
 
 
@@ -81,6 +81,10 @@ def _joints(source: Source) -> tuple[NDArray[np.int64], tuple[str, ...], dict[st
     names = tuple(dict.fromkeys(name for block in blocks for name in block.texts["name"]))
     if not names:
         raise source.error("", f"holds no joint angles ({topic}); record them")
+    if (
+        twice := two_orders([(block.texts["name"], block.stamp_ns) for block in blocks])
+    ) is not None:
+        raise source.error(topic, tell_two_orders(*twice))
     pieces = []
     for block in blocks:
         columns = source.columns(topic, block.texts["name"], names)
@@ -155,11 +159,21 @@ def _imu(source: Source, start: int) -> ImuSamples | None:
     if block is None:
         return None
     # By the message's definition -1 as first element says that there is no orientation.
-    oriented = block.numbers["orientation_covariance"][:, :1] != -1.0
+    oriented = block.numbers["orientation_covariance"][:, 0] != -1.0
+    quaternion = block.group(*_QUATERNION)
+    length = np.linalg.norm(quaternion, axis=1, keepdims=True)
+    unit = np.abs(length[:, 0] - 1.0) < _UNIT_TOLERANCE
+    if wrong := int(np.sum(oriented & ~unit)):
+        source.notes.append(
+            f"{schemas.IMU}: {wrong} of {len(unit)} orientations are no unit quaternions; taken as "
+            "not there"
+        )
     return ImuSamples(
         time=seconds(block.stamp_ns, start),
         frame=block.frame_id,
-        quaternion=np.where(oriented, block.group(*_QUATERNION), np.nan),
+        quaternion=np.where(
+            (oriented & unit)[:, None], quaternion / np.fmax(length, _UNIT_TOLERANCE), np.nan
+        ),
         angular_velocity=block.group(*(f"angular_velocity.{axis}" for axis in "xyz")),
         linear_acceleration=block.group(*(f"linear_acceleration.{axis}" for axis in "xyz")),
     )

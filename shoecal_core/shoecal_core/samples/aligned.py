@@ -12,13 +12,18 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.recording.align import interpolate_joints
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import Run
-from shoecal_core.recording.schemas import GOOD
+from shoecal_core.recording.schemas import GOOD, JOINT_STATES
 from shoecal_core.sensing.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 MAX_JOINT_GAP_S = 0.1
 """Readings between joint angles further apart than this have no model value."""
 MIN_SAMPLES = 50
+LEAP_RAD, LEAP_SPEEDS = 0.1, 3.0
+"""Between two samples a joint leaps that moves by more than both: this, and so many times as fast
+as its motor can."""
+LEAPS_SHARE = 0.05
+"""Of its samples at which a joint may leap; encoders fail now and then."""
 
 
 @dataclass(frozen=True)
@@ -55,11 +60,12 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
 
     Raises:
         JointsMissingError: the run's joints are not the robot's.
-        RecordingError: too little remains.
+        RecordingError: too little remains, or angles are those of two senders.
     """
     good = np.isfinite(run.readings.value).all(axis=1) & (run.readings.status == GOOD).all(axis=1)
     time = run.readings.time[good]
     names = _told_joints(run, kinematics.robot)
+    _check_leaps(run, names, kinematics.robot)
     measured, covered = interpolate_joints(
         run.joints, time, MAX_JOINT_GAP_S, late_s=late_s, names=names
     )
@@ -73,6 +79,25 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
     angles = angles[covered]
     readings = run.readings.value[good][covered]
     return Aligned(time[covered], readings, angles, kinematics.states(angles))
+
+
+def _check_leaps(run: Run, names: list[str], robot: Robot) -> None:
+    """Refuse angles that leap to and fro: two senders that take turns."""
+    limits = dict(zip(robot.joint_names, robot.velocity_limit, strict=True))
+    for name in names:
+        position = run.joints.position[:, run.joints.names.index(name)]
+        told = np.isfinite(position)
+        step, period = np.diff(position[told]), np.diff(run.joints.time[told])
+        allowed = np.maximum(LEAP_RAD, LEAP_SPEEDS * limits[name] * period)
+        leaps = np.abs(step) > allowed
+        if limits[name] > 0.0 and len(step) and leaps.mean() > LEAPS_SHARE:
+            raise RecordingError(
+                run.path,
+                f"'{name}' leaps to and fro by {np.median(np.abs(step[leaps])):.2f} rad within "
+                f"{1e3 * np.median(period[leaps]):.0f} ms, faster than its motor can: two senders "
+                "take turns, or encoders fail; record it from one source",
+                field=JOINT_STATES,
+            )
 
 
 def _cure(run: Run) -> str:

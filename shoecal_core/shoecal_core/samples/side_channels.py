@@ -9,6 +9,8 @@ from shoecal_core.model.robot import Robot
 from shoecal_core.recording.run import Run
 
 FloatArray = NDArray[np.float64]
+LEAST_KNOWN = 0.5
+"""Of its readings that an IMU must tell an orientation with, for any to be used."""
 
 
 def efforts(run: Run, robot: Robot, time: FloatArray) -> FloatArray | None:
@@ -29,11 +31,14 @@ def efforts(run: Run, robot: Robot, time: FloatArray) -> FloatArray | None:
 def upwards(run: Run, time: FloatArray) -> FloatArray | None:
     """(F, 3) the direction upwards in the base's frame: a row of its rotation; None without it."""
     imu = run.imu
-    if imu is None or not np.isfinite(imu.quaternion).all() or len(imu.time) < 2:
+    if imu is None:
         return None
-    x, y, z, w = imu.quaternion.T
+    known = np.isfinite(imu.quaternion).all(axis=1)
+    if len(imu.time) < 2 or known.mean() < LEAST_KNOWN:
+        return None
+    x, y, z, w = imu.quaternion[known].T
     up = np.stack((2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)), axis=1)
-    return np.stack([np.interp(time, imu.time, axis) for axis in up.T], axis=1)
+    return np.stack([np.interp(time, imu.time[known], axis) for axis in up.T], axis=1)
 
 
 def temperature(run: Run, time: FloatArray) -> FloatArray | None:

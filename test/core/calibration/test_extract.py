@@ -125,6 +125,17 @@ def test_optional_joints_that_are_never_told_stand_in_their_posture(run: Run) ->
         align(silent, SHOE, KINEMATICS)
 
 
+def test_two_senders_that_take_turns_are_refused(run: Run) -> None:
+    """In the same order of names; an encoder that fails now and then is left to the screening."""
+    position = run.joints.position.copy()
+    position[::40, ROBOT.joint("left_shoulder")] += 2.0
+    found_in(with_joints(run, position=position))
+    position = run.joints.position.copy()
+    position[1::3] = 0.0
+    with pytest.raises(FileError, match=r"/joint_states: '.*' leaps to and fro by .* within 10 ms"):
+        found_in(with_joints(run, position=position))
+
+
 def test_joints_of_another_robot(run: Run) -> None:
     names = tuple(f"other_{name}" for name in ROBOT.joint_names)
     with pytest.raises(JointsMissingError, match="check the robot file's joint names"):

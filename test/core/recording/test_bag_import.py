@@ -156,7 +156,7 @@ def test_topics_without_stamps_count_when_they_were_received(lab: Lab) -> None:
         bag.add(time + 0.5, "/robot/joint_states", state)
         for side in ("left", "right"):
             # No frame of the URDF: the topics' names say which foot.
-            bag.add(time + 0.5, f"/{side}_foot_ft", bag.wrench(time, "ati", [0.0, 0.0, 50.0]))
+            bag.add(time + 0.1, f"/{side}_foot_ft", bag.wrench(time, "ati", [0.0, 0.0, 50.0]))
     mapping = lab.draft(bag.close())
     assert mapping["received"] == ["/robot/joint_states"]
     assert mapping["wrenches"] == {
@@ -167,6 +167,60 @@ def test_topics_without_stamps_count_when_they_were_received(lab: Lab) -> None:
     lab.edit(received=[])
     with pytest.raises(FileError, match="/robot/joint_states: its messages carry no stamp; list"):
         lab.imported(lab.folder / "other")
+
+
+def test_stamps_of_another_clock_count_when_they_were_received(lab: Lab) -> None:
+    """Where two clocks differ; one that is off with all topics stays."""
+    for name, off, received in (
+        ("two", 0.8, ["/left_foot_ft", "/right_foot_ft"]),
+        ("one", 0.0, None),
+    ):
+        bag = bags.BagWriter(lab.folder, name, "mcap")
+        for time in np.arange(0.0, 1.0, 0.01):
+            state = bag.joint_state(
+                time - 100.0 * (off == 0.0), list(lab.joints), np.zeros(len(lab.joints))
+            )
+            bag.add(time + 0.01, "/joint_states", state)
+            for side in ("left", "right"):
+                stamp = time - (off or 100.0)
+                bag.add(time + 0.01, f"/{side}_foot_ft", bag.wrench(stamp, "ati", [0.0, 0.0, 50.0]))
+        assert lab.draft(bag.close()).get("received") == received
+
+
+def test_a_wrench_of_the_other_foot_is_not_taken_for_want_of_a_better(lab: Lab) -> None:
+    bag = bags.BagWriter(lab.folder, "one_foot", "mcap")
+    for time in np.arange(0.0, 1.0, 0.01):
+        bag.add(
+            time,
+            "/joint_states",
+            bag.joint_state(time, list(lab.joints), np.zeros(len(lab.joints))),
+        )
+        bag.add(time, "/ft/left", bag.wrench(time, "sensor", [0.0, 0.0, 50.0]))
+    assert lab.draft(bag.close())["wrenches"] == {"left": {"topic": "/ft/left"}}
+    assert "no topic fits the right foot's six-axis sensor" in lab.mapping.read_text()
+    lab.edit(wrenches={"left": {"topic": "/ft/left"}, "right": {"topic": "/ft/left"}})
+    with pytest.raises(FileError, match="wrenches: '/ft/left' is given for both feet"):
+        lab.imported()
+
+
+def test_two_senders_of_the_same_joints_are_refused(lab: Lab) -> None:
+    """A second one that lists them in another order; one sender may leave some out."""
+    names = list(lab.joints)
+    for other, refused in ((names[::-1], True), (names[3:], False)):
+        bag = bags.BagWriter(lab.folder, f"twice_{refused}", "mcap")
+        for time in np.arange(0.0, 1.0, 0.01):
+            bag.add(time, "/joint_states", bag.joint_state(time, names, np.zeros(len(names))))
+            state = bag.joint_state(time + 0.005, other, np.zeros(len(other)))
+            bag.add(time + 0.005, "/joint_states", state)
+            for side in ("left", "right"):
+                bag.add(time, f"/{side}_foot_ft", bag.wrench(time, "ati", [0.0, 0.0, 50.0]))
+        lab.draft(bag.close())
+        folder = lab.folder / f"session_{refused}"
+        if not refused:
+            lab.imported(folder).read(1)
+            continue
+        with pytest.raises(FileError, match=r"/joint_states: two senders tell '.*' in turns"):
+            lab.imported(folder)
 
 
 def test_feet_that_stand_still_need_no_base_pose(lab: Lab) -> None:

@@ -144,6 +144,9 @@ def test_cells_own_times_named_joints_and_commas(folder: Path) -> None:
         ("b/pos.csv", "\n0;", "\n-1;", "column 't', line 2: time is negative"),
         ("b/pos.csv", "40.5;", "1e15;", "column 't', line 4: time is negative or after 2038"),
         ("b/pos.csv", POS, "", "b/pos.csv: has no rows"),
+        ("b/pos.csv", "t;LKnee", "exported by x\nt;LKnee", "skip what stands above the header"),
+        ("b/pos.csv", "\n0;0.1", "\nms;rad", "skip a row of units below the header"),
+        ("b/ft.csv", "1;2;-4;4", "1;2;-4,5;4", "'-4,5' is not a number; does the mapping lack"),
         ("b/ft.csv", FT, FT + 6 * "1;2;3;4;5;6\n", "has 9 rows, another file of its trial 3"),
         ("b/ft.csv", "1;2;-5;4;5;6\n", "1;2;é;4;5;6\n", "column 'fz', line 5: 'é' is not"),
         ("robot.urdf", "</robot>", "", "robot.urdf: not valid XML"),
@@ -185,6 +188,42 @@ def test_bad_input_is_one_error_that_names_its_place(
     assert problem in str(caught.value)
     assert "\n" not in str(caught.value)
     assert not (folder.parent / "session").exists()
+
+
+def test_thousands_separators_are_refused(folder: Path) -> None:
+    for trial in "ab":
+        (folder / trial / "ft.csv").write_text(FT.replace("-3", "-3.000").replace("-4", "-4,5"))
+        pos = folder / trial / "pos.csv"
+        pos.write_text(POS.replace(".", ","))
+    (folder / "mapping.yaml").write_text(MAPPING.replace("clock:", 'decimal: ","\nclock:'))
+    with pytest.raises(FileError, match=r"column 'fz', line 2: '-3.000' has a '\.', but 'decimal'"):
+        import_all(folder)
+
+
+def test_lines_around_the_header_can_be_skipped(folder: Path) -> None:
+    head, _, rows = POS.partition("\n")
+    ft_head, _, ft_rows = FT.partition("\n")
+    for trial in "ab":
+        (folder / trial / "pos.csv").write_text(f"made by x\n1;2\n{head}\nms;rad\n{rows}")
+        (folder / trial / "ft.csv").write_text(f"made by x\n\n{ft_head}\nN;N\n{ft_rows}")
+    skipped = "lines_before_header: 2\nlines_after_header: 1\nclock:"
+    (folder / "mapping.yaml").write_text(MAPPING.replace("clock:", skipped))
+    run = import_all(folder).read(1)
+    np.testing.assert_allclose(run.joints.time, [0.0, 0.02, 0.0405])
+    (folder / "a" / "ft.csv").write_text(
+        f"made by x\n\n{ft_head}\nN;N\n{ft_rows}".replace("-4", "?")
+    )
+    with pytest.raises(FileError, match=r"ft.csv: column 'fz', line 6: '\?' is not a number"):
+        import_all(folder.rename(folder.with_name("again")))
+
+
+@pytest.mark.parametrize("nothing", ["", "NaN", "nan", "N/A"])
+def test_readings_that_are_not_there(folder: Path, nothing: str) -> None:
+    """Of cells they are marked so; of a wrench its row is left out. Both are noted."""
+    (folder / "a" / "ft.csv").write_text(FT.replace("-4", nothing))
+    run = import_all(folder).read(1)
+    np.testing.assert_allclose(run.readings.time, [0.0, 0.0405])
+    assert "ft.csv: 1 readings are not there, 1 of 3 of 'fz'" in run.notes
 
 
 def test_one_row_more_is_left_out_and_reported(folder: Path) -> None:

@@ -17,11 +17,24 @@ from shoecal_core.recording.join import (
 
 
 @given(st.lists(st.integers(-5, 20)))
-def test_in_order_keeps_what_is_later_than_all_before(stamps: list[int]) -> None:
-    kept = in_order(np.array(stamps, dtype=np.int64))
-    assert kept.tolist() == [
-        all(before < stamp for before in stamps[:place]) for place, stamp in enumerate(stamps)
-    ]
+def test_in_order_keeps_as_many_as_can_be(stamps: list[int]) -> None:
+    kept = np.array(stamps, dtype=np.int64)[in_order(np.array(stamps, dtype=np.int64))]
+    assert (np.diff(kept) > 0).all()
+    longest: list[int] = []
+    for place, stamp in enumerate(stamps):
+        before = [
+            length for one, length in zip(stamps[:place], longest, strict=True) if one < stamp
+        ]
+        longest.append(1 + max(before, default=0))
+    assert len(kept) == max(longest, default=0)
+
+
+def test_one_stamp_far_ahead_is_left_out_alone() -> None:
+    stamps = np.arange(1000)
+    stamps[200] = 10**9
+    assert np.flatnonzero(~in_order(stamps)).tolist() == [200]
+    # Of several with one stamp the first.
+    assert in_order(np.array([1, 2, 2, 2, 3])).tolist() == [True, True, False, False, True]
 
 
 stamp_lists = st.lists(st.integers(0, 9), unique=True, min_size=1).map(sorted)

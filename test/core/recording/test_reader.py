@@ -271,6 +271,7 @@ def test_optional_topics(record: Record, shoe: Shoe) -> None:
             (schemas.BASE_POSE, messages.pose(START_NS + 1, "w", [1, 2, 3], [0, 0, 0, 0])),
             (schemas.IMU, messages.imu(START_NS, "torso", [0, 0, 1, 0], [1, 2, 3], [4, 5, 6])),
             (schemas.IMU, messages.imu(START_NS + 1, "torso", None, [1, 2, 3], [4, 5, 6])),
+            (schemas.IMU, messages.imu(START_NS + 2, "torso", [0, 0, 0, 0], [1, 2, 3], [4, 5, 6])),
             (schemas.SHOE_TEMPERATURE, messages.temperature(START_NS, "", 25.5)),
             (schemas.JOINT_TEMPERATURES, messages.temperature(START_NS, "LKneePitch", 40.0)),
             (schemas.JOINT_TEMPERATURES, messages.temperature(START_NS, "RKneePitch", 41.0)),
@@ -279,10 +280,13 @@ def test_optional_topics(record: Record, shoe: Shoe) -> None:
     )
     assert run.base_pose is not None
     np.testing.assert_array_equal(run.base_pose.position, [[1, 2, 3]])
-    assert run.notes == ("/base_pose: 1 are no poses, left out",)
+    assert run.notes == (
+        "/base_pose: 1 are no poses, left out",
+        "/imu: 1 of 3 orientations are no unit quaternions; taken as not there",
+    )
     assert run.imu is not None
     assert run.imu.frame == "torso"
-    np.testing.assert_array_equal(run.imu.quaternion, [[0, 0, 1, 0], [np.nan] * 4])
+    np.testing.assert_array_equal(run.imu.quaternion, [[0, 0, 1, 0], *2 * [[np.nan] * 4]])
     np.testing.assert_array_equal(run.imu.linear_acceleration[0], [4, 5, 6])
     assert run.shoe_temperature is not None
     assert run.shoe_temperature.value.tolist() == [25.5]
