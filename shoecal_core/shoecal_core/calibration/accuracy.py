@@ -29,6 +29,10 @@ COP_WARN, COP_FAIL = 0.25, 0.5
 """The same of the CoP, over half the width of the narrower foot's sensing polygon."""
 MODEL_SHARE = 0.5
 """The model is the limit where it leaves at least this share of the error."""
+PROMISED = 3.0
+"""Times that errors on the runs that were fitted may be what is expected of a calibration."""
+_MEDIAN_SQUARE = 0.4549
+"""Median of the square of a normal number of unit deviation."""
 LEAST_SAMPLES = 100
 """Of one kind of stance from which the limit is taken."""
 
@@ -88,6 +92,66 @@ def model_limit(pairs: Sequence[tuple[Series, Series]]) -> ModelLimit | None:
         (both, left, right),
         (_correlation(motions[0]), _correlation(motions[1]), _correlation(motions[2])),
     )
+
+
+@dataclass(frozen=True)
+class Misfit:
+    """What a fit leaves on its own runs, without the white noise of the readings.
+
+    Attributes:
+        grf: root mean square [N].
+        cop: the same of the length of the CoP's error [m].
+    """
+
+    grf: float
+    cop: float
+
+
+def misfit(pairs: Sequence[tuple[Series, Series]]) -> Misfit:
+    """Of some stances, a pair each: measured and modelled."""
+    force = [(ours.grf - model.grf)[:, None] for ours, model in pairs]
+    place = [ours.cop - model.cop for ours, model in pairs]
+    return Misfit(_slow(force), _slow([one[np.isfinite(one).all(axis=1)] for one in place]))
+
+
+def _slow(series: Sequence[FloatArray]) -> float:
+    """Root mean square length of (T, k) each, less that of white noise on all of them.
+
+    Noise shows in second differences, in which what a robot does from sample to sample cancels.
+    """
+    whole = np.concatenate(series)
+    bends = np.concatenate([np.diff(one, n=2, axis=0) for one in series])
+    if not len(bends):
+        return 0.0
+    noise = float(np.median(bends**2, axis=0).sum() / (6.0 * _MEDIAN_SQUARE))
+    return float(np.sqrt(max(float((whole**2).sum(axis=1).mean()) - noise, 0.0)))
+
+
+def check_promise(left: Misfit, expected: Misfit) -> list[Finding]:
+    """A fit that leaves far more on its own runs than it promises of any other is none.
+
+    Args:
+        left: by the fit.
+        expected: of both feet, by its covariance.
+    """
+    told = [
+        f"{name} {scale * found:.3g} {unit} where {scale * promised:.3g} {unit} is expected"
+        for name, found, promised, scale, unit in (
+            ("GRF", left.grf, expected.grf, 1.0, "N"),
+            ("CoP", left.cop, expected.cop, 1e3, "mm"),
+        )
+        if found > PROMISED * promised
+    ]
+    if not told:
+        return []
+    return [
+        Finding(
+            "FAIL",
+            f"the fit contradicts its own runs: it leaves {' and '.join(told)} (RMS without "
+            "noise); something else than gains and offsets is wrong: see what shoecal diagnose "
+            "finds",
+        )
+    ]
 
 
 def _standing(model: Series) -> int | None:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from shoecal_core.calibration.accuracy import Misfit
 from shoecal_core.calibration.fit import SelfCalibration
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.error_sources.tolerances import Tolerances
@@ -69,6 +70,20 @@ class Assessment:
     def feet(self) -> tuple[Spread, Spread]:
         """Left and right."""
         return self.left, self.right
+
+    @property
+    def promised(self) -> Misfit:
+        """Root mean square error of both feet together that is expected."""
+        return Misfit(_rms(self.both.grf), _rms(self.both.cop_length))
+
+    def not_below(self, left: Misfit) -> Assessment:
+        """With nothing expected to be better than what the fit leaves on its own runs.
+
+        That is of both feet together; of one foot alone it is more still.
+        """
+        spreads = (one.at_least(left.grf, left.cop) for one in (self.both, self.left, self.right))
+        both, first, second = spreads
+        return replace(self, both=both, left=first, right=second)
 
     def expected_cop(self) -> tuple[float, dict[str, float]]:
         """Expected mean absolute CoP error [m]: of both feet together in the neutral double

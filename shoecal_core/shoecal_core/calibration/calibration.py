@@ -102,6 +102,14 @@ class Calibration:
             if not np.isfinite(self.covariance).all():
                 raise ShoecalError("the covariance holds a number that is not finite")
 
+    @property
+    def gain_std(self) -> NDArray[np.float64] | None:
+        """(n,) standard deviations of the gains; None where they are not known."""
+        if self.covariance is None:
+            return None
+        std: NDArray[np.float64] = np.sqrt(np.diag(self.covariance)[: len(self.channels)])
+        return std
+
     def calibrated(self, shoe: Shoe) -> Shoe:
         """The shoe with the columns that were calibrated.
 

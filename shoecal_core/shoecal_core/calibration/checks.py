@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.calibration import VERDICTS
+from shoecal_core.calibration.screening.clocks import LARGEST_S
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.estimation.initial_guess import InitialGuess
-from shoecal_core.estimation.weight import Weighed
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.supports.identifiability import Identifiability, describe_support
 from shoecal_core.samples.zeros import Zero
 from shoecal_core.sensing.shoe import FEET, Shoe
@@ -25,12 +24,8 @@ GAIN_RATIO = 5.0
 """Cells of one kind differ by less than this factor in gain."""
 ZERO_WARN, ZERO_FAIL = 0.02, 0.05
 """What both feet show in the air, over the weight."""
-WARN_WIDTHS, FAIL_WIDTHS = 0.5, 1.0
+MOST_WIDTHS = 0.5
 """Expected CoP error, in half widths of the sensing polygon."""
-NOMINAL_SHARE = 0.05
-"""Data sheets of gains, and weights, are right to this share."""
-SHEET_SHARE, SHEET_STDS = 0.1, 2.0
-"""A single gain is unlike its data sheet beyond this share and so many standard deviations."""
 MAX_TIME_OFFSET_S = 0.05
 """Clocks of joints and readings that are further apart need mending."""
 MOST_TOLD = 5
@@ -104,79 +99,6 @@ def check_gains(shoe: Shoe, guess: InitialGuess, parameters: ChannelParameters) 
     return findings
 
 
-def check_weight(
-    shoe: Shoe, parameters: ChannelParameters, weighed: Weighed | None, robot: Robot
-) -> list[Finding]:
-    """The robot file's weight against what the data sheets of the sensors make of it.
-
-    Where they cannot weigh the robot, vertical gains that all differ from them alike say so.
-    """
-    if weighed is not None:
-        if abs(weighed.kg / robot.mass - 1.0) <= NOMINAL_SHARE:
-            return []
-        return [Finding("WARN", weight_text(weighed, robot))]
-    ratios = [
-        abs(parameters.gain[index] / channel.nominal_gain)
-        for index, channel in enumerate(shoe.channels)
-        if channel.nominal_gain is not None and channel.column[0] != 0.0
-    ]
-    common = float(np.median(ratios)) if ratios else 1.0
-    if abs(common - 1.0) <= NOMINAL_SHARE:
-        return []
-    return [
-        Finding(
-            "WARN",
-            f"the vertical gains are {common:.2f} of their data sheets': the robot weighs "
-            f"{robot.mass / common:.1f} kg by them and {robot.mass:.1f} kg by its file; put it on "
-            f"a scale, or try --weight-kg {robot.mass / common:.1f}",
-        )
-    ]
-
-
-def weight_text(weighed: Weighed, robot: Robot) -> str:
-    """Both weights in words."""
-    low, high = weighed.ci95
-    told = (
-        f"by the data sheets of its sensors the robot weighs {weighed.kg:.1f} kg (95 %: {low:.1f} "
-        f"to {high:.1f} kg, zeros of each run taken off), by its file {robot.mass:.1f} kg"
-    )
-    if abs(weighed.kg / robot.mass - 1.0) <= NOMINAL_SHARE:
-        return told
-    return f"{told}; put it on a scale, or try --weight-kg {weighed.kg:.1f}"
-
-
-def check_data_sheets(
-    shoe: Shoe, parameters: ChannelParameters, gain_std: FloatArray
-) -> list[Finding]:
-    """Gains that differ from their data sheets by more than the other channels of their kind, and
-    by more than they are uncertain.
-
-    Args:
-        shoe, parameters: of n channels.
-        gain_std: (n,) standard deviations.
-    """
-    known = [index for index, one in enumerate(shoe.channels) if one.nominal_gain is not None]
-    sheet = np.array([abs(one.nominal_gain or 1.0) for one in shoe.channels])
-    ratio = np.abs(parameters.gain) / sheet
-    unlike = []
-    for index in known:
-        kind = [i for i in known if (shoe.columns[i, 0] != 0.0) == (shoe.columns[index, 0] != 0.0)]
-        # A wrong weight changes all vertical gains alike: it is a finding of its own.
-        usual = float(np.median([ratio[i] for i in kind])) if shoe.columns[index, 0] else 1.0
-        std = gain_std[index] / sheet[index]
-        if abs(ratio[index] - usual) > max(SHEET_SHARE, SHEET_STDS * std):
-            unlike.append(f"{shoe.names[index]} {ratio[index]:.2f} ± {1.96 * std:.2f}")
-    if not unlike:
-        return []
-    return [
-        Finding(
-            "WARN",
-            f"gains differ from their data sheets (share of it, 95 %): {', '.join(unlike)}; check "
-            "these channels' axes and units in the shoe file",
-        )
-    ]
-
-
 def check_zeros(
     shoe: Shoe, zeros: Sequence[Zero], parameters: ChannelParameters, weight: float, *, own: bool
 ) -> list[Finding]:
@@ -224,6 +146,15 @@ def check_time_offset(time_offset: float) -> list[Finding]:
     """Joints and readings that are far apart in time; the fit is spared that."""
     if abs(time_offset) <= MAX_TIME_OFFSET_S:
         return []
+    if abs(time_offset) >= 0.99 * LARGEST_S:
+        return [
+            Finding(
+                "FAIL",
+                f"joints and readings are {LARGEST_S:g} s apart or more, which is not corrected: "
+                "let both be stamped when they are sampled, by one clock",
+                Fault.LATE,
+            )
+        ]
     return [
         Finding(
             "WARN",
@@ -252,7 +183,7 @@ def check_changed(files: Sequence[str]) -> list[Finding]:
 
 def check_directions(told: Identifiability, add: DoubleSupport | None) -> list[Finding]:
     """Directions that only the prior has fixed though other supports could fix them."""
-    if not told.weak:
+    if not told.weak or told.rank >= told.possible:
         return []
     cure = _addition(add, "record more double supports with other yaws between the feet")
     listed = "; ".join(weak.words for weak in told.weak)
@@ -274,8 +205,6 @@ def check_expected(
 ) -> list[Finding]:
     """A CoP that is expected to be far off tells little about where in the foot it is.
 
-    One foot's alone is a warning: the CoP of both feet together may be right all the same.
-
     Args:
         half_width: from the middle to the nearer edge of the narrower sensing polygon [m].
         both: expected CoP error of both feet together [m].
@@ -283,14 +212,14 @@ def check_expected(
         add: double support that would help; None: none is known.
     """
     errors = {"both feet": both, **{f"the {name} foot": error for name, error in feet.items()}}
-    large = {name: error for name, error in errors.items() if error > WARN_WIDTHS * half_width}
+    large = {name: error for name, error in errors.items() if error > MOST_WIDTHS * half_width}
     if not large:
         return []
     told = ", ".join(f"{1e3 * error:.0f} mm ({name})" for name, error in large.items())
     cure = _addition(add, "record more double supports")
     return [
         Finding(
-            "FAIL" if both > FAIL_WIDTHS * half_width else "WARN",
+            "FAIL",
             f"the CoP is expected to be off by {told}, in a sensing polygon "
             f"{2e3 * half_width:.0f} mm wide: {cure}",
         )

@@ -14,8 +14,9 @@ from shoecal_core.calibration.calibration import (
     WrongShoeError,
     load_calibration,
 )
-from shoecal_core.calibration.checks import Verdict, check_weight, check_zeros, judge
+from shoecal_core.calibration.checks import Verdict, check_zeros, judge
 from shoecal_core.calibration.comparison import read_truths
+from shoecal_core.calibration.data_sheets import check_weight
 from shoecal_core.calibration.evaluate import (
     Series,
     measured_series,
@@ -166,7 +167,7 @@ def evaluate_session(
     judged = replace(data, shoe=shoe)
     own = data if not rezero else replace(data, stances=rezeroed(judged, parameters))
     runs = compare_data(session, own, {"train": train, "test": test}, measuring)
-    findings = check_weight(shoe, parameters, data.weighed, data.robot)
+    findings = check_weight(shoe, parameters, calibration.gain_std, data.weighed, data.robot)
     findings += check_zeros(shoe, data.zeros, parameters, data.robot.weight, own=rezero)
     limits = {}
     for name, found in errors_by_set(runs, MEASURED, MODELLED).items():

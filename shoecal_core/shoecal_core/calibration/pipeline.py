@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.accuracy import ModelLimit, check_accuracy, model_limit
+from shoecal_core.calibration.accuracy import (
+    ModelLimit,
+    check_accuracy,
+    check_promise,
+    misfit,
+    model_limit,
+)
 from shoecal_core.calibration.assessment import Assessment, assess
 from shoecal_core.calibration.axes import check_axes
 from shoecal_core.calibration.calibration import Calibration
@@ -17,15 +24,20 @@ from shoecal_core.calibration.checks import (
     Finding,
     Verdict,
     check_changed,
-    check_data_sheets,
     check_directions,
     check_expected,
     check_gains,
     check_missing,
     check_time_offset,
-    check_weight,
     check_zeros,
     judge,
+)
+from shoecal_core.calibration.data_sheets import (
+    check_conflict,
+    check_data_sheets,
+    check_weight,
+    contradicts,
+    without_sheets,
 )
 from shoecal_core.calibration.evaluate import (
     Errors,
@@ -154,6 +166,7 @@ def load_data(
     settings: CalibrationSettings | None = None,
     *,
     weight_kg: float | None = None,
+    sheets: bool = True,
 ) -> SessionData:
     """Read runs of a session (all of them by default) and align them with the model.
 
@@ -162,8 +175,9 @@ def load_data(
         runs: numbers.
         settings: for a screening, which leaves out what is at fault; None: all is kept.
         weight_kg: of robot and shoes, in place of the robot file's [kg].
+        sheets: whether to believe the data sheets of its sensors.
     """
-    shoe = session.shoe
+    shoe = session.shoe if sheets else without_sheets(session.shoe)
     robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf, weight_kg=weight_kg)
     kinematics = Kinematics(robot)
     numbers = [entry.run for entry in session.runs] if runs is None else list(runs)
@@ -249,6 +263,7 @@ def calibrate_session(
     manual: Calibration | None = None,
     weight_kg: float | None = None,
     rezero: bool = False,
+    sheets: bool = True,
 ) -> Outcome:
     """Self-calibration from a recording: by the joint fit, a walk by the least squares alone.
 
@@ -262,6 +277,7 @@ def calibrate_session(
         manual: calibration of these shoes with known weights, as a prior.
         weight_kg: of robot and shoes, in place of the robot file's [kg].
         rezero: judge every run with its own zeros, where a foot hangs in it.
+        sheets: whether to believe the data sheets of the sensors.
 
     Raises:
         ShoecalError: when no calibration can be had from the session at all. A calibration
@@ -270,7 +286,7 @@ def calibrate_session(
     settings = CalibrationSettings() if settings is None else settings
     tolerances = Tolerances() if tolerances is None else tolerances
     train, test = split_runs(session, train, test)
-    data = load_data(session, (*train, *test), settings, weight_kg=weight_kg)
+    data = load_data(session, (*train, *test), settings, weight_kg=weight_kg, sheets=sheets)
     found = [*data.screening.findings, *check_missing(session.missing)]
     found += check_changed(session.changed_files if session.forced else ())
     if data.screening.fails:
@@ -278,25 +294,20 @@ def calibrate_session(
     train, test = (tuple(run for run in runs if data.stances[run]) for runs in (train, test))
     _require_supports(session, data.of(train), found)
     fitting = _fitting(settings, data.screening)
-    common, training = None, data.of(train)
-    if walks(training):
-        common = common_zeros(data.shoe, data.zeros, train)
-        training = at_common_zeros(data.shoe, training, data.zeros, common)
-    joint = None
-    if data.samples is None:
-        stages = self_calibrate(data.shoe, training, fitting, common)
-    else:
-        known = None
-        if manual is not None:
-            sensing = manual.sensing(data.shoe)
-            known = known_shoe(data.shoe, sensing, manual.covariance, data.robot.weight)
-        guess, guess_with_weight = (
-            initial_guess(data.shoe, training, weight_row=row) for row in (False, True)
-        )
-        joint = joint_calibration(data.samples, train, guess, fitting, tolerances, known)
-        data = replace(data, shoe=joint.shoe, stances=corrected(data.stances, joint))
-        training = data.of(train)
-        stages = of_joint(joint, guess, guess_with_weight, training, fitting)
+    alone = None
+    try:
+        data, training, stages, joint = _fitted(data, train, fitting, tolerances, manual)
+        contradicted = contradicts(data.shoe, stages.parameters, settings.nominal_gain_std)
+    except ShoecalError as error:
+        # Data sheets that are far off can keep a fit from settling at all.
+        if sheets:
+            alone = _without_sheets(session, train, settings, tolerances, weight_kg)
+        conflict = check_conflict(data.shoe, alone, alone, settings.nominal_gain_std)
+        if not conflict:
+            raise
+        raise SessionError(session.folder, conflict[0].reason) from error
+    if contradicted:
+        alone = _without_sheets(session, train, settings, tolerances, weight_kg)
     found += _lagging(data, stages, training, settings)
     assessment = assess(data.robot, stages, joint, training, settings, tolerances)
     if rezero:
@@ -316,6 +327,11 @@ def calibrate_session(
     found += check_axes(data.shoe, training)
     found += check_zeros(data.shoe, data.zeros, stages.parameters, data.robot.weight, own=rezero)
     limits = {name: model_limit(pairs) for name, pairs in compared["self_calibration"].items()}
+    if joint is not None:
+        left = misfit(compared["self_calibration"]["train"])
+        found += check_promise(left, assessment.promised)
+        assessment = assessment.not_below(left)
+    found = _of_sheets(data, stages, settings, assessment, alone) + found
     verdict = _verdict(data, stages, modelled["self_calibration"], limits, found, assessment)
     return Outcome(
         calibration=replace(
@@ -331,6 +347,53 @@ def calibrate_session(
         joint=joint,
         limits={name: limit for name, limit in limits.items() if limit is not None},
     )
+
+
+def _without_sheets(
+    session: Session,
+    train: Sequence[int],
+    settings: CalibrationSettings,
+    tolerances: Tolerances,
+    weight_kg: float | None,
+) -> ChannelParameters | None:
+    """Gains and offsets by the data alone; None where these do not fix them."""
+    with suppress(ShoecalError):
+        return calibrate_session(
+            session, train, (), settings, tolerances, weight_kg=weight_kg, sheets=False
+        ).calibration.parameters
+    return None
+
+
+def _fitted(
+    data: SessionData,
+    train: Sequence[int],
+    fitting: CalibrationSettings,
+    tolerances: Tolerances,
+    manual: Calibration | None,
+) -> tuple[SessionData, list[Stance], SelfCalibration, JointFit | None]:
+    """The data with what the fit puts right, the stances that were fitted, and the fit.
+
+    Of a walk by the least squares alone.
+    """
+    training = data.of(train)
+    if data.samples is None:
+        common = None
+        if walks(training):
+            common = common_zeros(data.shoe, data.zeros, train)
+            training = at_common_zeros(data.shoe, training, data.zeros, common)
+        return data, training, self_calibrate(data.shoe, training, fitting, common), None
+    known = None
+    if manual is not None:
+        sensing = manual.sensing(data.shoe)
+        known = known_shoe(data.shoe, sensing, manual.covariance, data.robot.weight)
+    guess, guess_with_weight = (
+        initial_guess(data.shoe, training, weight_row=row) for row in (False, True)
+    )
+    joint = joint_calibration(data.samples, train, guess, fitting, tolerances, known)
+    data = replace(data, shoe=joint.shoe, stances=corrected(data.stances, joint))
+    training = data.of(train)
+    stages = of_joint(joint, guess, guess_with_weight, training, fitting)
+    return data, training, stages, joint
 
 
 def rezeroed(data: SessionData, parameters: ChannelParameters) -> dict[int, tuple[Stance, ...]]:
@@ -386,6 +449,26 @@ def _lagging(
     return check_lags(data.shoe, lags(stages.fit.vector, prior, stances, Weights.of(fitting)))
 
 
+def _of_sheets(
+    data: SessionData,
+    stages: SelfCalibration,
+    settings: CalibrationSettings,
+    assessment: Assessment,
+    alone: ChannelParameters | None,
+) -> list[Finding]:
+    """What data sheets and the weight say. It comes first: what they are wrong by is in all gains.
+
+    Args:
+        alone: gains and offsets without the data sheets, where these contradict the data.
+    """
+    shoe, gains = data.shoe, stages.parameters
+    if conflict := check_conflict(shoe, gains, alone, settings.nominal_gain_std):
+        return conflict
+    gain_std = np.sqrt(np.diag(assessment.covariance)[: len(shoe.names)])
+    found = check_weight(shoe, gains, gain_std, data.weighed, data.robot)
+    return found + check_data_sheets(shoe, gains, gain_std)
+
+
 def _verdict(
     data: SessionData,
     stages: SelfCalibration,
@@ -394,12 +477,7 @@ def _verdict(
     findings: list[Finding],
     assessment: Assessment,
 ) -> Verdict:
-    # The weight comes first: what it is wrong by is in all gains.
-    weight = check_weight(data.shoe, stages.parameters, data.weighed, data.robot)
-    findings = weight + findings + check_gains(data.shoe, stages.guess, stages.parameters)
-    count = len(data.shoe.names)
-    gain_std = np.sqrt(np.diag(assessment.covariance)[:count])
-    findings += check_data_sheets(data.shoe, stages.parameters, gain_std)
+    findings = findings + check_gains(data.shoe, stages.guess, stages.parameters)
     findings += check_time_offset(stages.time_offset)
     for name, error in modelled.items():
         findings += check_accuracy(name, error, data.robot, limits[name])

@@ -134,7 +134,9 @@ def weight_kg(text: str) -> float:
     except ValueError:
         weight = float("nan")
     if not 0.1 <= weight <= 1000.0:
-        raise argparse.ArgumentTypeError(f"'{text}': expected a weight of 0.1 to 1000 kg")
+        cure = ": write a decimal point, not a comma" if "," in text else ""
+        cure = cure or (": give kg, not grams" if weight > 1000.0 else "")
+        raise argparse.ArgumentTypeError(f"'{text}': expected a weight of 0.1 to 1000 kg{cure}")
     return weight
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from rich.table import Table
 
-from shoecal_core.calibration.checks import weight_text
+from shoecal_core.calibration.data_sheets import weight_text
 from shoecal_core.commands.tables import new_table
 from shoecal_core.estimation.weight import Weighed
 from shoecal_core.model.robot import Robot

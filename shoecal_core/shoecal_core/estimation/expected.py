@@ -68,6 +68,12 @@ class Spread:
         length: FloatArray = np.linalg.norm(self.cop, axis=1)
         return length
 
+    def at_least(self, grf: float, cop: float) -> Spread:
+        """Scaled up to these root mean squares [N, m] where it is below."""
+        more_grf = max(1.0, grf / float(np.sqrt(np.nanmean(self.grf**2))))
+        more_cop = max(1.0, cop / float(np.sqrt(np.nanmean(self.cop_length**2))))
+        return Spread(self.places, more_grf * self.grf, more_cop * self.cop)
+
 
 @dataclass(frozen=True)
 class ErrorModel:

@@ -16,6 +16,7 @@ from shoecal_core.model.robot import Capsule, Foot, Robot, SharedMotor, SupportR
 from shoecal_core.model.shared_motors import read_shared_motors
 from shoecal_core.model.standing import check_standing
 from shoecal_core.model.urdf import ROOT_JOINTS, read_urdf
+from shoecal_core.model.weights import Weights
 from shoecal_core.sensing.shoe import FEET, Shoe
 
 FORMAT = 1
@@ -83,10 +84,12 @@ def load_robot(
     weight = fields.mapping("weight")
     weight.only("mass_kg", "std_kg")
     mass = weight.number("mass_kg", above=0.0)
-    if weight_kg is not None:
-        mass = weight_kg - (0.0 if shoe is None else shoe.mass)
-        if not mass > 0.0:
-            raise weight.error("mass_kg", f"a weight of {weight_kg:g} kg is less than the shoes'")
+    mass_std = weight.number("std_kg", minimum=0.0)
+    shoes = 0.0 if shoe is None else shoe.mass
+    given = None if weight_kg is None else weight_kg - shoes
+    declared = sum(inertia.mass for inertia in model.inertias)
+    Weights(declared, mass, mass_std, given, shoes).check(weight)
+    mass = mass if given is None else given
     _scale_mass(model, mass)
     feet = _feet(fields.mapping("feet"), model, 0.0 if shoe is None else shoe.height)
     if shoe is not None:
@@ -103,7 +106,7 @@ def load_robot(
         urdf_digest=sha256(urdf),
         model=model,
         mass=mass,
-        mass_std=weight.number("std_kg", minimum=0.0),
+        mass_std=mass_std,
         feet=feet,
         legs=_legs(fields, model, names, shared, feet),
         shared=shared,

@@ -214,7 +214,11 @@ def draw_shoes(rules: Reality, shoe: Shoe, seed: int) -> DrawnShoes:
     shift = rng.normal(0.0, cells.offset_std_fraction, count)
     sign = np.where(shoe.polarity == 0, rng.choice((-1, 1), count), shoe.polarity)
     full_scale = np.where(shoe.torque, cells.full_scale_nm, cells.full_scale_n)
-    gain = sign * full_scale / _half_span(shoe.channels) * (1.0 + spread)
+    unsaid = full_scale / _half_span(shoe.channels) * (1.0 + spread)
+    # What has a data sheet is as it says, give or take.
+    sheet = np.array([abs(channel.nominal_gain or 0.0) for channel in shoe.channels])
+    error = np.random.default_rng([seed, 5]).normal(0.0, cells.nominal_gain_std_fraction, count)
+    gain = sign * np.where(sheet > 0.0, sheet * (1.0 + error), unsaid)
     listed = cells.position_error_m.resolve(shoe.names, position - shoe.positions, "channel")
     ones = np.ones(len(FEET))
     shoes = DrawnShoes(

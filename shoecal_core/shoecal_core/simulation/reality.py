@@ -170,6 +170,7 @@ class CellRules:
     full_scale_n: Positive
     full_scale_nm: Positive
     gain_spread_fraction: Fraction
+    nominal_gain_std_fraction: NonNegative
     offset_std_fraction: Fraction
     noise_std_n: NonNegative
     noise_std_nm: NonNegative

@@ -12,7 +12,10 @@ from shoecal_core.calibration.accuracy import (
     COP_WARN,
     GRF_FAIL,
     GRF_WARN,
+    Misfit,
     check_accuracy,
+    check_promise,
+    misfit,
     model_limit,
 )
 from shoecal_core.calibration.evaluate import Errors, Series
@@ -98,3 +101,26 @@ def test_where_they_do_not_move_together_the_model_is_the_limit() -> None:
 def test_a_robot_that_stands_has_no_such_limit() -> None:
     force, place = np.full(600, ROBOT.weight), np.zeros((600, 2))
     assert model_limit([(series(force, place), series(force, place))]) is None
+
+
+def test_a_misfit_is_what_is_left_without_noise() -> None:
+    """Whatever the noise of the readings: it says nothing of gains and offsets."""
+    rng, time = np.random.default_rng(3), np.arange(2000) / 50.0
+    slow = 0.004 * np.sin(0.7 * time)
+    model = series(np.full(2000, 50.0), np.zeros((2000, 2)))
+    for noise in (0.0, 0.003):
+        place = slow[:, None] * [1.0, 0.0] + rng.normal(0.0, noise, (2000, 2))
+        left = misfit([(series(50.0 + 1e3 * slow, place), model)])
+        assert left.cop == pytest.approx(0.004 / np.sqrt(2.0), rel=0.05)
+        assert left.grf == pytest.approx(4.0 / np.sqrt(2.0), rel=0.05)
+
+
+def test_a_fit_that_contradicts_its_own_runs_fails() -> None:
+    expected = Misfit(0.5, 0.0016)
+    assert check_promise(Misfit(1.4, 0.0047), expected) == []
+    (finding,) = check_promise(Misfit(1.4, 0.0063), expected)
+    assert finding.verdict == "FAIL"
+    assert "CoP 6.3 mm where 1.6 mm is expected" in finding.reason
+    assert "GRF" not in finding.reason
+    (finding,) = check_promise(Misfit(1.6, 0.0), expected)
+    assert "GRF 1.6 N where 0.5 N is expected" in finding.reason

@@ -27,7 +27,12 @@ from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.supports.identifiability import identifiability, total_information
+from shoecal_core.planning.supports.identifiability import (
+    Identifiability,
+    WeakDirection,
+    identifiability,
+    total_information,
+)
 from shoecal_core.planning.supports.observability import Visit
 from shoecal_core.samples.stance import Stance
 from shoecal_core.sensing.shoe import Shoe
@@ -109,6 +114,19 @@ def test_forces_and_torques_are_compared_with_their_own_kind() -> None:
 # ---- clocks -----------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("offset", [1.5, -1.5])
+def test_clocks_further_apart_than_is_looked_for_fail(offset: float) -> None:
+    (finding,) = check_time_offset(offset)
+    assert finding.verdict == "FAIL"
+    assert "not corrected" in finding.reason
+
+
+def test_directions_that_no_support_could_fix_are_no_finding() -> None:
+    told = Identifiability(np.ones(3), 14, 14, (WeakDirection("the gain of left/fx", 5.0),))
+    assert check_directions(told, None) == []
+    assert check_directions(dataclasses.replace(told, rank=13), None) != []
+
+
 @pytest.mark.parametrize(("offset", "told"), [(0.06, "late by 60 ms"), (-0.12, "early by 120 ms")])
 def test_clocks_that_are_far_apart(offset: float, told: str) -> None:
     (finding,) = check_time_offset(offset)
@@ -141,10 +159,10 @@ def test_missing_directions() -> None:
 
 def test_an_expected_cop_error_is_judged_by_the_width_of_the_polygon() -> None:
     assert check_expected(0.025, 0.012, {"left": 0.012}, None) == []
-    (warned,) = check_expected(0.025, 0.004, {"left": 0.075, "right": 0.005}, None)
-    assert warned.verdict == "WARN"
-    assert "75 mm (the left foot), in a sensing polygon 50 mm wide" in warned.reason
-    assert "right" not in warned.reason
+    (one,) = check_expected(0.025, 0.004, {"left": 0.075, "right": 0.005}, None)
+    assert one.verdict == "FAIL"
+    assert "75 mm (the left foot), in a sensing polygon 50 mm wide" in one.reason
+    assert "right" not in one.reason
     added = DoubleSupport(0.0, -0.12, 0.4)
     (failed,) = check_expected(0.025, 0.03, {"left": 0.001}, added)
     assert failed.verdict == "FAIL"

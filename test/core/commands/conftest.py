@@ -36,10 +36,10 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A simulated session of the second robot: three cells left, six right, one inverted."""
     folder = tmp_path_factory.mktemp("simulated") / "session"
     figures = folder.with_name("figures.json")
-    words = ["simulate", ROBOT, SHOE, "--supports", "3", "--seed", "3", "--rate", "50"]
+    words = ["simulate", ROBOT, SHOE, "--supports", "4", "--seed", "3", "--rate", "50"]
     code = cli.main([str(word) for word in (*words, "--out", folder, "--json", figures)])
     assert code == 0
-    assert len(json.loads(figures.read_text())["runs"]) == 3
+    assert len(json.loads(figures.read_text())["runs"]) == 4
     return folder
 
 
@@ -47,7 +47,7 @@ def simulated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def calibrated(simulated: Path) -> Path:
     """The calibration of that session; its figures stand beside it, `.json`."""
     path = simulated.with_name("calibration.yaml")
-    words = ["calibrate", simulated, "--train", "1,2", "--test", "3", "--out", path]
+    words = ["calibrate", simulated, "--train", "1,2,3", "--test", "4", "--out", path]
     words += ["--json", path.with_suffix(".json")]
     assert cli.main([str(word) for word in words]) == 0
     return path

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 from numpy.typing import NDArray
 
 from core.commands.conftest import Run as Command
@@ -20,7 +21,7 @@ from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 
 FloatArray = NDArray[np.float64]
-TRAIN = ("--train", "1,2", "--test", "3")
+TRAIN = ("--train", "1,2,3", "--test", "4")
 
 
 def rewritten(folder: Path, out: Path, change: Callable[[Run], Run]) -> Path:
@@ -124,12 +125,12 @@ def test_a_run_under_another_weight_is_in_no_set(
     share = 5.0 / len(names) / np.array([drawn.number(name) for name in names])
 
     def held(run: Run) -> Run:
-        return with_values(run, run.readings.value - (share if run.info.run == 3 else 0.0))
+        return with_values(run, run.readings.value - (share if run.info.run == 4 else 0.0))
 
     found, out = figures(shoecal, rewritten(simulated, tmp_path / "s", held), tmp_path)
-    assert (found["train"], found["test"]) == ([1, 2], [])
-    assert found["screening"]["runs_left_out"] == [3]
-    assert "run 3 was recorded with 5.0 N less on the feet than the others" in out
+    assert (found["train"], found["test"]) == ([1, 2, 3], [])
+    assert found["screening"]["runs_left_out"] == [4]
+    assert "run 4 was recorded with 5.0 N less on the feet than the others" in out
 
 
 @pytest.mark.parametrize("late_s", [0.08, -0.06])
@@ -173,3 +174,22 @@ def test_a_changed_shoe_file_is_refused_unless_forced(
     assert "WARN: shoe.yaml was changed since the runs were recorded" in plain(printed)
     code, _, error = shoecal("evaluate", folder, "--calibration", out, "--force")
     assert code == 0, error
+
+
+def test_data_sheets_that_contradict_the_data(
+    shoecal: Command, simulated: Path, calibrated: Path, tmp_path: Path
+) -> None:
+    """Readings in kgf under gains in N: nothing is written, and the unit is named."""
+    gains = {one["name"]: one["gain"] for one in yaml.safe_load(calibrated.read_text())["channels"]}
+    for factor, passes in ((1.0, True), (9.80665, False)):
+        session = tmp_path / f"session_{passes}"
+        shutil.copytree(simulated, session)
+        shoe = yaml.safe_load((session / "shoe.yaml").read_text())
+        for foot, of_foot in shoe["feet"].items():
+            for cell in of_foot["cells"]:
+                cell["nominal_gain"] = gains[f"{foot}/{cell['name']}"] / factor
+        (session / "shoe.yaml").write_text(yaml.safe_dump(shoe))
+        out = tmp_path / f"calibration_{passes}.yaml"
+        code, told, error = shoecal("calibrate", session, "--force", "--out", out)
+        assert out.exists() == passes == (code == 0)
+        assert ("are the readings in kgf or kg?" in told + error) != passes

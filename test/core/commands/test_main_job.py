@@ -26,7 +26,7 @@ def test_how_far_it_can_be_trusted(
 ) -> None:
     again, figures = tmp_path / "again.yaml", tmp_path / "figures.json"
     code, out, error = shoecal(
-        "calibrate", simulated, "--train", "1,2", "--test", "3", "--out", again, "--json", figures
+        "calibrate", simulated, "--train", "1,2,3", "--test", "4", "--out", again, "--json", figures
     )
     assert code == 0, error
     # Solving again gives the same parameters.
@@ -64,7 +64,7 @@ def test_held_out_errors_against_the_truth(
     figures = tmp_path / "errors.json"
     code, _, error = shoecal(
         "evaluate", simulated, "--calibration", calibrated,
-        "--train", "1,2", "--test", "3", "--json", figures,
+        "--train", "1,2,3", "--test", "4", "--json", figures,
     )  # fmt: skip
     assert code == 0, error
     test = json.loads(figures.read_text())["against_truth"]["test"]
@@ -82,7 +82,7 @@ def test_gains_come_near_the_drawn_ones(simulated: Path, calibrated: Path) -> No
 
 
 def test_a_calibration_knows_the_runs_it_was_fitted_to(simulated: Path, calibrated: Path) -> None:
-    fitted = [sha256(simulated / f"run_{run:03d}.mcap") for run in (1, 2)]
+    fitted = [sha256(simulated / f"run_{run:03d}.mcap") for run in (1, 2, 3)]
     assert load_calibration(calibrated).fitted_runs == tuple(fitted)
 
 
@@ -166,7 +166,7 @@ def test_a_calibration_outlives_a_report_that_cannot_be_written(
 ) -> None:
     (tmp_path / "report").mkdir()
     out = tmp_path / "calibration.yaml"
-    words = ["--train", "1,2", "--test", "3", "--out", out, "--report", tmp_path / "report"]
+    words = ["--train", "1,2,3", "--test", "4", "--out", out, "--report", tmp_path / "report"]
     code, _, error = shoecal("calibrate", simulated, *words)
     assert code == 1
     assert "cannot be written" in error

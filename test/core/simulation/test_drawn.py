@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from core.sensing.shoes import made, six_axis
 from core.simulation.worlds import DEFAULT, World, changed
 from shoecal_core.files import read_yaml, write_yaml
 from shoecal_core.model.robot import GRAVITY
@@ -120,3 +121,12 @@ def test_the_record_can_be_read_again(world: World, tmp_path: Path) -> None:
     fields = read_yaml(tmp_path / "drawn.yaml")
     for name, gain in zip(world.shoe.names, drawn.shoes.parameters.gain, strict=True):
         assert fields.mapping("gain").number(name) == gain
+
+
+def test_sensors_with_data_sheets_are_about_as_these_say() -> None:
+    shoe = made([*six_axis(0, [0, 0, 0.05], gain=2.0), *six_axis(1, [0, 0, 0.05], gain=None)])
+    gains = np.array([draw_shoes(DEFAULT, shoe, seed).parameters.gain for seed in SEEDS])
+    known, unknown = np.abs(gains[:, :5]) / 2.0, np.abs(gains[:, 5:])
+    assert known.mean() == pytest.approx(1.0, abs=0.002)
+    assert known.std() == pytest.approx(DEFAULT.cells.nominal_gain_std_fraction, rel=0.1)
+    assert (unknown.std(axis=0) / unknown.mean(axis=0)).min() > 0.1

@@ -34,7 +34,7 @@ CHANGES_S = (0.8, 0.8, 0.4, 0.4, 0.15, 0.15, 0.15)
 """Times over which changes are looked at, one after the other."""
 SMOOTHING = 0.3
 """Of both CoPs, as a share of that time."""
-LARGEST_S = 0.3
+LARGEST_S = 1.5
 """Offsets beyond this are not looked for."""
 CORRECTED_S, SURE_STDS = 0.01, 3.0
 """An offset is corrected before the fit when it is larger than this, and this many of its own

@@ -26,7 +26,7 @@ def found(whole: Recording) -> float:
     return time_offset(whole.aligned, whole.shoe, WEIGHT, SETTINGS)
 
 
-@pytest.mark.parametrize("by", [-0.15, -0.06, 0.03, 0.12])
+@pytest.mark.parametrize("by", [-0.8, -0.15, -0.06, 0.03, 0.12, 0.5])
 def test_the_offset_is_found(by: float) -> None:
     assert found(late(recording(), by)) == pytest.approx(by, abs=0.01)
 
