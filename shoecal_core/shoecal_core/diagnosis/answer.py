@@ -73,20 +73,21 @@ def answer(
     return Answer(verdict, tuple(causes), ambiguity, ranking)
 
 
-def borne_out(workspace: Workspace, found: Found) -> tuple[Found, tuple[str, ...]]:
+def borne_out(
+    workspace: Workspace, found: Found, settings: DiagnosisSettings
+) -> tuple[Found, tuple[str, ...]]:
     """Without causes that runs left out do not bear out: there is no gap, or it does not go.
 
-    What happened once, in a run that was fitted, others can say nothing about. Of further causes it
-    has to be likely that anything is in their place at all.
+    What happened once, in a run that was fitted, others can say nothing about. Where the first one
+    is, a robot as built has to be improbable enough; where a further one is, it has to be likely
+    that anything is there at all.
 
     Returns:
         What stays, and in words what went.
     """
     if found.chosen is None:
         return found, ()
-    for index in reversed(range(1, len(found.chosen.parts))):
-        if sum(one.probability for one in probabilities(found, index)) < LIKELY:
-            found = found.without(index)
+    found = _probable(found, settings)
     if found.chosen is None or not workspace.test:
         return found, ()
     told = []
@@ -109,6 +110,17 @@ def borne_out(workspace: Workspace, found: Found) -> tuple[Found, tuple[str, ...
             continue
         told.append(f"{hypothesis.label}: {why}: not named")
     return found, tuple(told)
+
+
+def _probable(found: Found, settings: DiagnosisSettings) -> Found:
+    """Without causes in whose place there may well be nothing."""
+    assert found.chosen is not None
+    for index in reversed(range(len(found.chosen.parts))):
+        there = sum(one.probability for one in probabilities(found, index))
+        if there < (LIKELY if index else 1.0 - settings.false_alarms):
+            left = found.without(index)
+            return left if left.chosen is None else _probable(left, settings)
+    return found
 
 
 def causes_of(workspace: Workspace, found: Found) -> list[Cause]:

@@ -125,7 +125,7 @@ def diagnose(
     tell("measuring the shrink", 0.8)
     denied: tuple[str, ...] = ()
     if only is None:
-        found, denied = borne_out(best, found)
+        found, denied = borne_out(best, found, settings)
     best = best.at(found.stands(best.scorer, settings))
     certain = [
         *(known.causes(workspace, mended, settings) if known else ()),

@@ -117,9 +117,13 @@ def select(workspace: Workspace, settings: DiagnosisSettings) -> Found:
 def _first(
     workspace: Workspace, ranked: Sequence[Judged], settings: DiagnosisSettings
 ) -> int | None:
-    """Place of the most probable hypothesis that is evident, matters, and explains the gap."""
+    """Place of the most probable hypothesis that is evident, matters, and explains the gap.
+
+    Of several that nearly look alike none is evident by itself, but all together are.
+    """
+    together = np.logaddexp.reduce([-np.inf, *(one.log for one in ranked)])
     for at, one in enumerate(ranked):
-        if one.log < needed(settings):
+        if together < needed(settings) or one.log <= 0.0:
             return None
         if explains(workspace, one) and material(workspace, one.scored, settings):
             return at

@@ -70,8 +70,8 @@ def test_what_explains_a_gap_is_its_cause(urn: Urn) -> None:
 def test_what_test_runs_contradict_is_not_named(urn: Urn) -> None:
     drawn = urn.draw(np.random.default_rng(2), TILT)
     found = found_in(drawn, "floor_tilt")
-    assert borne_out(drawn, found) == (found, ())
-    left, words = borne_out(drawn, found_in(drawn, "link_com (Neck_link)"))
+    assert borne_out(drawn, found, SETTINGS) == (found, ())
+    left, words = borne_out(drawn, found_in(drawn, "link_com (Neck_link)"), SETTINGS)
     assert left.chosen is None
     assert words[0].startswith("link_com (Neck_link): ")
     assert words[0].endswith(": not named")
