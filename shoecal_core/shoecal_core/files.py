@@ -35,6 +35,7 @@ from shoecal_core.errors import (
     FileUnwritableError,
     VersionError,
 )
+from shoecal_core.file_kinds import kind_of, meant, not_yaml
 
 MAX_BYTES = 512 * 2**20
 """Larger files are refused before they are read into memory."""
@@ -213,12 +214,17 @@ def read_yaml(path: Path) -> Fields:
     try:
         value = yaml.load(content, Loader=_Loader)  # noqa: S506 - a child of SafeLoader
     except (yaml.YAMLError, ValueError, RecursionError, OverflowError) as error:
+        if told := not_yaml(content):
+            raise FileSyntaxError(path, told) from error
         mark, problem = (getattr(error, name, None) for name in ("problem_mark", "problem"))
         line = f" at line {mark.line + 1}" if mark is not None else ""
         reason = f" ({problem})" if problem else ""
-        raise FileSyntaxError(path, f"not valid YAML{line}{reason}; mend the syntax") from error
+        tab = problem is not None and r"'\t'" in problem
+        cure = "indent with spaces, not with tabs" if tab else "correct it there"
+        raise FileSyntaxError(path, f"not valid YAML{line}{reason}; {cure}") from error
     if not isinstance(value, dict):
-        raise FileSyntaxError(path, "expected a mapping of keys to values at the top level")
+        told = not_yaml(content) or "expected a mapping of keys to values at the top level"
+        raise FileSyntaxError(path, told)
     return Fields(Path(path), "", value)
 
 
@@ -252,8 +258,13 @@ class Fields:
     def only(self, *known: str) -> None:
         """Refuse unknown keys: a typo must not silently become a default."""
         for key in self.keys():
-            if key not in known:
-                raise self.error(key, f"unknown key; known: {', '.join(known)}")
+            if key in known:
+                continue
+            if not self.prefix and (kind := kind_of(self.keys(), known)):
+                raise FieldError(
+                    self.path, f"is {kind}, by its keys; name the one that belongs here"
+                )
+            raise self.error(key, f"unknown key; {meant(key, known)}")
 
     def format(self, known: int) -> int:
         """Check the file's version."""
@@ -375,7 +386,9 @@ class Fields:
 
     def _finite(self, key: str, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise self.error(key, f"expected a number (like 1.5e-3), got {_shown(value)}")
+            comma = isinstance(value, str) and _COMMA.fullmatch(value.strip())
+            cure = "; write a decimal point, not a comma" if comma else ""
+            raise self.error(key, f"expected a number (like 1.5e-3), got {_shown(value)}{cure}")
         try:
             number = float(value)
         except OverflowError as error:
@@ -440,6 +453,7 @@ class _Loader(yaml.SafeLoader):
         return construct(node)
 
 
+_COMMA = re.compile(r"[-+]?[0-9]+,[0-9]+")
 _INTEGER, _FLOAT = "tag:yaml.org,2002:int", "tag:yaml.org,2002:float"
 _NUMBER = re.compile(
     r"[-+]?(0|[1-9][0-9]*)?(\.[0-9]*)?(e[-+]?[0-9]+)?|[-+]?\.(inf|nan)", re.IGNORECASE

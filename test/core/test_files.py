@@ -166,7 +166,7 @@ WRONG: dict[str, tuple[str, str, Callable[[Fields], object], str]] = {
     "no such choice": (
         "a: red", "a", lambda f: f.choice("a", {"green": 1, "blue": 2}), "one of: green, blue"
     ),
-    "unknown key": ("aa: 1", "aa", lambda f: f.only("a", "b"), "unknown key; known: a, b"),
+    "unknown key": ("aa: 1", "aa", lambda f: f.only("a", "b"), "unknown key; did you mean 'a'?"),
     "missing": ("b: 1", "a", lambda f: f.number("a"), "is missing; add it"),
     "nested": (
         "a: {b: [{c: 1}, {c: x}]}",
@@ -223,7 +223,7 @@ NOT_YAML: dict[str, tuple[str | bytes, str]] = {
     "a control character": ("a: \x00", "not valid YAML"),
     "other bytes": (b"a: \xff\xfe", "not valid YAML"),
     "a list": ("[1, 2]", "mapping of keys to values at the top level"),
-    "nothing": ("", "mapping of keys to values at the top level"),
+    "nothing": ("", "is empty"),
     "too many values": ("a: [" + "1," * MAX_YAML_VALUES + "]", "more than 100000 values"),
     "too much": (b" " * (MAX_YAML_BYTES + 1), "larger than 1 MiB"),
 }

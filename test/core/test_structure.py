@@ -17,6 +17,7 @@ ROOT = Path(shoecal_core.__file__).parent
 
 FOUNDATION = {
     "errors",
+    "file_kinds",
     "files",
     "parameter_file",
     "settings",
@@ -27,6 +28,7 @@ ESTIMATION = {"samples", "error_sources", "estimation"}
 MAY_IMPORT = {
     "end_with_parent": set[str](),
     "errors": set[str](),
+    "file_kinds": set[str](),
     "files": FOUNDATION,
     "parameter_file": FOUNDATION,
     "settings": FOUNDATION,

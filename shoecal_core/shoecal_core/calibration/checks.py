@@ -168,9 +168,14 @@ def check_time_offset(time_offset: float) -> list[Finding]:
 
 def check_missing(runs: Sequence[int]) -> list[Finding]:
     """Runs that were begun and are gone."""
-    return [
-        Finding("WARN", f"run {run} was begun but its file is gone: put it back") for run in runs
-    ]
+    return [Finding("WARN", missing_text(runs))] if runs else []
+
+
+def missing_text(runs: Sequence[int]) -> str:
+    """Runs that were begun and are gone, in words."""
+    if len(runs) == 1:
+        return f"run {runs[0]} was begun but its file is gone: put it back"
+    return f"runs {', '.join(map(str, runs))} were begun but their files are gone: put them back"
 
 
 def check_changed(files: Sequence[str]) -> list[Finding]:

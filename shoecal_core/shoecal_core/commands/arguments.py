@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from shoecal_core.commands.suggestions import nearest
-from shoecal_core.errors import FileMissingError, ShoecalError
+from shoecal_core.errors import FileMissingError, FileTakenError, ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import shoe_file_of
@@ -73,7 +73,9 @@ def rate_hz(text: str) -> float:
 
 
 def require_folder(path: Path) -> None:
-    """Refuse, before any work, a file whose folder does not exist."""
+    """Refuse, before any work, a file whose folder does not exist, or that is a folder itself."""
+    if path.is_dir():
+        raise FileTakenError(path, "is a folder; name a file")
     folder = path.absolute().parent
     if not folder.is_dir():
         raise FileMissingError(folder, f"does not exist; make it first, for {path.name}")

@@ -10,7 +10,7 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from shoecal_core.calibration.checks import split_reason
+from shoecal_core.calibration.checks import missing_text, split_reason
 from shoecal_core.calibration.extract import stances_of, zeros_of
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
 from shoecal_core.calibration.screening.clocks import put_together
@@ -62,7 +62,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     problems = [
         f"{path.name} was not finished: rescue it with `shoecal recover {path}`"
         for path in session.unfinished
-    ] + [f"run {run} was begun but its file is gone: put it back" for run in session.missing]
+    ] + ([missing_text(session.missing)] if session.missing else [])
     # A robot or shoe file that cannot be used is told as itself, not as another file's hash.
     robot = load_robot(
         session.robot_yaml, session.shoe, urdf=session.robot_urdf, weight_kg=args.weight_kg

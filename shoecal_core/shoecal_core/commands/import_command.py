@@ -9,7 +9,7 @@ from pathlib import Path
 from rich.console import Console
 
 from shoecal_core.commands.arguments import add_json, add_shoe, require_folder, shoe_file
-from shoecal_core.errors import FileTakenError
+from shoecal_core.errors import FileMissingError, FileTakenError
 from shoecal_core.files import atomic_write
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
@@ -50,6 +50,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Import the recordings, or draft the mapping."""
     if args.kind == DRAFT:
         return _draft(args, console)
+    if not args.mapping.exists():
+        made = "write one" if args.kind == CSV else "`shoecal import draft` makes one"
+        raise FileMissingError(args.mapping, f"does not exist; {made}")
     make = import_csv if args.kind == CSV else import_bags
     session = make(args.mapping, args.folder, args.out)
     return _report(session, args.out, console)

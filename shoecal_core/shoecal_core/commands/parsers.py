@@ -74,8 +74,19 @@ class Parser(argparse.ArgumentParser):
         if found := _UNKNOWN.search(message):
             known = [option for parser in _all(self) for option in parser._option_string_actions]  # noqa: SLF001
             given = [word for word in found["given"].split() if word.startswith("-")]
-            return nearest(given[0].partition("=")[0], known) if given else ""
+            option = given[0].partition("=")[0] if given else ""
+            return (_elsewhere(option) or nearest(option, known)) if option else ""
         return ""
+
+
+def _elsewhere(option: str) -> str:
+    """`; it belongs to NAME`: the commands that have an option, empty where none has it."""
+    having = [
+        name
+        for name in COMMANDS
+        if any(option in action.option_strings for action in actions_of(command_line([name])))
+    ]
+    return f"; it belongs to {' and '.join(having)}" if having else ""
 
 
 def command_line(wanted: Sequence[str]) -> Parser:

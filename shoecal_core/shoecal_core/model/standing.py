@@ -43,6 +43,10 @@ def check_standing(robot: Robot, fields: Fields) -> None:
     for name, sole in zip(FEET, (left, right), strict=True):
         _check_upright(sole.actInv(com), fields.mapping("feet").mapping(name))
     between = left.actInv(right)
+    if between.translation[1] > 0.0 > neutral.dy:
+        raise fields.error(
+            "feet", "left and right are exchanged: the right sole lies to the left of the left one"
+        )
     yaw = np.arctan2(between.rotation[1, 0], between.rotation[0, 0])
     stance = DoubleSupport(*(float(value) for value in (*between.translation[:2], yaw)))
     if not feet_gap(robot, stance) > 0.0:

@@ -50,6 +50,10 @@ MAX_DATA = 384 * 2**20
 """Bytes of a run's messages: some minutes at a thousand a second. Reading takes five times that."""
 MAX_RECORDS = 500_000
 """Joints and voltages of four minutes at a thousand a second; taken apart within some seconds."""
+MAGIC = b"\x89MCAP0\r\n"
+"""Begins and ends a file."""
+PACKED = (b"\x28\xb5\x2f\xfd", b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"PK")
+"""Begin files packed by zstd, gzip, bzip2, xz and zip."""
 _ZSTD = "zstd"
 
 
@@ -207,6 +211,12 @@ def unfold(chunk: Chunk) -> list[McapRecord]:
     return breakup_chunk(chunk, validate_crc=True)
 
 
+def looks_like_mcap(head: bytes) -> bool:
+    """Whether a file that begins so is an MCAP file, perhaps cut or with a byte altered."""
+    same = sum(one == other for one, other in zip(head, MAGIC, strict=False))
+    return 2 * same >= min(len(head), len(MAGIC))
+
+
 @contextmanager
 def _records(path: Path) -> Iterator[Iterator[McapRecord]]:
     """Records of a file, its damages and refusals as typed errors."""
@@ -214,6 +224,12 @@ def _records(path: Path) -> Iterator[Iterator[McapRecord]]:
     opened = open_file(path)
     try:
         with opened as file:
+            head = file.read(len(MAGIC))
+            if not looks_like_mcap(head):
+                packed = any(head.startswith(one) for one in PACKED)
+                cure = "is compressed as a whole: unpack it" if packed else "is no MCAP file"
+                raise RecordingError(path, cure)
+            file.seek(0)
             yield _checked(path, _unfolded(path, _Reader(file, path.stat().st_size).records))
     except DAMAGE as error:
         raise DamagedError(path, str(error) or type(error).__name__) from error

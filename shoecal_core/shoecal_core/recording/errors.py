@@ -20,7 +20,8 @@ class DamagedError(RecordingError):
 
     def __init__(self, path: Path | str, reason: str) -> None:
         super().__init__(
-            path, f"cut, unfinished or damaged ({reason}); `shoecal recover` saves its whole parts"
+            path,
+            f"cut, unfinished or damaged ({reason}); `shoecal recover` saves what parts are whole",
         )
 
 

@@ -25,6 +25,7 @@ from shoecal_core.recording.container import (
     MAX_DATA,
     MAX_RECORDS,
     check_channel,
+    looks_like_mcap,
     unfold,
 )
 from shoecal_core.recording.errors import DamagedError, RecordingError
@@ -148,7 +149,8 @@ def _info(path: Path, data: bytes) -> RunInfo:
             record = Metadata.read(ReadDataStream(BytesIO(data[at : at + _MAX_METADATA])))
             return RunInfo.from_metadata(path, record.metadata)
         at = data.find(_METADATA, at + 1)
-    raise RecordingError(path, f"its record '{RECORD}' is lost or altered; cannot be rescued")
+    kind = "its" if looks_like_mcap(data) else "is no MCAP file, or its"
+    raise RecordingError(path, f"{kind} record '{RECORD}' is lost or altered; cannot be rescued")
 
 
 def _whole_chunks(data: bytes) -> Iterator[_Part]:

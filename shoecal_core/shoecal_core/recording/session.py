@@ -140,6 +140,9 @@ class Session:
         """
         folder = Path(folder)
         path = folder / FILE
+        if folder.is_file():
+            whole = f"; its session is {folder.parent}" if (folder.parent / FILE).is_file() else ""
+            raise SessionError(folder, f"is a file; name a session's folder{whole}")
         if not folder.is_dir():
             raise FileMissingError(folder, "does not exist; record, simulate or import a session")
         if not path.is_file():

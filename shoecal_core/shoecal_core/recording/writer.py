@@ -18,7 +18,7 @@ from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.info import RECORD, RunInfo
 
 CHUNK_BYTES = 16 * 1024
-WHOLE_CHUNK_BYTES = 1024 * 1024
+WHOLE_CHUNK_BYTES = 64 * 1024
 """Of files that are made in one go."""
 SYNC_NS = 500_000_000
 """Span of log time after which all that was written is made durable."""

@@ -306,7 +306,7 @@ def test_unfinished_and_foreign_files_are_refused(tmp_path: Path, shoe: Shoe) ->
         read_run(missing, shoe)
     text = tmp_path / "text.mcap"
     text.write_text("format: 1\n")
-    with pytest.raises(DamagedError, match="shoecal recover"):
+    with pytest.raises(RecordingError, match="is no MCAP file"):
         read_run(text, shoe)
     for profile, problem in (("", "no recording of ROS 2"), ("ros2", "no run of shoecal")):
         foreign = tmp_path / f"foreign{profile}.mcap"

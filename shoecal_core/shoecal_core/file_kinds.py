@@ -1,0 +1,52 @@
+"""What somebody has given instead of what was asked for: files of another kind, mistyped keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+
+KINDS: Mapping[str, frozenset[str]] = {
+    "a robot file": frozenset(("legs", "posture_rad", "support_range", "weight")),
+    "a shoe file": frozenset(("height_m", "converter", "unit")),
+    "a calibration": frozenset(("channels", "verdict", "made_ns", "robot_hash")),
+    "a mapping of tables": frozenset(("tables", "trials")),
+    "a mapping of bags": frozenset(("joints", "trials")),
+    "a reality file": frozenset(("servo", "cells", "floor", "effects")),
+    "a session's own list": frozenset(("runs", "robot", "shoe")),
+    "a file of known weights": frozenset(("entries",)),
+}
+"""By the keys that a whole file of a kind has, and those of other kinds have not all of."""
+
+
+def kind_of(keys: Sequence[str], known: Sequence[str]) -> str:
+    """The kind of a file by its keys; empty where it has none, or that with these known keys."""
+    for kind, own in KINDS.items():
+        if own <= set(keys) and not own <= set(known):
+            return kind
+    return ""
+
+
+def meant(given: str, known: Sequence[str]) -> str:
+    """What is known of the keys that a mistyped one may have been meant for."""
+    if given.isdigit():
+        return "write a decimal point, not a comma"
+    if near := get_close_matches(given, known, n=1):
+        return f"did you mean '{near[0]}'?"
+    return f"known: {', '.join(known)}"
+
+
+def not_yaml(content: bytes) -> str:
+    """What a file is that is no YAML mapping; empty where that cannot be told."""
+    text = content[:4096].decode("utf-8", errors="replace").lstrip("\ufeff")
+    if not text.strip():
+        return "is empty"
+    if is_xacro(text):
+        return "is xacro: make a URDF of it (xacro FILE > robot.urdf)"
+    if "<robot" in text:
+        return "is a URDF; draft a robot file from it with `shoecal new robot`"
+    return ""
+
+
+def is_xacro(text: str) -> bool:
+    """Whether a robot's description is one that xacro has still to unfold."""
+    return "<robot" in text and ("xmlns:xacro" in text or "<xacro:" in text)

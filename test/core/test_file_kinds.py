@@ -1,0 +1,122 @@
+"""Files of another kind and mistyped keys are told as what they are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from core.recording import samples
+from core.sensing.shoes import FILES, ROOT
+from shoecal_core.calibration.calibration import load_calibration
+from shoecal_core.errors import FileError
+from shoecal_core.files import Fields, read_yaml
+from shoecal_core.model.robot_file import load_robot
+from shoecal_core.recording.bag_mapping import load_bag_mapping
+from shoecal_core.recording.container import read_container
+from shoecal_core.recording.csv_mapping import load_mapping
+from shoecal_core.recording.recover import recover
+from shoecal_core.recording.session import Session
+from shoecal_core.sensing.shoe import load_shoe
+
+ROBOT = ROOT / "config/robots/nao.yaml"
+SHOE = FILES["nao_shoe"]
+TABLES = ROOT / "config/imports/reemc.yaml"
+
+
+@pytest.mark.parametrize(
+    ("read", "file", "kind"),
+    [
+        (load_robot, SHOE, "is a shoe file"),
+        (load_shoe, ROBOT, "is a robot file"),
+        (load_calibration, ROBOT, "is a robot file"),
+        (load_calibration, SHOE, "is a shoe file"),
+        (lambda path: load_bag_mapping(path, ROOT), TABLES, "is a mapping of tables"),
+        (lambda path: load_mapping(path, ROOT), ROBOT, "is a robot file"),
+    ],
+)  # fmt: skip
+def test_a_file_of_another_kind_is_named(read, file: Path, kind: str) -> None:  # type: ignore[no-untyped-def]
+    with pytest.raises(FileError, match=kind):
+        read(file)
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("", "is empty"),
+        ("\n \n", "is empty"),
+        ('<?xml version="1.0"?>\n<robot name="a"/>', "is a URDF; draft a robot file"),
+        ('<robot xmlns:xacro="x"/>', "is xacro: make a URDF of it"),
+        ("a:\n\tb: 1", "line 2 (found character '\\t' that cannot start any token); indent with"),
+        ("a: [1", "correct it there"),
+        ("time,left,right\n1,2,3", "expected a mapping of keys to values"),
+    ],
+)
+def test_what_is_no_yaml(content: str, told: str, tmp_path: Path) -> None:
+    file = tmp_path / "some.yaml"
+    file.write_text(content)
+    with pytest.raises(FileError) as caught:
+        read_yaml(file)
+    assert told in str(caught.value)
+
+
+def test_mistyped_keys() -> None:
+    fields = Fields(Path("a.yaml"), "", {"wieght": 1})
+    with pytest.raises(FileError, match="wieght: unknown key; did you mean 'weight'\\?"):
+        fields.only("name", "weight")
+    with pytest.raises(FileError, match="unknown key; known: name, legs"):
+        fields.only("name", "legs")
+
+
+def read_mass(file: Path) -> float:
+    weight = read_yaml(file).mapping("weight")
+    weight.only("mass_kg", "std_kg")
+    return weight.number("mass_kg")
+
+
+def test_decimal_commas(tmp_path: Path) -> None:
+    """YAML reads them as two things in a row, or as a text."""
+    for text in ("weight: {mass_kg: 5,305, std_kg: 0.03}", "weight: {mass_kg: '5,305'}"):
+        file = tmp_path / "robot.yaml"
+        file.write_text(text)
+        with pytest.raises(FileError, match="write a decimal point, not a comma"):
+            read_mass(file)
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        (b"a text file", "is no MCAP file"),
+        (b"\x28\xb5\x2f\xfd" + bytes(20), "is compressed as a whole: unpack it"),
+        (b"PK\x03\x04" + bytes(20), "is compressed as a whole: unpack it"),
+    ],
+)
+def test_runs_that_are_none(content: bytes, told: str, tmp_path: Path) -> None:
+    file = tmp_path / "run_001.mcap"
+    file.write_bytes(content)
+    with pytest.raises(FileError, match=told):
+        read_container(file, {})
+    with pytest.raises(FileError, match="is no MCAP file, or its record"):
+        recover(file, tmp_path / "out.mcap")
+
+
+def test_a_run_in_place_of_its_session(tmp_path: Path) -> None:
+    file = samples.write_run(tmp_path / "run_001.mcap", samples.make_sample(60, 2), ("a", "b"))
+    with pytest.raises(FileError, match=r"is a file; name a session's folder$"):
+        Session.open(file)
+    (tmp_path / "session.yaml").write_text("format: 1")
+    with pytest.raises(FileError, match=f"its session is {tmp_path}"):
+        Session.open(file)
+
+
+def test_feet_exchanged(tmp_path: Path) -> None:
+    robot = read_yaml(ROBOT)
+    text = ROBOT.read_text()
+    left, right = (robot.mapping("feet").mapping(foot).text("link") for foot in ("left", "right"))
+    for link, other in ((left, "@"), (right, left), ("@", right)):
+        text = text.replace(f"link: {link}", f"link: {other}")
+    (tmp_path / "nao.yaml").write_text(text)
+    urdf = robot.text("urdf")
+    (tmp_path / urdf).write_bytes((ROBOT.parent / urdf).read_bytes())
+    with pytest.raises(FileError, match="left and right are exchanged"):
+        load_robot(tmp_path / "nao.yaml")
