@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import Block
+from shoecal_core.recording.held import held
 from shoecal_core.recording.join import Piece, at_common_instants, sampled_apart
 from shoecal_core.recording.run import Floats, Readings
 from shoecal_core.recording.source import Source
@@ -134,6 +135,13 @@ class _Gathered:
                     topic, f"'{name}' comes from {first} and from {origin}; give it one source"
                 )
         columns = self._source.columns(topic, names, self._shoe.names)
+        again = held(block.stamp_ns, values["value"])
+        if again.any():
+            values = {**values, "value": np.where(again[:, None], np.nan, values["value"])}
+            self._source.notes.append(
+                f"{origin}: its board sent the same readings again for 0.1 s and more, "
+                f"{int(again.sum())} of {len(again)} ({again.mean():.0%}); left out"
+            )
         self.sources.setdefault(origin, []).append(Piece(block.stamp_ns, columns, values))
 
     def _check_counter(self, cells: tuple[str, ...], sequence: Floats) -> None:
