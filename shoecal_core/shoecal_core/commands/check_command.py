@@ -200,8 +200,8 @@ def _figures(entry: RunEntry, run: Run) -> dict[str, object]:
         "motion": entry.info.motion,
         "support": None if support is None else [support.dx, support.dy, support.dtheta],
         "duration_s": float(run.readings.time[-1] - run.readings.time[0]),
-        "joints_hz": _rate(run.joints.time),
-        "readings_hz": _rate(run.readings.time),
+        "joints_hz": run.joints.rate_hz,
+        "readings_hz": run.readings.rate_hz,
         "notes": list(run.notes),
     }
 
@@ -216,11 +216,7 @@ def _cells(entry: RunEntry, run: Run) -> list[str]:
         if support is None
         else f"{1e3 * support.dx:.0f} {1e3 * support.dy:.0f} mm {np.degrees(support.dtheta):.0f}°",
         f"{run.readings.time[-1] - run.readings.time[0]:.1f}",
-        f"{_rate(run.joints.time):.0f}",
-        f"{_rate(run.readings.time):.0f}",
+        f"{run.joints.rate_hz:.0f}",
+        f"{run.readings.rate_hz:.0f}",
         "; ".join(run.notes) or "-",
     ]
-
-
-def _rate(time: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
-    return float(1.0 / np.median(np.diff(time))) if len(time) > 1 else 0.0

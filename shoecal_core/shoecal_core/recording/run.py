@@ -37,6 +37,12 @@ class JointSamples:
         if self.effort is not None:
             _check_shape("joints.effort", self.effort, shape)
 
+    @property
+    def rate_hz(self) -> float:
+        """Samples a second of one joint: drivers of legs and arms may have times of their own."""
+        told = np.isfinite(self.position)
+        return float(np.median([_rate(self.time[column]) for column in told.T] or [0.0]))
+
 
 @dataclass(frozen=True)
 class Readings:
@@ -63,6 +69,11 @@ class Readings:
         shape = (len(self.time), len(self.names))
         for name in ("value", "status", "sequence", "temperature"):
             _check_shape(f"readings.{name}", getattr(self, name), shape)
+
+    @property
+    def rate_hz(self) -> float:
+        """Samples a second."""
+        return _rate(self.time)
 
 
 @dataclass(frozen=True)
@@ -179,3 +190,7 @@ def _check_time(name: str, time: Floats) -> None:
 def _check_shape(name: str, array: NDArray[np.generic], shape: tuple[int, ...]) -> None:
     if array.shape != shape:
         raise ShapeError(name, str(shape), array.shape)
+
+
+def _rate(time: Floats) -> float:
+    return float(1.0 / np.median(np.diff(time))) if len(time) > 1 else 0.0

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import numpy as np
-
 from shoecal_core.estimation.weight import Weighed
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import GRAVITY
@@ -81,8 +79,8 @@ def _verdict(content: CheckReport) -> Verdict:
 
 def _key_figures(content: CheckReport) -> tuple[KeyFigure, ...]:
     runs = content.runs.values()
-    readings = [_rate(run.readings.time) for run in runs]
-    joints = [_rate(run.joints.time) for run in runs]
+    readings = [run.readings.rate_hz for run in runs]
+    joints = [run.joints.rate_hz for run in runs]
     counted = sum(content.screening.samples.values())
     lost = sum(one.samples for one in content.screening.left_out)
     late = content.screening.time_offset
@@ -124,8 +122,8 @@ def _runs(content: CheckReport, seen: Strip | str | None) -> Section:
             entry.info.motion,
             _support(entry.info.support),
             quantity(_duration(entry, content), "s", 1),
-            quantity(_rate(content.runs[entry.run].joints.time), "Hz", 0),
-            quantity(_rate(content.runs[entry.run].readings.time), "Hz", 0),
+            quantity(content.runs[entry.run].joints.rate_hz, "Hz", 0),
+            quantity(content.runs[entry.run].readings.rate_hz, "Hz", 0),
             "; ".join(content.runs[entry.run].notes) or UNKNOWN,
         )
         for entry in content.entries
@@ -187,10 +185,6 @@ def _support(support: DoubleSupport | None) -> str:
 def _duration(entry: RunEntry, content: CheckReport) -> float:
     time = content.runs[entry.run].readings.time
     return float(time[-1] - time[0]) if len(time) else 0.0
-
-
-def _rate(time: np.ndarray[tuple[int], np.dtype[np.float64]]) -> float:
-    return float(1.0 / np.median(np.diff(time))) if len(time) > 1 else 0.0
 
 
 def _rates(rates: list[float]) -> str:
