@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 
 FloatArray = NDArray[np.float64]
+STILL = 1e-9
+"""What is below it does not move, in any unit here."""
 
 
 @dataclass(frozen=True)
@@ -125,14 +127,17 @@ def at_least(
 ) -> Finding:
     """The worst of values (T, n) that must not fall below a limit.
 
-    Where a motion begins outside of it, not below their own begin less a slack.
+    Where a motion begins outside of it, not below their own begin less a slack. What is no number
+    falls below any.
     """
     allowed = (
         np.minimum(limit, values[0] - slack) if from_begin else np.full(values.shape[1], limit)
     )
-    index, column = np.unravel_index(np.argmin(values - allowed), values.shape)
+    above = np.where(np.isfinite(values), values - allowed, -np.inf)
+    index, column = np.unravel_index(np.argmin(above), values.shape)
     value, bound = float(values[index, column]), float(allowed[column])
-    return Finding(constraint, unit, value, bound, bound - value, float(time[index]), names[column])
+    excess = bound - value if np.isfinite(value) else np.inf
+    return Finding(constraint, unit, value, bound, excess, float(time[index]), names[column])
 
 
 def at_most(
@@ -145,9 +150,17 @@ def at_most(
     *,
     rate: bool = False,
 ) -> Finding:
-    """The worst of values (T, n) that must not exceed a limit, compared by their ratio."""
-    limits = np.broadcast_to(limit, values.shape[1:])
-    index, column = np.unravel_index(np.argmax(values / limits), values.shape)
-    value, bound = float(values[index, column]), float(limits[column])
+    """The worst of values (T, n) that must not exceed a limit, compared by their ratio.
+
+    A limit of zero, as of joints without a motor, is kept by what does not move at all. What is no
+    number exceeds any limit.
+    """
+    limits = np.broadcast_to(limit, values.shape)
+    over = np.where(values > STILL, np.inf, 0.0)
+    np.divide(values, limits, out=over, where=limits > 0.0)
+    over[~np.isfinite(values)] = np.inf
+    index, column = np.unravel_index(np.argmax(over), values.shape)
+    value, bound = float(values[index, column]), float(limits[index, column])
     at, where = float(time[index]), names[column]
-    return Finding(constraint, unit, value, bound, value - bound, at, where, rate)
+    excess = value - bound if np.isfinite(value) else np.inf
+    return Finding(constraint, unit, value, bound, excess, at, where, rate)
