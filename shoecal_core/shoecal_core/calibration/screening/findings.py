@@ -14,7 +14,7 @@ from shoecal_core.calibration.screening.saturated import Saturated
 from shoecal_core.calibration.screening.stretches import told
 from shoecal_core.calibration.screening.unresponsive import Stuck
 from shoecal_core.calibration.screening.weights import WrongWeight
-from shoecal_core.calibration.screening.wiring import Wiring
+from shoecal_core.calibration.screening.wiring import Wiring, of_feet
 from shoecal_core.sensing.shoe import Shoe
 
 NOTABLE: Mapping[Fault, float] = {
@@ -78,6 +78,15 @@ def of_stuck(shoe: Shoe, found: Sequence[Stuck]) -> list[Finding]:
 
 def of_wiring(shoe: Shoe, wiring: Wiring) -> list[Finding]:
     """Cells upside down or at each other's place."""
+    if wiring.swapped and set(wiring.swapped) == set(of_feet(shoe)):
+        return [
+            Finding(
+                "FAIL",
+                "left and right are exchanged: what comes as one foot's fits the other; exchange "
+                "their plugs, their topics, or feet.*.link in the robot file, and record again",
+                Fault.SWAPPED,
+            )
+        ]
     findings = [
         Finding(
             "FAIL",

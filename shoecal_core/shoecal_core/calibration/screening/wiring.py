@@ -63,13 +63,19 @@ def check_wiring(
     places = [right, *(_exchanged(right, pairs) for pairs in exchanges(shoe))]
     tried = [_without_each(runs, place, information, weight, settings) for place in places]
     best = int(np.argmin([one.fits[0].cost for one in tried]))
-    if not _better(tried[best], tried[0]):
+    least = settings.cop_std_m
+    against, there = (
+        _inverted(shoe, places[at], tried[at], runs, weight, least) for at in (0, best)
+    )
+    # What is upside down where it should be, and is not elsewhere, belongs there.
+    turned = against.any() and not there.any()
+    if _better(tried[best], tried[0], least=0.0 if turned else BETTER):
+        against = there
+    else:
         best = 0
-    place = places[best]
-    against = np.all([_against(shoe.polarity[place], fit) for fit in tried[best].fits], axis=0)
     return Wiring(
         inverted=tuple(np.flatnonzero(against).tolist()),
-        swapped=tuple((int(k), int(place[k])) for k in np.flatnonzero(place > right)),
+        swapped=tuple((int(k), int(places[best][k])) for k in np.flatnonzero(places[best] > right)),
     )
 
 
@@ -100,10 +106,33 @@ def _without_each(
     )
 
 
-def _better(one: _Tried, other: _Tried) -> bool:
-    """Whether one fits much better than another, with and without any of the runs."""
+def _inverted(
+    shoe: Shoe,
+    place: IntArray,
+    tried: _Tried,
+    runs: Mapping[int, Blocks],
+    weight: float,
+    least: float,
+) -> BoolArray:
+    """(n,) channels of the other sign in every fit.
+
+    One that moves the CoP of half the weight by less than the model knows it is not judged.
+
+    Args:
+        least: how well the CoP is known [m].
+    """
+    signs = [_against(shoe.polarity[place], fit) for fit in tried.fits]
+    readings = np.concatenate([one.readings for one in runs.values()])
+    moved = np.abs(tried.fits[0].parameters.gain) * readings.std(axis=0)
+    lever = np.linalg.norm(shoe.columns[place, 1:], axis=1)
+    told = (shoe.columns[place, 0] != 0.0) | (2.0 * moved * lever / (0.5 * weight) > least)
+    return np.asarray(np.all(signs, axis=0) & told)
+
+
+def _better(one: _Tried, other: _Tried, least: float = BETTER) -> bool:
+    """Whether one fits better than another by so much, with and without any of the runs."""
     return all(
-        there.cost - here.cost > BETTER * max(1.0, here.cost / count) * count / one.count[0]
+        there.cost - here.cost > least * max(1.0, here.cost / count) * count / one.count[0]
         for here, there, count in zip(one.fits, other.fits, one.count, strict=True)
     )
 
@@ -124,11 +153,18 @@ def _against(polarity: IntArray, fit: RoughFit) -> BoolArray:
 
 
 def exchanges(shoe: Shoe) -> list[list[tuple[int, int]]]:
-    """Pairs of one-axis cells, and all cells of one foot for the other's where they are alike."""
+    """Pairs of one-axis cells, and all channels of both feet where these are alike."""
     cells = [i for i, channel in enumerate(shoe.channels) if channel.column[0] == 1.0]
-    pairs = [[pair] for pair in combinations(cells, 2)]
-    left, right = ([i for i in cells if shoe.foot[i] == foot] for foot in (0, 1))
-    names = [[shoe.names[i].split("/", 1)[1] for i in own] for own in (left, right)]
-    if names[0] == names[1]:
-        pairs.append(list(zip(left, right, strict=True)))
-    return pairs
+    return [
+        *([pair] for pair in combinations(cells, 2)),
+        *([feet] if (feet := of_feet(shoe)) else []),
+    ]
+
+
+def of_feet(shoe: Shoe) -> list[tuple[int, int]]:
+    """Each channel of the left foot with the one of that name on the right; empty without."""
+    left, right = (
+        {name.partition("/")[2]: i for i, name in enumerate(shoe.names) if shoe.foot[i] == foot}
+        for foot in (0, 1)
+    )
+    return [(i, right[name]) for name, i in left.items()] if left.keys() == right.keys() else []

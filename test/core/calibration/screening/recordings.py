@@ -88,11 +88,11 @@ class Recording:
 
 
 def recording(
-    seed: int = 1, *, count: int = 3, noise: float = NOISE_N, shoe: str = "nao_shoe"
+    seed: int = 1, *, count: int = 3, noise: float = NOISE_N, shoe: str | Shoe = "nao_shoe"
 ) -> Recording:
     """A robot without fault on rigid shoes; its model is a little off, and slowly."""
     rng = np.random.default_rng(seed)
-    worn = shoes.shoe(shoe)
+    worn = shoes.shoe(shoe) if isinstance(shoe, str) else shoe
     parameters = synthetic.truth(worn, rng)
     supports = synthetic.SUPPORTS[:count]
     return Recording(

@@ -19,8 +19,10 @@ from core.calibration.screening.recordings import (
     turned,
 )
 from shoecal_core.calibration.screening.faults import Fault
+from shoecal_core.calibration.screening.findings import of_wiring
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
+from shoecal_core.calibration.screening.wiring import Wiring, of_feet
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.schemas import NO_DATA, SATURATED
 
@@ -274,3 +276,10 @@ def test_figures_for_machines() -> None:
 def test_no_runs_no_findings() -> None:
     shoe = recording().shoe
     assert screen({}, {}, shoe, WEIGHT, SETTINGS) == Screening()
+
+
+def test_exchanged_feet_are_told_in_one_line() -> None:
+    shoe = recording().shoe
+    (finding,) = of_wiring(shoe, Wiring((), tuple(of_feet(shoe))))
+    assert finding.reason.startswith("left and right are exchanged")
+    assert len(of_wiring(shoe, Wiring((), ((0, 4), (1, 5))))) == 2

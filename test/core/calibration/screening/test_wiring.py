@@ -14,9 +14,10 @@ from core.calibration.screening.recordings import (
     read_coarsely,
     recording,
 )
+from core.sensing.shoes import made, six_axis
 from shoecal_core.calibration.screening.blocks import blocks
 from shoecal_core.calibration.screening.rough_fit import prior
-from shoecal_core.calibration.screening.wiring import Wiring, check_wiring
+from shoecal_core.calibration.screening.wiring import Wiring, check_wiring, of_feet
 
 PAIRS = list(combinations(range(8), 2))
 
@@ -73,3 +74,13 @@ def test_one_run_under_another_weight_is_no_matter_of_cables() -> None:
         return values + (1.25 / whole.parameters.gain if run == 2 else 0.0)
 
     assert wiring(whole.with_readings(loaded)) == Wiring((), ())
+
+
+def test_six_axis_feet_at_each_others_place() -> None:
+    """Of all their channels; not as vertical forces that are upside down."""
+    shoe = made([*six_axis(0, [0.0, 0.01, 0.03]), *six_axis(1, [0.0, -0.01, 0.03])])
+    pairs = tuple((k, k + 5) for k in range(5))
+    assert of_feet(shoe) == list(pairs)
+    whole = recording(3, shoe=shoe)
+    assert wiring(whole) == Wiring((), ())
+    assert wiring(exchanged(whole, *pairs)) == Wiring((), pairs)
