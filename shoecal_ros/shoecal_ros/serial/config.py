@@ -10,6 +10,7 @@ from shoecal_core.files import Fields, read_yaml
 from shoecal_ros.serial.channel_map import MAX_BITS, Channel, ChannelMap, Converter, Encoding
 from shoecal_ros.serial.decoder import Decoder
 from shoecal_ros.serial.frame import MAX_CHANNELS
+from shoecal_ros.serial.line_form import VALUE, LineForm
 from shoecal_ros.serial.protocol import BinaryDecoder
 from shoecal_ros.serial.text_protocol import TextDecoder, TextTime
 
@@ -31,7 +32,8 @@ class DriverConfig:
         port: serial port; a name under /dev/serial/by-id stays the same after unplugging.
         baud: bits per second.
         mode: binary protocol or text lines.
-        text_time, text_columns: form of the text lines; columns without the time.
+        text_time, text_columns: of the text lines; columns without the time.
+        text_form: of lines with words beside their numbers; None: numbers alone.
         latency_ns: least time from sampling to receipt [ns], taken off every stamp.
         alarm_s: so long without a byte, or without a good frame, is a problem [s].
         raw_log: file that takes every byte received, None for no log.
@@ -47,11 +49,12 @@ class DriverConfig:
     alarm_s: float
     raw_log: Path | None
     channels: tuple[Channel, ...]
+    text_form: LineForm | None = None
 
     def decoder(self) -> Decoder:
         """A new decoder for what the device sends."""
         if self.mode is Mode.TEXT:
-            return TextDecoder(self.text_time, self.text_columns)
+            return TextDecoder(self.text_time, self.text_columns, self.text_form)
         return BinaryDecoder()
 
     def channel_map(self) -> ChannelMap:
@@ -74,11 +77,13 @@ def load_driver_config(path: Path) -> DriverConfig:
     mode = Mode(fields.choice("mode", {mode.value: mode for mode in Mode}))
     channels = _channels(fields, _converter(fields.mapping("converter")))
     time, columns = TextTime.NONE, 1 + max(channel.index for channel in channels)
+    form = None
     if "text" in fields:
         text = fields.mapping("text")
-        text.only("time", "columns")
+        text.only("time", "columns", "line")
         time = TextTime(text.choice("time", {time.value: time for time in TextTime}))
         columns = text.integer("columns", columns, minimum=columns)
+        form = _form(text, columns + (time is not TextTime.NONE)) if "line" in text else None
     if mode is Mode.TEXT and columns > MAX_CHANNELS:
         raise fields.error("text.columns", f"{columns} columns; at most {MAX_CHANNELS} can be read")
     raw_log = fields.text("raw_log", "")
@@ -88,11 +93,25 @@ def load_driver_config(path: Path) -> DriverConfig:
         mode=mode,
         text_time=time,
         text_columns=columns,
+        text_form=form,
         latency_ns=round(fields.number("latency_ms", 0.0, minimum=0.0, maximum=1000.0) * 1e6),
         alarm_s=fields.number("alarm_s", above=0.0),
         raw_log=Path(raw_log) if raw_log else None,
         channels=channels,
     )
+
+
+def _form(fields: Fields, count: int) -> LineForm:
+    """The form of a line that holds so many numbers, the time among them."""
+    try:
+        form = LineForm.of(fields.text("line"))
+    except ValueError as error:
+        raise fields.error("line", str(error)) from error
+    if form.count != count:
+        raise fields.error(
+            "line", f"has {form.count} {VALUE}; the channels, and the time, need {count}"
+        )
+    return form
 
 
 def _converter(fields: Fields) -> Converter:

@@ -89,10 +89,11 @@ class ReplaySource:
     def status(self) -> SourceStatus:
         """How far the replay is."""
         ended = self._closed.is_set()
-        reported = Problem(
-            Code.REPLAY_ENDED,
-            f"{self._path}: replayed to its end; start the driver again to replay it once more",
-        )
+        if self._watch.age is None:
+            told = f"has no good frame: correct 'mode' or 'text'{self._watch.last_fault}"
+        else:
+            told = "replayed to its end; start the driver again to replay it once more"
+        reported = Problem(Code.REPLAY_ENDED, f"{self._path}: {told}")
         return SourceStatus(
             name=str(self._path),
             connected=not ended,

@@ -17,6 +17,7 @@ from shoecal_ros.serial.frame import (
     FaultKind,
     Frame,
 )
+from shoecal_ros.serial.line_form import LineForm
 
 MAX_LINE = 1024
 
@@ -52,11 +53,23 @@ class TextDecoder(Decoder):
     longest = MAX_LINE
     sealed = False
 
-    def __init__(self, time: TextTime = TextTime.NONE, columns: int | None = None) -> None:
-        """Columns: how many values a line must have, the time not counted; None: any number."""
+    def __init__(
+        self,
+        time: TextTime = TextTime.NONE,
+        columns: int | None = None,
+        form: LineForm | None = None,
+    ) -> None:
+        """Of lines of one form.
+
+        Args:
+            time: what the first number of a line is.
+            columns: how many values a line must have, the time not counted; None: any number.
+            form: of lines with words beside the numbers; None: numbers and their names alone.
+        """
         super().__init__(Continuity(numbered=False))
         self._time = time
         self._columns = columns
+        self._form = form
         self._sequence = 0
         self._ticks: int | None = None
         self._turns = 0
@@ -70,9 +83,9 @@ class TextDecoder(Decoder):
         text = piece.decode("ascii", errors="replace").strip()
         if not text:
             return None
-        numbers = _numbers(text)
+        numbers = _numbers(text) if self._form is None else self._form.numbers(text)
         if numbers is None:
-            return Fault(FaultKind.CHATTER, f"no numbers only: {text[:60]!r}")
+            return Fault(FaultKind.CHATTER, f"{self._chatter}: {text[:60]!r}")
         timed = self._time is not TextTime.NONE
         values = numbers[1:] if timed else numbers
         if not values or (self._columns is not None and len(values) != self._columns):
@@ -86,6 +99,13 @@ class TextDecoder(Decoder):
         if timed and time_us is None:
             return Fault(FaultKind.BAD_CONTENT, f"first column is no device time: {text[:60]!r}")
         return self._frame(time_us, values)
+
+    @property
+    def _chatter(self) -> str:
+        """What a line is that is not understood."""
+        if self._form is not None:
+            return f"not of the form '{self._form.text}'"
+        return "words between the numbers (print numbers alone, or give 'text.line')"
 
     def _frame(self, time_us: int | None, values: list[float]) -> Event:
         missing = [not math.isfinite(value) for value in values]

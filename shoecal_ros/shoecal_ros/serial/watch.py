@@ -68,6 +68,11 @@ class StreamWatch:
         """Seconds since the last good frame, None before the first."""
         return None if self._last_frame is None else self._monotonic() - self._last_frame
 
+    @property
+    def last_fault(self) -> str:
+        """What was last not understood, in brackets; empty where all was."""
+        return f" (last fault: {self._fault.text})" if self._fault else ""
+
     def problem(self, alarm_s: float, baud: int, *, text: bool) -> Problem | None:
         """What is wrong and its cure; None when all is well.
 
@@ -96,11 +101,11 @@ class StreamWatch:
         looks_like_text = bool(self._sample) and (
             sum(byte in PRINTABLE for byte in self._sample) >= TEXT_SHARE * len(self._sample)
         )
-        last = f" (last fault: {self._fault.text})" if self._fault else ""
+        last = self.last_fault
         if looks_like_text and not text:
             return "they look like text; set 'mode' to text"
         if looks_like_text:
-            return f"correct 'columns' and 'time' under 'text'{last}"
+            return f"correct 'columns', 'time' or 'line' under 'text'{last}"
         if text:
             return f"they are no text; correct 'baud' (now {baud}) or set 'mode' to binary"
         return f"correct 'baud' (now {baud}), or 'mode' (now binary){last}"

@@ -110,3 +110,14 @@ def test_log_without_frames_ends(tmp_path: Path, clock: Clock, content: bytes) -
     source = replay(path, clock)
     assert frames(source.read(0.0)) == []
     assert not source.status().connected
+
+
+def test_a_log_of_which_no_line_is_understood_says_so(tmp_path: Path, clock: Clock) -> None:
+    path = tmp_path / "openscale.log"
+    path.write_bytes(b"\n" + 20 * b"12.34,lbs,\n")
+    source = ReplaySource(path, TextDecoder(TextTime.MILLISECONDS), clock.now_ns)
+    while source.status().connected:
+        source.read(0.0)
+    problem = source.status().problem
+    assert problem is not None
+    assert "has no good frame: correct 'mode' or 'text' (last fault: words between" in problem.message
