@@ -39,10 +39,10 @@ def error_pictures(content: CalibrationReport, told: Told) -> tuple[Picture, ...
         "both feet together",
         (own[0], foot_shape(robot, shoe, 1, neutral)),
         found.both.places,
-        found.both.cop_length,
+        found.both.cop_mean,
     )
     each = [
-        ErrorMap(f"{side} foot", (shape,), spread.places, spread.cop_length)
+        ErrorMap(f"{side} foot", (shape,), spread.places, spread.cop_mean)
         for side, shape, spread in zip(FEET, own, found.feet, strict=True)
     ]
     levels = common_levels([both, *each])
@@ -67,13 +67,13 @@ def error_pictures(content: CalibrationReport, told: Told) -> tuple[Picture, ...
 
 
 def _summary(spread: Spread) -> str:
-    lengths = 1e3 * spread.cop_length
+    lengths = 1e3 * spread.cop_mean
     known = lengths[np.isfinite(lengths)]
     if not len(known):
         return "not known"
     along = [size(1e3 * rms(spread.cop[:, axis]), "mm") for axis in (0, 1)]
     return (
-        f"{size(rms(known), 'mm')} ({along[0]} along x, {along[1]} along y; at worst "
+        f"{size(float(known.mean()), 'mm')} ({along[0]} along x, {along[1]} along y; at worst "
         f"{size(float(known.max()), 'mm')})"
     )
 
@@ -171,11 +171,11 @@ def cause_name(value: str) -> str:
 
 def expected_text(spread: Spread) -> tuple[str, str]:
     """Expected CoP error over a polygon, and a note with the worst place and the GRF."""
-    worst = 1e3 * spread.cop_length
+    worst = 1e3 * spread.cop_mean
     known = worst[np.isfinite(worst)]
     if not len(known):
         return number(float("nan"), 0), ""
     return (
-        size(rms(known), "mm"),
+        size(float(known.mean()), "mm"),
         f"worst place {size(float(known.max()), 'mm')}; GRF {size(rms(spread.grf), 'N')}",
     )

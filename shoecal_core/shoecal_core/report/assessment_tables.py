@@ -29,12 +29,12 @@ def expected_table(told: Told) -> Table:
         (found.both, *found.feet),
         strict=True,
     ):
-        lengths = spread.cop_length[~(spread.cop_length != spread.cop_length)]
+        lengths = spread.cop_mean[np.isfinite(spread.cop_mean)]
         rows.append(
             (
                 label,
                 size(rms(spread.grf), "N"),
-                size(1e3 * rms(lengths), "mm") if len(lengths) else UNKNOWN,
+                size(1e3 * float(lengths.mean()), "mm") if len(lengths) else UNKNOWN,
                 *(size(1e3 * rms(spread.cop[:, axis]), "mm") for axis in (0, 1)),
                 size(1e3 * float(lengths.max()), "mm") if len(lengths) else UNKNOWN,
             )
@@ -43,8 +43,9 @@ def expected_table(told: Told) -> Table:
         "Expected errors" if told.carried else "Known part of the errors",
         ("", "GRF", "CoP", "CoP along x", "CoP along y", "CoP, worst place"),
         tuple(rows),
-        "One standard deviation; root mean square over the sensing polygons. Both feet: in the "
-        "neutral double support, CoP anywhere between them. One foot: under half the weight.",
+        "CoP: mean absolute error over the sensing polygons. GRF, and the CoP along one axis: "
+        "one standard deviation. Both feet: in the neutral double support, CoP anywhere between "
+        "them. One foot: under half the weight.",
     )
 
 

@@ -52,14 +52,16 @@ def _words(group: Group) -> str:
 
 
 def test_expected_errors_are_told(swaying: CalibrationReport) -> None:
+    """The same numbers as the terminal and the figures have."""
     told = told_of(swaying)
     told_words = words(assessment_section(swaying, told))
     found = told.assessment
-    for spread in (found.both, *found.feet):
-        assert size(1e3 * rms(spread.cop_length), "mm") in told_words
+    both, feet = found.expected_cop()
+    for spread, cop in zip((found.both, *found.feet), (both, *feet.values()), strict=True):
+        assert size(1e3 * cop, "mm") in told_words
         assert size(rms(spread.grf), "N") in told_words
     values = [key.value for key in expected_keys(told)]
-    assert values[0] == size(1e3 * rms(found.both.cop_length), "mm")
+    assert values[0] == size(1e3 * both, "mm")
     assert "expected CoP error, left foot" in [key.label for key in expected_keys(told)]
 
 

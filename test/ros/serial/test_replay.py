@@ -120,4 +120,6 @@ def test_a_log_of_which_no_line_is_understood_says_so(tmp_path: Path, clock: Clo
         source.read(0.0)
     problem = source.status().problem
     assert problem is not None
-    assert "has no good frame: correct 'mode' or 'text' (last fault: words between" in problem.message
+    assert (
+        "has no good frame: correct 'mode' or 'text' (last fault: words between" in problem.message
+    )
