@@ -62,6 +62,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_force(parser)
 
 
+def _against(outcome: Outcome) -> str:
+    """What errors are counted against: no other command has the model as the fit corrects it."""
+    fitted = " as the fit corrects it" if outcome.joint is not None else ""
+    return f"Measured against the model{fitted}"
+
+
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Calibrate; a calibration with the verdict FAIL is not written."""
     settings = settings_of(CalibrationSettings, args.settings, "calibration")
@@ -75,7 +81,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         manual=manual, weight_kg=args.weight_kg, rezero=args.rezero,
     )  # fmt: skip
     console.print(weight_line(outcome.data.weighed, outcome.data.robot), soft_wrap=True)
-    console.print(errors_table("Measured against modelled", stages_rows(outcome.modelled)))
+    console.print(errors_table(_against(outcome), stages_rows(outcome.modelled)))
     _print_channels(outcome, console)
     if zeros := outcome.zeros:
         console.print(zeros_table(zeros))

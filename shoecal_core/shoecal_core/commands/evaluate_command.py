@@ -44,7 +44,7 @@ from shoecal_core.errors import PartialError, ShoecalError
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 
-NAMES = {MODELLED: "model", REFERENCE: "reference", TRUTH: "truth"}
+NAMES = {MODELLED: "the files' model", REFERENCE: "reference", TRUTH: "truth"}
 
 
 class PoorCalibrationError(PartialError):

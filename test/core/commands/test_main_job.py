@@ -164,13 +164,23 @@ def test_wrong_usage_is_one_line(
 def test_a_calibration_outlives_a_report_that_cannot_be_written(
     shoecal: Run, simulated: Path, tmp_path: Path
 ) -> None:
-    (tmp_path / "report").mkdir()
     out = tmp_path / "calibration.yaml"
-    words = ["--train", "1,2,3", "--test", "4", "--out", out, "--report", tmp_path / "report"]
+    # As long as names may be: the file that it is first written to has none.
+    words = ["--train", "1,2,3", "--test", "4", "--out", out, "--report", tmp_path / ("r" * 255)]
     code, _, error = shoecal("calibrate", simulated, *words)
     assert code == 1
     assert "cannot be written" in error
     assert load_calibration(out).verdict != "FAIL"
+
+
+def test_a_folder_in_place_of_a_file_is_refused_before_any_work(
+    shoecal: Run, simulated: Path, tmp_path: Path
+) -> None:
+    for option in ("--out", "--report"):
+        words = {"--out": tmp_path / "calibration.yaml", option: tmp_path}
+        code, out, error = shoecal("calibrate", simulated, *sum(words.items(), ()))
+        assert (code, out) == (1, "")
+        assert f"{tmp_path}: is a folder; name a file" in error
 
 
 def test_a_run_that_vanished_is_told(shoecal: Run, simulated: Path, tmp_path: Path) -> None:
