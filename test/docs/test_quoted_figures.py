@@ -43,10 +43,11 @@ def test_readme_quotes_the_blind_test() -> None:
     assert f"finds {share('found, where')} of effects" in README
     assert f"the right one first in {share('right effect first')}" in README
     assert f"both of two causes {share('both of two found')}" in README
-    assert f"unknown causes recognised {share('unknown effects called')}" in README
-    alarms = row("diagnosis.md", "false alarms")
+    right = row("diagnosis.md", "right effect first")
+    assert f"(of {right[4]})" in README
+    alarms = row("diagnosis.md", "healthy robots with a cause")
     assert float(alarms[2]) == 0.0
-    assert f"no false alarm in {alarms[4]} clean sets" in README
+    assert f"no cause named on {alarms[4]} healthy robots" in README
 
 
 def test_readme_quotes_the_real_recordings() -> None:

@@ -24,6 +24,7 @@ COMMANDS = {
     "calibrate": "find gains and offsets from a recorded session",
     "diagnose": "where model and reality differ, which effect causes it, and what cannot be known",
     "evaluate": "how far a calibration is off model, truth or another calibration",
+    "apply": "recorded readings under a calibration: GRF and CoP of every sample, in tables",
     "manual": "calibrate with known weights: single cells, then the shoe",
     "check": "what is in a session, and is it fit for use",
     "recover": "rescue what can be read of a damaged run file",

@@ -64,7 +64,7 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
     """
     good = np.isfinite(run.readings.value).all(axis=1) & (run.readings.status == GOOD).all(axis=1)
     time = run.readings.time[good]
-    names = _told_joints(run, kinematics.robot)
+    names = told_joints(run, kinematics.robot)
     _check_leaps(run, names, kinematics.robot)
     measured, covered = interpolate_joints(
         run.joints, time, MAX_JOINT_GAP_S, late_s=late_s, names=names
@@ -110,7 +110,7 @@ def _cure(run: Run) -> str:
     return "check that both were recorded, with stamps of one clock"
 
 
-def _told_joints(run: Run, robot: Robot) -> list[str]:
+def told_joints(run: Run, robot: Robot) -> list[str]:
     """The robot's joints that were recorded; some drivers tell NaN for optional ones."""
     told = np.asarray(np.isfinite(run.joints.position).any(axis=0))
     return [

@@ -1,0 +1,95 @@
+"""Recorded readings under a calibration: GRF and CoP of every sample of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.calibration.extract import zeros_of
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.recording.align import interpolate_joints
+from shoecal_core.recording.run import Run
+from shoecal_core.recording.schemas import GOOD
+from shoecal_core.samples.aligned import MAX_JOINT_GAP_S, align, told_joints
+from shoecal_core.samples.zeros import with_own_zeros
+from shoecal_core.sensing.sensing import Measured, Sensing
+from shoecal_core.sensing.shoe import FEET
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Applied:
+    """What calibrated shoes measured in a run, at its T readings.
+
+    Attributes:
+        time: (T,) since the run's start [s].
+        measured: of each foot; NaN where a channel of it gave nothing good.
+        support: (T, 3) dx, dy [m] and dtheta [rad] of the right sole in the left sole's frame, by
+            the joint angles; NaN where none were recorded.
+        cop: (T, 2) of both feet in the left sole's frame [m]; NaN where it is not known.
+    """
+
+    time: FloatArray
+    measured: Measured
+    support: FloatArray
+    cop: FloatArray
+
+    def columns(self) -> dict[str, FloatArray]:
+        """Each quantity by its name and unit."""
+        found = {"time_s": self.time, "grf_n": self.measured.total_grf}
+        found |= {"cop_x_m": self.cop[:, 0], "cop_y_m": self.cop[:, 1]}
+        for index, foot in enumerate(FEET):
+            found[f"{foot}_grf_n"] = self.measured.grf[:, index]
+            for axis, name in enumerate("xy"):
+                found[f"{foot}_cop_{name}_m"] = self.measured.cop[:, index, axis]
+        names = ("dx_m", "dy_m", "dtheta_rad")
+        return found | dict(zip(names, self.support.T, strict=True))
+
+
+def apply(run: Run, sensing: Sensing, kinematics: Kinematics) -> Applied:
+    """Measure a run with calibrated shoes.
+
+    Raises:
+        JointsMissingError: the run's joints are not the robot's.
+    """
+    readings, robot = run.readings, kinematics.robot
+    good = np.isfinite(readings.value) & (readings.status == GOOD)
+    measured = sensing.measure(np.where(good, readings.value, np.nan))
+    names = told_joints(run, robot)
+    angles, covered = interpolate_joints(run.joints, readings.time, MAX_JOINT_GAP_S, names=names)
+    states = kinematics.states(robot.from_measured(names, angles[covered]))
+    support = np.full((len(readings.time), 3), np.nan)
+    support[covered] = np.column_stack((states.translation[:, :2], states.yaw))
+    return Applied(readings.time, measured, support, _both(measured, support))
+
+
+def at_own_zeros(run: Run, sensing: Sensing, kinematics: Kinematics) -> Sensing:
+    """With the zeros of feet that hang in the air in this run; as it is where none does."""
+    aligned = align(run, sensing.shoe, kinematics)
+    zeros = zeros_of(run, aligned, sensing.shoe, kinematics)
+    parameters = with_own_zeros(sensing.shoe, sensing.parameters, zeros)
+    return Sensing(sensing.shoe, parameters, sensing.corrections, sensing.minimum_force)
+
+
+def _both(measured: Measured, support: FloatArray) -> FloatArray:
+    """(T, 2) CoP of both feet in the left sole's frame, the floor taken as one level [m]."""
+    (left, right), force = np.moveaxis(measured.cop, 1, 0), measured.grf
+    cosine, sine = np.cos(support[:, 2]), np.sin(support[:, 2])
+    turned = np.stack(
+        (cosine * right[:, 0] - sine * right[:, 1], sine * right[:, 0] + cosine * right[:, 1]), 1
+    )
+    places = np.stack((left, turned + support[:, :2]), axis=1)
+    # A foot without load has no CoP, and no part in that of both.
+    loaded = np.isfinite(measured.cop).all(axis=2)
+    weights = np.where(loaded, force, 0.0)
+    total = weights.sum(axis=1)
+    placed = (np.isfinite(places).all(axis=2) | ~loaded).all(axis=1)
+    known = np.isfinite(force).all(axis=1) & (total > 0.0) & placed
+    share = weights / np.where(known, total, 1.0)[:, None]
+    parts = np.where(np.isfinite(places), share[..., None] * places, 0.0)
+    both: FloatArray = parts.sum(axis=1)
+    both[~known] = np.nan
+    return both
