@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 
@@ -16,6 +17,8 @@ KINDS: Mapping[str, frozenset[str]] = {
     "a file of known weights": frozenset(("entries",)),
 }
 """By the keys that a whole file of a kind has, and those of other kinds have not all of."""
+
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
 def kind_of(keys: Sequence[str], known: Sequence[str]) -> str:
@@ -49,4 +52,6 @@ def not_yaml(content: bytes) -> str:
 
 def is_xacro(text: str) -> bool:
     """Whether a robot's description is one that xacro has still to unfold."""
-    return "<robot" in text and ("xmlns:xacro" in text or "<xacro:" in text)
+    # A description that has been unfolded keeps xacro's namespace, and comments of its source.
+    code = _COMMENT.sub("", text)
+    return "<robot" in code and any(sign in code for sign in ("<xacro:", "${", "$("))

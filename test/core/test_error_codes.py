@@ -216,7 +216,7 @@ def test_a_folder_that_is_not_there(tmp_path: Path) -> None:
         ("csv", "x.csv", "a,b\n1", "file-syntax"),
         ("effects", "x.py", "def (:", "file-syntax"),
         ("effects", "x.py", "", "field"),
-        ("run", "x.mcap", "no recording", "damaged"),
+        ("run", "x.mcap", "no recording", "recording"),
     ],
 )
 def test_what_is_wrong_in_a_file(
