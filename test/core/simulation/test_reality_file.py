@@ -52,7 +52,7 @@ def test_every_key_of_the_default_is_needed(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("cells: {stiffness_n_per_mm: 100}", r"cells\.stiffness_n_per_mm: unknown key; did you mean"),
+        ("cells: {stiffness_n_per_mm: 100}", r"cells\.stiffness_n_per_mm: unknown key; did you"),
         ("cell: {}", r"cell: unknown key"),
         ("servo: {friction_fraction: much}", r"servo\.friction_fraction: expected a number"),
         ("servo: {friction_fraction: -0.1}", r"servo\.friction_fraction: must be at least 0"),

@@ -35,7 +35,7 @@ def shoes(tmp_path: Path, listed: str, shoe: Shoe) -> None:
         ("effect: creep, location: [left], fraction: 0.1", "time_s: is missing"),
         ("effect: creep, location: [left, left], fraction: 0.1, time_s: 9", "names one twice"),
         ("effect: zero_drift, location: [all]", "rate_n_per_s: is missing"),
-        ("effect: zero_drift, location: [all], rate_per_s: 1", "rate_per_s: unknown key; did you mean"),
+        ("effect: zero_drift, location: [all], rate_per_s: 1", "rate_per_s: unknown key; did you"),
         ("effect: span_drift, location: [all]", "rate_per_s: is missing"),
         ("effect: stuck_cell, location: [left/front_left], time_s: 0", "share: is missing"),
         ("effect: swapped_cells, location: [left/front_left]", "must name 2 channels, got 1"),
