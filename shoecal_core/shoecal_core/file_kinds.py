@@ -18,6 +18,9 @@ KINDS: Mapping[str, frozenset[str]] = {
 }
 """By the keys that a whole file of a kind has, and those of other kinds have not all of."""
 
+XACRO = "is xacro: make a URDF of it (xacro FILE > robot.urdf)"
+DECIMAL_POINT = "write a decimal point, not a comma"
+"""What is said of files that are xacro, and of numbers with a comma."""
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
@@ -32,7 +35,7 @@ def kind_of(keys: Sequence[str], known: Sequence[str]) -> str:
 def meant(given: str, known: Sequence[str]) -> str:
     """What is known of the keys that a mistyped one may have been meant for."""
     if given.isdigit():
-        return "write a decimal point, not a comma"
+        return DECIMAL_POINT
     if near := get_close_matches(given, known, n=1):
         return f"did you mean '{near[0]}'?"
     return f"known: {', '.join(known)}"
@@ -44,7 +47,7 @@ def not_yaml(content: bytes) -> str:
     if not text.strip():
         return "is empty"
     if is_xacro(text):
-        return "is xacro: make a URDF of it (xacro FILE > robot.urdf)"
+        return XACRO
     if "<robot" in text:
         return "is a URDF; draft a robot file from it with `shoecal new robot`"
     return ""

@@ -35,7 +35,7 @@ from shoecal_core.errors import (
     FileUnwritableError,
     VersionError,
 )
-from shoecal_core.file_kinds import kind_of, meant, not_yaml
+from shoecal_core.file_kinds import DECIMAL_POINT, kind_of, meant, not_yaml
 
 MAX_BYTES = 512 * 2**20
 """Larger files are refused before they are read into memory."""
@@ -387,7 +387,7 @@ class Fields:
     def _finite(self, key: str, value: object) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             comma = isinstance(value, str) and _COMMA.fullmatch(value.strip())
-            cure = "; write a decimal point, not a comma" if comma else ""
+            cure = f"; {DECIMAL_POINT}" if comma else ""
             raise self.error(key, f"expected a number (like 1.5e-3), got {_shown(value)}{cure}")
         try:
             number = float(value)

@@ -12,6 +12,7 @@ from shoecal_core.calibration.calibration import load_calibration
 from shoecal_core.errors import FileError
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.model.robot_file import load_robot
+from shoecal_core.model.urdf import read_urdf
 from shoecal_core.recording.bag_mapping import load_bag_mapping
 from shoecal_core.recording.container import read_container
 from shoecal_core.recording.csv_mapping import load_mapping
@@ -122,3 +123,11 @@ def test_feet_exchanged(tmp_path: Path) -> None:
     (tmp_path / urdf).write_bytes((ROBOT.parent / urdf).read_bytes())
     with pytest.raises(FileError, match="left and right are exchanged"):
         load_robot(tmp_path / "nao.yaml")
+
+
+def test_xacro_far_down_is_named_too(tmp_path: Path) -> None:
+    file = tmp_path / "some.urdf"
+    links = "".join(f'<link name="link_{index}"/>' for index in range(500))
+    file.write_text(f'<robot name="a">{links}<joint name="${{side}}_knee"/></robot>')
+    with pytest.raises(FileError, match="is xacro: make a URDF of it"):
+        read_urdf(file)

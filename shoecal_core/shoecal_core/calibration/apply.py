@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.extract import zeros_of
+from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.align import interpolate_joints
 from shoecal_core.recording.run import Run
@@ -76,20 +77,11 @@ def at_own_zeros(run: Run, sensing: Sensing, kinematics: Kinematics) -> Sensing:
 
 def _both(measured: Measured, support: FloatArray) -> FloatArray:
     """(T, 2) CoP of both feet in the left sole's frame, the floor taken as one level [m]."""
-    (left, right), force = np.moveaxis(measured.cop, 1, 0), measured.grf
+    x, y = measured.cop[:, 1].T
     cosine, sine = np.cos(support[:, 2]), np.sin(support[:, 2])
-    turned = np.stack(
-        (cosine * right[:, 0] - sine * right[:, 1], sine * right[:, 0] + cosine * right[:, 1]), 1
-    )
-    places = np.stack((left, turned + support[:, :2]), axis=1)
-    # A foot without load has no CoP, and no part in that of both.
-    loaded = np.isfinite(measured.cop).all(axis=2)
-    weights = np.where(loaded, force, 0.0)
-    total = weights.sum(axis=1)
-    placed = (np.isfinite(places).all(axis=2) | ~loaded).all(axis=1)
-    known = np.isfinite(force).all(axis=1) & (total > 0.0) & placed
-    share = weights / np.where(known, total, 1.0)[:, None]
-    parts = np.where(np.isfinite(places), share[..., None] * places, 0.0)
-    both: FloatArray = parts.sum(axis=1)
-    both[~known] = np.nan
+    right = np.column_stack((cosine * x - sine * y, sine * x + cosine * y)) + support[:, :2]
+    in_left = np.stack((measured.cop[:, 0], right), axis=1)
+    both = replace(measured, cop=in_left).combined_cop(DoubleSupport(0.0, 0.0, 0.0))
+    # A right foot that carries something, nobody knows where.
+    both[np.isfinite(x) & ~np.isfinite(right[:, 0])] = np.nan
     return both

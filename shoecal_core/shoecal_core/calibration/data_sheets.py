@@ -44,8 +44,12 @@ def contradicts(shoe: Shoe, parameters: ChannelParameters, sheet_std: float) -> 
     Args:
         sheet_std: standard deviation of data sheets' gains, over the gain.
     """
-    ratio = sheet_ratios(shoe, parameters)
-    return bool((np.abs(ratio[np.isfinite(ratio)] - 1.0) > CONFLICT_STDS * sheet_std).any())
+    return bool(len(_far(sheet_ratios(shoe, parameters), sheet_std)))
+
+
+def _far(ratio: FloatArray, sheet_std: float) -> NDArray[np.int64]:
+    """Channels whose gains contradict their data sheets; where there is none, none does."""
+    return np.flatnonzero(np.abs(ratio - 1.0) > CONFLICT_STDS * sheet_std)
 
 
 def check_conflict(
@@ -64,7 +68,7 @@ def check_conflict(
     if parameters is None:
         return []
     ratio = sheet_ratios(shoe, parameters)
-    far = np.flatnonzero(np.abs(ratio - 1.0) > CONFLICT_STDS * sheet_std)
+    far = _far(ratio, sheet_std)
     if not len(far):
         return []
     listed = ", ".join(f"{shoe.names[index]} {ratio[index]:.3g}" for index in far)

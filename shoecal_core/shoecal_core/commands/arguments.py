@@ -10,6 +10,7 @@ from typing import TypeVar
 
 from shoecal_core.commands.suggestions import nearest
 from shoecal_core.errors import FileMissingError, FileTakenError, ShoecalError
+from shoecal_core.file_kinds import DECIMAL_POINT
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import shoe_file_of
@@ -136,7 +137,7 @@ def weight_kg(text: str) -> float:
     except ValueError:
         weight = float("nan")
     if not 0.1 <= weight <= 1000.0:
-        cure = ": write a decimal point, not a comma" if "," in text else ""
+        cure = f": {DECIMAL_POINT}" if "," in text else ""
         cure = cure or (": give kg, not grams" if weight > 1000.0 else "")
         raise argparse.ArgumentTypeError(f"'{text}': expected a weight of 0.1 to 1000 kg{cure}")
     return weight

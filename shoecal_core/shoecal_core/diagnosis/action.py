@@ -56,7 +56,7 @@ def action(diagnosis: Diagnosis) -> Action:
     first = diagnosis.causes[0]
     alike = [one for one in diagnosis.causes if one.effect == first.effect]
     places = dict.fromkeys(name for one in alike for name in one.location)
-    where = {"": "the robot"}.get(place := " and ".join(places), place)
+    where = " and ".join(places) or "the robot"
     cure = CURES.get(first.effect, f"look into {first.effect.replace('_', ' ')} at {{place}}")
     numbers = sorted({one.run for one in alike if one.run is not None})
     runs = f" (run{'s'[: len(numbers) > 1]} {', '.join(map(str, numbers))})" if numbers else ""

@@ -19,7 +19,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.errors import FileError, FileSyntaxError
-from shoecal_core.file_kinds import is_xacro, not_yaml
+from shoecal_core.file_kinds import XACRO, is_xacro
 from shoecal_core.files import read_bytes
 from shoecal_core.model.native_output import caught_stderr
 from shoecal_core.model.symbolic import joint_axis
@@ -81,7 +81,7 @@ def read_urdf(path: Path) -> Urdf:
     if "<robot" not in text:
         raise UrdfError(path, "not a URDF (no <robot> element)")
     if is_xacro(text):
-        raise UrdfError(path, not_yaml(text.encode()))
+        raise UrdfError(path, XACRO)
     reader = _Reader(path, text)
     declared = sum(reader.masses.values())
     if declared > 0.0 and reader.unweighed:
