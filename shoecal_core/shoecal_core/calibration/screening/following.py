@@ -50,6 +50,8 @@ WINDOW, STIR_SHARE, FLAT_SHARE = 10, 0.02, 0.05
 """Blocks of a window. A channel is flat in it that moves by less than the last share of what its
 neighbours do, each measured by its own range, where they go through the first share of it. That is
 no evidence, since living channels turn, but laws are fitted to other blocks."""
+STIRRED = 0.25
+"""Part of a stretch for which a neighbour of a stuck channel is away from its median, at least."""
 NOISE_RANGE = 3.0
 """Part of a range that may be noise, in standard deviations of a block."""
 RIDGE = 1e-8
@@ -125,7 +127,11 @@ def _halt(
     living = ~_flat(readings, noise, channel, near)
     if living.mean() < LEAST_OUTSIDE:
         living[:] = True
-    parts = _stretches(matrix, values, living)
+    parts = [
+        part
+        for part in _stretches(matrix, values, living)
+        if _stirred(readings[:, near], part, noise[near])
+    ]
     outside = living & _outside(parts, len(values))
     solution, left = _law(matrix, values, outside)
     expected = matrix @ solution
@@ -246,6 +252,16 @@ def _flat(readings: FloatArray, noise: FloatArray, channel: int, near: Sequence[
     for start in np.flatnonzero((share > STIR_SHARE) & (moved[:, 0] < FLAT_SHARE * share)):
         flat[start : start + WINDOW] = True
     return flat
+
+
+def _stirred(readings: FloatArray, part: IntArray, noise: FloatArray) -> bool:
+    """Whether one of a channel's neighbours (T, m) moves in a stretch for more than a moment.
+
+    Where a foot hangs, none does, but for blocks in which it leaves the floor and touches it.
+    """
+    away = np.abs(readings[part] - np.median(readings[part], axis=0))
+    moved = away > STIR_SHARE * np.ptp(readings, axis=0) + NOISE_RANGE * noise
+    return bool(np.max(moved.mean(axis=0)) > STIRRED)
 
 
 def _throughout(expected: FloatArray, values: FloatArray, left: float, stds: float) -> bool:

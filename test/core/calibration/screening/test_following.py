@@ -75,6 +75,14 @@ def test_a_smaller_gain_is_not_stuck(share: float) -> None:
     assert found(held(session(), 400, 800, share)) == []
 
 
+def test_a_foot_that_hangs_is_not_stuck() -> None:
+    # The other foot goes on meanwhile, and a law that holds on the floor says that this one does.
+    readings = session()
+    readings[500:530, :4] = readings[500, :4]
+    readings[[500, 529], 1:4] += 1.0
+    assert found(readings) == []
+
+
 def test_where_nothing_moves_nothing_is_stuck() -> None:
     readings = session()
     readings[500:700] = readings[500]
