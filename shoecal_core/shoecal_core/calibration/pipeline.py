@@ -167,6 +167,7 @@ def load_data(
     *,
     weight_kg: float | None = None,
     sheets: bool = True,
+    robot: Robot | None = None,
 ) -> SessionData:
     """Read runs of a session (all of them by default) and align them with the model.
 
@@ -176,9 +177,11 @@ def load_data(
         settings: for a screening, which leaves out what is at fault; None: all is kept.
         weight_kg: of robot and shoes, in place of the robot file's [kg].
         sheets: whether to believe the data sheets of its sensors.
+        robot: in place of the session's own, shoes put on.
     """
     shoe = session.shoe if sheets else without_sheets(session.shoe)
-    robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf, weight_kg=weight_kg)
+    if robot is None:
+        robot = load_robot(session.robot_yaml, shoe, urdf=session.robot_urdf, weight_kg=weight_kg)
     kinematics = Kinematics(robot)
     numbers = [entry.run for entry in session.runs] if runs is None else list(runs)
     recorded = {number: session.read(number) for number in numbers}

@@ -25,6 +25,7 @@ COMMANDS = {
     "diagnose": "where model and reality differ, which effect causes it, and what cannot be known",
     "evaluate": "how far a calibration is off model, truth or another calibration",
     "apply": "recorded readings under a calibration: GRF and CoP of every sample, in tables",
+    "correct": "what a recording finds of joint zeros and masses, into copies of the robot's files",
     "manual": "calibrate with known weights: single cells, then the shoe",
     "check": "what is in a session, and is it fit for use",
     "recover": "rescue what can be read of a damaged run file",

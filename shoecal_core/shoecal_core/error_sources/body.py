@@ -9,7 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.model.kinematics import BodyStates, Kinematics
-from shoecal_core.model.robot import Robot
+from shoecal_core.model.robot import Robot, first_link
 from shoecal_core.samples.momentum import base_in_stance
 from shoecal_core.samples.samples import Samples
 
@@ -114,7 +114,7 @@ def links(samples: Samples, foot_wrenches: FloatArray) -> Links:
     model = robot.model
     data = model.createData()
     carried = [
-        (joint, _first_link(model, joint))
+        (joint, first_link(model, joint))
         for joint in range(1, model.njoints)
         if model.inertias[joint].mass > 0.0
     ]
@@ -153,16 +153,6 @@ def links(samples: Samples, foot_wrenches: FloatArray) -> Links:
     )
     names = tuple(str(frame.name) for _, frame in carried)
     return Links(names, mass, link_rotation, com, torque, side)
-
-
-def _first_link(model: pin.Model, joint: int) -> pin.Frame:
-    """The link that a joint moves; those fixed to it count as its parts."""
-    own = [
-        frame
-        for frame in model.frames
-        if frame.type == pin.FrameType.BODY and frame.parentJoint == joint
-    ]
-    return own[0]
 
 
 def driven_together(robot: Robot, joint: int) -> list[tuple[int, float]]:

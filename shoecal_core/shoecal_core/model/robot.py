@@ -59,6 +59,16 @@ class Foot:
         return 0.5 * float(np.ptp(self.sensing_polygon, axis=0).min())
 
 
+def first_link(model: pin.Model, joint: int) -> pin.Frame:
+    """The link that a joint moves; those fixed to it count as its parts."""
+    own = [
+        frame
+        for frame in model.frames
+        if frame.type == pin.FrameType.BODY and frame.parentJoint == joint
+    ]
+    return own[0]
+
+
 @dataclass(frozen=True)
 class SharedMotor:
     """A joint driven by another joint's motor: angle = ratio * leader's angle."""

@@ -149,24 +149,33 @@ def limits_are_one(limit: Mapping[str, str]) -> bool:
 
 def _fix(joint: ElementTree.Element) -> None:
     """Fix a joint where its limits lock it."""
-    limit, axis, origin = (joint.find(tag) for tag in ("limit", "axis", "origin"))
-    angle = 0.0 if limit is None else _number(limit.get("lower", "0"))
+    limit = joint.find("limit")
+    move_zero(joint, 0.0 if limit is None else _number(limit.get("lower", "0")))
+    for tag in ("limit", "axis", "mimic"):
+        if (part := joint.find(tag)) is not None:
+            joint.remove(part)
+    joint.set("type", "fixed")
+
+
+def move_zero(joint: ElementTree.Element, angle: float) -> None:
+    """Have a URDF's joint at zero where it was at this angle [rad], or place [m], before."""
+    axis, origin = (joint.find(tag) for tag in ("axis", "origin"))
     if origin is None:
         origin = ElementTree.SubElement(joint, "origin")
     direction = _vector("1 0 0" if axis is None else axis.get("xyz", "1 0 0"))
     direction /= max(float(np.linalg.norm(direction)), 1e-12)
     place, rpy = (_vector(origin.get(key, "0 0 0")) for key in ("xyz", "rpy"))
     rotation = pin.rpy.rpyToMatrix(rpy)
-    if joint.get("type") == "revolute":
-        rotation = rotation @ pin.AngleAxis(angle, direction).toRotationMatrix()
-        origin.set("rpy", " ".join(f"{one:.12g}" for one in pin.rpy.matrixToRpy(rotation)))
+    if joint.get("type") == "prismatic":
+        origin.set("xyz", written(place + rotation @ direction * angle))
     else:
-        place = place + rotation @ direction * angle
-        origin.set("xyz", " ".join(f"{one:.12g}" for one in place))
-    for tag in ("limit", "axis", "mimic"):
-        if (part := joint.find(tag)) is not None:
-            joint.remove(part)
-    joint.set("type", "fixed")
+        rotation = rotation @ pin.AngleAxis(angle, direction).toRotationMatrix()
+        origin.set("rpy", written(pin.rpy.matrixToRpy(rotation)))
+
+
+def written(values: NDArray[np.float64]) -> str:
+    """Numbers as URDF attributes hold them."""
+    return " ".join(f"{one:.12g}" for one in values)
 
 
 def _bounded(text: str) -> str:
