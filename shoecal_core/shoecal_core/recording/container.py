@@ -52,7 +52,8 @@ MAX_RECORDS = 500_000
 """Joints and voltages of four minutes at a thousand a second; taken apart within some seconds."""
 MAGIC = b"\x89MCAP0\r\n"
 """Begins and ends a file."""
-PACKED = (b"\x28\xb5\x2f\xfd", b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"PK")
+ZSTD = b"\x28\xb5\x2f\xfd"
+PACKED = (ZSTD, b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"PK")
 """Begin files packed by zstd, gzip, bzip2, xz and zip."""
 _ZSTD = "zstd"
 

@@ -53,6 +53,22 @@ class RunToImport:
 
 RUN_KEYS = ("motion", "support", "set")
 """Fields of a mapping's trial that `read_run_to_import` reads."""
+SPAN_KEYS = ("from_s", "to_s")
+"""Fields of a mapping's trial that `read_span` reads."""
+ANGLE_UNIT = "angle_unit"
+_ANGLE_UNITS = {"rad": 1.0, "deg": float(np.pi / 180.0)}
+
+
+def read_angle_unit(fields: Fields) -> float:
+    """What angles of the recordings take to be rad: `angle_unit` of a mapping, `rad` or `deg`."""
+    return _ANGLE_UNITS[fields.choice(ANGLE_UNIT, _ANGLE_UNITS)] if ANGLE_UNIT in fields else 1.0
+
+
+def read_span(fields: Fields) -> tuple[float | None, float | None]:
+    """The fields SPAN_KEYS of one trial [s]; None: from the start, to the end."""
+    from_s = fields.number("from_s", minimum=0.0) if "from_s" in fields else None
+    to_s = fields.number("to_s", above=from_s or 0.0) if "to_s" in fields else None
+    return from_s, to_s
 
 
 def read_run_to_import(fields: Fields) -> RunToImport:
@@ -131,7 +147,7 @@ def check_length(source: Path, count: int) -> None:
         raise FileTooLargeError(
             source,
             f"holds over {MAX_RECORDS} messages, more than one run may; split it into several "
-            "trials (a bag by 'from_s' and 'to_s')",
+            "trials by 'from_s' and 'to_s'",
         )
 
 

@@ -223,7 +223,7 @@ def test_readings_that_are_not_there(folder: Path, nothing: str) -> None:
     (folder / "a" / "ft.csv").write_text(FT.replace("-4", nothing))
     run = import_all(folder).read(1)
     np.testing.assert_allclose(run.readings.time, [0.0, 0.0405])
-    assert "ft.csv: 1 readings are not there, 1 of 3 of 'fz'" in run.notes
+    assert "ft.csv: 1 values are not there, 1 of 3 of 'fz'" in run.notes
 
 
 def test_one_row_more_is_left_out_and_reported(folder: Path) -> None:
