@@ -192,7 +192,7 @@ class _Importer:
         if topic == mapping.imu:
             return _imu(frame, stamps, contents)
         if mapping.base_pose is not None and topic == mapping.base_pose.topic:
-            return self._base_poses(frame, stamps, contents)
+            return self._base_poses(path, topic, frame, stamps, contents, notes)
         samples = _Samples(frame, stamps)
         samples.rows = [[*_xyz(one.wrench.force), *_xyz(one.wrench.torque)] for one in contents]
         kept, rows = samples.ordered()
@@ -273,13 +273,19 @@ class _Importer:
         ]
 
     def _base_poses(
-        self, frame: str, stamps: list[int], contents: list[Any]
+        self,
+        path: Path,
+        topic: str,
+        frame: str,
+        stamps: list[int],
+        contents: list[Any],
+        notes: list[str],
     ) -> list[StampedMessage]:
         kind = POSE_TYPES[contents[0].__msgtype__]
         samples = _Samples(frame, stamps)
         samples.rows = [kind(one) for one in contents]
         kept, rows = samples.ordered()
-        good = np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0) < 0.1
+        good = foreign.whole_poses(path, topic, rows[:, :3], rows[:, 3:], notes)
         kept, rows = kept[good], rows[good]
         rotation = Rotation.from_quat(rows[:, 3:])
         link_R_base, link_p_base = self._base_T_link

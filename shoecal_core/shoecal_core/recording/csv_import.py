@@ -272,6 +272,7 @@ def _cut(rows: dict[str, _Rows], trial: Trial) -> dict[str, _Rows]:
         return rows
     start = min(int(one.stamps[0]) for one in rows.values())
     from_s, to_s = trial.from_s or 0.0, math.inf if trial.to_s is None else trial.to_s
+    until = "" if trial.to_s is None else f" to {trial.to_s:g} s"
     cut = {}
     for name, one in rows.items():
         since = (one.stamps - start) / messages.SECOND_NS
@@ -279,7 +280,7 @@ def _cut(rows: dict[str, _Rows], trial: Trial) -> dict[str, _Rows]:
         if not inside.any():
             raise FieldError(
                 one.table.path,
-                f"has no row from {from_s:g} to {to_s:g} s: its rows are at {since[0]:.3f} to "
+                f"has no row from {from_s:g} s{until}: its rows are at {since[0]:.3f} to "
                 f"{since[-1]:.3f} s, counted from the first row of the trial's files; correct "
                 "'from_s' and 'to_s' of the mapping",
             )
@@ -300,7 +301,8 @@ def _poses(
     stamps, (translation, turn) = rows.read_whole([columns.translation, rotation], notes)
     if columns.zyx is not None:
         turn = Rotation.from_euler("ZYX", angle_unit * turn).as_quat()
-    return foreign.base_poses(stamps, columns.frame, translation, turn)
+    good = foreign.whole_poses(rows.table.path, "base_pose", translation, turn, notes)
+    return foreign.base_poses(stamps[good], columns.frame, translation[good], turn[good])
 
 
 def _imu(rows: _Rows, columns: ImuColumns, notes: list[str]) -> list[StampedMessage]:

@@ -73,8 +73,10 @@ class Table:
                         self._lines.append(layout.lines_before_header + reader.line_num)
         except OSError as error:
             raise read_error(path, error) from error
-        except (UnicodeDecodeError, csv.Error) as error:
-            raise FileSyntaxError(path, f"is no CSV file in UTF-8 ({error})") from error
+        except UnicodeDecodeError as error:
+            raise FileSyntaxError(path, "is no text in UTF-8; export it as such") from error
+        except csv.Error as error:
+            raise FileSyntaxError(path, f"is no CSV file ({error})") from error
         if not self._rows:
             raise FileSyntaxError(path, "has no rows below its header")
         for line, row in zip(self._lines, self._rows, strict=True):
@@ -101,9 +103,12 @@ class Table:
         """
         if self.names.count(column.name) != 1:
             problem = "is there twice" if column.name in self.names else "is missing"
+            cure = "correct the mapping or the file"
+            if len(self.names) == 1:
+                cure = "give the mapping the file's 'separator'"
             raise FieldError(
                 self.path,
-                f"{problem} (there are: {', '.join(self.names)}); correct the mapping or the file",
+                f"{problem} (there are: {', '.join(self.names)}); {cure}",
                 field=f"column '{column.name}'",
             )
         index = self.names.index(column.name)

@@ -15,6 +15,7 @@ from shoecal_core.files import Fields
 from shoecal_core.model.double_support import DoubleSupport, read_support
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.container import MAX_RECORDS
+from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.listing import HINTS
 from shoecal_core.recording.messages import series
 from shoecal_core.recording.session import Session
@@ -23,6 +24,8 @@ from shoecal_core.sensing.shoe import AXES, FEET, Shoe
 Floats = NDArray[np.float64]
 Stamps = NDArray[np.int64]
 
+UNIT_TOLERANCE = 0.1
+"""Lengths of quaternions that count differ from one by less."""
 LATEST_NS = 2**31 * messages.SECOND_NS
 """Stamps of ROS 2 end there."""
 
@@ -196,6 +199,32 @@ def wrenches(
         return messages.wrench(stamp, frame, values[:3], values[3:])
 
     return _stamped(topic, stamps, series(one, stamps, np.hstack([force, torque])))
+
+
+def whole_poses(
+    source: Path, name: str, position: Floats, quaternion: Floats, notes: list[str]
+) -> NDArray[np.bool_]:
+    """Which poses (T,) count: numbers, and quaternions x y z w (T, 4) of unit length.
+
+    Others are noted.
+
+    Raises:
+        RecordingError: where none counts.
+    """
+    length = np.linalg.norm(quaternion, axis=1)
+    good: NDArray[np.bool_] = np.isfinite(position).all(axis=1) & (
+        np.abs(length - 1.0) < UNIT_TOLERANCE
+    )
+    if not good.any():
+        raise RecordingError(
+            source,
+            "none of its poses has a position and a unit quaternion x y z w; correct its sender, "
+            "or take the base pose out of the mapping",
+            field=name,
+        )
+    if not good.all():
+        notes.append(f"{name}: {np.count_nonzero(~good)} of {len(good)} are no poses, left out")
+    return good
 
 
 def base_poses(

@@ -57,7 +57,7 @@ def check_angles(
             if not len(times) and joint not in optional:
                 raise no_angles(one.source, joint, files.robot)
         notes = _beyond_limits(one.source, angles, limits)
-        if kinematics is not None and one.run.support is not None:
+        if kinematics is not None and one.run.support is not None and not notes:
             found = _support(one.source, kinematics, angles)
             field = f"trials[{place}].support"
             notes += _compare(mapping, field, one.source, one.run.support, found)
@@ -105,32 +105,50 @@ def _angles(run: ImportedRun) -> dict[str, tuple[Floats, Floats]]:
     return angles
 
 
+def in_degrees(position: Floats, low: float, high: float) -> bool:
+    """Whether angles (T,) are far beyond limits [rad] that they are within as degrees."""
+    degrees = np.radians(position)
+    return bool(
+        high - low < math.tau  # joints without an end may have turned round and round
+        and _beyond(position, low, high).max() > FAR_RAD
+        and (_beyond(degrees, low, high) < BEYOND_RAD).all()
+    )
+
+
+def _beyond(position: Floats, low: float, high: float) -> Floats:
+    """How far angles (T,) are beyond limits; negative within."""
+    return np.fmax(low - position, position - high)
+
+
 def _beyond_limits(
     source: Path,
     angles: Mapping[str, tuple[Floats, Floats]],
     limits: Mapping[str, tuple[float, float]],
 ) -> list[str]:
-    """Joints that are beyond their limits, a line each."""
-    notes = []
+    """A line on the joints beyond their limits, the first of them with its angle; or none."""
+    found: dict[str, str] = {}
     for joint, (_, position) in angles.items():
         if joint not in limits or not len(position):
             continue
         low, high = limits[joint]
-        beyond = np.fmax(low - position, position - high)
-        worst = int(np.argmax(beyond))
-        if beyond[worst] <= BEYOND_RAD:
+        beyond = _beyond(position, low, high)
+        if beyond.max() <= BEYOND_RAD:
             continue
-        found = (
-            f"joint '{joint}' is at {position[worst]:.4g} rad, beyond its limits {low:.4g} to "
-            f"{high:.4g} rad in the URDF"
+        found[joint] = (
+            f"joint '{joint}' is at {position[np.argmax(beyond)]:.4g} rad, beyond its limits "
+            f"{low:.4g} to {high:.4g} rad in the URDF"
         )
-        degrees = np.radians(position)
-        if beyond[worst] > FAR_RAD and (np.fmax(low - degrees, degrees - high) < BEYOND_RAD).all():
+        if in_degrees(position, low, high):
             raise RecordingError(
-                source, f"{found}, but within them in degrees; give the mapping 'angle_unit: deg'"
+                source,
+                f"{found[joint]}, but within them in degrees; give the mapping "
+                "'angle_unit: deg', or correct its zero",
             )
-        notes.append(f"{found}: check its unit, its sign and its zero")
-    return notes
+    if not found:
+        return []
+    first, *others = found
+    more = f", and so are {', '.join(others)}" if others else ""
+    return [f"{found[first]}{more}: check unit, sign and zero"]
 
 
 def _support(
