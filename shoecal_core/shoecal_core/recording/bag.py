@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-import re
 import sqlite3
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import Any, Self
 
+import yaml
 import zstandard
 from mcap.records import Chunk
 from mcap.stream_reader import StreamReader, get_chunk_data_stream
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.interfaces import Connection
 
-from shoecal_core.errors import FileError, FileMissingError, FileUnreadableError
-from shoecal_core.files import open_file
+from shoecal_core.errors import FileError, FileMissingError, FileSyntaxError, FileUnreadableError
+from shoecal_core.files import open_file, read_bytes
 from shoecal_core.recording.container import DAMAGE, ZSTD
-from shoecal_core.recording.errors import RecordingError
+from shoecal_core.recording.errors import RecordingError, reason_of
 from shoecal_core.recording.schemas import typestore
 
 BAG_SUFFIXES = (".bag", ".mcap", ".db3")
@@ -29,9 +29,9 @@ ZSTD_SUFFIXES = (".zst", ".zstd")
 UNPACK = {".zst": "zstd -d", ".zstd": "zstd -d", ".gz": "gunzip", ".bz2": "bunzip2", ".xz": "unxz"}
 """Commands that unpack files compressed as a whole, by their suffix."""
 METADATA = "metadata.yaml"
+BAG_INFORMATION = "rosbag2_bagfile_information"
 _FAULTS = (*DAMAGE, AnyReaderError, sqlite3.Error, AssertionError, TypeError, EOFError)
 """What the libraries raise on a file that is cut, altered or no bag."""
-_PYTHON = re.compile(r"""\w*\((['"])(.*?)\1,?\)|[\[\]{}]""")
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,7 @@ class Bag:
             raise FileUnreadableError(self.path, f"{problem}, or call `ros2 bag reindex`")
         with self._damage(), ExitStack() as stack:
             if folder:
-                _check_unpacked(self.path)
+                _check_folder(self.path)
                 path, files = self.path, sorted(self.path.glob("*.mcap"))
             else:
                 path = self._unpacked(stack)
@@ -157,19 +157,30 @@ class Bag:
             raise _damaged(self.path, error) from error
 
 
-def _check_unpacked(folder: Path) -> None:
-    """Refuse a folder of rosbag2 whose files were compressed after they had been recorded."""
-    listed = (folder / METADATA).read_text(encoding="utf-8", errors="replace")
-    for file in sorted(folder.iterdir()):
-        bag = file.with_suffix("")
-        if (
-            file.suffix in UNPACK
-            and bag.suffix in BAG_SUFFIXES
-            and file.name not in listed
-            and not bag.exists()
-        ):
-            problem = f"is compressed, but not listed so in {METADATA}; {_cure(file)}"
-            raise FileUnreadableError(file, problem)
+def _check_folder(folder: Path) -> None:
+    """Refuse a folder of rosbag2 without the files that its metadata lists.
+
+    Raises:
+        FileSyntaxError: its metadata lists none.
+        FileMissingError: a file is not there.
+        FileUnreadableError: it was compressed after it had been recorded.
+    """
+    metadata = folder / METADATA
+    try:
+        names = yaml.safe_load(read_bytes(metadata))[BAG_INFORMATION]["relative_file_paths"]
+        files = [folder / PurePath(name).name for name in names]
+    except (yaml.YAMLError, UnicodeDecodeError, TypeError, KeyError, IndexError) as error:
+        cure = f"make it anew with `ros2 bag reindex {folder}`"
+        raise FileSyntaxError(metadata, f"does not list the files of a bag; {cure}") from error
+    for file in files:
+        if file.exists():
+            continue
+        for suffix in UNPACK:
+            packed = file.with_name(f"{file.name}{suffix}")
+            if packed.exists():
+                problem = f"is compressed, but not listed so in {METADATA}; {_cure(packed)}"
+                raise FileUnreadableError(packed, problem)
+        raise FileMissingError(file, f"is listed in {METADATA}, but does not exist; put it back")
 
 
 def _cure(file: Path) -> str:
@@ -177,9 +188,10 @@ def _cure(file: Path) -> str:
 
 
 def _damaged(path: Path, error: BaseException) -> RecordingError:
-    # The libraries show names as Python does: ['a', 'b'], KeyError('a').
-    reason = _PYTHON.sub(r"\2", str(error)) or "its content is not that of a bag"
+    reason = reason_of(error).replace("; please report issue.", "")
     cure = "repair it with `ros2 bag reindex`, `mcap recover` or `rosbag reindex`"
+    if "not supported" in reason:
+        cure = "convert it with `ros2 bag convert` or `rosbag decompress`"
     return RecordingError(path, f"cannot be read as a bag ({reason}); {cure}")
 
 

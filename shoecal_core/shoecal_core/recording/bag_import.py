@@ -164,6 +164,13 @@ class _Importer:
         if topic in self._mapping.received:
             return [message.received_ns for message in received]
         stamps = [stamp_ns(message.content) for message in received]
+        if min(stamps) < 0 or max(stamps) >= foreign.LATEST_NS:
+            raise RecordingError(
+                path,
+                "has stamps before 1970 or after 2038; correct its sender, or list it under "
+                "'received' of the mapping",
+                field=topic,
+            )
         if not any(stamps):
             raise RecordingError(
                 path,
@@ -249,6 +256,13 @@ class _Importer:
             effort = rows[:, len(names) :][:, own] if with_effort else None
             position = rows[:, : len(names)][:, own] * self._mapping.angle_unit
             found += foreign.joint_states(kept, [renamed[place] for place in own], position, effort)
+        if not found:
+            raise RecordingError(
+                path,
+                f"names no joint of the robot (there are: {_few(unknown) or 'none'}); correct "
+                "'joints' of the mapping",
+                field=topic,
+            )
         if unknown:
             notes.append(f"{topic}: joints that the robot lacks left out: {_few(unknown)}")
         return found

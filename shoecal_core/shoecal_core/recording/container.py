@@ -27,7 +27,7 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 
 from shoecal_core.errors import FileTooLargeError
 from shoecal_core.files import open_file, read_error
-from shoecal_core.recording.errors import DamagedError, RecordingError
+from shoecal_core.recording.errors import DamagedError, RecordingError, reason_of
 from shoecal_core.recording.info import RECORD, RunInfo
 from shoecal_core.recording.schemas import type_hash
 
@@ -233,7 +233,7 @@ def _records(path: Path) -> Iterator[Iterator[McapRecord]]:
             file.seek(0)
             yield _checked(path, _unfolded(path, _Reader(file, path.stat().st_size).records))
     except DAMAGE as error:
-        raise DamagedError(path, str(error) or type(error).__name__) from error
+        raise DamagedError(path, reason_of(error)) from error
     except OSError as error:
         raise read_error(path, error) from error
 

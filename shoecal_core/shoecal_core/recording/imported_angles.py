@@ -188,5 +188,5 @@ def _compare(
                 "signs of the joints",
                 field=field,
             )
-        notes.append(f"support: {told}; measure it again, or check the joints' zeros")
+        notes.append(f"support: {told}; correct it, or check the joints' zeros")
     return notes

@@ -18,6 +18,7 @@ from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording import foreign, schemas
 from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
 from shoecal_core.recording.bag_import import import_bags
+from shoecal_core.recording.errors import reason_of
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import load_shoe
 
@@ -446,12 +447,49 @@ def test_files_packed_after_recording_name_the_command(lab: Lab, suffix: str, cu
     assert f"unpack it: `{cure}`" in str(caught.value)
 
 
-def test_a_file_that_is_gone_is_named_as_a_file(lab: Lab) -> None:
+@pytest.mark.parametrize(
+    ("old", "new", "problem"),
+    [
+        ("", "", "walk/walk.mcap: is listed in metadata.yaml, but does not exist; put it back"),
+        ("rosbag2_bagfile", "x", "walk/metadata.yaml: does not list the files of a bag; make it"),
+        ("version: 9", "version: 99", "version 99 not supported); convert it with `ros2 bag conv"),
+    ],
+)
+def test_a_folder_that_is_not_whole(lab: Lab, old: str, new: str, problem: str) -> None:
     folder = bags.walk(lab.folder, "walk", "mcap", lab.joints).close()
-    (folder / "walk.mcap").unlink()
+    metadata = folder / "metadata.yaml"
+    if old:
+        metadata.write_text(metadata.read_text().replace(old, new))
+    else:
+        (folder / "walk.mcap").unlink()
     with pytest.raises(FileError) as caught:
         lab.draft(folder)
-    assert f"missing: '{folder}/walk.mcap')" in str(caught.value)
+    assert problem in str(caught.value)
+
+
+def test_errors_of_libraries_are_without_python(lab: Lab) -> None:
+    file = lab.folder / "text.mcap"
+    file.write_text("hello world, this is no bag")
+    with pytest.raises(FileError, match=r"\(not a valid MCAP file, invalid magic\); repair it"):
+        lab.draft(file)
+    assert reason_of(ValueError("damaged: ('cut',), ['a']")) == "damaged: cut, 'a'"
+    for error in (AssertionError(), KeyError("topic")):
+        assert reason_of(error) == "its content is not of its kind"
+
+
+def test_stamps_that_cannot_be_are_refused(lab: Lab) -> None:
+    bag = bags.walk(lab.folder, "walk", "mcap", lab.joints)
+    bag.add(0.0, "/imu/data", bag.imu(-bags.START_S - 5.0, "body"))
+    lab.draft(bag.close())
+    with pytest.raises(FileError, match=r"walk: /imu/data: has stamps before 1970 or after 2038"):
+        lab.imported()
+
+
+def test_a_topic_of_other_joints_is_refused(lab: Lab) -> None:
+    lab.draft(bags.walk(lab.folder, "walk", "mcap", lab.joints, prefix=PREFIX).close())
+    lab.edit(joints={"topics": ["/joint_states"]})
+    with pytest.raises(FileError, match="/joint_states: names no joint of the robot"):
+        lab.imported()
 
 
 @pytest.mark.parametrize("prefix", ["nao6/", "/nao6_"])
