@@ -19,7 +19,7 @@ from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.interfaces import Connection
 
 from shoecal_core.errors import FileError, FileMissingError, FileSyntaxError, FileUnreadableError
-from shoecal_core.files import open_file, read_bytes
+from shoecal_core.files import open_file, read_bytes, read_error
 from shoecal_core.recording.container import DAMAGE, ZSTD
 from shoecal_core.recording.errors import RecordingError, reason_of
 from shoecal_core.recording.schemas import typestore
@@ -154,6 +154,8 @@ class Bag:
         except (FileError, GeneratorExit):
             raise
         except (*_FAULTS, OSError) as error:
+            if isinstance(error, OSError) and error.errno is not None:
+                raise read_error(self.path, error) from error
             raise _damaged(self.path, error) from error
 
 

@@ -214,7 +214,8 @@ def match_wrench(seen: Mapping[str, Seen], robot: Robot, shoe: Shoe, foot: str) 
     if len(fitting) > 1:
         return Match(tuple(fitting), chosen=False)
     one = wrenches[fitting[0]]
-    frame, extra, notes, turn = one.frames[0], dict[str, object](), list[str](), np.eye(3)
+    frame = _frame(robot.model, one.frames[0])
+    extra, notes, turn = dict[str, object](), list[str](), np.eye(3)
     rotation = _sole_R_sensor(robot, index, frame)
     if rotation is None:
         why = f"frame '{frame}' is not on the foot" if frame else "its messages name no frame"

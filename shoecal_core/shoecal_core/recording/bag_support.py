@@ -12,7 +12,7 @@ from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import JointsMissingError, Robot
 from shoecal_core.recording.bag import Bag
 from shoecal_core.recording.bag_match import Match
-from shoecal_core.recording.imported_angles import in_degrees
+from shoecal_core.recording.limits import in_degrees
 
 SAMPLES = 200
 """Joint angles of a bag that are looked at, evenly over its messages."""

@@ -21,12 +21,9 @@ from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import decode_columns
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import Floats, ImportedRun, MappedFiles
+from shoecal_core.recording.limits import beyond_limits, in_degrees
 from shoecal_core.sensing.shoe import load_shoe
 
-BEYOND_RAD = 0.1
-"""A joint whose zero is a little off misses its limits by less."""
-FAR_RAD = 1.0
-"""No joint is so far beyond its limits: its angles have another unit."""
 APART = {"dx": (0.05, "m"), "dy": (0.05, "m"), "dtheta": (0.2, "rad")}
 """Supports by a tape measure and by joint angles differ by less; of opposite signs, by half."""
 SAMPLES = 50
@@ -105,21 +102,6 @@ def _angles(run: ImportedRun) -> dict[str, tuple[Floats, Floats]]:
     return angles
 
 
-def in_degrees(position: Floats, low: float, high: float) -> bool:
-    """Whether angles (T,) are far beyond limits [rad] that they are within as degrees."""
-    degrees = np.radians(position)
-    return bool(
-        high - low < math.tau  # joints without an end may have turned round and round
-        and _beyond(position, low, high).max() > FAR_RAD
-        and (_beyond(degrees, low, high) < BEYOND_RAD).all()
-    )
-
-
-def _beyond(position: Floats, low: float, high: float) -> Floats:
-    """How far angles (T,) are beyond limits; negative within."""
-    return np.fmax(low - position, position - high)
-
-
 def _beyond_limits(
     source: Path,
     angles: Mapping[str, tuple[Floats, Floats]],
@@ -130,20 +112,15 @@ def _beyond_limits(
     for joint, (_, position) in angles.items():
         if joint not in limits or not len(position):
             continue
-        low, high = limits[joint]
-        beyond = _beyond(position, low, high)
-        if beyond.max() <= BEYOND_RAD:
-            continue
-        found[joint] = (
-            f"joint '{joint}' is at {position[np.argmax(beyond)]:.4g} rad, beyond its limits "
-            f"{low:.4g} to {high:.4g} rad in the URDF"
-        )
-        if in_degrees(position, low, high):
+        told = beyond_limits(joint, position, *limits[joint])
+        if told and in_degrees(position, *limits[joint]):
             raise RecordingError(
                 source,
-                f"{found[joint]}, but within them in degrees; give the mapping "
+                f"{told}, but within them in degrees; give the mapping "
                 "'angle_unit: deg', or correct its zero",
             )
+        if told:
+            found[joint] = told
     if not found:
         return []
     first, *others = found
