@@ -25,7 +25,6 @@ from shoecal_core.recording.errors import RecordingError, reason_of
 from shoecal_core.recording.schemas import typestore
 
 BAG_SUFFIXES = (".bag", ".mcap", ".db3")
-ZSTD_SUFFIXES = (".zst", ".zstd")
 UNPACK = {".zst": "zstd -d", ".zstd": "zstd -d", ".gz": "gunzip", ".bz2": "bunzip2", ".xz": "unxz"}
 """Commands that unpack files compressed as a whole, by their suffix."""
 METADATA = "metadata.yaml"
@@ -138,10 +137,12 @@ class Bag:
         if name.suffix not in BAG_SUFFIXES:
             problem = f"is no bag by its name ({', '.join(BAG_SUFFIXES)}); rename it"
             raise FileUnreadableError(self.path, problem)
-        if not packed:
+        with open_file(self.path) as file:
+            by_zstd = file.read(len(ZSTD)) == ZSTD
+        if packed and not by_zstd:
+            raise FileUnreadableError(self.path, f"is not compressed by zstd; {_cure(self.path)}")
+        if not by_zstd:
             return self.path
-        if self.path.suffix not in ZSTD_SUFFIXES:
-            raise FileUnreadableError(self.path, f"is compressed; {_cure(self.path)}")
         unpacked = Path(stack.enter_context(TemporaryDirectory())) / name.name
         with open_file(self.path) as source, unpacked.open("wb") as target:
             zstandard.ZstdDecompressor().copy_stream(source, target)

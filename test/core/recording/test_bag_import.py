@@ -414,6 +414,14 @@ def test_compressed_bags_are_read(lab: Lab, kind: str, mode: CompressionMode) ->
     np.testing.assert_array_equal(alone.joints.position, whole.joints.position)
 
 
+def test_a_file_that_is_packed_otherwise_names_the_command(lab: Lab) -> None:
+    file = lab.folder / "walk.bag.bz2"
+    file.write_bytes(b"BZh91AY&SY")
+    with pytest.raises(FileError) as caught:
+        lab.draft(file)
+    assert str(caught.value).endswith("not compressed by zstd; unpack it: `bunzip2 walk.bag.bz2`")
+
+
 def test_chunks_compressed_by_lz4_are_read(lab: Lab) -> None:
     folder = bags.walk(lab.folder, "walk", "mcap", lab.joints).close()
     packed = lab.folder / "packed.mcap"
@@ -562,6 +570,17 @@ def test_joints_without_angles_are_refused(lab: Lab) -> None:
         with pytest.raises(FileError) as caught:
             lab.imported()
         assert problem in str(caught.value)
+
+
+def test_a_joint_that_the_robot_needs_is_asked_for(lab: Lab) -> None:
+    bag = bags.BagWriter(lab.folder, "stands", "mcap")
+    for time in np.arange(0.0, 0.5, 0.01):
+        bag.add(time, "/joint_states", bag.joint_state(time, list(lab.joints[:-1]), 19 * [0.0]))
+        bag.add(time, "/left", bag.wrench(time, "left_sensor", [0.0, 0.0, 50.0]))
+    lab.draft(bag.close())
+    lab.edit(trials=[{"motion": "standing", "bag": "stands", "support": [0.0, -0.1, 0.0]}])
+    with pytest.raises(FileError, match=f"stands: robot 'wren' needs joint.* {lab.joints[-1]}"):
+        lab.imported()
 
 
 def test_a_base_pose_without_poses_is_refused(lab: Lab) -> None:

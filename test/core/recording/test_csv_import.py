@@ -139,6 +139,12 @@ def test_cells_own_times_named_joints_and_commas(folder: Path) -> None:
         ("b/pos.csv", "0.3;-0.2;9", "0.3;-0.2", "b/pos.csv: line 3: 9 values for 10 columns"),
         ("b/pos.csv", "20;0.2", "20;x0.2", "column 'LKneePitch', line 3: 'x0.2' is not a number"),
         ("b/pos.csv", "20;0.2", ";0.2", "column 't', line 3: '' is not a number"),
+        (
+            "mapping.yaml",
+            "[0.01, -0.2, 0.1]",
+            "[10, -200, 0.1]",
+            "trials[0].support: dx 10, dy -200, dtheta 0.1: dx and dy are metres",
+        ),
         ("b/pos.csv", "20;0.2", "nan;0.2", "column 't', line 3: 'nan' is not a number"),
         ("b/pos.csv", POS, POS.replace(";", ","), "; give the mapping the file's 'separator'"),
         ("b/pos.csv", "40.5;", "20;", "column 't', line 4: time repeats or goes back"),
