@@ -140,7 +140,10 @@ class Bag:
         with open_file(self.path) as file:
             by_zstd = file.read(len(ZSTD)) == ZSTD
         if packed and not by_zstd:
-            raise FileUnreadableError(self.path, f"is not compressed by zstd; {_cure(self.path)}")
+            damaged = "is not compressed by zstd, as its name says; copy it anew"
+            other = f"is compressed; {_cure(self.path)}"
+            zstd = UNPACK[self.path.suffix] == UNPACK[".zst"]
+            raise FileUnreadableError(self.path, damaged if zstd else other)
         if not by_zstd:
             return self.path
         unpacked = Path(stack.enter_context(TemporaryDirectory())) / name.name

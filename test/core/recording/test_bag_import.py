@@ -414,12 +414,19 @@ def test_compressed_bags_are_read(lab: Lab, kind: str, mode: CompressionMode) ->
     np.testing.assert_array_equal(alone.joints.position, whole.joints.position)
 
 
-def test_a_file_that_is_packed_otherwise_names_the_command(lab: Lab) -> None:
-    file = lab.folder / "walk.bag.bz2"
+@pytest.mark.parametrize(
+    ("name", "problem"),
+    [
+        ("walk.bag.bz2", "is compressed; unpack it: `bunzip2 walk.bag.bz2`"),
+        ("walk.mcap.zst", "is not compressed by zstd, as its name says; copy it anew"),
+    ],
+)
+def test_a_file_that_is_packed_otherwise(lab: Lab, name: str, problem: str) -> None:
+    file = lab.folder / name
     file.write_bytes(b"BZh91AY&SY")
     with pytest.raises(FileError) as caught:
         lab.draft(file)
-    assert str(caught.value).endswith("not compressed by zstd; unpack it: `bunzip2 walk.bag.bz2`")
+    assert str(caught.value) == f"{file}: {problem}"
 
 
 def test_chunks_compressed_by_lz4_are_read(lab: Lab) -> None:
