@@ -33,12 +33,13 @@ class DoubleSupport:
     dtheta: float
 
     def __post_init__(self) -> None:
+        told = f"dx {self.dx:g}, dy {self.dy:g}, dtheta {self.dtheta:g}"
         if not all(math.isfinite(value) for value in (self.dx, self.dy, self.dtheta)):
-            raise ShoecalError(f"{self}: dx, dy and dtheta must be finite numbers")
+            raise ShoecalError(f"{told}: dx, dy and dtheta must be finite numbers")
         if max(abs(self.dx), abs(self.dy)) > FARTHEST_M:
-            raise ShoecalError(f"{self}: dx and dy are metres; no foot is {FARTHEST_M:g} m away")
+            raise ShoecalError(f"{told}: dx and dy are metres; no foot is {FARTHEST_M:g} m away")
         if abs(self.dtheta) > math.tau:
-            raise ShoecalError(f"{self}: dtheta is in radians; tell it within one turn")
+            raise ShoecalError(f"{told}: dtheta is in radians; tell it within one turn")
 
     @property
     def rotation(self) -> NDArray[np.float64]:

@@ -197,21 +197,47 @@ def _bounded(text: str) -> str:
     return ElementTree.tostring(root, encoding="unicode")
 
 
-def joint_names(path: Path) -> frozenset[str]:
-    """Names of the joints that move, of a URDF that need not be usable otherwise.
+@dataclass(frozen=True)
+class Outline:
+    """What a URDF names.
+
+    Attributes:
+        joints: those that move.
+        frames: links and joints, as messages name frames.
+        limits: lower and upper of joints that turn, and by less than a whole turn [rad].
+    """
+
+    joints: frozenset[str]
+    frames: frozenset[str]
+    limits: Mapping[str, tuple[float, float]]
+
+
+def read_outline(path: Path) -> Outline:
+    """What a URDF names, which need not be usable otherwise.
 
     Raises:
         FileSyntaxError: for a file that is no XML.
         UrdfError: for one that declares a document type.
     """
-    names = set()
+    joints, frames = set[str](), set[str]()
+    limits: dict[str, tuple[float, float]] = {}
+    revolute = ""
 
     def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal revolute
+        name = str(attributes.get("name"))
+        if tag in ("link", "joint"):
+            frames.add(name)
+            revolute = name if attributes.get("type") == "revolute" else ""
         if tag == "joint" and attributes.get("type") != "fixed":
-            names.add(str(attributes.get("name")))
+            joints.add(name)
+        if tag == "limit" and revolute:
+            low, high = (_number(attributes.get(key, "")) for key in ("lower", "upper"))
+            if 0.0 < high - low < math.tau:
+                limits[revolute] = low, high
 
     _parse(path, read_bytes(path).decode("utf-8", errors="replace"), start, lambda _: None)
-    return frozenset(names)
+    return Outline(frozenset(joints), frozenset(frames), limits)
 
 
 def _parse(

@@ -6,22 +6,29 @@ import sqlite3
 from collections.abc import Collection, Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
+from tempfile import TemporaryDirectory
 from types import TracebackType
 from typing import Any, Self
 
+import yaml
+import zstandard
 from mcap.records import Chunk
 from mcap.stream_reader import StreamReader, get_chunk_data_stream
 from rosbags.highlevel import AnyReader, AnyReaderError
 from rosbags.interfaces import Connection
 
-from shoecal_core.errors import FileError, FileMissingError, FileUnreadableError
-from shoecal_core.files import open_file
-from shoecal_core.recording.container import DAMAGE
-from shoecal_core.recording.errors import RecordingError
+from shoecal_core.errors import FileError, FileMissingError, FileSyntaxError, FileUnreadableError
+from shoecal_core.files import open_file, read_bytes, read_error
+from shoecal_core.recording.container import DAMAGE, ZSTD
+from shoecal_core.recording.errors import RecordingError, reason_of
 from shoecal_core.recording.schemas import typestore
 
 BAG_SUFFIXES = (".bag", ".mcap", ".db3")
+UNPACK = {".zst": "zstd -d", ".zstd": "zstd -d", ".gz": "gunzip", ".bz2": "bunzip2", ".xz": "unxz"}
+"""Commands that unpack files compressed as a whole, by their suffix."""
+METADATA = "metadata.yaml"
+BAG_INFORMATION = "rosbag2_bagfile_information"
 _FAULTS = (*DAMAGE, AnyReaderError, sqlite3.Error, AssertionError, TypeError, EOFError)
 """What the libraries raise on a file that is cut, altered or no bag."""
 
@@ -69,24 +76,28 @@ class Bag:
         if not self.path.exists():
             raise FileMissingError(self.path, "does not exist; name a bag")
         folder = self.path.is_dir()
-        if folder and not (self.path / "metadata.yaml").is_file():
-            problem = "has no metadata.yaml; name the .mcap or .db3 file in it"
+        if folder and not (self.path / METADATA).is_file():
+            problem = f"has no {METADATA}; name the .mcap or .db3 file in it"
             raise FileUnreadableError(self.path, f"{problem}, or call `ros2 bag reindex`")
-        if not folder and self.path.suffix not in BAG_SUFFIXES:
-            problem = f"is no bag by its name ({', '.join(BAG_SUFFIXES)}); rename it"
-            raise FileUnreadableError(self.path, problem)
-        for file in sorted(self.path.glob("*.mcap")) if folder else [self.path]:
-            if file.suffix == ".mcap":
-                _check_sums(file)
-        with self._damage():
-            reader = AnyReader([self.path], default_typestore=typestore())
-            self._reader = self._stack.enter_context(reader)
+        with self._damage(), ExitStack() as stack:
+            if folder:
+                _check_folder(self.path)
+                path, files = self.path, sorted(self.path.glob("*.mcap"))
+            else:
+                path = self._unpacked(stack)
+                files = [path]
+            for file in files:
+                if file.suffix == ".mcap":
+                    _check_sums(file, file if folder else self.path)
+            reader = AnyReader([path], default_typestore=typestore())
+            self._reader = stack.enter_context(reader)
             self._connections = list(reader.connections)
             self.topics = {
                 name: Topic(info.msgtype or "several types", info.msgcount)
                 for name, info in reader.topics.items()
             }
             self.start_ns, self.end_ns = reader.start_time, reader.end_time
+            self._stack = stack.pop_all()
         return self
 
     def __exit__(
@@ -110,8 +121,35 @@ class Bag:
             return
         with self._damage():
             for one, received, data in self._reader.messages(wanted, from_ns, to_ns):
+                if data.startswith(ZSTD):  # of a bag that compresses message by message
+                    data = zstandard.decompress(data)  # noqa: PLW2901
                 content = self._reader.deserialize(data, one.msgtype)
                 yield BagMessage(one.topic, received, content)
+
+    def _unpacked(self, stack: ExitStack) -> Path:
+        """The file, or what zstd packed in it, which is there until `stack` is closed.
+
+        Raises:
+            FileUnreadableError: no bag by its name.
+        """
+        packed = self.path.suffix in UNPACK
+        name = self.path.with_suffix("") if packed else self.path
+        if name.suffix not in BAG_SUFFIXES:
+            problem = f"is no bag by its name ({', '.join(BAG_SUFFIXES)}); rename it"
+            raise FileUnreadableError(self.path, problem)
+        with open_file(self.path) as file:
+            by_zstd = file.read(len(ZSTD)) == ZSTD
+        if packed and not by_zstd:
+            damaged = "is not compressed by zstd, as its name says; copy it anew"
+            other = f"is compressed; {_cure(self.path)}"
+            zstd = UNPACK[self.path.suffix] == UNPACK[".zst"]
+            raise FileUnreadableError(self.path, damaged if zstd else other)
+        if not by_zstd:
+            return self.path
+        unpacked = Path(stack.enter_context(TemporaryDirectory())) / name.name
+        with open_file(self.path) as source, unpacked.open("wb") as target:
+            zstandard.ZstdDecompressor().copy_stream(source, target)
+        return unpacked
 
     @contextmanager
     def _damage(self) -> Iterator[None]:
@@ -120,21 +158,60 @@ class Bag:
         except (FileError, GeneratorExit):
             raise
         except (*_FAULTS, OSError) as error:
+            if isinstance(error, OSError) and error.errno is not None:
+                raise read_error(self.path, error) from error
             raise _damaged(self.path, error) from error
 
 
+def _check_folder(folder: Path) -> None:
+    """Refuse a folder of rosbag2 without the files that its metadata lists.
+
+    Raises:
+        FileSyntaxError: its metadata lists none.
+        FileMissingError: a file is not there.
+        FileUnreadableError: it was compressed after it had been recorded.
+    """
+    metadata = folder / METADATA
+    try:
+        names = yaml.safe_load(read_bytes(metadata))[BAG_INFORMATION]["relative_file_paths"]
+        files = [folder / PurePath(name).name for name in names]
+    except (yaml.YAMLError, UnicodeDecodeError, TypeError, KeyError, IndexError) as error:
+        cure = f"make it anew with `ros2 bag reindex {folder}`"
+        raise FileSyntaxError(metadata, f"does not list the files of a bag; {cure}") from error
+    for file in files:
+        if file.exists():
+            continue
+        for suffix in UNPACK:
+            packed = file.with_name(f"{file.name}{suffix}")
+            if packed.exists():
+                problem = f"is compressed, but not listed so in {METADATA}; {_cure(packed)}"
+                raise FileUnreadableError(packed, problem)
+        raise FileMissingError(file, f"is listed in {METADATA}, but does not exist; put it back")
+
+
+def _cure(file: Path) -> str:
+    return f"unpack it: `{UNPACK[file.suffix]} {file.name}`"
+
+
 def _damaged(path: Path, error: BaseException) -> RecordingError:
-    reason = str(error) or type(error).__name__
+    reason = reason_of(error).replace("; please report issue.", "")
     cure = "repair it with `ros2 bag reindex`, `mcap recover` or `rosbag reindex`"
+    if "not supported" in reason:
+        cure = "convert it with `ros2 bag convert` or `rosbag decompress`"
     return RecordingError(path, f"cannot be read as a bag ({reason}); {cure}")
 
 
-def _check_sums(path: Path) -> None:
-    """Check every chunk of an MCAP file: `rosbags` decodes altered bytes without an error."""
+def _check_sums(path: Path, named: Path) -> None:
+    """Check every chunk of an MCAP file: `rosbags` decodes altered bytes without an error.
+
+    Args:
+        path: of the file.
+        named: what an error calls it.
+    """
     try:
         with open_file(path) as file:
             for record in StreamReader(file, emit_chunks=True).records:
                 if isinstance(record, Chunk):
                     get_chunk_data_stream(record, validate_crc=True)
     except _FAULTS as error:
-        raise _damaged(path, error) from error
+        raise _damaged(named, error) from error

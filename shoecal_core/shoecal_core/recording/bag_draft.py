@@ -26,14 +26,16 @@ from shoecal_core.recording.bag_match import (
     match_joints,
     match_wrench,
 )
-from shoecal_core.recording.bag_support import standing_support
+from shoecal_core.recording.bag_support import angles_in_degrees, standing_support
 from shoecal_core.recording.container import MAX_RECORDS
 from shoecal_core.recording.errors import RecordingError
+from shoecal_core.recording.foreign import ANGLE_UNIT
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.sensing.shoe import AXES, FEET, Shoe
 
 MAX_CLOCK_OFFSET_S = 0.25
 """Between the stamps of two topics of one clock, by when their messages were received."""
+DEGREES = "joint angles are beyond the URDF's limits, but within them as degrees: angle_unit"
 FULL = 0.9
 """Of what a run may hold, so much a drafted trial takes."""
 
@@ -61,12 +63,14 @@ class BagDraft:
         trials: one a bag, several where it is longer than a run may be.
         fields: match by field: `joints`, `cells`, `wrenches.left`, `wrenches.right`, `imu`,
             `base_pose`.
+        degrees: joint angles are in degrees.
         received: topics whose stamps are of another clock or missing.
         notes: of the whole.
     """
 
     trials: tuple[DraftTrial, ...]
     fields: Mapping[str, Match]
+    degrees: bool
     received: tuple[str, ...]
     notes: tuple[str, ...]
 
@@ -82,8 +86,10 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
     """
     with Bag(bags[0]) as bag:
         seen = look_into(bag)
+        joints = match_joints(bags[0], seen, robot)
+        degrees = joints.chosen and angles_in_degrees(bag, joints, robot)
     fields = {
-        "joints": match_joints(bags[0], seen, robot),
+        "joints": joints,
         "cells": match_cells(seen, shoe),
         **{f"wrenches.{foot}": match_wrench(seen, robot, shoe, foot) for foot in FEET},
         "imu": match_imu(seen, robot),
@@ -99,6 +105,7 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
     used = [topic for match in found.values() for topic in match.topics]
     received = _other_clocks({topic: seen[topic] for topic in used})
     notes = [f"{topic}: its stamps are of another clock or missing" for topic in received]
+    notes += [DEGREES] if degrees else []
     notes += [
         f"no topic fits the {foot} foot's six-axis sensor, which is left out: record it"
         for foot in FEET
@@ -112,7 +119,7 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
         for trial in trials
         if standing is not None and trial.support is None
     ]
-    return BagDraft(tuple(trials), found, received, tuple(notes))
+    return BagDraft(tuple(trials), found, degrees, received, tuple(notes))
 
 
 def _other_clocks(seen: Mapping[str, Seen]) -> tuple[str, ...]:
@@ -180,6 +187,8 @@ def mapping_text(draft: BagDraft, folder: Path, robot: Path, urdf: Path, shoe: P
         indent = "  " if outer else ""
         lines += [f"{indent}# CHECK: {note}" for note in match.notes]
         lines.append(f"{indent}{_line(inner, _value(key, match))}")
+    if draft.degrees:
+        lines.append(_line(ANGLE_UNIT, "deg"))
     if draft.received:
         lines.append(_line("received", list(draft.received)))
     lines += ["", *(f"# CHECK: {note}" for note in draft.notes), "trials:"]

@@ -13,13 +13,15 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from shoecal_core.errors import FieldError
-from shoecal_core.model.urdf import ROOT_JOINTS, joint_names, read_urdf
+from shoecal_core.model.urdf import ROOT_JOINTS, Outline, read_outline, read_urdf
 from shoecal_core.recording import foreign, messages, schemas
 from shoecal_core.recording.bag import Bag, BagMessage
 from shoecal_core.recording.bag_mapping import BagMapping, BagTrial, load_bag_mapping
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import Floats, ImportedRun, StampedMessage, Stamps
+from shoecal_core.recording.imported_angles import check_angles
 from shoecal_core.recording.join import in_order, tell_two_orders, two_orders
+from shoecal_core.recording.names import without_prefix
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import Shoe, load_shoe
@@ -62,8 +64,9 @@ def import_bags(mapping_path: Path, folder: Path, out: Path) -> Session:
     folder = Path(folder)
     mapping = load_bag_mapping(Path(mapping_path), folder)
     shoe = load_shoe(mapping.files.shoe)
-    importer = _Importer(mapping, joint_names(mapping.files.urdf), shoe)
+    importer = _Importer(mapping, read_outline(mapping.files.urdf), shoe)
     runs = [importer.run(folder / trial.bag, trial) for trial in mapping.trials]
+    runs = check_angles(mapping.path, mapping.files, runs)
     return foreign.write_session(out, mapping.files, runs)
 
 
@@ -89,9 +92,9 @@ class _Samples:
 
 
 class _Importer:
-    def __init__(self, mapping: BagMapping, joints: frozenset[str], shoe: Shoe) -> None:
+    def __init__(self, mapping: BagMapping, urdf: Outline, shoe: Shoe) -> None:
         self._mapping = mapping
-        self._joints = joints
+        self._urdf = urdf
         for foot in mapping.wrenches:
             foreign.check_six_axis(mapping.path, f"wrenches.{foot}", shoe, foot)
         self._base_T_link = _base_T_link(mapping)
@@ -108,6 +111,7 @@ class _Importer:
                 None if at is None else bag.start_ns + round(1e9 * at)
                 for at in (trial.from_s, trial.to_s)
             ]
+            length_s = 1e-9 * (bag.end_ns - bag.start_ns)
             by_topic: dict[str, list[BagMessage]] = defaultdict(list)
             for count, message in enumerate(bag.messages(self._mapping.topics, *span), 1):
                 foreign.check_length(path, count)
@@ -126,7 +130,9 @@ class _Importer:
         missing = sorted(self._mapping.topics - set(by_topic))
         if missing:
             raise RecordingError(
-                path, f"has no message of {', '.join(missing)} in this trial; check from_s and to_s"
+                path,
+                f"has no message of {', '.join(missing)} in this trial; check from_s and to_s (the "
+                f"bag is {length_s:.1f} s long)",
             )
         return ImportedRun(path, trial.run, found, tuple(notes))
 
@@ -158,6 +164,13 @@ class _Importer:
         if topic in self._mapping.received:
             return [message.received_ns for message in received]
         stamps = [stamp_ns(message.content) for message in received]
+        if min(stamps) < 0 or max(stamps) >= foreign.LATEST_NS:
+            raise RecordingError(
+                path,
+                "has stamps before 1970 or after 2038; correct its sender, or list it under "
+                "'received' of the mapping",
+                field=topic,
+            )
         if not any(stamps):
             raise RecordingError(
                 path,
@@ -182,11 +195,11 @@ class _Importer:
             return self._joint_states(path, topic, stamps, contents, notes)
         if topic in mapping.cells.topics:
             return self._voltages(stamps, contents)
-        frame = str(contents[0].header.frame_id)
+        frame = self._frame(topic, str(contents[0].header.frame_id), notes)
         if topic == mapping.imu:
             return _imu(frame, stamps, contents)
         if mapping.base_pose is not None and topic == mapping.base_pose.topic:
-            return self._base_poses(frame, stamps, contents)
+            return self._base_poses(path, topic, frame, stamps, contents, notes)
         samples = _Samples(frame, stamps)
         samples.rows = [[*_xyz(one.wrench.force), *_xyz(one.wrench.torque)] for one in contents]
         kept, rows = samples.ordered()
@@ -196,6 +209,13 @@ class _Importer:
                 force, torque = rows[:, :3] @ wrench.rotation.T, rows[:, 3:] @ wrench.rotation.T
                 found += foreign.wrenches(foot, kept, frame, force, torque)
         return found
+
+    def _frame(self, topic: str, frame: str, notes: list[str]) -> str:
+        """A frame as the URDF names it; one that it has not stays as it is."""
+        known = without_prefix(frame, self._urdf.frames)
+        if known is not None and known != frame.lstrip("/"):
+            notes.append(f"{topic}: frame '{frame}' is taken as the URDF's '{known}'")
+        return known or frame
 
     def _joint_states(
         self, path: Path, topic: str, stamps: list[int], contents: list[Any], notes: list[str]
@@ -212,6 +232,13 @@ class _Importer:
             samples.rows.append(
                 np.concatenate([one.position, one.effort]) if with_effort else one.position
             )
+        if not by_names:
+            raise RecordingError(
+                path,
+                "none of its messages has a position for each of its names; name the topic of the "
+                "measured joint angles in the mapping",
+                field=topic,
+            )
         if without:
             notes.append(f"{topic}: {without} messages without joint angles left out")
         groups = [(names, np.array(one.stamps)) for (names, _), one in by_names.items()]
@@ -221,14 +248,21 @@ class _Importer:
         found = []
         for (names, with_effort), samples in by_names.items():
             renamed = [self._mapping.joints.rename.get(name, name) for name in names]
-            own = [place for place, name in enumerate(renamed) if name in self._joints]
-            unknown |= set(renamed) - self._joints
+            own = [place for place, name in enumerate(renamed) if name in self._urdf.joints]
+            unknown |= set(renamed) - self._urdf.joints
             if not own:
                 continue
             kept, rows = samples.ordered()
             effort = rows[:, len(names) :][:, own] if with_effort else None
-            position = rows[:, : len(names)][:, own]
+            position = rows[:, : len(names)][:, own] * self._mapping.angle_unit
             found += foreign.joint_states(kept, [renamed[place] for place in own], position, effort)
+        if not found:
+            raise RecordingError(
+                path,
+                f"names no joint of the robot (there are: {_few(unknown) or 'none'}); correct "
+                "'joints' of the mapping",
+                field=topic,
+            )
         if unknown:
             notes.append(f"{topic}: joints that the robot lacks left out: {_few(unknown)}")
         return found
@@ -253,13 +287,19 @@ class _Importer:
         ]
 
     def _base_poses(
-        self, frame: str, stamps: list[int], contents: list[Any]
+        self,
+        path: Path,
+        topic: str,
+        frame: str,
+        stamps: list[int],
+        contents: list[Any],
+        notes: list[str],
     ) -> list[StampedMessage]:
         kind = POSE_TYPES[contents[0].__msgtype__]
         samples = _Samples(frame, stamps)
         samples.rows = [kind(one) for one in contents]
         kept, rows = samples.ordered()
-        good = np.abs(np.linalg.norm(rows[:, 3:], axis=1) - 1.0) < 0.1
+        good = foreign.whole_poses(path, topic, rows[:, :3], rows[:, 3:], notes)
         kept, rows = kept[good], rows[good]
         rotation = Rotation.from_quat(rows[:, 3:])
         link_R_base, link_p_base = self._base_T_link

@@ -12,11 +12,15 @@ from scipy.spatial.transform import Rotation
 
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.recording.foreign import (
+    ANGLE_UNIT,
     RUN_KEYS,
+    SPAN_KEYS,
     MappedFiles,
     RunToImport,
     mapped_files,
+    read_angle_unit,
     read_run_to_import,
+    read_span,
 )
 from shoecal_core.sensing.shoe import FEET
 
@@ -83,12 +87,14 @@ class BagMapping:
     Attributes:
         path: the file.
         files: robot, URDF and shoe.
+        angle_unit: joint angles take it to be rad.
         wrenches: by foot.
         received: topics whose messages count at the time they were received, not at their stamp.
     """
 
     path: Path
     files: MappedFiles
+    angle_unit: float
     joints: NamedTopics
     cells: NamedTopics
     wrenches: Mapping[str, WrenchTopic]
@@ -126,7 +132,7 @@ def load_bag_mapping(path: Path, folder: Path) -> BagMapping:
     fields.format(FORMAT)
     fields.only(
         "format", "robot", "urdf", "shoe", "joints", "cells", "wrenches", "imu", "base_pose",
-        "received", "trials",
+        "received", "trials", ANGLE_UNIT,
     )  # fmt: skip
     if "cells" not in fields and "wrenches" not in fields:
         raise fields.error("wrenches", "is missing, and so is 'cells'; a run needs readings")
@@ -136,6 +142,7 @@ def load_bag_mapping(path: Path, folder: Path) -> BagMapping:
     mapping = BagMapping(
         path=Path(path),
         files=mapped_files(fields, folder),
+        angle_unit=read_angle_unit(fields),
         joints=_named_topics(fields.mapping("joints")),
         cells=_named_topics(fields.mapping("cells")) if "cells" in fields else NamedTopics((), {}),
         wrenches={}
@@ -192,11 +199,6 @@ def _chosen(fields: Fields, instead: str) -> None:
 
 
 def _trial(fields: Fields) -> BagTrial:
-    fields.only(*RUN_KEYS, "bag", "from_s", "to_s")
-    from_s = fields.number("from_s", minimum=0.0) if "from_s" in fields else None
-    return BagTrial(
-        run=read_run_to_import(fields),
-        bag=fields.text("bag"),
-        from_s=from_s,
-        to_s=fields.number("to_s", above=from_s or 0.0) if "to_s" in fields else None,
-    )
+    fields.only(*RUN_KEYS, *SPAN_KEYS, "bag")
+    from_s, to_s = read_span(fields)
+    return BagTrial(read_run_to_import(fields), fields.text("bag"), from_s, to_s)

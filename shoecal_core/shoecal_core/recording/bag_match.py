@@ -17,6 +17,7 @@ from shoecal_core.model.urdf import ROOT_JOINTS
 from shoecal_core.recording.bag import Bag
 from shoecal_core.recording.bag_import import IMU, JOINT_STATE, POSE_TYPES, WRENCH, stamp_ns
 from shoecal_core.recording.errors import RecordingError
+from shoecal_core.recording.names import matched_names, without_prefix
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.sensing.shoe import AXES, FEET, Shoe
 
@@ -213,7 +214,8 @@ def match_wrench(seen: Mapping[str, Seen], robot: Robot, shoe: Shoe, foot: str) 
     if len(fitting) > 1:
         return Match(tuple(fitting), chosen=False)
     one = wrenches[fitting[0]]
-    frame, extra, notes, turn = one.frames[0], dict[str, object](), list[str](), np.eye(3)
+    frame = _frame(robot.model, one.frames[0])
+    extra, notes, turn = dict[str, object](), list[str](), np.eye(3)
     rotation = _sole_R_sensor(robot, index, frame)
     if rotation is None:
         why = f"frame '{frame}' is not on the foot" if frame else "its messages name no frame"
@@ -241,7 +243,7 @@ def _sole_R_sensor(robot: Robot, foot: int, frame: str) -> NDArray[np.float64] |
     if _parent_joint(robot, frame) != robot.feet[foot].joint:
         return None
     model = robot.model
-    placement = model.frames[model.getFrameId(frame.lstrip("/"))].placement
+    placement = model.frames[model.getFrameId(_frame(model, frame))].placement
     return np.asarray(robot.feet[foot].placement.rotation.T @ placement.rotation)
 
 
@@ -262,38 +264,12 @@ def match_base_pose(seen: Mapping[str, Seen], robot: Robot) -> Match | None:
     fitting = framed or open_ended
     if len(fitting) != 1:
         return Match(tuple(fitting), chosen=False) if fitting else None
-    link = _child(seen[fitting[0]])
+    link = _frame(robot.model, _child(seen[fitting[0]]))
     root = str(robot.model.frames[ROOT_JOINTS].name)
     if link in ("", root):
         note = () if link else (f"its poses are taken as those of '{root}'; else add 'link'",)
         return Match(tuple(fitting), notes=note)
     return Match(tuple(fitting), extra={"link": link})
-
-
-def matched_names(found: Iterable[str], known: Iterable[str]) -> dict[str, str]:
-    """Known name by found name: the same, or alike but for case, namespace, `_` and `joint`.
-
-    Names that are alike to several are left out.
-    """
-    exact = {name: name for name in found if name in set(known)}
-    alike: dict[str, list[str]] = {}
-    for name in known:
-        alike.setdefault(_bare(name), []).append(name)
-    rest = [name for name in found if name not in exact]
-    by_bare: dict[str, list[str]] = {}
-    for name in rest:
-        by_bare.setdefault(_bare(name), []).append(name)
-    renamed = {
-        names[0]: alike[bare][0]
-        for bare, names in by_bare.items()
-        if len(names) == 1 and len(alike.get(bare, [])) == 1
-    }
-    return exact | {old: new for old, new in renamed.items() if new not in exact}
-
-
-def _bare(name: str) -> str:
-    last = name.rpartition("/")[2].lower()
-    return re.sub(r"[^a-z0-9]|joint", "", last)
 
 
 def _plain(names: list[str], last: str) -> list[str]:
@@ -305,12 +281,17 @@ def _plain(names: list[str], last: str) -> list[str]:
 def _parent_joint(robot: Robot, frame: str) -> int | None:
     """Joint that carries a link or fixed joint of the URDF; None where it has no such frame."""
     model: pin.Model = robot.model
-    name = frame.lstrip("/")
+    name = _frame(model, frame)
     return int(model.frames[model.getFrameId(name)].parentJoint) if model.existFrame(name) else None
 
 
+def _frame(model: pin.Model, frame: str) -> str:
+    """The URDF's name of a frame, without a robot's prefix."""
+    return without_prefix(frame, {str(one.name) for one in model.frames}) or frame.lstrip("/")
+
+
 def _child(one: Seen) -> str:
-    return one.children[0].lstrip("/") if one.children else ""
+    return one.children[0] if one.children else ""
 
 
 def _distinct(texts: Iterable[str]) -> tuple[str, ...]:

@@ -27,7 +27,7 @@ from mcap.stream_reader import StreamReader, breakup_chunk
 
 from shoecal_core.errors import FileTooLargeError
 from shoecal_core.files import open_file, read_error
-from shoecal_core.recording.errors import DamagedError, RecordingError
+from shoecal_core.recording.errors import DamagedError, RecordingError, reason_of
 from shoecal_core.recording.info import RECORD, RunInfo
 from shoecal_core.recording.schemas import type_hash
 
@@ -52,7 +52,8 @@ MAX_RECORDS = 500_000
 """Joints and voltages of four minutes at a thousand a second; taken apart within some seconds."""
 MAGIC = b"\x89MCAP0\r\n"
 """Begins and ends a file."""
-PACKED = (b"\x28\xb5\x2f\xfd", b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"PK")
+ZSTD = b"\x28\xb5\x2f\xfd"
+PACKED = (ZSTD, b"\x1f\x8b", b"BZh", b"\xfd7zXZ", b"PK")
 """Begin files packed by zstd, gzip, bzip2, xz and zip."""
 _ZSTD = "zstd"
 
@@ -232,7 +233,7 @@ def _records(path: Path) -> Iterator[Iterator[McapRecord]]:
             file.seek(0)
             yield _checked(path, _unfolded(path, _Reader(file, path.stat().st_size).records))
     except DAMAGE as error:
-        raise DamagedError(path, str(error) or type(error).__name__) from error
+        raise DamagedError(path, reason_of(error)) from error
     except OSError as error:
         raise read_error(path, error) from error
 

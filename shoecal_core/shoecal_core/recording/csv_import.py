@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -11,8 +12,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from shoecal_core.errors import FieldError
-from shoecal_core.model.urdf import joint_names
-from shoecal_core.recording import foreign
+from shoecal_core.model.urdf import Outline, read_outline
+from shoecal_core.recording import foreign, messages
 from shoecal_core.recording.csv_mapping import (
     CsvMapping,
     ImuColumns,
@@ -24,6 +25,11 @@ from shoecal_core.recording.csv_mapping import (
 )
 from shoecal_core.recording.csv_table import Column, Table
 from shoecal_core.recording.foreign import Floats, ImportedRun, StampedMessage, Stamps
+from shoecal_core.recording.imported_angles import (
+    check_angles,
+    no_angles,
+    optional_joints,
+)
 from shoecal_core.recording.join import in_order
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import Shoe, load_shoe
@@ -53,9 +59,10 @@ def import_csv(mapping_path: Path, folder: Path, out: Path) -> Session:
     folder = Path(folder)
     mapping = load_mapping(Path(mapping_path), folder)
     importer = _Importer(
-        mapping, folder, joint_names(mapping.files.urdf), load_shoe(mapping.files.shoe)
+        mapping, folder, read_outline(mapping.files.urdf), load_shoe(mapping.files.shoe)
     )
     runs = [importer.run(trial) for trial in mapping.trials]
+    runs = check_angles(mapping.path, mapping.files, runs)
     return foreign.write_session(out, mapping.files, runs)
 
 
@@ -72,30 +79,45 @@ class _Rows:
     stamps: Stamps
     kept: NDArray[np.int64]
 
-    def read(self, columns: tuple[Column, ...]) -> Floats:
-        """(T, c) numbers."""
-        return self.table.read_all(columns)[self.kept]
-
-    def read_with_gaps(self, columns: tuple[Column, ...], notes: list[str]) -> Floats:
-        """(T, c) numbers, NaN for readings that are not there; how many these are is noted."""
+    def read(self, columns: tuple[Column, ...], notes: list[str]) -> Floats:
+        """(T, c) numbers, NaN for those that are not there; how many these are is noted."""
         found = self.table.read_all(columns, gaps=True)[self.kept]
         missing = np.isnan(found).sum(axis=0)
         if missing.any():
             worst = columns[int(np.argmax(missing))].name
             notes.append(
-                f"{self.table.path.name}: {int(missing.sum())} readings are not there, "
+                f"{self.table.path.name}: {int(missing.sum())} values are not there, "
                 f"{int(missing.max())} of {len(found)} of '{worst}'"
             )
         return found
 
+    def read_whole(
+        self, groups: Sequence[tuple[Column, ...]], notes: list[str]
+    ) -> tuple[Stamps, list[Floats]]:
+        """Stamps (k,) of the rows that have all values, and (k, c) numbers of each group.
+
+        Raises:
+            FieldError: where no row has all.
+        """
+        found = self.read(tuple(column for group in groups for column in group), notes)
+        whole = np.isfinite(found).all(axis=1)
+        if not whole.any():
+            names = ", ".join(column.name for group in groups for column in group)
+            raise FieldError(
+                self.table.path,
+                f"no row has a number in each of {names}; record them, or take them out of the "
+                "mapping",
+            )
+        ends = np.cumsum([len(group) for group in groups])[:-1]
+        return self.stamps[whole], np.split(found[whole], ends, axis=1)
+
 
 class _Importer:
-    def __init__(
-        self, mapping: CsvMapping, folder: Path, joints: frozenset[str], shoe: Shoe
-    ) -> None:
+    def __init__(self, mapping: CsvMapping, folder: Path, urdf: Outline, shoe: Shoe) -> None:
         self._mapping = mapping
         self._folder = folder
-        self._joints = joints
+        self._joints = urdf.joints
+        self._optional = optional_joints(mapping.files.robot)
         self._shoe = shoe
         self._check_channels()
 
@@ -105,20 +127,20 @@ class _Importer:
         tables = {
             name: Table(self._folder / file, mapping.layout) for name, file in trial.files.items()
         }
-        rows = self._rows(tables, trial.start_ns, notes)
-        found = self._joint_states(rows)
+        rows = _cut(self._rows(tables, trial.start_ns, notes), trial)
+        found = self._joint_states(rows, notes)
         for name, meaning in mapping.tables.items():
             here = rows[name]
             if meaning.base_pose is not None:
-                found += _poses(here, meaning.base_pose)
+                found += _poses(here, meaning.base_pose, self._mapping.angle_unit, notes)
             if meaning.wrench is not None:
                 found += _wrenches(here, meaning.wrench, notes)
             if meaning.imu is not None:
-                found += _imu(here, meaning.imu)
+                found += _imu(here, meaning.imu, notes)
             if meaning.cells:
-                values = here.read_with_gaps(tuple(meaning.cells.values()), notes)
+                values = here.read(tuple(meaning.cells.values()), notes)
                 found += foreign.voltages(here.stamps, tuple(meaning.cells), values)
-        source = next(iter(tables.values())).path
+        source = next(tables[name].path for name, one in mapping.tables.items() if one.joints)
         return ImportedRun(source, trial.run, found, tuple(notes))
 
     def _rows(
@@ -156,13 +178,13 @@ class _Importer:
                 )
         return count
 
-    def _joint_states(self, rows: Mapping[str, _Rows]) -> list[StampedMessage]:
+    def _joint_states(self, rows: Mapping[str, _Rows], notes: list[str]) -> list[StampedMessage]:
         """Angles, with the efforts at the same instants."""
         effort_names: tuple[str, ...] = ()
         for name, meaning in self._mapping.tables.items():
             if meaning.efforts:
                 effort_names, columns = self._columns(rows[name].table, meaning.efforts)
-                effort_rows, efforts = rows[name], rows[name].read(columns)
+                effort_rows, efforts = rows[name], rows[name].read(columns, notes)
         found: list[StampedMessage] = []
         for name, meaning in self._mapping.tables.items():
             if not meaning.joints:
@@ -176,7 +198,12 @@ class _Importer:
                     if joint in effort_names:
                         own = efforts[:, effort_names.index(joint)]
                         effort[:, place] = np.interp(here.stamps, effort_rows.stamps, own)
-            found += foreign.joint_states(here.stamps, names, here.read(columns), effort)
+            position = here.read(columns, notes) * self._mapping.angle_unit
+            for joint, column, angles in zip(names, columns, position.T, strict=True):
+                if joint not in self._optional and np.isnan(angles).all():
+                    where = f"column '{column.name}'"
+                    raise no_angles(here.table.path, joint, self._mapping.files.robot, where)
+            found += foreign.joint_states(here.stamps, names, position, effort)
         return found
 
     def _columns(
@@ -235,29 +262,51 @@ def _timed(
     return _Rows(table, stamps[forward], np.flatnonzero(forward))
 
 
+def _cut(rows: dict[str, _Rows], trial: Trial) -> dict[str, _Rows]:
+    """The rows of a trial's span, which counts from the first row of all its tables.
+
+    Raises:
+        FieldError: for a table that has no row there.
+    """
+    if trial.from_s is None and trial.to_s is None:
+        return rows
+    start = min(int(one.stamps[0]) for one in rows.values())
+    from_s, to_s = trial.from_s or 0.0, math.inf if trial.to_s is None else trial.to_s
+    until = "" if trial.to_s is None else f" to {trial.to_s:g} s"
+    cut = {}
+    for name, one in rows.items():
+        since = (one.stamps - start) / messages.SECOND_NS
+        inside = (since >= from_s) & (since <= to_s)
+        if not inside.any():
+            raise FieldError(
+                one.table.path,
+                f"has no row from {from_s:g} s{until}: its rows are at {since[0]:.3f} to "
+                f"{since[-1]:.3f} s, counted from the first row of the trial's files; correct "
+                "'from_s' and 'to_s' of the mapping",
+            )
+        cut[name] = _Rows(one.table, one.stamps[inside], one.kept[inside])
+    return cut
+
+
 def _wrenches(rows: _Rows, columns: WrenchColumns, notes: list[str]) -> list[StampedMessage]:
-    """Of the rows that have all six."""
-    values = rows.read_with_gaps((*columns.force, *columns.torque), notes)
-    whole = np.isfinite(values).all(axis=1)
-    force, torque = values[whole, :3], values[whole, 3:]
-    return foreign.wrenches(columns.foot, rows.stamps[whole], columns.frame, force, torque)
+    stamps, (force, torque) = rows.read_whole([columns.force, columns.torque], notes)
+    return foreign.wrenches(columns.foot, stamps, columns.frame, force, torque)
 
 
-def _poses(rows: _Rows, columns: PoseColumns) -> list[StampedMessage]:
+def _poses(
+    rows: _Rows, columns: PoseColumns, angle_unit: float, notes: list[str]
+) -> list[StampedMessage]:
+    rotation = columns.zyx or columns.quaternion
+    assert rotation is not None
+    stamps, (translation, turn) = rows.read_whole([columns.translation, rotation], notes)
     if columns.zyx is not None:
-        quaternions = Rotation.from_euler("ZYX", rows.read(columns.zyx)).as_quat()
-    else:
-        assert columns.quaternion is not None
-        quaternions = rows.read(columns.quaternion)
-    translation = rows.read(columns.translation)
-    return foreign.base_poses(rows.stamps, columns.frame, translation, quaternions)
+        turn = Rotation.from_euler("ZYX", angle_unit * turn).as_quat()
+    good = foreign.whole_poses(rows.table.path, "base_pose", translation, turn, notes)
+    return foreign.base_poses(stamps[good], columns.frame, translation[good], turn[good])
 
 
-def _imu(rows: _Rows, columns: ImuColumns) -> list[StampedMessage]:
-    return foreign.imu(
-        rows.stamps,
-        columns.frame,
-        None if columns.quaternion is None else rows.read(columns.quaternion),
-        rows.read(columns.angular_velocity),
-        rows.read(columns.linear_acceleration),
-    )
+def _imu(rows: _Rows, columns: ImuColumns, notes: list[str]) -> list[StampedMessage]:
+    groups = [columns.angular_velocity, columns.linear_acceleration, columns.quaternion or ()]
+    stamps, (rate, acceleration, quaternion) = rows.read_whole(groups, notes)
+    oriented = quaternion if columns.quaternion else None
+    return foreign.imu(stamps, columns.frame, oriented, rate, acceleration)

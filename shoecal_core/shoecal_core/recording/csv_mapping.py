@@ -11,11 +11,15 @@ from pathlib import Path
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.recording.csv_table import Column, Layout
 from shoecal_core.recording.foreign import (
+    ANGLE_UNIT,
     RUN_KEYS,
+    SPAN_KEYS,
     MappedFiles,
     RunToImport,
     mapped_files,
+    read_angle_unit,
     read_run_to_import,
+    read_span,
 )
 from shoecal_core.sensing.shoe import FEET
 
@@ -102,11 +106,14 @@ class Trial:
         run: how it is listed.
         start_ns: when it began; its time columns count from there [ns].
         files: by table, relative to the recordings' folder.
+        from_s, to_s: span since the first row of its files [s]; None: from the start, to the end.
     """
 
     run: RunToImport
     start_ns: int
     files: Mapping[str, str]
+    from_s: float | None
+    to_s: float | None
 
 
 @dataclass(frozen=True)
@@ -116,12 +123,14 @@ class CsvMapping:
     Attributes:
         path: the file.
         files: robot, URDF and shoe.
+        angle_unit: joint angles and `zyx` take it to be rad.
         clock: the table whose time column counts for all, row by row; None: each has its own.
     """
 
     path: Path
     files: MappedFiles
     layout: Layout
+    angle_unit: float
     clock: str | None
     tables: Mapping[str, TableMapping]
     trials: tuple[Trial, ...]
@@ -141,7 +150,7 @@ def load_mapping(path: Path, folder: Path) -> CsvMapping:
     fields.format(FORMAT)
     fields.only(
         "format", "robot", "urdf", "shoe", "separator", "decimal", "lines_before_header",
-        "lines_after_header", "clock", "tables", "trials",
+        "lines_after_header", "clock", "tables", "trials", ANGLE_UNIT,
     )  # fmt: skip
     layout = _layout(fields)
     tables_block = fields.mapping("tables")
@@ -158,6 +167,7 @@ def load_mapping(path: Path, folder: Path) -> CsvMapping:
         path=Path(path),
         files=mapped_files(fields, folder),
         layout=layout,
+        angle_unit=read_angle_unit(fields),
         clock=clock,
         tables=tables,
         trials=tuple(_trial(item, tuple(names)) for item in fields.items("trials")),
@@ -265,13 +275,16 @@ def _column(fields: Fields, key: str, value: object) -> Column:
 
 
 def _trial(fields: Fields, tables: tuple[str, ...]) -> Trial:
-    fields.only(*RUN_KEYS, "start", "files")
+    fields.only(*RUN_KEYS, *SPAN_KEYS, "start", "files")
     files = fields.mapping("files")
     files.only(*tables)
+    from_s, to_s = read_span(fields)
     return Trial(
         run=read_run_to_import(fields),
         start_ns=_start(fields) if "start" in fields else 0,
         files={name: files.text(name) for name in tables},
+        from_s=from_s,
+        to_s=to_s,
     )
 
 

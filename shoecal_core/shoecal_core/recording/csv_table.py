@@ -73,8 +73,10 @@ class Table:
                         self._lines.append(layout.lines_before_header + reader.line_num)
         except OSError as error:
             raise read_error(path, error) from error
-        except (UnicodeDecodeError, csv.Error) as error:
-            raise FileSyntaxError(path, f"is no CSV file in UTF-8 ({error})") from error
+        except UnicodeDecodeError as error:
+            raise FileSyntaxError(path, "is no text in UTF-8; export it as such") from error
+        except csv.Error as error:
+            raise FileSyntaxError(path, f"is no CSV file ({error})") from error
         if not self._rows:
             raise FileSyntaxError(path, "has no rows below its header")
         for line, row in zip(self._lines, self._rows, strict=True):
@@ -101,9 +103,12 @@ class Table:
         """
         if self.names.count(column.name) != 1:
             problem = "is there twice" if column.name in self.names else "is missing"
+            cure = "correct the mapping or the file"
+            if len(self.names) == 1:
+                cure = "give the mapping the file's 'separator'"
             raise FieldError(
                 self.path,
-                f"{problem} (there are: {', '.join(self.names)}); correct the mapping or the file",
+                f"{problem} (there are: {', '.join(self.names)}); {cure}",
                 field=f"column '{column.name}'",
             )
         index = self.names.index(column.name)
@@ -113,7 +118,8 @@ class Table:
             wrong &= [row[index].strip().lower() not in NO_VALUE for row in self._rows]
         if wrong.any():
             place = int(np.flatnonzero(wrong)[0])
-            raise self.error(column.name, place, self._why(self._rows[place][index], place))
+            text, following = (row[index] for row in (self._rows[place : place + 2] * 2)[:2])
+            raise self.error(column.name, place, self._why(text, place, following))
         return numbers * column.scale
 
     def _number(self, text: str) -> float:
@@ -125,8 +131,8 @@ class Table:
         except ValueError:
             return math.nan
 
-    def _why(self, text: str, place: int) -> str:
-        """What is wrong with a value, by its place below the header."""
+    def _why(self, text: str, place: int, following: str) -> str:
+        """What is wrong with a value, by its place below the header and the value after it."""
         if self._decimal != "." and "." in text:
             return (
                 f"'{text}' has a '.', but 'decimal' is '{self._decimal}'; export the file without "
@@ -135,9 +141,9 @@ class Table:
         told = f"'{text}' is not a number"
         if self._decimal == "." and "," in text:
             return f"{told}; does the mapping lack decimal: ','?"
-        if place == 0:
+        if place == 0 and math.isfinite(self._number(following)):
             return f"{told}; skip a row of units below the header with 'lines_after_header: 1'"
-        return told
+        return f"{told}; leave the value empty where there is none, or correct the file"
 
     def read_all(self, columns: tuple[Column, ...], *, gaps: bool = False) -> Floats:
         """Numbers (T, c) of several columns; see `read`."""

@@ -2,9 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from shoecal_core.errors import FileError
+
+_PYTHON = re.compile(r"""\w*\((['"])(.*?)\1,?\)|[\[\]{}]|: \((\d+, )+\d+\)""")
+"""Names and bytes as Python shows them: ['a', 'b'], KeyError('a'), (1, 2)."""
+
+
+def reason_of(error: BaseException) -> str:
+    """What a library says of a file that it cannot read, without Python's way to write it."""
+    told = "" if isinstance(error, KeyError) else _PYTHON.sub(r"\2", str(error))
+    return told or "its content is not of its kind"
 
 
 class RecordingError(FileError):

@@ -15,6 +15,7 @@ from shoecal_core.files import Fields
 from shoecal_core.model.double_support import DoubleSupport, read_support
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.container import MAX_RECORDS
+from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.listing import HINTS
 from shoecal_core.recording.messages import series
 from shoecal_core.recording.session import Session
@@ -23,6 +24,8 @@ from shoecal_core.sensing.shoe import AXES, FEET, Shoe
 Floats = NDArray[np.float64]
 Stamps = NDArray[np.int64]
 
+UNIT_TOLERANCE = 0.1
+"""Lengths of quaternions that count differ from one by less."""
 LATEST_NS = 2**31 * messages.SECOND_NS
 """Stamps of ROS 2 end there."""
 
@@ -53,6 +56,22 @@ class RunToImport:
 
 RUN_KEYS = ("motion", "support", "set")
 """Fields of a mapping's trial that `read_run_to_import` reads."""
+SPAN_KEYS = ("from_s", "to_s")
+"""Fields of a mapping's trial that `read_span` reads."""
+ANGLE_UNIT = "angle_unit"
+_ANGLE_UNITS = {"rad": 1.0, "deg": float(np.pi / 180.0)}
+
+
+def read_angle_unit(fields: Fields) -> float:
+    """What angles of the recordings take to be rad: `angle_unit` of a mapping, `rad` or `deg`."""
+    return _ANGLE_UNITS[fields.choice(ANGLE_UNIT, _ANGLE_UNITS)] if ANGLE_UNIT in fields else 1.0
+
+
+def read_span(fields: Fields) -> tuple[float | None, float | None]:
+    """The fields SPAN_KEYS of one trial [s]; None: from the start, to the end."""
+    from_s = fields.number("from_s", minimum=0.0) if "from_s" in fields else None
+    to_s = fields.number("to_s", above=from_s or 0.0) if "to_s" in fields else None
+    return from_s, to_s
 
 
 def read_run_to_import(fields: Fields) -> RunToImport:
@@ -131,7 +150,7 @@ def check_length(source: Path, count: int) -> None:
         raise FileTooLargeError(
             source,
             f"holds over {MAX_RECORDS} messages, more than one run may; split it into several "
-            "trials (a bag by 'from_s' and 'to_s')",
+            "trials by 'from_s' and 'to_s'",
         )
 
 
@@ -180,6 +199,32 @@ def wrenches(
         return messages.wrench(stamp, frame, values[:3], values[3:])
 
     return _stamped(topic, stamps, series(one, stamps, np.hstack([force, torque])))
+
+
+def whole_poses(
+    source: Path, name: str, position: Floats, quaternion: Floats, notes: list[str]
+) -> NDArray[np.bool_]:
+    """Which poses (T,) count: numbers, and quaternions x y z w (T, 4) of unit length.
+
+    Others are noted.
+
+    Raises:
+        RecordingError: where none counts.
+    """
+    length = np.linalg.norm(quaternion, axis=1)
+    good: NDArray[np.bool_] = np.isfinite(position).all(axis=1) & (
+        np.abs(length - 1.0) < UNIT_TOLERANCE
+    )
+    if not good.any():
+        raise RecordingError(
+            source,
+            "none of its poses has a position and a unit quaternion x y z w; correct its sender, "
+            "or take the base pose out of the mapping",
+            field=name,
+        )
+    if not good.all():
+        notes.append(f"{name}: {np.count_nonzero(~good)} of {len(good)} are no poses, left out")
+    return good
 
 
 def base_poses(

@@ -86,6 +86,7 @@ def _joints(source: Source) -> tuple[NDArray[np.int64], tuple[str, ...], dict[st
     ) is not None:
         raise source.error(topic, tell_two_orders(*twice))
     pieces = []
+    lacking, naming = np.zeros(len(names), dtype=int), np.zeros(len(names), dtype=int)
     for block in blocks:
         columns = source.columns(topic, block.texts["name"], names)
         values = {"position": block.numbers["position"]}
@@ -99,10 +100,16 @@ def _joints(source: Source) -> tuple[NDArray[np.int64], tuple[str, ...], dict[st
                     "correct its sender",
                 )
             numbers[~np.isfinite(numbers)] = np.nan
+        lacking[columns] += np.isnan(values["position"]).sum(axis=0)
+        naming[columns] += len(block.index)
         pieces.append(Piece(block.stamp_ns, columns, values))
     stamps, joined = source.join(topic, pieces, names, ("position", "effort"))
     never = np.isnan(joined["position"]).all(axis=0)
     source.notes += [f"joint '{name}' was never recorded" for name in np.array(names)[never]]
+    source.notes += [
+        f"joint '{names[place]}' has no angle in {lacking[place]} of {naming[place]} messages"
+        for place in np.flatnonzero((lacking > 0) & ~never)
+    ]
     return stamps, names, joined
 
 

@@ -14,6 +14,8 @@ from shoecal_core.recording.source import Source
 from shoecal_core.sensing.shoe import AXES, FEET, Shoe
 
 _QUANTITIES = ("value", "status", "sequence", "temperature")
+LARGEST = 1e9
+"""No cell reads that much in any unit: its sender has written something else."""
 _BACKWARDS_SHARE = 0.1
 """A device restarts now and then; a counter that runs back more often belongs to two devices."""
 
@@ -59,7 +61,7 @@ def make_readings(source: Source, shoe: Shoe, time: Floats, joined: dict[str, Fl
         time: (T,) since the run's start [s].
         joined: (T, n) by quantity, as `read_readings` returns them.
     """
-    value = np.where(np.isfinite(joined["value"]), joined["value"], np.nan)
+    value = np.where(np.abs(joined["value"]) < LARGEST, joined["value"], np.nan)
     missing = np.isnan(value)
     status = np.where(
         missing & (joined["status"] != schemas.FAULT), schemas.NO_DATA, joined["status"]

@@ -12,6 +12,8 @@ from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.recording.info import RunInfo
 
 Floats = NDArray[np.float64]
+GAP_S, GAP_MEANS = 0.1, 2.5
+"""Intervals longer than this, and than so many mean ones, are gaps between samples."""
 
 
 @dataclass(frozen=True)
@@ -193,4 +195,11 @@ def _check_shape(name: str, array: NDArray[np.generic], shape: tuple[int, ...]) 
 
 
 def _rate(time: Floats) -> float:
-    return float(1.0 / np.median(np.diff(time))) if len(time) > 1 else 0.0
+    """Samples a second without the gaps: samples of one packet may be stamped shortly after each
+    other, so a median interval would tell of the packets.
+    """
+    steps = np.diff(time)
+    if not len(steps):
+        return 0.0
+    steps = steps[steps <= max(GAP_S, GAP_MEANS * float(np.mean(steps)))]
+    return float(1.0 / np.mean(steps))

@@ -11,6 +11,7 @@ from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.model.robot import Robot
 from shoecal_core.recording.align import interpolate_joints
 from shoecal_core.recording.errors import RecordingError
+from shoecal_core.recording.limits import beyond_limits, in_degrees
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.schemas import GOOD, JOINT_STATES
 from shoecal_core.sensing.shoe import Shoe
@@ -60,11 +61,12 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
 
     Raises:
         JointsMissingError: the run's joints are not the robot's.
-        RecordingError: too little remains, or angles are those of two senders.
+        RecordingError: too little remains, or angles are in degrees or those of two senders.
     """
     good = np.isfinite(run.readings.value).all(axis=1) & (run.readings.status == GOOD).all(axis=1)
     time = run.readings.time[good]
     names = told_joints(run, kinematics.robot)
+    _check_unit(run, names, kinematics.robot)
     _check_leaps(run, names, kinematics.robot)
     measured, covered = interpolate_joints(
         run.joints, time, MAX_JOINT_GAP_S, late_s=late_s, names=names
@@ -74,11 +76,31 @@ def align(run: Run, shoe: Shoe, kinematics: Kinematics, *, late_s: float = 0.0) 
         raise RecordingError(
             run.path,
             f"only {int(covered.sum())} samples have both good readings of all {len(shoe.names)} "
-            f"channels and joint angles; {_cure(run)}",
+            f"channels and joint angles; {_cure(run, names)}",
         )
     angles = angles[covered]
     readings = run.readings.value[good][covered]
     return Aligned(time[covered], readings, angles, kinematics.states(angles))
+
+
+def _check_unit(run: Run, names: list[str], robot: Robot) -> None:
+    """Refuse angles in degrees."""
+    for name in names:
+        joint, position = robot.joint(name), _told(run, name)
+        limits = robot.lower[joint], robot.upper[joint]
+        if len(position) and in_degrees(position, *limits):
+            raise RecordingError(
+                run.path,
+                f"{beyond_limits(name, position, *limits)}, but within them in degrees; record "
+                "them in rad, or import them with 'angle_unit: deg'",
+                field=JOINT_STATES,
+            )
+
+
+def _told(run: Run, name: str) -> FloatArray:
+    """(k,) angles of a joint, of where it has some [rad]."""
+    position = run.joints.position[:, run.joints.names.index(name)]
+    return position[np.isfinite(position)]
 
 
 def _check_leaps(run: Run, names: list[str], robot: Robot) -> None:
@@ -100,8 +122,13 @@ def _check_leaps(run: Run, names: list[str], robot: Robot) -> None:
             )
 
 
-def _cure(run: Run) -> str:
-    """What to look at: a channel that hardly ever reads well, else the clocks."""
+def _cure(run: Run, names: list[str]) -> str:
+    """What to look at: joints without angles, channels that hardly read well, else the clocks."""
+    if absent := [name for name in names if not len(_told(run, name))]:
+        return (
+            f"there is no angle of {', '.join(absent)}: record it, or list it under "
+            "'optional_joints' of the robot file if it stands still"
+        )
     readings = run.readings
     bad = ~np.isfinite(readings.value) | (readings.status != GOOD)
     silent = np.array(readings.names)[bad.mean(axis=0) > 0.5]

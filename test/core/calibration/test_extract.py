@@ -121,8 +121,15 @@ def test_optional_joints_that_are_never_told_stand_in_their_posture(run: Run) ->
     still[:, ROBOT.joint("left_shoulder")] = ROBOT.posture[ROBOT.joint("left_shoulder")]
     np.testing.assert_allclose(aligned.joint_angles, still, atol=1e-4)
     # A joint that is needed is not made up.
-    with pytest.raises(FileError, match="only 0 samples"):
+    expected = "only 0 samples .*; there is no angle of left_shoulder: record it, or list it under"
+    with pytest.raises(FileError, match=expected):
         align(silent, SHOE, KINEMATICS)
+
+
+def test_angles_in_degrees_are_refused(run: Run) -> None:
+    degrees = with_joints(run, position=np.degrees(run.joints.position))
+    with pytest.raises(FileError, match=r"joint '.*' is at .* rad, .*, but within them in degrees"):
+        align(degrees, SHOE, KINEMATICS)
 
 
 def test_two_senders_that_take_turns_are_refused(run: Run) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Writer as Writer1
-from rosbags.rosbag2 import StoragePlugin
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
 from rosbags.rosbag2 import Writer as Writer2
 from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
@@ -61,6 +61,7 @@ class BagWriter:
         self.store: Typestore = get_typestore(
             Stores.ROS1_NOETIC if self.ros1 else Stores.ROS2_JAZZY
         )
+        self.compression: CompressionMode | None = None
         self._messages: list[tuple[float, str, Any]] = []
         self._plugin = StoragePlugin.SQLITE3 if kind == "sqlite3" else StoragePlugin.MCAP
 
@@ -147,6 +148,14 @@ class BagWriter:
             ),
         )
 
+    def prefix_frames(self, prefix: str) -> None:
+        """Put a prefix before every frame that a message names."""
+        for _, _, message in self._messages:
+            if frame := getattr(getattr(message, "header", None), "frame_id", ""):
+                message.header.frame_id = f"{prefix}{frame}"
+            if hasattr(message, "child_frame_id"):
+                message.child_frame_id = f"{prefix}{message.child_frame_id}"
+
     def close(self) -> Path:
         """Write the file."""
         connections: dict[str, Connection] = {}
@@ -155,6 +164,8 @@ class BagWriter:
             if self.ros1
             else Writer2(self.path, version=9, storage_plugin=self._plugin)
         )
+        if self.compression is not None:
+            writer.set_compression(self.compression, CompressionFormat.ZSTD)
         serialise = self.store.serialize_ros1 if self.ros1 else self.store.serialize_cdr
         with writer:
             for received, topic, message in sorted(self._messages, key=lambda one: one[0]):

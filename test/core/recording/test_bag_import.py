@@ -5,6 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
+from mcap.writer import CompressionType, Writer
+from rosbags.rosbag2 import CompressionMode
 from rosbags.typesys import get_types_from_msg
 
 from core.recording import bags, samples
@@ -15,6 +18,7 @@ from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording import foreign, schemas
 from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
 from shoecal_core.recording.bag_import import import_bags
+from shoecal_core.recording.errors import reason_of
 from shoecal_core.recording.session import Session
 from shoecal_core.sensing.shoe import load_shoe
 
@@ -382,3 +386,218 @@ def test_a_bag_of_another_robot(lab: Lab) -> None:
     recorded = bags.walk(lab.folder, "other", "mcap", lab.joints).close()
     with pytest.raises(FileError, match="holds no readings of 'test_shoe'"):
         lab.draft(recorded)
+
+
+def standing(lab: Lab, name: str, unit: float = 1.0) -> Path:
+    """A bag of a robot that stands in its posture; its joint angles are times a unit."""
+    posture = unit * load_robot(lab.robot).posture
+    bag = bags.BagWriter(lab.folder, name, "mcap")
+    for time in np.arange(0.0, 0.5, 0.01):
+        bag.add(time, "/joint_states", bag.joint_state(time, list(lab.joints), posture))
+        for side in ("left", "right"):
+            bag.add(time, f"/{side}", bag.wrench(time, f"{side}_sensor", [0.0, 0.0, 50.0]))
+    return bag.close()
+
+
+@pytest.mark.parametrize("kind", ["mcap", "sqlite3"])
+@pytest.mark.parametrize("mode", [CompressionMode.FILE, CompressionMode.MESSAGE])
+def test_compressed_bags_are_read(lab: Lab, kind: str, mode: CompressionMode) -> None:
+    """As a folder, and its only file alone."""
+    bag = bags.walk(lab.folder, "walk", kind, lab.joints)
+    bag.compression = mode
+    folder = bag.close()
+    lab.draft(folder)
+    whole = lab.imported().read(1)
+    (file,) = (path for path in folder.iterdir() if path.name != "metadata.yaml")
+    lab.edit(trials=[{"motion": "walking", "bag": f"walk/{file.name}"}])
+    alone = lab.imported(lab.folder / "alone").read(1)
+    np.testing.assert_array_equal(alone.joints.position, whole.joints.position)
+
+
+@pytest.mark.parametrize(
+    ("name", "problem"),
+    [
+        ("walk.bag.bz2", "is compressed; unpack it: `bunzip2 walk.bag.bz2`"),
+        ("walk.mcap.zst", "is not compressed by zstd, as its name says; copy it anew"),
+    ],
+)
+def test_a_file_that_is_packed_otherwise(lab: Lab, name: str, problem: str) -> None:
+    file = lab.folder / name
+    file.write_bytes(b"BZh91AY&SY")
+    with pytest.raises(FileError) as caught:
+        lab.draft(file)
+    assert str(caught.value) == f"{file}: {problem}"
+
+
+def test_chunks_compressed_by_lz4_are_read(lab: Lab) -> None:
+    folder = bags.walk(lab.folder, "walk", "mcap", lab.joints).close()
+    packed = lab.folder / "packed.mcap"
+    with (folder / "walk.mcap").open("rb") as source, packed.open("wb") as target:
+        writer = Writer(target, compression=CompressionType.LZ4)
+        writer.start("ros2")
+        channels: dict[int, int] = {}
+        for schema, channel, message in make_reader(source).iter_messages():
+            assert schema is not None
+            if channel.id not in channels:
+                kind = writer.register_schema(schema.name, schema.encoding, schema.data)
+                channels[channel.id] = writer.register_channel(channel.topic, "cdr", kind)
+            writer.add_message(
+                channels[channel.id], message.log_time, message.data, message.publish_time
+            )
+        writer.finish()
+    lab.draft(packed)
+    assert len(lab.imported().read(1).joints.time) == 200
+
+
+@pytest.mark.parametrize(
+    ("suffix", "cure"), [(".zst", "zstd -d walk.mcap.zst"), (".gz", "gunzip walk.mcap.gz")]
+)
+def test_files_packed_after_recording_name_the_command(lab: Lab, suffix: str, cure: str) -> None:
+    folder = bags.walk(lab.folder, "walk", "mcap", lab.joints).close()
+    file = folder / "walk.mcap"
+    file.rename(file.with_name(f"walk.mcap{suffix}"))
+    with pytest.raises(FileError) as caught:
+        lab.draft(folder)
+    assert str(caught.value).startswith(f"{file}{suffix}: is compressed")
+    assert f"unpack it: `{cure}`" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "problem"),
+    [
+        ("", "", "walk/walk.mcap: is listed in metadata.yaml, but does not exist; put it back"),
+        ("rosbag2_bagfile", "x", "walk/metadata.yaml: does not list the files of a bag; make it"),
+        ("version: 9", "version: 99", "version 99 not supported); convert it with `ros2 bag conv"),
+    ],
+)
+def test_a_folder_that_is_not_whole(lab: Lab, old: str, new: str, problem: str) -> None:
+    folder = bags.walk(lab.folder, "walk", "mcap", lab.joints).close()
+    metadata = folder / "metadata.yaml"
+    if old:
+        metadata.write_text(metadata.read_text().replace(old, new))
+    else:
+        (folder / "walk.mcap").unlink()
+    with pytest.raises(FileError) as caught:
+        lab.draft(folder)
+    assert problem in str(caught.value)
+
+
+def test_errors_of_libraries_are_without_python(lab: Lab) -> None:
+    file = lab.folder / "text.mcap"
+    file.write_text("hello world, this is no bag")
+    with pytest.raises(FileError, match=r"\(not a valid MCAP file, invalid magic\); repair it"):
+        lab.draft(file)
+    assert reason_of(ValueError("damaged: ('cut',), ['a']")) == "damaged: cut, 'a'"
+    for error in (AssertionError(), KeyError("topic")):
+        assert reason_of(error) == "its content is not of its kind"
+
+
+def test_stamps_that_cannot_be_are_refused(lab: Lab) -> None:
+    bag = bags.walk(lab.folder, "walk", "mcap", lab.joints)
+    bag.add(0.0, "/imu/data", bag.imu(-bags.START_S - 5.0, "body"))
+    lab.draft(bag.close())
+    with pytest.raises(FileError, match=r"walk: /imu/data: has stamps before 1970 or after 2038"):
+        lab.imported()
+
+
+def test_a_topic_of_other_joints_is_refused(lab: Lab) -> None:
+    lab.draft(bags.walk(lab.folder, "walk", "mcap", lab.joints, prefix=PREFIX).close())
+    lab.edit(joints={"topics": ["/joint_states"]})
+    with pytest.raises(FileError, match="/joint_states: names no joint of the robot"):
+        lab.imported()
+
+
+@pytest.mark.parametrize("prefix", ["nao6/", "/nao6_"])
+def test_frames_with_a_robots_prefix(lab: Lab, prefix: str) -> None:
+    """Sensors are found by their frames all the same, and the notes say so."""
+    bag = bags.walk(lab.folder, "walk", "mcap", lab.joints)
+    bag.prefix_frames(prefix)
+    mapping = lab.draft(bag.close())
+    assert mapping["wrenches"] == {
+        "left": {"topic": "/left_ankle/wrench", "rotation_rpy_rad": [0.0, 0.0, 1.570796327]},
+        "right": {"topic": "/right_ankle/wrench"},
+    }
+    assert mapping["base_pose"] == {"topic": "/odom"}
+    run = lab.imported().read(1)
+    assert f"/imu/data: frame '{prefix}body' is taken as the URDF's 'body'" in run.info.notes
+    assert run.imu is not None
+    assert run.imu.frame == "body"
+
+
+def test_angles_in_degrees(lab: Lab) -> None:
+    """The draft says so; an import without that is refused."""
+    unit = float(np.degrees(1.0))
+    mapping = lab.draft(standing(lab, "stands", unit))
+    assert mapping["angle_unit"] == "deg"
+    run = lab.imported().read(1)
+    np.testing.assert_allclose(run.joints.position[3], load_robot(lab.robot).posture, atol=1e-12)
+    lab.edit(angle_unit=None)
+    with pytest.raises(FileError, match=r"stands: joint '.*' is at .* rad, beyond its limits "):
+        lab.imported(lab.folder / "other")
+
+
+def test_a_joint_beyond_its_limits_is_noted(lab: Lab) -> None:
+    lab.draft(bags.walk(lab.folder, "walk", "mcap", lab.joints).close())
+    urdf = lab.folder / "wren.urdf"
+    urdf.write_text(urdf.read_text().replace('lower="-1.5" upper="1.5"', 'lower="-2" upper="-1"'))
+    note = "joint 'head_pan' is at 0.1 rad, beyond its limits -2 to -1 rad in the URDF: check unit"
+    assert any(one.startswith(note) for one in lab.imported().runs[0].info.notes)
+
+
+def test_a_support_of_the_opposite_sign_is_refused(lab: Lab) -> None:
+    lab.draft(standing(lab, "stands"))
+    trial = {"motion": "standing", "bag": "stands"}
+    dx, dy, dtheta = read_yaml(lab.mapping).items("trials")[0].array("support", (3,)).tolist()
+    lab.edit(trials=[{**trial, "support": [dx, -dy, dtheta]}])
+    with pytest.raises(FileError) as caught:
+        lab.imported()
+    expected = f"trials[0].support: dy is {-dy:.4g} m, but {dy:.4g} m by the joint angles of stands"
+    assert expected in str(caught.value)
+    assert "the sign is opposite" in str(caught.value)
+    lab.edit(trials=[{**trial, "support": [dx + 0.1, dy, dtheta]}])
+    assert lab.imported().runs[0].info.notes[0].startswith(f"support: dx is {dx + 0.1:.4g} m, but")
+
+
+def test_joints_without_angles_are_refused(lab: Lab) -> None:
+    names = list(lab.joints)
+    knee = names.index("left_knee")
+    for name, positions, problem in (
+        (
+            "one",
+            np.where(np.arange(len(names)) == knee, np.nan, 0.0),
+            "one: holds no angle of joint 'left_knee'",
+        ),
+        ("all", [], "all: /joint_states: none of its messages has a position for each of its"),
+    ):
+        bag = bags.BagWriter(lab.folder, name, "mcap")
+        for time in np.arange(0.0, 0.5, 0.01):
+            bag.add(time, "/joint_states", bag.joint_state(time, names, positions))
+            bag.add(time, "/left", bag.wrench(time, "left_sensor", [0.0, 0.0, 50.0]))
+        lab.draft(bag.close())
+        with pytest.raises(FileError) as caught:
+            lab.imported()
+        assert problem in str(caught.value)
+
+
+def test_a_joint_that_the_robot_needs_is_asked_for(lab: Lab) -> None:
+    bag = bags.BagWriter(lab.folder, "stands", "mcap")
+    for time in np.arange(0.0, 0.5, 0.01):
+        bag.add(time, "/joint_states", bag.joint_state(time, list(lab.joints[:-1]), 19 * [0.0]))
+        bag.add(time, "/left", bag.wrench(time, "left_sensor", [0.0, 0.0, 50.0]))
+    lab.draft(bag.close())
+    lab.edit(trials=[{"motion": "standing", "bag": "stands", "support": [0.0, -0.1, 0.0]}])
+    with pytest.raises(FileError, match=f"stands: robot 'wren' needs joint.* {lab.joints[-1]}"):
+        lab.imported()
+
+
+def test_a_base_pose_without_poses_is_refused(lab: Lab) -> None:
+    bag = bags.walk(lab.folder, "walk", "mcap", lab.joints)
+    lab.draft(bag.close())
+    bag = bags.BagWriter(lab.folder, "again", "mcap")
+    for time in np.arange(0.0, 0.5, 0.01):
+        bag.add(time, "/odom", bag.odometry(time, "body", [0, 0, 0.8], [0, 0, 0, 0]))
+        bag.add(time, "/joint_states", bag.joint_state(time, list(lab.joints), 20 * [0.0]))
+        bag.add(time, "/left", bag.wrench(time, "left_sensor", [0.0, 0.0, 50.0]))
+    lab.draft(bag.close())
+    with pytest.raises(FileError, match="again: /odom: none of its poses has a position and"):
+        lab.imported()

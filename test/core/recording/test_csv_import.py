@@ -138,8 +138,15 @@ def test_cells_own_times_named_joints_and_commas(folder: Path) -> None:
         ("b/pos.csv", ";other", ";tx", "b/pos.csv: column 'tx': is there twice"),
         ("b/pos.csv", "0.3;-0.2;9", "0.3;-0.2", "b/pos.csv: line 3: 9 values for 10 columns"),
         ("b/pos.csv", "20;0.2", "20;x0.2", "column 'LKneePitch', line 3: 'x0.2' is not a number"),
-        ("b/pos.csv", "20;0.2", "20;", "column 'LKneePitch', line 3: '' is not a number"),
-        ("b/pos.csv", "20;0.2", "20;nan", "column 'LKneePitch', line 3: 'nan' is not a number"),
+        ("b/pos.csv", "20;0.2", ";0.2", "column 't', line 3: '' is not a number"),
+        (
+            "mapping.yaml",
+            "[0.01, -0.2, 0.1]",
+            "[10, -200, 0.1]",
+            "trials[0].support: dx 10, dy -200, dtheta 0.1: dx and dy are metres",
+        ),
+        ("b/pos.csv", "20;0.2", "nan;0.2", "column 't', line 3: 'nan' is not a number"),
+        ("b/pos.csv", POS, POS.replace(";", ","), "; give the mapping the file's 'separator'"),
         ("b/pos.csv", "40.5;", "20;", "column 't', line 4: time repeats or goes back"),
         ("b/pos.csv", "\n0;", "\n-1;", "column 't', line 2: time is negative"),
         ("b/pos.csv", "40.5;", "1e15;", "column 't', line 4: time is negative or after 2038"),
@@ -223,7 +230,51 @@ def test_readings_that_are_not_there(folder: Path, nothing: str) -> None:
     (folder / "a" / "ft.csv").write_text(FT.replace("-4", nothing))
     run = import_all(folder).read(1)
     np.testing.assert_allclose(run.readings.time, [0.0, 0.0405])
-    assert "ft.csv: 1 readings are not there, 1 of 3 of 'fz'" in run.notes
+    assert "ft.csv: 1 values are not there, 1 of 3 of 'fz'" in run.notes
+
+
+def test_joint_angles_that_are_not_there(folder: Path) -> None:
+    """Some are gaps; a joint without any is refused unless it is optional."""
+    pos = folder / "a" / "pos.csv"
+    pos.write_text(POS.replace("20;0.2", "20;"))
+    run = import_all(folder).read(1)
+    assert "pos.csv: 1 values are not there, 1 of 3 of 'LKneePitch'" in run.notes
+    np.testing.assert_array_equal(run.joints.position[:, 0], [0.1, np.nan, 0.3])
+    pos.write_text(
+        POS.replace(";0.1;1", ";;1").replace(";0.2;1", ";;1").replace(";0.3;1", ";NaN;1")
+    )
+    other = folder.rename(folder.with_name("again"))
+    mapping = other / "mapping.yaml"
+    expected = "column 'LKneePitch': holds no angle of joint 'LKneePitch'; record it, or list it"
+    with pytest.raises(FileError, match=expected):
+        import_csv(mapping, other, other / "out")
+    (other / "robot.yaml").write_text(f"{samples.ROBOT_YAML}optional_joints: [LKneePitch]\n")
+    run = import_csv(mapping, other, other / "out").read(1)
+    assert "joint 'LKneePitch' was never recorded" in run.notes
+
+
+def test_a_span_of_the_tables(folder: Path) -> None:
+    mapping = yaml.safe_load(MAPPING)
+    mapping["trials"][0] |= {"from_s": 0.01, "to_s": 0.03}
+    (folder / "mapping.yaml").write_text(yaml.safe_dump(mapping))
+    run = import_all(folder).read(1)
+    np.testing.assert_array_equal(run.joints.position, [[0.2, -0.2]])
+    np.testing.assert_array_equal(run.readings.value[:, 2], [4.0])
+    mapping["trials"][0] |= {"from_s": 10, "to_s": 20}
+    (folder / "mapping.yaml").write_text(yaml.safe_dump(mapping))
+    expected = r"csv: has no row from 10 s to 20 s: its rows are at 0.000 to 0.041 s"
+    with pytest.raises(FileError, match=expected):
+        import_csv(folder / "mapping.yaml", folder, folder / "out")
+
+
+def test_angles_in_degrees(folder: Path) -> None:
+    """Of joints and of a base pose."""
+    (folder / "mapping.yaml").write_text(f"{MAPPING}angle_unit: deg\n")
+    run = import_all(folder).read(1)
+    np.testing.assert_allclose(run.joints.position[0], np.radians([0.1, -0.1]))
+    assert run.base_pose is not None
+    turn = Rotation.from_euler("ZYX", np.radians([0.1, 0.2, 0.3]))
+    np.testing.assert_allclose(run.base_pose.quaternion[0], turn.as_quat())
 
 
 def test_one_row_more_is_left_out_and_reported(folder: Path) -> None:

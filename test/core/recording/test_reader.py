@@ -146,6 +146,18 @@ def test_stamps_that_were_never_set_are_an_error(record: Record, shoe: Shoe) -> 
         record([(schemas.JOINT_STATES, data)] * 3)
 
 
+def test_readings_that_no_cell_gives_are_none(record: Record, shoe: Shoe) -> None:
+    run = record([joints(0), volts(0, shoe.names, value=1e300), volts(1, shoe.names)])
+    assert np.isnan(run.readings.value[0]).all()
+    assert (run.readings.status[0] == schemas.NO_DATA).all()
+
+
+def test_joints_that_lack_angles_now_and_then_are_noted(record: Record, shoe: Shoe) -> None:
+    told = [joints(step, value=np.nan if step == 1 else 0.0) for step in range(4)]
+    run = record([*told, volts(0, shoe.names)])
+    assert f"joint '{JOINTS[0]}' has no angle in 1 of 4 messages" in run.notes
+
+
 def test_joints_of_two_publishers_are_joined(record: Record, shoe: Shoe) -> None:
     run = record(
         [

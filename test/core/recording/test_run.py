@@ -25,3 +25,12 @@ def test_time_must_increase(time: list[float]) -> None:
 def test_something_must_be_there() -> None:
     with pytest.raises(ShapeError, match="T > 0"):
         TemperatureSamples(np.empty(0), np.empty(0))
+
+
+def test_rates_are_those_of_samples_not_of_packets() -> None:
+    """Four samples each 40 ms arrive at once: 100 Hz, whatever gap is in the recording."""
+    packets = 0.04 * np.arange(100)[:, None] + [0.0, 0.001, 0.002, 0.003]
+    packets[50:] += 30.0
+    time = packets.ravel()
+    joints = JointSamples(time, ("a",), np.zeros((400, 1)), None)
+    assert joints.rate_hz == pytest.approx(100.0, rel=0.02)
