@@ -44,7 +44,7 @@ def print_diagnosis(
         console.print(causes_table(diagnosis.causes))
     if len(diagnosis.ambiguity) > 1:
         alike = "; ".join(f"{one.label} {one.probability:.0%}" for one in diagnosis.ambiguity)
-        console.print(f"not to be told apart: {alike}", markup=False, soft_wrap=True)
+        console.print(f"not separable: {alike}", markup=False, soft_wrap=True)
     if made_of := [one for one in diagnosis.budget if abs(one.cop_share) >= LEAST_SHARE]:
         shares = ", ".join(f"{one.label} {one.cop_share:.0%}" for one in made_of)
         console.print(f"the CoP's gap is made of: {shares}", markup=False, soft_wrap=True)

@@ -46,16 +46,16 @@ SIGNALS: Mapping[str, str] = {
     "air_f": "force on a lifted foot",
     "air_mx": "moment about x on a lifted foot",
     "air_my": "moment about y on a lifted foot",
-    "closure": "way from sole to sole",
-    "closure_x": "way from sole to sole, forward",
-    "closure_y": "way from sole to sole, sideways",
-    "closure_z": "way from sole to sole, upward",
-    "closure_roll": "turn from sole to sole about x",
-    "closure_pitch": "turn from sole to sole about y",
-    "closure_yaw": "turn from sole to sole about z",
-    "parity": "fourth cell against three",
-    "parity_left": "fourth cell against three, left",
-    "parity_right": "fourth cell against three, right",
+    "closure": "closure",
+    "closure_x": "closure, forward",
+    "closure_y": "closure, sideways",
+    "closure_z": "closure, upward",
+    "closure_roll": "closure, rotation about x",
+    "closure_pitch": "closure, rotation about y",
+    "closure_yaw": "closure, rotation about z",
+    "parity": "rigid-plate parity",
+    "parity_left": "rigid-plate parity, left",
+    "parity_right": "rigid-plate parity, right",
     "tilt": "tilt of the body",
     "tilt_x": "tilt of the body about x",
     "tilt_y": "tilt of the body about y",
@@ -105,7 +105,7 @@ REASONS: Mapping[frozenset[str], str] = {
         "without standing still, what lags with time and what lags with load look alike"
     ),
 }
-"""Why two effects cannot be told apart, by the two."""
+"""Why two effects cannot be separated, by the two."""
 ALIKE = "in the motions of this session both leave the same trace in every signal"
 
 _JOINTS = {"joint_offset", "joint_compliance", "backlash"}
@@ -213,7 +213,7 @@ def where_text(place: Where) -> str:
 
 
 def why_alike(labels: Sequence[str]) -> str:
-    """Why hypotheses cannot be told apart, by the effects in them."""
+    """Why hypotheses cannot be separated, by the effects in them."""
     effects = frozenset(effect_of(label) for label in labels)
     found = [reason for pair, reason in REASONS.items() if pair <= effects]
     if found:

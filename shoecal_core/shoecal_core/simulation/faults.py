@@ -15,7 +15,7 @@ class RobotFellError(ShoecalError):
     def __init__(self, robot: str, time: float, tilt: float, height: float) -> None:
         self.time = time
         super().__init__(
-            f"simulated robot '{robot}' fell at {time:.2f} s (torso tilted by {tilt:.2f} rad, at "
+            f"simulated robot '{robot}' fell at {time:.2f} s (soles tilted by {tilt:.2f} rad, torso at "
             f"{height:.0%} of its standing height); plan a slower motion or a wider stance"
         )
 
