@@ -176,7 +176,9 @@ def _known(
     """Print and return what a calibration from the planned motions would identify."""
     visits = [Visit.of(planned.motion) for planned in plan.motions]
     known = identifiability(robot, shoe, total_information(robot, shoe, visits), settings)
-    console.print(f"a calibration from them would identify {known.rank} of {known.possible} directions")
+    console.print(
+        f"a calibration from them would identify {known.rank} of {known.possible} directions"
+    )
     for line in weak_lines(known):
         console.print(line, soft_wrap=True)
     return known

@@ -80,7 +80,7 @@ def _fixed(content: CalibrationReport, told: Told) -> Group:
             "so the expected errors above include them."
         )
     else:
-        text = "All directions of gains and offsets that double supports can identify are identified."
+        text = "All directions of gains and offsets that double supports show are identified."
     return Group(
         title="Identified directions",
         text=text,
@@ -102,7 +102,7 @@ def _left_out(content: CalibrationReport, told: Told) -> Group:
     late = time_offset_text(told, content.calibration.time_offset)
     return Group(
         title="What was left out before the fit",
-        text=f"{text} Time offset, joints against readings: {late} (95\N{NO-BREAK SPACE}% interval), "
+        text=f"{text} Time offset (joints after readings): {late}, 95\N{NO-BREAK SPACE}% interval; "
         "corrected by the fit.",
         pictures=() if picture is None else (picture,),
         tables=_known(left_out_table(told.screening), findings_table(told.screening)),

@@ -92,9 +92,9 @@ def _key_figures(content: CheckReport) -> tuple[KeyFigure, ...]:
                   f"{counted - lost} of {counted}"),
         KeyFigure("readings come at", _rates(readings), "the lowest and the highest of a run"),
         KeyFigure("joint angles come at", _rates(joints), "the lowest and the highest of a run"),
-        KeyFigure("time offset", quantity(1e3 * late, "ms", 1), "joints after readings, found before "
-                  "the fit") if late else KeyFigure("time offset", "none", "joints after readings, "
-                  "before the fit"),
+        KeyFigure("time offset", quantity(1e3 * late, "ms", 1), "joints after readings, found "
+                  "before the fit") if late else KeyFigure("time offset", "none",
+                  "joints after readings, before the fit"),
         KeyFigure("double supports", str(len(_supports(content))),
                   "that differ; their yaws must, too"),
         KeyFigure("reference weight", weight, "robot and shoes, ± standard uncertainty"),

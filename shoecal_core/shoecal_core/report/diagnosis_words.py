@@ -38,6 +38,35 @@ EFFECTS: Mapping[str, str] = {
 }
 """What each effect of the library is; others stand under their own name."""
 
+STATES: Mapping[str, str] = {
+    "nonlinearity": "bends with load",
+    "saturation": "saturates",
+    "hysteresis": "has hysteresis",
+    "creep": "creeps under load",
+    "zero_offset": "has a shifted zero",
+    "zero_drift": "has a drifting zero",
+    "span_drift": "has a drifting gain",
+    "stuck_cell": "is stuck",
+    "swapped_cells": "has its cable at the other's place",
+    "crosstalk": "shows the other's load",
+    "cell_position": "is not where the shoe file says",
+    "off_axis_load": "feels sideways forces",
+    "latency": "reads late",
+    "low_pass": "lags behind a filter",
+    "total_mass": "weighs other than its file says",
+    "payload": "carries a mass that the model does not know",
+    "link_com": "has its centre of mass elsewhere than in the URDF",
+    "joint_offset": "has an encoder offset",
+    "joint_compliance": "gives under load",
+    "backlash": "has backlash",
+    "foot_placement": "is mounted elsewhere than modelled",
+    "slip": "slipped",
+    "floor_tilt": "is on a floor that is not level",
+    "soft_ground": "is on soft ground",
+    "inertia": "moves too fast to be taken as standing still",
+}
+"""What each effect does at its place, after the place's name."""
+
 SIGNALS: Mapping[str, str] = {
     "grf": "GRF",
     "cop_x": "CoP forward",
@@ -111,6 +140,7 @@ ALIKE = "in the motions of this session both leave the same trace in every signa
 _JOINTS = {"joint_offset", "joint_compliance", "backlash"}
 _LINKS = {"payload", "link_com"}
 _EVERYWHERE = dict.fromkeys(_JOINTS, "all joints of the legs") | {"total_mass": "whole robot"}
+_EACH = dict.fromkeys(_JOINTS, "each leg joint") | {"total_mass": "the robot"}
 _SHOWN: Mapping[str, tuple[float, str]] = {
     "m": (1e3, "mm"),
     "rad": (180.0 / math.pi, "°"),
@@ -158,6 +188,22 @@ def candidate_text(one: Candidate | Cause) -> str:
     """Name and place, short."""
     place = place_text(one.effect, one.location)
     return f"{name_of(one.effect)} ({place})" if place else name_of(one.effect)
+
+
+def finding_text(cause: Cause) -> str:
+    """Place, effect and probability: `left/front_left bends with load (96 %)`."""
+    places = [f"{name} foot" if name in FEET else name for name in cause.location]
+    if not places:
+        where = "the robot"
+    elif places == ["all"]:
+        where = _EACH.get(cause.effect, "each foot")
+    else:
+        where = places[0] if len(places) == 1 else f"each of {listed(places)}"
+    if cause.effect == "crosstalk" and len(places) == 2:
+        where = places[0]
+    state = STATES.get(cause.effect, f"shows {name_of(cause.effect)}")
+    run = "" if cause.run is None else f" in run {cause.run}"
+    return f"{where} {state}{run} ({100.0 * cause.probability:.0f}{SPACE}%)"
 
 
 def label_text(label: str) -> str:

@@ -141,7 +141,7 @@ def _fixed_figure(known: Identifiability) -> tuple[KeyFigure, ...]:
 def _fixed_line(known: Identifiability) -> str:
     """A sentence for the verdict: a motion that may be done can still tell too little."""
     if known.rank >= known.possible:
-        return "A calibration from these motions would identify every direction that can be identified."
+        return "A calibration from these motions would identify every identifiable direction."
     return (
         f"A calibration from these motions alone would identify {known.rank} of {known.possible} "
         "directions: add double supports with other yaws between the feet."
@@ -238,7 +238,7 @@ def _table(motions: Sequence[PlannedMotion]) -> Table:
         "", "motion", "right foot: forward", "to the left", "yaw", "duration",
         "landmarks reached", "highest torque",
     )  # fmt: skip
-    note = "The right foot’s position is given in the left sole’s frame, at the start of the motion."
+    note = "The right foot’s position is given in the left sole’s frame, at the motion’s start."
     return Table("Motions", header, rows, note)
 
 

@@ -17,7 +17,7 @@ SMALLEST = 1e-2
 
 
 def singular_values(values: FloatArray, limit: float = 1.0) -> str:
-    """Bars of singular values (p,), largest first, from the line that separates identified directions from others.
+    """Bars of singular values (p,), largest first, from the limit of identified ones.
 
     Args:
         values: of the whitened Jacobian: one over a direction's relative uncertainty.
