@@ -39,7 +39,7 @@ SETTLING_S = 1.5
 BROKEN_M = 0.005
 """m; a CoP farther off what slow motion makes of it is none of a robot that stands still."""
 LEAST_SAMPLES = 20
-NOT_STILL = (Fault.TOO_FAST, Fault.JOLTED)
+NOT_STILL = (Fault.TOO_FAST, Fault.DISTURBED)
 """Whether the joints show it or the cells alone, the robot does not stand still."""
 
 

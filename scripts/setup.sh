@@ -6,7 +6,7 @@
 # for done. PYTHON names the interpreter to use.
 set -Eeuo pipefail
 shopt -s nullglob
-trap 'echo "setup: stopped; mend what is said above, then call make setup again" >&2' ERR
+trap 'echo "setup: stopped; correct what is said above, then call make setup again" >&2' ERR
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 cd "$root"

@@ -109,7 +109,7 @@ class SpoiltRobot(WaitedForRobot):
         super().__init__(world)
 
     def break_cells(self, change: Spoil | None) -> None:
-        """Break cells from the next frame on, or mend them."""
+        """Break cells from the next frame on, or correct them."""
         self._spoil, self._spoilt = change, 0
 
     def _frame(self) -> VoltageFrame:

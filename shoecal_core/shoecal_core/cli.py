@@ -9,13 +9,14 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from pathlib import Path
 
 from rich.console import Console
 from rich.markup import escape
 
 from shoecal_core.commands.parsers import COMMANDS, command_line
+from shoecal_core.commands.progress import still_working
 from shoecal_core.commands.suggestions import nearest_file
 from shoecal_core.errors import (
     FileError,
@@ -27,6 +28,8 @@ from shoecal_core.errors import (
 )
 from shoecal_core.files import atomic_write
 
+STEPLESS = ("calibrate", "check", "evaluate", "import")
+"""Commands that take long and name no steps."""
 PIPE_WIDTH = 140
 """Columns of what is piped or written to a file."""
 
@@ -42,7 +45,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     errors = Console(stderr=True, highlight=False)
     try:
         try:
-            _write(args.json, args.command.run(args, _output()))
+            with still_working(args.name) if args.name in STEPLESS else nullcontext():
+                figures = args.command.run(args, _output())
+            _write(args.json, figures)
         except ShoecalError as error:
             with suppress(FileError):  # where the file itself is at fault, that is told below
                 _write(args.json, _why(error))

@@ -55,6 +55,8 @@ STAGES = {
     "applying": "solve",
 }
 """Stage of the calibration -> where its time is counted."""
+RECORDING = ("reaching", "planning", "moving")
+"""Stages that come once a run."""
 
 
 class Stopwatch:
@@ -129,8 +131,7 @@ def _calibrate(
         if feedback.stage != stage:
             watch.lap(STAGES[stage])
             stage = feedback.stage
-        support = f" {feedback.support} of {feedback.supports}" if feedback.support else ""
-        progress(f"{feedback.stage}{support}", feedback.progress)
+        progress(step_text(feedback), feedback.progress)
 
     with token, Nodes(folder.logs, environment) as nodes:
         _start(nodes, options, folder)
@@ -141,6 +142,13 @@ def _calibrate(
             conductor.calibrate(options.supports, options.train, options.seed, receive)
             conductor.see_live()
             watch.lap(STAGES[stage])
+
+
+def step_text(feedback: Calibrate.Feedback) -> str:
+    """The stage, with the run that is recorded in it: `moving, run 2 of 7`."""
+    if feedback.stage not in RECORDING:
+        return str(feedback.stage)
+    return f"{feedback.stage}, run {feedback.support} of {feedback.supports}"
 
 
 def _start(nodes: Nodes, options: Options, folder: Folder) -> None:

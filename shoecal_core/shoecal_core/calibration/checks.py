@@ -195,7 +195,8 @@ def check_directions(told: Identifiability, add: DoubleSupport | None) -> list[F
     return [
         Finding(
             "WARN",
-            f"the data fixed {told.rank} of {told.possible} directions, but not: {listed}; {cure}",
+            f"the data identify {told.rank} of {told.possible} directions, but not: {listed}; "
+            f"{cure}",
         )
     ]
 

@@ -432,8 +432,8 @@ def _require_supports(
             told = f"; {stances_found(stances)}{told}"
         raise SessionError(
             session.folder,
-            f"{distinct} double support among the training runs; record at least "
-            f"{DISTINCT_SUPPORTS} that differ in yaw (3 or more are better){told}",
+            f"{distinct} double support{'' if distinct == 1 else 's'} among the training runs; "
+            f"record at least {DISTINCT_SUPPORTS} that differ in yaw (3 or more are better){told}",
         )
 
 

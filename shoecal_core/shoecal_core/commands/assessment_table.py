@@ -44,13 +44,13 @@ def expected_table(assessment: Assessment) -> Table:
 
 
 def trust_lines(assessment: Assessment, screening: Screening) -> list[str]:
-    """What was fixed, what stays open, what was left out."""
+    """What was identified, what was not, what was left out."""
     told = assessment.told
     lines = []
     if assessment.budget is None:
         lines.append("the model's own errors come on top: for walking they are not known")
     possible = max(told.possible, told.rank)
-    lines += [f"the data fixed {told.rank} of {possible} directions", *weak_lines(told)]
+    lines += [f"the data identify {told.rank} of {possible} directions", *weak_lines(told)]
     if assessment.budget is not None:
         lines.append(f"largest sources of the expected CoP error: {budget_text(assessment.budget)}")
     count = sum(screening.samples.values())

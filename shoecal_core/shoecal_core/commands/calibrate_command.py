@@ -211,4 +211,4 @@ def _print_channels(outcome: Outcome, console: Console) -> None:
         )
     console.print(table)
     late = uncertain(1e3 * calibration.time_offset, 1e3 * half[-1], "ms")
-    console.print(f"  joints late by {late}")
+    console.print(f"  time offset (joints after readings) {late}")

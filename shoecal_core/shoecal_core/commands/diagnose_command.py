@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--calibration",
         type=Path,
         metavar="FILE",
-        help="of these shoes: the gap that it leaves is told beside",
+        help="of these shoes: its residual gap is reported as well",
     )
     add_settings(parser, "settings of a diagnosis and tolerances")
     add_weight(parser)

@@ -11,6 +11,7 @@ from shoecal_core.commands.diagnosis_job import CalibratedGap, Diagnosed
 from shoecal_core.commands.tables import new_table
 from shoecal_core.diagnosis.budget import LEAST_SHARE
 from shoecal_core.diagnosis.result import VERDICTS, Cause, Diagnosis, Size
+from shoecal_core.report.diagnosis_words import finding_text
 
 SHOWN = 3
 """Places of the gap that are named."""
@@ -30,11 +31,8 @@ def print_diagnosis(
     diagnosis: Diagnosis, calibrated: CalibratedGap | None, console: Console
 ) -> None:
     """Verdict, gap, causes, what stays open, and what to do next."""
-    console.print(f"[bold]{diagnosis.verdict}[/]: {VERDICTS[diagnosis.verdict]}")
-    if diagnosis.action is not None:
-        before, after = diagnosis.action.expected_cop_mm
-        won = f" (CoP error {before:.2f} -> {after:.2f} mm)" if after < before else ""
-        console.print(f"to do: {diagnosis.action.do}{won}", markup=False, soft_wrap=True)
+    for line in _answer(diagnosis):
+        console.print(line, markup=False, soft_wrap=True)
     for line in diagnosis.dissent:
         console.print(f"but: {line}", markup=False, soft_wrap=True)
     for line in _gap(diagnosis, calibrated):
@@ -44,7 +42,7 @@ def print_diagnosis(
         console.print(causes_table(diagnosis.causes))
     if len(diagnosis.ambiguity) > 1:
         alike = "; ".join(f"{one.label} {one.probability:.0%}" for one in diagnosis.ambiguity)
-        console.print(f"not to be told apart: {alike}", markup=False, soft_wrap=True)
+        console.print(f"not separable: {alike}", markup=False, soft_wrap=True)
     if made_of := [one for one in diagnosis.budget if abs(one.cop_share) >= LEAST_SHARE]:
         shares = ", ".join(f"{one.label} {one.cop_share:.0%}" for one in made_of)
         console.print(f"the CoP's gap is made of: {shares}", markup=False, soft_wrap=True)
@@ -105,6 +103,17 @@ def told(size: Size) -> str:
     scale, unit = SMALL.get(size.unit, (1.0, size.unit))
     value, low, high = (scale * number for number in (size.value, *size.ci95))
     return f"{value:.3g} ({low:.3g} to {high:.3g}) {unit}".rstrip()
+
+
+def _answer(diagnosis: Diagnosis) -> Iterator[str]:
+    """What to do at which place, then what the verdict means and what the cure is to win."""
+    action, won = diagnosis.action, ""
+    if action is not None:
+        before, after = action.expected_cop_mm
+        found = f"{finding_text(diagnosis.causes[0])}: " if diagnosis.causes else ""
+        yield f"{found}{action.do}"
+        won = f"; expected CoP error {before:.2f} -> {after:.2f} mm" if after < before else ""
+    yield f"{diagnosis.verdict}: {VERDICTS[diagnosis.verdict]}{won}"
 
 
 def _gap(diagnosis: Diagnosis, calibrated: CalibratedGap | None) -> Iterator[str]:

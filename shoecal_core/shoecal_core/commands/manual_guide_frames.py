@@ -87,7 +87,7 @@ class FrameParser:
         try:
             value = json.loads(text)
         except (ValueError, RecursionError) as error:
-            raise self._error(f"no JSON ({error}); mend its sender") from error
+            raise self._error(f"no JSON ({error}); correct its sender") from error
         if isinstance(value.get("problem"), str):
             return Problem(value["problem"])
         cells, voltages = (value.get(key) for key in ("cells", "voltages"))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import multiprocessing
 import os
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Future, ProcessPoolExecutor, as_completed
 from typing import TypeVar
@@ -16,8 +17,8 @@ Result = TypeVar("Result")
 CONNECT_S = 10.0
 """How long a scheduler may take to answer."""
 NO_DASK = (
-    "--scheduler needs Dask, which is not installed: pip install distributed, here and "
-    "on the workers"
+    f"--scheduler needs Dask, which is not installed: {sys.executable} -m pip install "
+    "distributed, and the same on the workers"
 )
 
 

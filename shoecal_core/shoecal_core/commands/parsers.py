@@ -88,7 +88,7 @@ def _elsewhere(option: str) -> str:
         for name in COMMANDS
         if any(option in action.option_strings for action in actions_of(command_line([name])))
     ]
-    return f"; it belongs to {' and '.join(having)}" if having else ""
+    return f"; it belongs to {', '.join(having)}" if having else ""
 
 
 def command_line(wanted: Sequence[str]) -> Parser:

@@ -173,10 +173,12 @@ def _row(planned: PlannedMotion, file: Path, seconds: float) -> dict[str, object
 def _known(
     robot: Robot, shoe: Shoe, plan: _Plan, settings: PlannerSettings, console: Console
 ) -> Identifiability:
-    """Print and return what a calibration from the planned motions would fix."""
+    """Print and return what a calibration from the planned motions would identify."""
     visits = [Visit.of(planned.motion) for planned in plan.motions]
     known = identifiability(robot, shoe, total_information(robot, shoe, visits), settings)
-    console.print(f"a calibration from them would fix {known.rank} of {known.possible} directions")
+    console.print(
+        f"a calibration from them would identify {known.rank} of {known.possible} directions"
+    )
     for line in weak_lines(known):
         console.print(line, soft_wrap=True)
     return known

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from threading import Event, Thread
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeElapsedColumn
 
+QUIET_S = 10.0
+"""A command says that it goes on after so long a time, and again after each."""
 _TEXT = "{task.description}"
 
 
@@ -30,6 +34,29 @@ def shown_progress() -> Iterator[Callable[[str, float], None]]:
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task("", total=1.0)
         yield lambda text, share: bar.update(task, description=text, completed=share)
+
+
+@contextmanager
+def still_working(name: str, every: float = QUIET_S) -> Iterator[None]:
+    """Says on standard error that a command without steps of its own goes on.
+
+    Args:
+        name: of the command.
+        every: between two lines [s].
+    """
+    console, done, begin = Console(stderr=True, highlight=False), Event(), time.monotonic()
+
+    def tell() -> None:
+        while not done.wait(every):
+            console.print(f"shoecal {name}: still working ({time.monotonic() - begin:.0f} s)")
+
+    teller = Thread(target=tell, daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        done.set()
+        teller.join()
 
 
 def _lines(console: Console) -> Callable[[str, float], None]:

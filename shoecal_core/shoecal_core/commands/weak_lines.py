@@ -1,4 +1,4 @@
-"""Directions that data leave open, for a terminal."""
+"""Directions that are not identified, for a terminal."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from shoecal_core.planning.supports.identifiability import Identifiability
 
 
 def weak_lines(found: Identifiability) -> list[str]:
-    """Directions that stay open, each with what is known of it."""
+    """Directions that are not identified, each with what is known of it."""
     return [
-        f"left open: {weak.words} ("
-        + ("these data say nothing of it)" if np.isinf(weak.uncertainty) else
+        f"not identified: {weak.words} ("
+        + ("no information in these data)" if np.isinf(weak.uncertainty) else
            f"uncertain by {100.0 * weak.uncertainty:.0f} %)")
         for weak in found.weak
     ]  # fmt: skip

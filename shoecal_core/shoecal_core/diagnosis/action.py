@@ -52,7 +52,9 @@ def action(diagnosis: Diagnosis) -> Action:
     following = diagnosis.next_motion
     if following is not None:
         parted = " from ".join(following.separates[:2])
-        return Action(f"record the motion {following.motion}: it tells {parted}", shrink.cop_mae_mm)
+        return Action(
+            f"record the motion {following.motion} to separate {parted}", shrink.cop_mae_mm
+        )
     first = diagnosis.causes[0]
     alike = [one for one in diagnosis.causes if one.effect == first.effect]
     places = dict.fromkeys(name for one in alike for name in one.location)

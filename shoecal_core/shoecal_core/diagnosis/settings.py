@@ -24,7 +24,7 @@ class DiagnosisSettings(SignalSettings):
         "weight as this is of 0.1 m", minimum=0.0,
     )  # fmt: skip
     set_share: float = setting(
-        0.95, "", "probability that a set of explanations which cannot be told apart holds",
+        0.95, "", "probability that a set of inseparable explanations holds",
         minimum=0.5, maximum=0.999,
     )  # fmt: skip
     causes_max: int = setting(2, "", "effects in one explanation at most", minimum=1, maximum=12)

@@ -37,7 +37,7 @@ class JointTrajectory:
 
     def __post_init__(self) -> None:
         if not self.names:
-            raise ShoecalError("the trajectory names no joint; mend its sender")
+            raise ShoecalError("the trajectory names no joint; correct its sender")
         if self.times.ndim != 1 or not len(self.times):
             raise ShapeError("trajectory times", "(T,), T > 0", self.times.shape)
         expected = (len(self.times), len(self.names))

@@ -11,6 +11,7 @@ import shapely
 from numpy.typing import NDArray
 
 from shoecal_core.errors import FileMissingError
+from shoecal_core.file_kinds import meant
 from shoecal_core.files import Fields, read_bytes, read_yaml, sha256
 from shoecal_core.model.robot import Capsule, Foot, Robot, SharedMotor, SupportRange
 from shoecal_core.model.shared_motors import read_shared_motors
@@ -215,7 +216,7 @@ def _known_joints(fields: Fields, key: str, names: list[str]) -> list[str]:
     found = fields.texts(key) if key in fields else []
     for name in found:
         if name not in names:
-            raise fields.error(key, f"the URDF has no joint '{name}' (it has: {', '.join(names)})")
+            raise fields.error(key, f"the URDF has no joint '{name}'; {meant(name, names)}")
     return found
 
 
@@ -226,7 +227,7 @@ def _posture(
     posture = np.zeros(len(names))
     for name in block.keys():
         if name not in names:
-            raise block.error(name, f"the URDF has no such joint (it has: {', '.join(names)})")
+            raise block.error(name, f"the URDF has no such joint; {meant(name, names)}")
         posture[names.index(name)] = block.number(name)
     for motor in shared:
         follower = motor.ratio * posture[motor.leader]
@@ -249,7 +250,7 @@ def _link(fields: Fields, key: str, model: pin.Model) -> tuple[int, pin.SE3]:
     name = fields.text(key)
     links = [frame.name for frame in model.frames if frame.type == pin.FrameType.BODY]
     if name not in links:
-        raise fields.error(key, f"the URDF has no link '{name}' (it has: {', '.join(links)})")
+        raise fields.error(key, f"the URDF has no link '{name}'; {meant(name, links)}")
     frame = model.frames[model.getFrameId(name, pin.FrameType.BODY)]
     return int(frame.parentJoint), frame.placement
 

@@ -77,7 +77,9 @@ def _mimicked(urdf: Path, name: str, mimic: Mimic, names: Sequence[str]) -> Shar
         raise UrdfError(urdf, "a joint that does not turn cannot mimic; drop it", field=field)
     if mimic.leader not in names or mimic.leader == name:
         raise UrdfError(
-            urdf, f"mimics '{mimic.leader}', which is no other moving joint; mend it", field=field
+            urdf,
+            f"mimics '{mimic.leader}', which is no other moving joint; correct it",
+            field=field,
         )
     if mimic.offset != 0.0 or mimic.multiplier == 0.0:
         raise UrdfError(

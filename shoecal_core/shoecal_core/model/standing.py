@@ -37,7 +37,7 @@ def check_standing(robot: Robot, fields: Fields) -> None:
             "dy_m.neutral",
             f"the outlines of the feet overlap at dx {neutral.dx:g} m, dy {neutral.dy:g} m, "
             f"dtheta {neutral.dtheta:g} rad; move the right foot farther to the right (dy is "
-            "negative there), or mend feet.*.outline_m",
+            "negative there), or correct feet.*.outline_m",
         )
     (left, right), com = _in_posture(robot)
     for name, sole in zip(FEET, (left, right), strict=True):
@@ -52,7 +52,7 @@ def check_standing(robot: Robot, fields: Fields) -> None:
     if not feet_gap(robot, stance) > 0.0:
         raise fields.error(
             "posture_rad",
-            "the outlines of the feet overlap in this posture; move the legs apart, or mend "
+            "the outlines of the feet overlap in this posture; move the legs apart, or correct "
             "feet.*.outline_m",
         )
 
@@ -64,7 +64,7 @@ def _check_upright(com: FloatArray, foot: Fields) -> None:
         raise foot.error(
             "sole_rpy_rad",
             f"in posture_rad the CoM is {np.degrees(lean):.0f} degrees off this sole's z axis; "
-            "turn the sole frame so that z points up, or mend the posture",
+            "turn the sole frame so that z points up, or correct the posture",
         )
 
 

@@ -102,7 +102,7 @@ def direction_picture(told: Told) -> Picture:
     """Singular values."""
     found = told.assessment.told
     return Picture(
-        f"What the data fixed: {found.rank} of {told.possible} directions",
+        f"Identified: {found.rank} of {told.possible} directions",
         singular_values(found.singular_values, 1.0 / told.fixed_below),
         "Each direction is a pattern of gains and offsets. One over its value is what the data "
         "leave of it: 100 is 1 % of the gains, or of each channel's even share of the weight.",

@@ -1,4 +1,4 @@
-"""The section on what the data could tell, and its key figures."""
+"""The section on observability and expected errors, and its key figures."""
 
 from __future__ import annotations
 
@@ -26,20 +26,20 @@ from shoecal_core.sensing.shoe import FEET
 
 
 def assessment_section(content: CalibrationReport, told: Told) -> Section:
-    """Expected errors, their causes, what was fixed, what was left out."""
+    """Expected errors, their causes, identified directions, what was left out."""
     text = (
         "How far GRF and CoP by this calibration may be off, without asking any truth: from the "
         "noise of this recording, from what the files of robot and shoes may be wrong by, and from "
-        "what the data left open."
+        "what was not observable."
     )
     if not told.carried:
         text = (
-            "What the noise of this recording makes of GRF and CoP, and what the data left open. "
+            "What the noise of this recording makes of GRF and CoP, and what was not observable. "
             "For these runs (walking, or without joint angles) the model's own errors are not "
-            "carried: the true errors are larger than what is told here, by how much is not known."
+            "carried: the true errors are larger than these values, by how much is not known."
         )
     return Section(
-        "What the data could tell",
+        "Expected errors and observability",
         (_expected(content, told), _fixed(content, told), _left_out(content, told)),
         text,
     )
@@ -76,13 +76,13 @@ def _fixed(content: CalibrationReport, told: Told) -> Group:
     add = None if support is None else describe_support(support)
     if found.weak:
         text = (
-            "What is left open keeps what the initial guess says. It changes GRF and CoP, so "
-            "expected errors above hold it."
+            "Directions that are not observable keep their initial guess. They change GRF and CoP, "
+            "so the expected errors above include them."
         )
     else:
-        text = "The data fixed every direction of gains and offsets that double supports can fix."
+        text = "All directions of gains and offsets that double supports show are identified."
     return Group(
-        title="What was fixed",
+        title="Identified directions",
         text=text,
         pictures=(direction_picture(told), *load_pictures(content, told)),
         tables=_known(weak_table(found.weak, "" if add is None else f"To add: {add}.")),
@@ -102,8 +102,8 @@ def _left_out(content: CalibrationReport, told: Told) -> Group:
     late = time_offset_text(told, content.calibration.time_offset)
     return Group(
         title="What was left out before the fit",
-        text=f"{text} Joints late against the readings: {late} (95\N{NO-BREAK SPACE}% interval), "
-        "which the fit has corrected.",
+        text=f"{text} Time offset (joints after readings): {late}, 95\N{NO-BREAK SPACE}% interval; "
+        "corrected by the fit.",
         pictures=() if picture is None else (picture,),
         tables=_known(left_out_table(told.screening), findings_table(told.screening)),
     )

@@ -123,12 +123,12 @@ def _key_figures(content: CalibrationReport) -> tuple[KeyFigure, ...]:
         # What to plan with comes first: against the model nearly every fit looks good.
         keys = [*expected, *keys] if told.carried else [*keys, *expected]
         keys += [
-            KeyFigure("fixed by the data", f"{told.assessment.told.rank} of {told.possible}",
+            KeyFigure("identified", f"{told.assessment.told.rank} of {told.possible}",
                       "directions of gains and offsets"),
-            KeyFigure("joints late by", late, "against the readings; 95 % interval"),
+            KeyFigure("time offset", late, "joints after readings; 95 % interval"),
         ]  # fmt: skip
     weight = uncertain(content.calibration.weight, weight_std(content.robot), "N")
-    keys.append(KeyFigure("weight it rests on", weight, "robot and shoes, ± standard uncertainty"))
+    keys.append(KeyFigure("reference weight", weight, "robot and shoes, ± standard uncertainty"))
     return tuple(keys)
 
 

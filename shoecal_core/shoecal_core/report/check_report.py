@@ -92,12 +92,12 @@ def _key_figures(content: CheckReport) -> tuple[KeyFigure, ...]:
                   f"{counted - lost} of {counted}"),
         KeyFigure("readings come at", _rates(readings), "the lowest and the highest of a run"),
         KeyFigure("joint angles come at", _rates(joints), "the lowest and the highest of a run"),
-        KeyFigure("joints late by", quantity(1e3 * late, "ms", 1), "against the readings, as found "
-                  "before the fit") if late else KeyFigure("joints late", "no", "as far as a check "
-                  "before the fit can tell"),
+        KeyFigure("time offset", quantity(1e3 * late, "ms", 1), "joints after readings, found "
+                  "before the fit") if late else KeyFigure("time offset", "none",
+                  "joints after readings, before the fit"),
         KeyFigure("double supports", str(len(_supports(content))),
                   "that differ; their yaws must, too"),
-        KeyFigure("weight to rest on", weight, "robot and shoes, ± standard uncertainty"),
+        KeyFigure("reference weight", weight, "robot and shoes, ± standard uncertainty"),
         *_weighed(content.weighed),
     )  # fmt: skip
 

@@ -14,6 +14,7 @@ from shoecal_core.error_sources.signals import COP, GRF
 from shoecal_core.report.diagnosis_words import (
     candidate_text,
     effect_text,
+    finding_text,
     listed,
     place_text,
     sizes_text,
@@ -47,11 +48,12 @@ MOST_CAUSES = 2
 
 def verdict_of(diagnosis: Diagnosis) -> Verdict:
     """The first thing to read: what, where, how big, how far it shrinks, what remains."""
+    found = f"{finding_text(diagnosis.causes[0])}. " if diagnosis.causes else ""
     meaning = VERDICTS[diagnosis.verdict]
     return Verdict(
         level=LEVELS[diagnosis.verdict],
         label=diagnosis.verdict.replace("_", " ").capitalize(),
-        meaning=f"{meaning[0].upper()}{meaning[1:]}.",
+        meaning=f"{found}{meaning[0].upper()}{meaning[1:]}.",
         reasons=(),
         lines=tuple(
             filter(

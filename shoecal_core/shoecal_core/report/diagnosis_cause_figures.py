@@ -44,7 +44,7 @@ def share_picture(diagnosis: Diagnosis) -> Picture | None:
         "Shares of the gap",
         share_bars(shares, "Shares of the gap"),
         "Of all that is more than noise on the runs judged: which signal holds it, and as near as "
-        "it can be told, at which foot, cell or joint, in which run, from when on.",
+        "it is known, at which foot, cell or joint, in which run, from when on.",
     )
 
 
@@ -70,7 +70,7 @@ def ranking_picture(diagnosis: Diagnosis) -> Picture | None:
         "with it. "
     )
     if diagnosis.causes:
-        caption += "Of candidates told to be 80 % probable, about 80 of 100 should be right."
+        caption += "Of candidates with a probability of 80 %, about 80 of 100 should be right."
     else:
         caption += "Probable as against each other only: none of them makes the gap small."
     return Picture(

@@ -145,7 +145,7 @@ def _alike(diagnosis: Diagnosis) -> Section:
         text = "All effects that this session can show, it can also tell apart."
     else:
         text = "Effects that change what is measured in the same way, as far as this session goes."
-    return _plain("What cannot be told apart", table, text)
+    return _plain("What cannot be separated", table, text)
 
 
 def _unseen(diagnosis: Diagnosis) -> Section:

@@ -24,8 +24,8 @@ _CAPTIONS = {
     "grf": "Measured minus the robot's weight. A run that is off as a whole: a drift or another "
     "weight. Off with the motion: cells. Off from an instant on: a step.",
     "cop": "Measured minus modelled, in the sole's frame.",
-    "closure": "Joints alone: while both feet stand, the way from sole to sole must not change. No "
-    "force sensor takes part, so what shows here lies in joints or in a foot that moved.",
+    "closure": "Joints alone: while both feet stand, the pose of one sole in the other must not "
+    "change. No force sensor takes part: what shows here lies in joints or in a foot that moved.",
     "parity": "Under a stiff plate three cells tell the fourth: what shows here lies in cells.",
     "tilt": "By the inertial sensor and by joints and model.",
     "air": "A foot in the air must feel nothing but its own weight.",

@@ -38,6 +38,35 @@ EFFECTS: Mapping[str, str] = {
 }
 """What each effect of the library is; others stand under their own name."""
 
+STATES: Mapping[str, str] = {
+    "nonlinearity": "bends with load",
+    "saturation": "saturates",
+    "hysteresis": "has hysteresis",
+    "creep": "creeps under load",
+    "zero_offset": "has a shifted zero",
+    "zero_drift": "has a drifting zero",
+    "span_drift": "has a drifting gain",
+    "stuck_cell": "is stuck",
+    "swapped_cells": "has its cable at the other's place",
+    "crosstalk": "shows the other's load",
+    "cell_position": "is not where the shoe file says",
+    "off_axis_load": "feels sideways forces",
+    "latency": "reads late",
+    "low_pass": "lags behind a filter",
+    "total_mass": "weighs other than its file says",
+    "payload": "carries a mass that the model does not know",
+    "link_com": "has its centre of mass elsewhere than in the URDF",
+    "joint_offset": "has an encoder offset",
+    "joint_compliance": "gives under load",
+    "backlash": "has backlash",
+    "foot_placement": "is mounted elsewhere than modelled",
+    "slip": "slipped",
+    "floor_tilt": "is on a floor that is not level",
+    "soft_ground": "is on soft ground",
+    "inertia": "moves too fast to be taken as standing still",
+}
+"""What each effect does at its place, after the place's name."""
+
 SIGNALS: Mapping[str, str] = {
     "grf": "GRF",
     "cop_x": "CoP forward",
@@ -46,16 +75,16 @@ SIGNALS: Mapping[str, str] = {
     "air_f": "force on a lifted foot",
     "air_mx": "moment about x on a lifted foot",
     "air_my": "moment about y on a lifted foot",
-    "closure": "way from sole to sole",
-    "closure_x": "way from sole to sole, forward",
-    "closure_y": "way from sole to sole, sideways",
-    "closure_z": "way from sole to sole, upward",
-    "closure_roll": "turn from sole to sole about x",
-    "closure_pitch": "turn from sole to sole about y",
-    "closure_yaw": "turn from sole to sole about z",
-    "parity": "fourth cell against three",
-    "parity_left": "fourth cell against three, left",
-    "parity_right": "fourth cell against three, right",
+    "closure": "closure",
+    "closure_x": "closure, forward",
+    "closure_y": "closure, sideways",
+    "closure_z": "closure, upward",
+    "closure_roll": "closure, rotation about x",
+    "closure_pitch": "closure, rotation about y",
+    "closure_yaw": "closure, rotation about z",
+    "parity": "rigid-plate parity",
+    "parity_left": "rigid-plate parity, left",
+    "parity_right": "rigid-plate parity, right",
     "tilt": "tilt of the body",
     "tilt_x": "tilt of the body about x",
     "tilt_y": "tilt of the body about y",
@@ -105,12 +134,13 @@ REASONS: Mapping[frozenset[str], str] = {
         "without standing still, what lags with time and what lags with load look alike"
     ),
 }
-"""Why two effects cannot be told apart, by the two."""
+"""Why two effects cannot be separated, by the two."""
 ALIKE = "in the motions of this session both leave the same trace in every signal"
 
 _JOINTS = {"joint_offset", "joint_compliance", "backlash"}
 _LINKS = {"payload", "link_com"}
 _EVERYWHERE = dict.fromkeys(_JOINTS, "all joints of the legs") | {"total_mass": "whole robot"}
+_EACH = dict.fromkeys(_JOINTS, "each leg joint") | {"total_mass": "the robot"}
 _SHOWN: Mapping[str, tuple[float, str]] = {
     "m": (1e3, "mm"),
     "rad": (180.0 / math.pi, "°"),
@@ -158,6 +188,22 @@ def candidate_text(one: Candidate | Cause) -> str:
     """Name and place, short."""
     place = place_text(one.effect, one.location)
     return f"{name_of(one.effect)} ({place})" if place else name_of(one.effect)
+
+
+def finding_text(cause: Cause) -> str:
+    """Place, effect and probability: `left/front_left bends with load (96 %)`."""
+    places = [f"{name} foot" if name in FEET else name for name in cause.location]
+    if not places:
+        where = "the robot"
+    elif places == ["all"]:
+        where = _EACH.get(cause.effect, "each foot")
+    else:
+        where = places[0] if len(places) == 1 else f"each of {listed(places)}"
+    if cause.effect == "crosstalk" and len(places) == 2:
+        where = places[0]
+    state = STATES.get(cause.effect, f"shows {name_of(cause.effect)}")
+    run = "" if cause.run is None else f" in run {cause.run}"
+    return f"{where} {state}{run} ({100.0 * cause.probability:.0f}{SPACE}%)"
 
 
 def label_text(label: str) -> str:
@@ -213,7 +259,7 @@ def where_text(place: Where) -> str:
 
 
 def why_alike(labels: Sequence[str]) -> str:
-    """Why hypotheses cannot be told apart, by the effects in them."""
+    """Why hypotheses cannot be separated, by the effects in them."""
     effects = frozenset(effect_of(label) for label in labels)
     found = [reason for pair, reason in REASONS.items() if pair <= effects]
     if found:

@@ -42,7 +42,7 @@ class Stand:
 class PlannedMotion:
     """One motion as it was planned and checked.
 
-    The world is the left sole's frame at the begin of the motion, z up.
+    The world is the left sole's frame at the start of the motion, z up.
 
     Attributes:
         label: its file's name without the ending.

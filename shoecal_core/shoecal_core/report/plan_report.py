@@ -135,15 +135,15 @@ def plan_page(
 
 def _fixed_figure(known: Identifiability) -> tuple[KeyFigure, ...]:
     fixed = f"{known.rank} of {known.possible}"
-    return (KeyFigure("would be fixed", fixed, "directions of gains and offsets"),)
+    return (KeyFigure("would be identified", fixed, "directions of gains and offsets"),)
 
 
 def _fixed_line(known: Identifiability) -> str:
     """A sentence for the verdict: a motion that may be done can still tell too little."""
     if known.rank >= known.possible:
-        return "A calibration from these motions would fix every direction that can be fixed."
+        return "A calibration from these motions would identify every identifiable direction."
     return (
-        f"A calibration from these motions alone would fix {known.rank} of {known.possible} "
+        f"A calibration from these motions alone would identify {known.rank} of {known.possible} "
         "directions: add double supports with other yaws between the feet."
     )
 
@@ -238,7 +238,7 @@ def _table(motions: Sequence[PlannedMotion]) -> Table:
         "", "motion", "right foot: forward", "to the left", "yaw", "duration",
         "landmarks reached", "highest torque",
     )  # fmt: skip
-    note = "The right foot’s place is told in the left sole’s frame, at the begin of the motion."
+    note = "The right foot’s position is given in the left sole’s frame, at the motion’s start."
     return Table("Motions", header, rows, note)
 
 

@@ -98,7 +98,9 @@ def samples_of(read: Read, settings: SampleSettings) -> Samples:
     notes = list(read.notes)
     samples = make_samples(read.runs, read.robot, read.shoe, read.kinematics, settings, notes=notes)
     if samples is None:
-        raise SessionError(read.session, "no run can be used: " + "; ".join(notes))
+        raise SessionError(
+            read.session, "no run can be used: " + ("; ".join(notes) or "record some")
+        )
     return replace(samples, notes=(*notes, *missing(samples)))
 
 

@@ -15,8 +15,8 @@ class RobotFellError(ShoecalError):
     def __init__(self, robot: str, time: float, tilt: float, height: float) -> None:
         self.time = time
         super().__init__(
-            f"simulated robot '{robot}' fell at {time:.2f} s (torso tilted by {tilt:.2f} rad, at "
-            f"{height:.0%} of its standing height); plan a slower motion or a wider stance"
+            f"simulated robot '{robot}' fell at {time:.2f} s (soles tilted by {tilt:.2f} rad, "
+            f"torso at {height:.0%} of its standing height); plan a slower motion or a wider stance"
         )
 
 

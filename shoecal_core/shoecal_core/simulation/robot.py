@@ -37,8 +37,9 @@ FloatArray = NDArray[np.float64]
 
 __all__ = ["RobotFellError", "SimulatedRobot", "SupportNotReachedError"]
 
-_FALLEN_TILT, _FALLEN_HEIGHT = 1.0, 0.7
-"""rad, and part of the standing height: a torso beyond either has fallen."""
+_FALLEN_TILT, _FALLEN_HEIGHT = 0.5, 0.7
+"""rad of the flatter sole, and the torso's part of its standing height: beyond either, the robot
+has fallen. A torso may lean as planned."""
 _REST_SPEED, _REST_TIME = 2e-3, 0.5
 """m/s, rad/s: slower than this, for that long [s], is at rest."""
 
@@ -313,8 +314,8 @@ class SimulatedRobot:
         return angles
 
     def _posture(self) -> tuple[float, float]:
-        """Tilt of the torso [rad], and its height over the standing one."""
-        up = float(self.data.xmat[self._base, 8])
+        """Tilt of the flatter sole [rad], and the torso's height over its standing one."""
+        up = float(self._soles.pose(self.data)[1][:, 2, 2].max())
         height = float(self.data.xpos[self._base, 2]) / self._standing_height
         return math.acos(max(-1.0, min(1.0, up))), height
 

@@ -64,7 +64,7 @@ def build(robot: Robot, shoe: Shoe, drawn: DrawnReality) -> RobotPhysics:
     try:
         model = build_spec(robot, shoe, drawn).compile()
     except (ValueError, SyntaxError) as error:
-        raise UrdfError(robot.urdf, f"not fit for simulation: {error}; mend the link") from error
+        raise UrdfError(robot.urdf, f"not fit for simulation: {error}; correct the link") from error
     leader = np.arange(len(robot.joint_names))
     ratio = np.ones(len(leader))
     for shared in robot.shared:

@@ -69,7 +69,7 @@ class ActiveCalibration:
         code, message = Code.OK, f"'{made.id}' in force ({made.verdict})"
         if made.verdict != "PASS":
             code = Code.CALIBRATION_WARNED
-            message = f"{message}: {tell_reasons(self._reasons)}; mend that and calibrate anew"
+            message = f"{message}: {tell_reasons(self._reasons)}; correct that and calibrate anew"
         # NaN, not known, is no gap.
         if abs(self.temperature - made.temperature) > largest_gap:
             code = Code.TEMPERATURE_GAP

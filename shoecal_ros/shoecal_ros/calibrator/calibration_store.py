@@ -261,8 +261,8 @@ class CalibrationStore:
         except FileError as error:
             raise type(error)(
                 current,
-                "holds what is not in force, as the disk refused it, and cannot be put back: mend "
-                "the disk and set a calibration again, before the next start takes this one",
+                "holds what is not in force, as the disk refused it, and cannot be put back: "
+                "repair the disk and set a calibration again, before the next start takes this one",
             ) from error
 
     def _give_up(self) -> None:

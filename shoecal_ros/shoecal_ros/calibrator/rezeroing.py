@@ -107,7 +107,7 @@ class RezeroServer:
             )
         if standstill.bad:
             bad = ", ".join(node.shoe.names[index] for index in sorted(standstill.bad))
-            raise RefusedError(Codes.BAD_CELLS, f"no good readings of {bad}; mend that first")
+            raise RefusedError(Codes.BAD_CELLS, f"no good readings of {bad}; correct that first")
         return standstill
 
     def _correct(self, current: Calibration, standstill: Standstill) -> Rezeroed:

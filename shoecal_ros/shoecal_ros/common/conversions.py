@@ -145,7 +145,7 @@ def voltages_from_ros(message: ShoeVoltages) -> VoltageFrame:
     if not len(cells) == len(voltage) == len(status):
         raise MessageError(
             f"shoe/voltages: {len(voltage)} voltages and {len(status)} statuses for "
-            f"{len(cells)} cells; mend its sender"
+            f"{len(cells)} cells; correct its sender"
         )
     return VoltageFrame(
         time_from_ros(message.header.stamp),
@@ -195,7 +195,7 @@ def trajectory_from_ros(message: JointTrajectoryMsg) -> JointTrajectory:
     if not rows or any(row.shape != (len(names),) for row in rows):
         raise MessageError(
             f"joint_trajectory: every one of its {len(rows)} points must hold {len(names)} "
-            "positions; mend its sender"
+            "positions; correct its sender"
         )
     times = np.array([time_from_ros(point.time_from_start) for point in message.points])
     return JointTrajectory(names, times / SECOND_NS, np.stack(rows))

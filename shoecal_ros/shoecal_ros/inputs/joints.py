@@ -141,7 +141,7 @@ class JointInput:
     def _usable(self, stamps: NDArray[np.int64], angles: FloatArray) -> JointBatch | None:
         """What one sender told, each later than all before it; a clock may have been set back."""
         if not stamps.any():
-            reported = "joint_states carries no stamps of time; mend its sender"
+            reported = "joint_states carries no stamps of time; correct its sender"
             self._mismatch = Problem.of(UnusableJointsError(reported))
             return None
         keep = self._sender.follows(stamps, angles)
@@ -176,7 +176,7 @@ class JointInput:
         for row in positions:
             if len(row) != len(names):
                 raise UnusableJointsError(
-                    f"joint_states: {len(row)} positions for {len(names)} names; mend its sender"
+                    f"joint_states: {len(row)} positions for {len(names)} names; correct its sender"
                 )
         angles = self.robot.from_measured(names, np.array(positions, dtype=np.float64))
         missing = ~np.isfinite(angles).all(axis=0)

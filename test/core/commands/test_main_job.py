@@ -43,9 +43,9 @@ def test_how_far_it_can_be_trusted(
             f"{expected['cop_mae_mm']:.1f}",
             f"{expected['cop_worst_mm']:.1f}",
         ]
-    assert f"the data fixed {told['rank']} of {told['possible_rank']} directions" in out
+    assert f"the data identify {told['rank']} of {told['possible_rank']} directions" in out
     for words in told["weak_directions"]:
-        assert f"left open: {words}" in out
+        assert f"not identified: {words}" in out
     lost = sum(one["samples"] for one in found["screening"]["left_out"])
     assert (
         f"left out before the fit: {lost} of {sum(found['screening']['samples'].values())}" in out

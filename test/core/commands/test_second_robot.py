@@ -16,6 +16,6 @@ def test_from_two_files_to_a_calibration(tmp_path: Path, shoecal: Run) -> None:
     assert code == 0, error
     code, told, error = shoecal("calibrate", session, "--out", calibration, "--json", figures)
     assert code == 0, error
-    assert "the data fixed 12 of 12 directions" in told
+    assert "the data identify 12 of 12 directions" in told
     fitted = json.loads(figures.read_text())
     assert fitted["verdict"] == "PASS", fitted["reasons"]

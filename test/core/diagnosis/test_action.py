@@ -42,7 +42,7 @@ def test_an_effect_of_a_users_own_is_looked_into() -> None:
 def test_what_is_confused_is_told_apart_first() -> None:
     told = action(diagnosis(verdict="ambiguous"))
     assert told.do == (
-        "record the motion hold: it tells nonlinearity (left/front_left) from hysteresis "
+        "record the motion hold to separate nonlinearity (left/front_left) from hysteresis "
         "(left/front_left)"
     )
 

@@ -76,7 +76,7 @@ def test_what_is_no_trajectory_is_refused(
 
 
 def test_one_that_names_no_joint_is_refused() -> None:
-    with pytest.raises(ShoecalError, match="names no joint; mend its sender"):
+    with pytest.raises(ShoecalError, match="names no joint; correct its sender"):
         JointTrajectory((), np.zeros(1), np.zeros((1, 0)))
 
 

@@ -301,6 +301,9 @@ BAD: dict[str, tuple[tuple[Key, ...], object, str, str]] = {
     "a posture of no joint": (
         ("posture_rad", "left_ear"), 0, "posture_rad.left_ear", "no such joint"
     ),
+    "a joint that is mistyped": (
+        ("posture_rad", "left_kne"), 0, "posture_rad.left_kne", "did you mean 'left_knee'?"
+    ),
     "a posture beyond its joint": (
         ("posture_rad", "left_knee"), 9.0, "posture_rad.left_knee", "outside the joint's"
     ),

@@ -1,4 +1,4 @@
-"""What the data could tell, as a person reads it."""
+"""Expected errors and observability, as a person reads it."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def test_where_nothing_is_left_open(content: CalibrationReport) -> None:
     found = told.assessment
     whole = replace(found, told=replace(found.told, weak=()), support_to_add=None)
     told_words = words(assessment_section(content, replace(told, assessment=whole)))
-    assert "every direction" in told_words
+    assert "All directions" in told_words
     assert "Left open by the data" not in told_words
     assert "Double support to add" not in told_words
 

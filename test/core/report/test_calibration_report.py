@@ -103,7 +103,7 @@ def test_a_calibration_that_was_not_found_here(small: CalibrationReport) -> None
     assert "manual calibration" in text
     assert "without uncertainties" in text
     assert "How it was found" not in text
-    assert "What the data could tell" not in text
+    assert "Expected errors and observability" not in text
 
 
 def test_simulated_clocks_name_no_day(small: CalibrationReport) -> None:

@@ -58,7 +58,7 @@ def test_a_whole_report(tmp_path: Path, evidence: Evidence) -> None:
     assert not re.search(r"https?:", html)
     assert len(document.ids) == len(set(document.ids))
     titles = [
-        "Where the gap lies", "Which cause", "What cannot be told apart",
+        "Where the gap lies", "Which cause", "What cannot be separated",
         "What this session could not show", "Before and after, on runs not used",
         "The hidden part", "What to run next", "Notes",
     ]  # fmt: skip

@@ -262,11 +262,20 @@ def test_no_rest_in_time_is_said(nao: World) -> None:
 def test_a_fall_is_said(world: World) -> None:
     sim = world.standing(DEFAULT)
     assert sim.upright
-    with pytest.raises(RobotFellError, match=r"fell at .* s \(torso tilted") as caught:
+    with pytest.raises(RobotFellError, match=r"fell at .* s \(soles tilted") as caught:
         run(sim, lean(world, 0.6, 0.5), 100.0, hold=2.0)
     assert not sim.upright
     assert caught.value.time == sim.time
     sim.place(world.robot.posture)
+    assert sim.upright
+
+
+def test_a_torso_that_leans_as_commanded_has_not_fallen(nao: World) -> None:
+    sim = nao.standing(DEFAULT)
+    angles = nao.robot.posture.copy()
+    angles[[nao.robot.joint(name) for name in ("LHipPitch", "RHipPitch")]] -= 1.0
+    sim.reset(angles)
+    assert sim.data.body(sim.drawn.body.links[0]).xmat[8] < np.cos(0.9)
     assert sim.upright
 
 

@@ -18,6 +18,8 @@ from shoecal_core.samples.even import evenly
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+FAST_MOTION = "faster"
+"""Twice the usual speed makes every gear strike where it turns: that is no fault."""
 SMOOTHING_S = 0.05
 SLOW_S = 2.0
 """What lasts longer is slow."""

@@ -17,7 +17,7 @@ class Fault(Enum):
     WRONG_WEIGHT = "wrong_weight"
     SPIKE = "spike"
     TOO_FAST = "too_fast"
-    JOLTED = "jolted"
+    DISTURBED = "disturbed"
     LIFTED = "lifted"
     LIFTING = "lifting"
     SLIPPED = "slipped"

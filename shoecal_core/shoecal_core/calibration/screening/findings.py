@@ -20,7 +20,7 @@ from shoecal_core.sensing.shoe import Shoe
 NOTABLE: Mapping[Fault, float] = {
     Fault.UNREADABLE: 0.2,
     Fault.TOO_FAST: 0.02,
-    Fault.JOLTED: 0.2,
+    Fault.DISTURBED: 0.2,
     Fault.LIFTED: 0.0,
 }
 """Share of a run's samples from which their loss is a warning; less is only counted."""
@@ -35,8 +35,8 @@ _CURES: Mapping[Fault, tuple[str, str]] = {
         "check the device's status and that both have stamps of one clock",
     ),
     Fault.TOO_FAST: ("moved too fast to be taken as standing still", "plan a slower motion"),
-    Fault.JOLTED: (
-        "was jolted or pushed",
+    Fault.DISTURBED: (
+        "was disturbed",
         "see that nothing touches the robot, and that its gears and floor are firm",
     ),
     Fault.LIFTED: (

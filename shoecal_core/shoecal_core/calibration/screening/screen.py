@@ -13,6 +13,7 @@ import numpy as np
 from shoecal_core.calibration.checks import Finding, check_time_offset
 from shoecal_core.calibration.screening import findings as words
 from shoecal_core.calibration.screening.blocks import blocks
+from shoecal_core.calibration.screening.disturbed import FAST_MOTION
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.screening.result import LeftOut, Screening
 from shoecal_core.calibration.screening.saturated import ended, told_at_ends
@@ -60,7 +61,8 @@ def screen(
     if found.fails or not double:
         return found
     lifting = {number: aloft(runs[number].info.motion, one) for number, one in double.items()}
-    return screen_standing(found, double, lifting, shoe, weight, settings)
+    fast = {number for number in double if runs[number].info.motion == FAST_MOTION}
+    return screen_standing(found, double, lifting, fast, shoe, weight, settings)
 
 
 def _lost(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -58,6 +58,7 @@ def screen_standing(
     found: Screening,
     aligned: Mapping[int, Aligned],
     lifting: Mapping[int, Aloft | None],
+    fast: Collection[int],
     shoe: Shoe,
     weight: float,
     settings: CalibrationSettings,
@@ -67,6 +68,7 @@ def screen_standing(
     Args:
         aligned: runs in double support, by number.
         lifting: of each of them, the foot that it lifts on purpose.
+        fast: those of a fast motion, which disturbs them without any fault.
         weight: of robot and shoes [N].
     """
     parts = {run: blocks(one, shoe) for run, one in aligned.items()}
@@ -93,7 +95,8 @@ def screen_standing(
     found = found.adding(words.of_slips(slipped))
     for run, one in aligned.items():
         if run in moments:
-            found = _leaving_out(found, run, one, moments[run], slipped.get(run), shoe)
+            slip = slipped.get(run)
+            found = _leaving_out(found, run, one, moments[run], slip, shoe, fast=run in fast)
         else:
             found = _leaving_out_all(found, run, one)
     return found
@@ -167,7 +170,8 @@ class _Watch:
             Fault.LIFTED: up & ~meant,
             Fault.LIFTING: meant & ~air,
             Fault.TOO_FAST: widened(too_fast(aligned, settings), time, MARGIN_S),
-            Fault.JOLTED: widened(pushed, time, MARGIN_S) | widened(leaps.hits, time, HIT_MARGIN_S),
+            Fault.DISTURBED: widened(pushed, time, MARGIN_S)
+            | widened(leaps.hits, time, HIT_MARGIN_S),
         }
         return _Moments(marked, leaps.spikes, air, tuple(calm))
 
@@ -193,8 +197,12 @@ def _leaving_out(
     moments: _Moments,
     slip: Slipped | None,
     shoe: Shoe,
+    *,
+    fast: bool,
 ) -> Screening:
-    """Leave out what was marked, and what came after a slip."""
+    """Leave out what was marked, and what came after a slip; gears that strike are only counted
+    in a fast motion.
+    """
     time = aligned.time
     before = time < (np.inf if slip is None else slip.time - SLIP_MARGIN_S)
     kept, lost = np.ones(len(time), dtype=bool), list[LeftOut]()
@@ -213,9 +221,10 @@ def _leaving_out(
     if kept.sum() < LEAST_SHARE * found.samples[run]:
         lost.append(_lost(found, run, Fault.TOO_LITTLE, kept, time))
         kept = np.zeros_like(kept)
+    notable = [one for one in lost if not (fast and one.fault is Fault.DISTURBED)]
     standing = before & ~moments.marked[Fault.LIFTED] & ~moments.marked[Fault.LIFTING]
     return replace(
-        found.adding(words.of_left_out(lost)),
+        found.adding(words.of_left_out(notable)),
         left_out=(*found.left_out, *lost),
         kept={**found.kept, run: kept},
         standing={**found.standing, run: standing},

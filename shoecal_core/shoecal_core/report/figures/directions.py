@@ -1,4 +1,4 @@
-"""What the data fixed: singular values of what they say of the parameters."""
+"""Identified directions: singular values of what they say of the parameters."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ SMALLEST = 1e-2
 
 
 def singular_values(values: FloatArray, limit: float = 1.0) -> str:
-    """Bars of singular values (p,), largest first, from the line that separates fixed from open.
+    """Bars of singular values (p,), largest first, from the limit of identified ones.
 
     Args:
         values: of the whitened Jacobian: one over a direction's relative uncertainty.
-        limit: above it a direction counts as fixed.
+        limit: above it a direction counts as identified.
     """
     number = np.arange(1, len(values) + 1)
     shown = np.maximum(values, SMALLEST * limit)
     fixed = values > limit
     colour = MEASURED.colour.light
     with canvas(244.0) as page:
-        keys = [Patch(facecolor=colour, edgecolor=colour, label="fixed by the data")]
+        keys = [Patch(facecolor=colour, edgecolor=colour, label="identified")]
         if not fixed.all():
-            keys.append(Patch(facecolor="none", edgecolor=colour, label="left open"))
+            keys.append(Patch(facecolor="none", edgecolor=colour, label="not identified"))
         page.legend(keys, left=46.0)
         axes = page.panel(24.0, 182.0, left=52.0)
         axes.grid(visible=False, axis="x")
@@ -40,7 +40,7 @@ def singular_values(values: FloatArray, limit: float = 1.0) -> str:
             axes.bar(number[chosen], (shown - limit)[chosen], 0.62, bottom=limit, facecolor=face,
                      edgecolor=colour, linewidth=1.2)  # fmt: skip
         axes.axhline(limit, color=INK.light, linewidth=1.2)
-        axes.annotate("fixed above, left open below", (0.6, limit), (0.0, -4.0),
+        axes.annotate("identified above, not identified below", (0.6, limit), (0.0, -4.0),
                       textcoords="offset points", va="top", fontsize=SMALL,
                       color=MUTED.light)  # fmt: skip
         axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

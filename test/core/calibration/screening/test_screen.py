@@ -225,10 +225,29 @@ def test_a_push_is_left_out_with_a_margin() -> None:
     found = screened(whole.with_readings(pushed))
     assert found.findings == ()
     (lost,) = found.left_out
-    assert (lost.run, lost.fault) == (3, Fault.JOLTED)
+    assert (lost.run, lost.fault) == (3, Fault.DISTURBED)
     ((start, end),) = lost.stretches
     assert 11.7 < start < 11.9
     assert 12.4 < end < 12.6
+
+
+@pytest.mark.parametrize(("motion", "count"), [("landmarks", 1), ("faster", 0)])
+def test_gears_that_strike_in_a_fast_motion_are_no_warning(motion: str, count: int) -> None:
+    whole = recording()
+
+    def struck(run: int, values: FloatArray) -> FloatArray:
+        if run == 3:
+            for start in range(100, len(values) - 100, 100):
+                values[start : start + 10] += (
+                    np.array([4, 4, 0, 0, 0, 0, -4, -4]) / whole.parameters.gain
+                )
+        return values
+
+    whole = whole.with_readings(struck)
+    info = replace(whole.runs[3].info, motion=motion)
+    found = screened(whole, {**whole.runs, 3: replace(whole.runs[3], info=info)})
+    assert [one.fault for one in found.findings] == count * [Fault.DISTURBED]
+    assert (3, Fault.DISTURBED) in [(one.run, one.fault) for one in found.left_out]
 
 
 def test_haste_is_left_out_and_told() -> None:
