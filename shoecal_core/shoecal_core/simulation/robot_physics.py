@@ -10,8 +10,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.files import read_bytes
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.urdf import UrdfError, with_locked_fixed
+from shoecal_core.model.robot import GRAVITY, Robot
+from shoecal_core.model.urdf import ROOT_JOINTS, UrdfError, with_locked_fixed
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.simulation.drawn import DrawnReality
 from shoecal_core.simulation.joint_friction import add_bristle
@@ -26,6 +26,10 @@ _GEAR_DAMPING = 0.2
 """s/rad; damping of a gear over its motor's torque limit."""
 _LEAST_MASS, _LEAST_INERTIA = 1e-6, 1e-9
 """kg, kg m^2; of links that the URDF gives no mass."""
+_HOLDING = 3.0
+"""Torque of a motor whose limit the URDF leaves at zero, over the most that its links need."""
+_LEAST_TORQUE = 0.01
+"""N m; of such a motor, be its links as light as they may."""
 _PAYLOAD_RADIUS = 0.02
 """m."""
 
@@ -150,10 +154,10 @@ def _add_payloads(spec: mujoco.MjSpec, drawn: DrawnReality) -> None:
 def _add_motors(spec: mujoco.MjSpec, robot: Robot, drawn: DrawnReality) -> None:
     """Motors with gears; the URDF's joints become the motors' side."""
     servo, body = drawn.rules.servo, drawn.body
-    names = robot.joint_names
+    names, limits = robot.joint_names, _torque_limits(robot) * servo.torque_limit_factor
     leaders = {shared.joint: shared for shared in robot.shared}
     for index, name in enumerate(names):
-        limit = robot.effort_limit[index] * servo.torque_limit_factor
+        limit = float(limits[index])
         joint = spec.joint(name)
         joint.actfrclimited = mujoco.mjtLimited.mjLIMITED_FALSE
         joint.armature = servo.rotor_inertia_kgm2_per_nm * limit
@@ -175,6 +179,19 @@ def _add_motors(spec: mujoco.MjSpec, robot: Robot, drawn: DrawnReality) -> None:
         else:
             stiffness = limit / servo.full_torque_error_rad
             _add_servo(spec, name, limit, stiffness, stiffness * servo.damping_time_s)
+
+
+def _torque_limits(robot: Robot) -> FloatArray:
+    """(m,) of the motors [N m]; fingers without a limit in the URDF are held nevertheless."""
+    model = robot.model
+    data = model.createData()
+    pin.centerOfMass(model, data, pin.neutral(model), True)
+    held = [
+        GRAVITY * data.mass[joint] * float(np.linalg.norm(data.com[joint]))
+        for joint in range(ROOT_JOINTS, model.njoints)
+    ]
+    least = np.maximum(_HOLDING * np.array(held), _LEAST_TORQUE)
+    return np.where(robot.effort_limit > 0.0, robot.effort_limit, least)
 
 
 def _add_gear(

@@ -151,6 +151,28 @@ def test_shapes_and_missing_meshes_of_a_urdf_do_not_matter(tmp_path: Path) -> No
     assert felt[0] == pytest.approx(felt[1])
 
 
+def test_joints_without_a_torque_limit_are_held(tmp_path: Path) -> None:
+    odd = load_world("odd_biped")
+    urdf = odd.robot.urdf.read_text()
+    root = urdf.partition('<link name="')[2].partition('"')[0]
+    fingers = "".join(
+        f'<link name="finger{mass}"><inertial><mass value="{mass}"/><inertia ixx="1e-9" iyy="1e-9"'
+        ' izz="1e-9" ixy="0" ixz="0" iyz="0"/><origin xyz="0.03 0 0"/></inertial></link>'
+        f'<joint name="to{mass}" type="continuous"><parent link="{root}"/>'
+        f'<child link="finger{mass}"/><axis xyz="0 1 0"/></joint>'
+        for mass in ("2e-06", "0.05")
+    )
+    (tmp_path / "odd_biped.urdf").write_text(urdf.replace("</robot>", f"{fingers}</robot>"))
+    robot_file = tmp_path / "odd_biped.yaml"
+    robot_file.write_text(odd.robot.path.read_text())
+    robot = load_robot(robot_file, odd.shoe)
+    fingered = World(robot, odd.shoe, odd.kinematics)
+    assert not robot.effort_limit[[robot.joint("to2e-06"), robot.joint("to0.05")]].any()
+    standing = fingered.standing(PERFECT)
+    for name in ("to2e-06", "to0.05"):
+        assert standing.data.joint(name).qpos[0] == pytest.approx(0.0, abs=0.02)
+
+
 def test_a_urdf_that_mujoco_refuses_is_one_clear_error(tmp_path: Path) -> None:
     odd = load_world("odd_biped")
     robot_file, urdf = tmp_path / "odd_biped.yaml", tmp_path / "odd_biped.urdf"
