@@ -19,9 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from humanoids import HUMANOIDS, PACKAGE, Humanoid, descriptions, scaled_reality
+from humanoids import HUMANOIDS, PACKAGE, Humanoid, descriptions
 from pages import ROOT, markdown, write_section
-from shoecal_core.files import write_yaml
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.model.robot_file import load_robot
@@ -30,8 +29,6 @@ from shoecal_core.sensing.shoe import load_shoe
 
 PAGE = ROOT / "docs" / "evidence" / "robots.md"
 TRAIN = 3
-PLANNING = {"cop_lean_weight": 100.0}
-"""Otherwise iCub bends down by 1.2 rad to shift its CoP."""
 
 
 class CommandError(Exception):
@@ -94,15 +91,12 @@ def run(humanoid: Humanoid, folder: Path, out: Path, supports: int, seed: int) -
     shoe = load_shoe(shoe_file)
     robot = load_robot(robot_file, shoe)
     com_height = float(Kinematics(robot).states(robot.posture[None]).com[0, 0, 2])
-    reality = out / "reality.yaml"
-    write_yaml(reality, scaled_reality(robot, shoe, com_height))
-    planning = out / "planner.yaml"
-    write_yaml(planning, {"/**/planner": {"ros__parameters": {"planning": PLANNING}}})
     folder_of_runs = out / "session"
     seconds["simulation"] = -_processor_seconds()
     shoecal(
-        out / "simulated.json", "simulate", robot_file, shoe_file, "--reality", reality,
-        "--settings", planning, "--supports", supports, "--seed", seed, "--out", folder_of_runs,
+        out / "simulated.json", "simulate", robot_file, shoe_file, "--reality", drafted["reality"],
+        "--settings", drafted["planner"], "--supports", supports, "--seed", seed,
+        "--out", folder_of_runs,
     )  # fmt: skip
     seconds["simulation"] += _processor_seconds()
     train = ",".join(str(number) for number in range(1, TRAIN + 1))

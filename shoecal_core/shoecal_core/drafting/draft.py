@@ -16,6 +16,7 @@ from shapely.ops import nearest_points
 
 from shoecal_core.drafting.body import Body, Shapes, find_shapes, own_joints, read_body
 from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
+from shoecal_core.drafting.foot_cells import FootCells, find_cells
 from shoecal_core.drafting.legs import UP, Legs, find_legs
 from shoecal_core.drafting.posture import find_posture
 from shoecal_core.drafting.six_axis import (
@@ -35,9 +36,10 @@ from shoecal_core.drafting.soles import (
 )
 from shoecal_core.drafting.support_range import DraftRange, find_range
 from shoecal_core.errors import FileError
+from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.model.urdf import UrdfError
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.sensing.shoe import Shoe, load_shoe
 
 FloatArray = NDArray[np.float64]
 
@@ -60,6 +62,7 @@ class Draft:
         capsules, pairs: shapes of the legs.
         support_range: of the right foot.
         six_axis: left, right; None where the foot has none.
+        own_cells: left, right: cells in the robot's own soles; None where it has none, or six axes.
         other_sensors: six-axis sensors of the legs that are not used.
         parallel_sensors: of feet with several sensors, each of which carries a part of the load.
         missing_meshes: of the legs, each with what is the matter; their capsules are not known.
@@ -75,6 +78,7 @@ class Draft:
     pairs: list[tuple[str, str]]
     support_range: DraftRange
     six_axis: list[SixAxis | None]
+    own_cells: list[FootCells] | None
     other_sensors: list[str]
     parallel_sensors: list[str]
     missing_meshes: tuple[str, ...]
@@ -131,7 +135,9 @@ class Draft:
         return simplified(inside)
 
     def cells(self, foot: int) -> FloatArray:
-        """(4, 2) front left, front right, rear left, rear right, under the sole's corners [m]."""
+        """(k, 2) cells of one foot: its own, or one under each corner of the sole [m]."""
+        if self.own_cells is not None:
+            return np.round(self.own_cells[foot].places, 4)
         corners = self.soles[foot].outline
         outline = shapely.Polygon(corners)
         low, high = corners.min(axis=0), corners.max(axis=0)
@@ -178,6 +184,7 @@ def draft_robot(
         pairs=pairs_of(capsules),
         support_range=find_range(body, legs, soles, capsules),
         six_axis=sensors,
+        own_cells=find_cells(body, legs, soles) if None in sensors else None,
         other_sensors=elsewhere(body, legs),
         parallel_sensors=more_on_feet(body, legs, soles),
         missing_meshes=tuple(sorted({file for one in shapes.missing.values() for file in one})),
@@ -242,7 +249,7 @@ def _check_apart(body: Body, left: Sole, right: Sole) -> None:
         )
 
 
-def prove(draft: Draft, robot_text: str, shoe_text: str) -> None:
+def prove(draft: Draft, robot_text: str, shoe_text: str) -> tuple[Robot, Shoe]:
     """Load both files as every other command does, before they are written anywhere.
 
     Raises:
@@ -253,7 +260,8 @@ def prove(draft: Draft, robot_text: str, shoe_text: str) -> None:
         shoe.write_text(shoe_text, encoding="utf-8")
         robot.write_text(robot_text, encoding="utf-8")
         try:
-            load_robot(robot, load_shoe(shoe), urdf=draft.body.urdf)
+            worn = load_shoe(shoe)
+            return load_robot(robot, worn, urdf=draft.body.urdf), worn
         except FileError as error:
             raise UrdfError(
                 draft.body.urdf,

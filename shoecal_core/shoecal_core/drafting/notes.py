@@ -135,34 +135,46 @@ def _posture(draft: Draft) -> Note:
 
 def shoe_notes(draft: Draft) -> list[Note]:
     """Of the shoe file, in the order of its fields."""
-    if draft.six_axis[0] is None:
+    own = Note(
+        "height_m", "0: the robot stands on its own feet.", "nothing is put on under the soles."
+    )
+    range_ = Note("converter", "-5 to 5 V, a guess.", "ends of the readings, in the unit above.")
+    if draft.six_axis[0] is not None:
         return [
+            own,
+            Note("converter", "Five times the weight.", "the sensor's range in newtons."),
             Note(
-                "height_m",
-                "20 mm, a guess.",
-                "measure from the floor up to the robot's own sole.",
+                "plates",
+                "None: the URDF's own links below the sensors; their weight goes into the offsets.",
+                "the sensors' readings are forces of the floor on the foot, not the other way.",
             ),
-            Note("converter", "-5 to 5 V, a guess.", "ends of the readings, in the unit above."),
-            Note("plates", "0.9 % of the robot each, a guess.", "weigh them."),
+            *_sensors(draft),
+        ]
+    if draft.own_cells is not None:
+        return [
+            own,
+            range_,
+            Note(
+                "plates",
+                "None: the weight of what lies below the cells goes into the offsets.",
+                "the cells lie in the robot's own soles.",
+            ),
             Note(
                 "cells",
-                "Under the soles' corners, for want of a shoe.",
-                "measure where each cell carries; polarity 0 means that the sign is not known.",
+                f"{' and '.join(', '.join(foot.names) for foot in draft.own_cells)} of the URDF.",
+                "rename them as your bag or device does; polarity 0 means that the sign is not "
+                "known.",
             ),
         ]
     return [
+        Note("height_m", "20 mm, a guess.", "measure from the floor up to the robot's own sole."),
+        range_,
+        Note("plates", "0.9 % of the robot each, a guess.", "weigh them."),
         Note(
-            "height_m",
-            "0: the robot stands on its own feet.",
-            "nothing is put on under the soles.",
+            "cells",
+            "Under the soles' corners, for want of a shoe.",
+            "measure where each cell carries; polarity 0 means that the sign is not known.",
         ),
-        Note("converter", "Five times the weight.", "the sensor's range in newtons."),
-        Note(
-            "plates",
-            "None: the URDF's own links below the sensors; their weight goes into the offsets.",
-            "the sensors' readings are forces of the floor on the foot, not the other way.",
-        ),
-        *_sensors(draft),
     ]
 
 

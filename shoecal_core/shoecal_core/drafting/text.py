@@ -21,6 +21,8 @@ SHOE_TITLE = (
 COMMENT_WIDTH = 96
 WORDS = {"y", "n", "yes", "no", "on", "off", "true", "false", "null", "nan", "inf"}
 """What YAML takes for something else than text."""
+CORNERS = ("front_left", "front_right", "rear_left", "rear_right")
+"""Of a sole, as `Draft.cells` has them."""
 SHOE_HEIGHT = 0.02
 """m; of a shoe that was not measured yet."""
 PLATE_SHARE = 0.009
@@ -98,34 +100,35 @@ def _add_capsules(lines: list[str], draft: Draft) -> None:
 
 
 def shoe_text(draft: Draft) -> str:
-    """SHOE.yaml: the feet's own six-axis sensors, or shoes with four cells each."""
+    """SHOE.yaml: the feet's own sensors, or shoes with four cells each."""
     page = _Page(_comment(SHOE_TITLE.format(draft.name)), shoe_notes(draft))
     six_axis = draft.six_axis[0] is not None
-    unit, span, height = ("N", 50.0 * draft.mass, 0.0) if six_axis else ("V", 5.0, SHOE_HEIGHT)
-    kind = "feet" if six_axis else "shoe"
+    worn = not six_axis and draft.own_cells is None
+    unit, span = ("N", 50.0 * draft.mass) if six_axis else ("V", 5.0)
+    kind = "shoe" if worn else "feet"
     page.lines += ["format: 1", f"name: {_text(f'{draft.name}_{kind}')}", f"unit: {unit}"]
     page.say("height_m")
-    page.lines.append(f"height_m: {height:g}")
+    page.lines.append(f"height_m: {SHOE_HEIGHT if worn else 0.0:g}")
     page.say("converter")
     page.lines += [f"converter: {{lowest: {-span:.0f}, highest: {span:.0f}}}", "", "feet:"]
     for foot, side in enumerate(FEET):
         page.lines.append(f"  {side}:")
         if foot == 0:
             page.say("plates")
-        page.lines += _plates(draft, foot, six_axis=six_axis)
+        page.lines += _plates(draft, foot, worn=worn)
         if foot == 0:
             page.say("six_axis" if six_axis else "cells")
         page.lines += _six_axis(draft, foot) if six_axis else _cells(draft, foot)
     return str(page)
 
 
-def _plates(draft: Draft, foot: int, *, six_axis: bool) -> list[str]:
-    mass = 0.0 if six_axis else PLATE_SHARE * draft.mass
+def _plates(draft: Draft, foot: int, *, worn: bool) -> list[str]:
+    mass = PLATE_SHARE * draft.mass if worn else 0.0
     outline = draft.soles[foot].outline
-    x, y = 0.0 * outline[0] if six_axis else 0.5 * (outline.min(axis=0) + outline.max(axis=0))
+    x, y = 0.5 * (outline.min(axis=0) + outline.max(axis=0)) if worn else 0.0 * outline[0]
     lines = ["    plates:"]
     for part, share in (("above", 0.75), ("below", 0.2)):
-        z = 0.0 if six_axis else share * SHOE_HEIGHT
+        z = share * SHOE_HEIGHT if worn else 0.0
         lines += [
             f"      mass_{part}_kg: {mass:.3f}",
             f"      com_{part}_m: {_row((x, y, z), 4)}",
@@ -134,9 +137,9 @@ def _plates(draft: Draft, foot: int, *, six_axis: bool) -> list[str]:
 
 
 def _cells(draft: Draft, foot: int) -> list[str]:
-    names = ("front_left", "front_right", "rear_left", "rear_right")
+    names = CORNERS if draft.own_cells is None else draft.own_cells[foot].names
     return ["    cells:"] + [
-        f"      - {{name: {name}, position_m: {_row(place, 4)}, polarity: 0}}"
+        f"      - {{name: {_text(name)}, position_m: {_row(place, 4)}, polarity: 0}}"
         for name, place in zip(names, draft.cells(foot), strict=True)
     ]
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import yaml
+
 from core.commands.conftest import ROOT, Run
 
 URDF = ROOT / "config/robots/wren.urdf"
@@ -24,6 +26,13 @@ def test_a_draft_can_be_planned_with(tmp_path: Path, shoecal: Run) -> None:
     assert code == 0, error
     assert f"{robot} with {shoe}" in told
     assert "landmarks reached" in told
+    session = tmp_path / "session"
+    words = ["simulate", robot, shoe, "--settings", figures["planner"]]
+    words += ["--reality", figures["reality"], "--supports", 1, "--out", session]
+    code, _, error = shoecal(*words)
+    assert code == 0, error
+    drawn = yaml.safe_load((session / "truth" / "reality.yaml").read_text())
+    assert drawn["reality"] == "little"
 
 
 def test_files_that_are_there_stay(tmp_path: Path, shoecal: Run) -> None:

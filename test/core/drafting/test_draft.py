@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pinocchio as pin
 import pytest
 import shapely
 
@@ -193,3 +194,33 @@ def test_motors_without_limits_are_told(tmp_path: Path) -> None:
     )
     told = " ".join(note.found for note in robot_notes(draft_robot(file, "wren")))
     assert "left_knee: effort or velocity limit of the URDF is 0" in told
+
+
+@pytest.mark.parametrize("count", [2, 4])
+def test_cells_in_the_feet_are_those_of_the_urdf(count: int, tmp_path: Path) -> None:
+    robot = robots.load("wren", shod=False)
+    places = np.array([[0.05, 0.02, 0.0], [0.05, -0.02, 0.0], [-0.04, 0.02, 0.0], [-0.04, 0, 0]])
+    added = ""
+    for side, foot in zip(("left", "right"), robot.feet, strict=True):
+        frame = robot.model.frames[
+            robot.model.getFrameId(f"{side}_sole", pin.FrameType.BODY)
+        ].placement
+        for index, place in enumerate(places[:count]):
+            x, y, z = frame.actInv(foot.placement.act(place))
+            name = f"{side}_FSR{index}"
+            added += (
+                f'<link name="{name}"/><joint name="{name}_joint" type="fixed">'
+                f'<parent link="{side}_sole"/><child link="{name}"/>'
+                f'<origin xyz="{x} {y} {z}"/></joint>'
+            )
+    file = edited(tmp_path, "wren", "</robot>", f"{added}</robot>")
+    drafted = draft_robot(file, "wren")
+    _, shoe = prove(drafted, robot_text(drafted, str(file)), shoe_text(drafted))
+    if count < 3:
+        assert drafted.own_cells is None
+        assert shoe.height > 0.0
+        return
+    assert shoe.names[:4] == tuple(f"left/left_FSR{index}" for index in range(4))
+    assert shoe.height == shoe.mass == 0.0
+    for number in (0, 1):
+        np.testing.assert_allclose(drafted.cells(number), places[:, :2], atol=1e-4)

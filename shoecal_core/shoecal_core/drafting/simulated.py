@@ -1,0 +1,74 @@
+"""A simulated reality and planner settings that suit a robot's size."""
+
+from __future__ import annotations
+
+from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.model.robot import Robot
+from shoecal_core.sensing.shoe import Shoe
+
+USUAL_KG, USUAL_COM_HEIGHT_M = 5.3, 0.3
+"""Of a NAO, and of its CoM above the soles: the default reality is one of this size."""
+LARGE_KG = 10.0
+"""Robots that are heavier have finer gears and encoders than a NAO's, below."""
+ENCODER_RAD = 1e-4
+"""16 bits a turn; a NAO's have 12."""
+PLAY_RAD = 0.001
+COMPLIANCE = 0.0015
+"""rad/(N m) of a gear on a robot as large as a NAO, which has 0.0045 of both."""
+LEAN_WEIGHT = 100.0
+"""1/rad^2. Without it, legs longer than a NAO's let the torso lean by 1 rad to shift the CoP."""
+
+
+def reality_text(robot: Robot, shoe: Shoe) -> str:
+    """REALITY.yaml: what of the default reality grows with the robot.
+
+    Shares of masses, offsets and spreads stay; forces grow with the weight, and gears get stiffer
+    as the torques that bend them grow. Six-axis sensors are ten times stiffer than a shoe's cells,
+    and come calibrated by their maker.
+
+    Args:
+        robot: shoes on.
+        shoe: its sensors.
+    """
+    weight = robot.mass / USUAL_KG
+    height = float(Kinematics(robot).states(robot.posture[None]).com[0, 0, 2])
+    torque = weight * height / USUAL_COM_HEIGHT_M
+    cells = {
+        "stiffness_n_per_m": 1e5 * weight,
+        "noise_std_n": 0.01 * weight,
+        "noise_std_nm": 0.0005 * torque,
+    }
+    if all(channel.nominal_gain is None for channel in shoe.channels):
+        cells |= {"full_scale_n": 60.0 * weight, "full_scale_nm": 3.0 * torque}
+    else:
+        half_span = max(channel.highest for channel in shoe.channels)
+        cells |= {"full_scale_n": half_span, "full_scale_nm": half_span}
+        cells |= {"gain_spread_fraction": 0.05, "offset_std_fraction": 0.001}
+        cells["stiffness_n_per_m"] = 1e6 * weight
+    lines = [
+        f"# Simulated reality of {robot.name}: changes to the default one, of a robot of 5 kg.",
+        "# CHECK: play and compliance of the gears, noise and range of the sensors.",
+        "format: 1",
+        f"name: {robot.name}",
+        f"body: {{weight_error_n: {0.19 * weight:.3g}}}",
+    ]
+    if robot.mass > LARGE_KG:
+        lines += [
+            "joints:",
+            f"  encoder_resolution_rad: {ENCODER_RAD:g}",
+            f"  play_rad: {{all: {PLAY_RAD:g}}}",
+            f"  compliance_rad_per_nm: {{all: {COMPLIANCE / torque:.3g}}}",
+        ]
+    lines += ["cells:", *(f"  {name}: {value:.3g}" for name, value in cells.items())]
+    return "\n".join(lines) + "\n"
+
+
+def planner_text(robot: Robot) -> str:
+    """PLANNER.yaml: parameters of the planner node, also for `--settings`."""
+    return (
+        f"# Planner settings of {robot.name} that differ from the defaults. CHECK: the higher the\n"
+        "# weight, the less the torso leans, and the less closely landmarks are reached.\n"
+        "/**/planner:\n"
+        "  ros__parameters:\n"
+        f"    planning: {{cop_lean_weight: {LEAN_WEIGHT:g}}}\n"
+    )
