@@ -153,6 +153,7 @@ def assess(
     errors = ErrorModel.of(
         robot,
         shoe,
+        shoe if joint is None else joint.scene.samples.shoe,
         parameters,
         measuring,
         shoe_columns,

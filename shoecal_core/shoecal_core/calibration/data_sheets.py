@@ -75,7 +75,7 @@ def check_conflict(
     told = f"gains contradict their data sheets (share of it: {listed})"
     if alone is not None:
         free = sheet_ratios(shoe, alone)
-        vertical = np.flatnonzero(np.isfinite(free) & (shoe.columns[:, 0] != 0.0))
+        vertical = np.flatnonzero(np.isfinite(free) & shoe.vertical)
         shown = vertical if len(vertical) else far
         told += ", without the data sheets the data give " + ", ".join(
             f"{shoe.names[index]} {free[index]:.3g}" for index in shown
@@ -118,7 +118,7 @@ def check_weight(
             return []
         return [Finding("WARN", weight_text(weighed, robot))]
     ratio = sheet_ratios(shoe, parameters)
-    vertical = np.isfinite(ratio) & (shoe.columns[:, 0] != 0.0)
+    vertical = np.isfinite(ratio) & shoe.vertical
     if not vertical.any():
         return []
     ratios = ratio[vertical]
@@ -165,9 +165,9 @@ def check_data_sheets(
     known = np.flatnonzero(np.isfinite(ratio)).tolist()
     unlike = []
     for index in known:
-        kind = [i for i in known if (shoe.columns[i, 0] != 0.0) == (shoe.columns[index, 0] != 0.0)]
+        kind = [i for i in known if shoe.vertical[i] == shoe.vertical[index]]
         # A wrong weight changes all vertical gains alike: it is a finding of its own.
-        usual = float(np.median(ratio[kind])) if shoe.columns[index, 0] else 1.0
+        usual = float(np.median(ratio[kind])) if shoe.vertical[index] else 1.0
         std = gain_std[index] / abs(parameters.gain[index]) * ratio[index]
         if abs(ratio[index] - usual) > max(SHEET_SHARE, SHEET_STDS * std):
             unlike.append(f"{shoe.names[index]} {ratio[index]:.2f} ± {1.96 * std:.2f}")

@@ -24,6 +24,8 @@ FloatArray = NDArray[np.float64]
 AXES = ("x", "y")
 PLATES_FORM = 0.2
 """Part of what plates carry that is in no proportion to the moment."""
+SENSOR_LEVER_M = 0.05
+"""Range of torques over that of forces in six-axis sensors: crosstalk is told of full scales."""
 FEWEST_CELLS = 3
 """Of a foot whose plates may carry a part of the moment past its cells."""
 
@@ -51,13 +53,13 @@ def of_shoes(scene: Scene, tolerances: Tolerances) -> list[Deviation]:
 
 def of_setup(scene: Scene, tolerances: Tolerances) -> list[Deviation]:
     """Of the floor, and of shoes as they were put on: what cells and stances hardly tell."""
-    sources = (contact.FloorTilt(), contact.FootPlacement(), geometry.Crosstalk())
-    return [
-        one
-        for source in sources
-        for one in deviations(source, scene, tolerances, source.places(scene))
-        if one.std > 0.0
-    ]
+    crosstalk = geometry.Crosstalk()
+    axes = set(_coupled_axes(scene.samples.shoe))
+    cells = [place for place in crosstalk.places(scene) if place not in axes]
+    found = [*deviations(crosstalk, scene, tolerances, cells)]
+    for source in (contact.FloorTilt(), contact.FootPlacement()):
+        found += deviations(source, scene, tolerances, source.places(scene))
+    return [one for one in found if one.std > 0.0]
 
 
 def _links(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
@@ -105,6 +107,19 @@ def _channels(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
             yield Deviation(
                 "plates", (side,), axis, "", std, column, form=PLATES_FORM, shoe_column=change
             )
+
+    for one in deviations(geometry.Crosstalk(), scene, tolerances, _coupled_axes(shoe)):
+        receiver, donor = (shoe.index(name) for name in one.location)
+        ranges = SENSOR_LEVER_M ** (int(shoe.torque[receiver]) - int(shoe.torque[donor]))
+        change = np.zeros((len(shoe.names), 3))
+        change[donor] = -shoe.columns[receiver]
+        yield replace(one, std=ranges * one.std, shoe_column=change)
+
+
+def _coupled_axes(shoe: Shoe) -> list[tuple[str, ...]]:
+    return [
+        (shoe.names[receiver], shoe.names[donor]) for receiver, donor in places.coupled_axes(shoe)
+    ]
 
 
 def _runs(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
@@ -175,7 +190,7 @@ def plates_column(shoe: Shoe, side: str, axis: str) -> FloatArray:
 def _cells(shoe: Shoe, side: str) -> NDArray[np.int64]:
     """Channels of a foot that feel its vertical force."""
     own = shoe.of_foot(FEET.index(side))
-    felt: NDArray[np.int64] = own[shoe.columns[own, 0] != 0.0]
+    felt: NDArray[np.int64] = own[shoe.vertical[own]]
     return felt
 
 

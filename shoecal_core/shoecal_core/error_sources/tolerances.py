@@ -61,6 +61,6 @@ class Tolerances(Settings):
         0.006, "rad", "the same of its yaw; diagnosis only", minimum=0.0
     )
     crosstalk: float = setting(
-        0.01, "", "part of one cell's force that another one of its foot shows; diagnosis only",
-        minimum=0.0,
+        0.01, "", "part of its range by which one axis of a six-axis sensor shows in another; of "
+        "one cell's force in another one of its foot, in a diagnosis only", minimum=0.0,
     )  # fmt: skip

@@ -82,6 +82,7 @@ class ErrorModel:
     Attributes:
         robot: whose weight and sensing polygons count.
         shoe: with the columns that are used for measuring.
+        filed: the same as its file has it, by which channels share a load.
         parameters: gains and offsets.
         covariance: (p, p) of the errors of gains, offsets and shoe deviations, p = 2n + d.
         shoe_columns: (d, n, 3) what one unit of each shoe deviation adds to the columns.
@@ -91,6 +92,7 @@ class ErrorModel:
 
     robot: Robot
     shoe: Shoe
+    filed: Shoe
     parameters: ChannelParameters
     covariance: FloatArray
     shoe_columns: FloatArray
@@ -102,6 +104,7 @@ class ErrorModel:
         cls,
         robot: Robot,
         shoe: Shoe,
+        filed: Shoe,
         parameters: ChannelParameters,
         covariance: FloatArray,
         shoe_columns: Sequence[FloatArray],
@@ -113,6 +116,7 @@ class ErrorModel:
         return cls(
             robot,
             shoe,
+            filed,
             parameters,
             covariance,
             np.array(shoe_columns).reshape(-1, count, 3),
@@ -160,10 +164,10 @@ class ErrorModel:
         """
         robot, support = self.robot, self.neutral
         places = places_over(np.array(sensing_hull(robot, support).exterior.coords))
-        both = double_support_outputs(self.shoe, support, robot.weight, places)
+        both = double_support_outputs(self.filed, support, robot.weight, places)
         left, right = (
             single_support_outputs(
-                self.shoe, index, robot.weight / 2.0, places_over(foot.sensing_polygon)
+                self.filed, index, robot.weight / 2.0, places_over(foot.sensing_polygon)
             )
             for index, foot in enumerate(robot.feet)
         )

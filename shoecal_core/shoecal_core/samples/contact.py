@@ -61,7 +61,7 @@ def vertical_forces(shoe: Shoe, readings: FloatArray) -> tuple[FloatArray, BoolA
     """
     forces, known = [], []
     for foot in (0, 1):
-        vertical = [i for i in shoe.of_foot(foot) if shoe.columns[i, 0] != 0.0]
+        vertical = [i for i in shoe.of_foot(foot) if shoe.vertical[i]]
         if any(shoe.polarity[i] == 0 for i in vertical):
             raise ShoecalError(
                 f"shoe '{shoe.name}': give the polarity of the {FEET[foot]} foot's vertical "

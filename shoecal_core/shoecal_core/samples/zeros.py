@@ -113,7 +113,7 @@ def data_sheet(shoe: Shoe, foot: int) -> ChannelParameters | None:
     known = [
         channel.nominal_gain is not None
         for channel in shoe.channels
-        if channel.foot == foot and channel.column[0] != 0.0
+        if channel.foot == foot and channel.vertical
     ]
     if not known or not all(known):
         return None

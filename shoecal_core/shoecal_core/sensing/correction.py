@@ -78,7 +78,7 @@ class CopCorrection:
 
 def corrected_channels(shoe: Shoe, foot: int) -> NDArray[np.int64]:
     """Indices (k,) of a foot's channels that the correction has a term for: no sideways forces."""
-    felt = (shoe.columns[:, 0] != 0.0) | shoe.torque
+    felt = shoe.vertical | shoe.torque
     return np.flatnonzero(felt & (shoe.foot == foot))
 
 

@@ -57,6 +57,14 @@ class Channel:
     lowest: float
     highest: float
 
+    @property
+    def vertical(self) -> bool:
+        """Whether it feels vertical force itself: a cell, or that axis of a six-axis sensor.
+
+        Others have a small part in the force where crosstalk has been fitted.
+        """
+        return not self.torque and float(self.column[0]) > 0.5
+
 
 @dataclass(frozen=True)
 class Plates:
@@ -121,6 +129,11 @@ class Shoe:
     def positions(self) -> NDArray[np.float64]:
         """(n, 2) places in each foot's sole frame [m]."""
         return np.array([channel.position for channel in self.channels])
+
+    @cached_property
+    def vertical(self) -> NDArray[np.bool_]:
+        """(n,) True for channels of vertical force."""
+        return np.array([channel.vertical for channel in self.channels])
 
     @cached_property
     def torque(self) -> NDArray[np.bool_]:

@@ -210,7 +210,7 @@ def _sideways(shoe: Shoe, foot: int) -> list[tuple[int, int]]:
         (names[channel.name], index)
         for index, channel in enumerate(shoe.channels)
         # A cell may have any name; it adds to the vertical force.
-        if channel.name in names and not channel.torque and channel.column[0] == 0.0
+        if channel.name in names and not channel.torque and not channel.vertical
     ]
 
 

@@ -150,7 +150,7 @@ def test_missing_directions() -> None:
     assert told.weak
     (finding,) = check_directions(told, None)
     assert finding.verdict == "WARN"
-    assert f"fixed {told.rank} of {told.possible} directions" in finding.reason
+    assert f"identify {told.rank} of {told.possible} directions" in finding.reason
     assert "other yaws" in finding.reason
     (finding,) = check_directions(told, DoubleSupport(0.0, -0.12, 0.4))
     assert "dy -0.12 m, yaw 0.4 rad" in finding.reason

@@ -30,7 +30,10 @@ def model(known: Drawn) -> ErrorModel:
     fit = known.fit
     robot = replace(fit.scene.samples.robot, mass_std=0.0)
     exact = replace(TOLERANCES, sideways_share=0.0)
-    return ErrorModel.of(robot, fit.shoe, fit.parameters, *fit.measuring, np.zeros((3, 3)), exact)
+    return ErrorModel.of(
+        robot, fit.shoe, fit.scene.samples.shoe, fit.parameters, *fit.measuring,
+        np.zeros((3, 3)), exact,
+    )  # fmt: skip
 
 
 def loads(model: ErrorModel, which: int) -> FloatArray:

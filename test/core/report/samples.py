@@ -96,7 +96,9 @@ def told_by(robot: Robot, shoe: Shoe, stages: SelfCalibration, training: Sequenc
     size = 2 * len(shoe.names)
     covariance = fit.covariance
     supports = support_covariance(None, tolerances)
-    model = ErrorModel.of(robot, shoe, parameters, covariance[:-1, :-1], (), supports, tolerances)
+    model = ErrorModel.of(
+        robot, shoe, shoe, parameters, covariance[:-1, :-1], (), supports, tolerances
+    )
     both, left, right = model.over_polygons()
     known = relative_information(robot, shoe, parameters, fit.information[:size, :size])
     told = identifiability(robot, shoe, known, PlannerSettings())

@@ -125,7 +125,7 @@ def _inverted(
     readings = np.concatenate([one.readings for one in runs.values()])
     moved = np.abs(tried.fits[0].parameters.gain) * readings.std(axis=0)
     lever = np.linalg.norm(shoe.columns[place, 1:], axis=1)
-    told = (shoe.columns[place, 0] != 0.0) | (2.0 * moved * lever / (0.5 * weight) > least)
+    told = shoe.vertical[place] | (2.0 * moved * lever / (0.5 * weight) > least)
     return np.asarray(np.all(signs, axis=0) & told)
 
 

@@ -49,7 +49,7 @@ def coupled_axes(shoe: Shoe) -> Iterator[tuple[int, int]]:
 
 def vertical(shoe: Shoe) -> IntArray:
     """Channels of vertical force: cells, and that axis of six-axis sensors."""
-    return np.flatnonzero((shoe.columns[:, 0] != 0.0) & ~shoe.torque)
+    return np.flatnonzero(shoe.vertical)
 
 
 def each_cell(scene: Scene) -> Iterator[Place]:
