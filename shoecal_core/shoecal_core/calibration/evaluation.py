@@ -229,4 +229,5 @@ def compare_data(
         )
         for name, runs in sets.items()
         for run in runs
+        if data.stances[run]  # a robot that hangs stands nowhere
     ]

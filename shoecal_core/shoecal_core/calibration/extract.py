@@ -44,6 +44,8 @@ def stances_of(
         screening: leaves out what it found at fault; a run of which nothing is left has no
             stance.
     """
+    if run.info.hanging:
+        return []
     if run.info.support is not None:
         everything = np.ones(len(aligned.time), dtype=bool)
         kept = standing = everything
@@ -62,7 +64,9 @@ def stances_of(
 
 def zeros_of(run: Run, aligned: Aligned, shoe: Shoe, kinematics: Kinematics) -> list[Zero]:
     """Zeros of the feet that the run lifts; none where feet in the air cannot be found."""
-    if run.info.support is not None:
+    if run.info.hanging:
+        air = np.ones((len(aligned.time), 2), dtype=bool)
+    elif run.info.support is not None:
         lifting = aloft(run.info.motion, aligned)
         if lifting is None:
             return []

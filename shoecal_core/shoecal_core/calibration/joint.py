@@ -17,9 +17,11 @@ from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import RATE_HZ, JointFit, fit_jointly
 from shoecal_core.estimation.known_shoe import KnownShoe
+from shoecal_core.estimation.known_zeros import known_zeros
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.settings import SampleSettings
 from shoecal_core.samples.stance import Stance
+from shoecal_core.samples.zeros import Zero
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.sensing.wrench import columns_in_left
 
@@ -35,6 +37,7 @@ def joint_calibration(
     settings: CalibrationSettings,
     tolerances: Tolerances,
     known: KnownShoe | None = None,
+    hanging: Sequence[Zero] = (),
 ) -> JointFit:
     """Fit gains, offsets and all that robot and shoes may have wrong, from the initial guess.
 
@@ -44,6 +47,7 @@ def joint_calibration(
         guess: where it begins, and what gains and offsets are believed to be about.
         settings, tolerances: of the calibration.
         known: of the shoe, by a manual calibration.
+        hanging: what feet read in runs in which both are in the air.
 
     Raises:
         ShoecalError: when it does not settle.
@@ -64,6 +68,7 @@ def joint_calibration(
         tolerances=tolerances,
         time_offset_std_s=settings.time_offset_std_s,
         known=known,
+        zeros=known_zeros(samples.shoe, hanging, tolerances),
     )
 
 

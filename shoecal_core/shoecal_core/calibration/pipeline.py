@@ -102,6 +102,7 @@ class SessionData:
         temperature: mean of what the device told [degC], NaN where it told none.
         screening: what was found in it before the fit, and left out.
         zeros: of feet in the air, by run.
+        hanging: runs in which both feet are in the air; once fitted, of the training runs.
         weighed: what the data sheets of the sensors make of the robot's weight; None where that
             cannot be known.
     """
@@ -115,6 +116,7 @@ class SessionData:
     temperature: float
     screening: Screening = field(default_factory=Screening)
     zeros: tuple[Zero, ...] = ()
+    hanging: frozenset[int] = frozenset()
     weighed: Weighed | None = None
 
     def of(self, runs: Sequence[int]) -> list[Stance]:
@@ -190,11 +192,13 @@ def load_data(
         screening = Screening()
     else:
         aligned, late = put_together(recorded, shoe, kinematics, settings)
-        screening = screen(recorded, aligned, shoe, robot.weight, settings, late)
+        loaded = {number: run for number, run in recorded.items() if not run.info.hanging}
+        there = {number: aligned[number] for number in loaded}
+        screening = screen(loaded, there, shoe, robot.weight, settings, late)
     samples = None
-    standing = all(run.info.support is not None for run in recorded.values())
+    read = [(run, aligned[number]) for number, run in recorded.items() if not run.info.hanging]
+    standing = bool(read) and all(run.info.support is not None for run, _ in read)
     if settings is not None and standing and not screening.fails:
-        read = [(run, aligned[number]) for number, run in recorded.items()]
         samples = make_samples(
             read, robot, shoe, kinematics, SAMPLING, screening.kept, screening.air
         )
@@ -221,6 +225,7 @@ def load_data(
         temperature=float(np.mean(np.concatenate(told))) if any(map(len, told)) else float("nan"),
         screening=screening,
         zeros=tuple(zeros),
+        hanging=frozenset(number for number, run in recorded.items() if run.info.hanging),
         weighed=weigh(shoe, {run: one.readings for run, one in aligned.items()}, zeros),
     )
 
@@ -294,6 +299,7 @@ def calibrate_session(
     found += check_changed(session.changed_files if session.forced else ())
     if data.screening.fails:
         raise SessionError(session.folder, "; ".join(finding.reason for finding in found))
+    data = replace(data, hanging=data.hanging.intersection(train))
     train, test = (tuple(run for run in runs if data.stances[run]) for runs in (train, test))
     _require_supports(session, data.of(train), found)
     fitting = _fitting(settings, data.screening)
@@ -392,7 +398,8 @@ def _fitted(
     guess, guess_with_weight = (
         initial_guess(data.shoe, training, weight_row=row) for row in (False, True)
     )
-    joint = joint_calibration(data.samples, train, guess, fitting, tolerances, known)
+    hanging = [zero for zero in data.zeros if zero.run in data.hanging]
+    joint = joint_calibration(data.samples, train, guess, fitting, tolerances, known, hanging)
     data = replace(data, shoe=joint.shoe, stances=corrected(data.stances, joint))
     training = data.of(train)
     stages = of_joint(joint, guess, guess_with_weight, training, fitting)

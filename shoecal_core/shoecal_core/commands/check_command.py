@@ -212,7 +212,7 @@ def _cells(entry: RunEntry, run: Run) -> list[str]:
         str(entry.run),
         entry.hint or "-",
         entry.info.motion,
-        "-"
+        ("both feet in the air" if entry.info.hanging else "-")
         if support is None
         else f"{1e3 * support.dx:.0f} {1e3 * support.dy:.0f} mm {np.degrees(support.dtheta):.0f}°",
         f"{run.readings.time[-1] - run.readings.time[0]:.1f}",

@@ -30,6 +30,7 @@ from shoecal_core.error_sources.signals import COP
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.known_shoe import KnownShoe
+from shoecal_core.estimation.known_zeros import KnownZeros
 from shoecal_core.estimation.linear_system import LinearSystem
 from shoecal_core.estimation.priors import parameter_std
 from shoecal_core.samples.samples import Samples, Track
@@ -149,6 +150,7 @@ def fit_jointly(
     tolerances: Tolerances,
     time_offset_std_s: float,
     known: KnownShoe | None = None,
+    zeros: KnownZeros | None = None,
 ) -> JointFit:
     """Fit gains, offsets, time offset and deviations to the training runs.
 
@@ -160,6 +162,7 @@ def fit_jointly(
         tolerances: how far robot and shoes may be off their files.
         time_offset_std_s: how far joints and readings may be apart in time [s].
         known: of the shoe, by a manual calibration; None: nothing.
+        zeros: of a robot that hung; None: it did not.
 
     Raises:
         ShoecalError: when there is nothing to fit, a reading is no number, or it does not settle.
@@ -189,7 +192,7 @@ def fit_jointly(
                 raise _unsettled(moved)
             try:
                 system = LinearSystem.at(
-                    scene, fitted, guess, own_std, late, body, sample_std, tolerances, known
+                    scene, fitted, guess, own_std, late, body, sample_std, tolerances, known, zeros
                 )
                 if initial_cost is None:
                     initial_cost = system.cost(np.zeros(len(system.std)))

@@ -15,6 +15,7 @@ from shoecal_core.error_sources.base import Deviation
 from shoecal_core.error_sources.scene import Scene
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.known_shoe import KnownShoe
+from shoecal_core.estimation.known_zeros import KnownZeros
 from shoecal_core.sensing.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
@@ -56,6 +57,7 @@ class LinearSystem:
         sample_std: FloatArray,
         tolerances: Tolerances,
         known: KnownShoe | None,
+        zeros: KnownZeros | None,
     ) -> LinearSystem:
         """Linearise the problem.
 
@@ -69,6 +71,7 @@ class LinearSystem:
             sample_std: (s,) of the signals.
             tolerances: of all other deviations.
             known: of the shoe, by a manual calibration.
+            zeros: of a robot that hung.
         """
         own = len(own_std) - 1
         deviations = (*body, *of_shoes(scene, tolerances))
@@ -98,6 +101,12 @@ class LinearSystem:
             more_rows = np.zeros((len(std), len(more_target)))
             more_rows[: by_gain.shape[1]] = by_gain.T
             more_rows[own + 1 : own + 1 + len(deviations)] = by_deviation.T
+        if zeros is not None:
+            by_parameters, target = zeros.rows(parameters)
+            rows = np.zeros((len(std), len(target)))
+            rows[:own] = by_parameters.T
+            more_rows = np.concatenate((more_rows, rows), axis=1)
+            more_target = np.concatenate((more_target, target))
         scale = 1.0 / np.broadcast_to(sample_std, there.shape)[there]
         return cls(
             scene=scene,

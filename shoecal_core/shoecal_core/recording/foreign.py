@@ -16,6 +16,7 @@ from shoecal_core.model.double_support import DoubleSupport, read_support
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.container import MAX_RECORDS
 from shoecal_core.recording.errors import RecordingError
+from shoecal_core.recording.info import HANGING
 from shoecal_core.recording.listing import HINTS
 from shoecal_core.recording.messages import series
 from shoecal_core.recording.session import Session
@@ -76,9 +77,12 @@ def read_span(fields: Fields) -> tuple[float | None, float | None]:
 
 def read_run_to_import(fields: Fields) -> RunToImport:
     """The fields RUN_KEYS of one trial in a mapping file; FileError where one is wrong."""
+    motion, support = fields.text("motion"), read_support(fields)
+    if motion == HANGING and support is not None:
+        raise fields.error("support", "a robot that hangs stands nowhere; leave it out")
     return RunToImport(
-        motion=fields.text("motion"),
-        support=read_support(fields),
+        motion=motion,
+        support=support,
         hint=fields.choice("set", dict.fromkeys(HINTS)) if "set" in fields else "",
     )
 

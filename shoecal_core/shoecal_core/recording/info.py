@@ -15,6 +15,9 @@ FORMAT = 1
 RECORD = "shoecal"
 """Name of the metadata record."""
 
+HANGING = "hanging"
+"""Motion of a robot that hangs with both feet in the air, to show the zeros of its sensors."""
+
 _CHECKSUM = "checksum"
 
 
@@ -44,6 +47,11 @@ class RunInfo:
     def __post_init__(self) -> None:
         if self.run < 1:
             raise ShoecalError(f"run {self.run}: runs are numbered from 1")
+
+    @property
+    def hanging(self) -> bool:
+        """Whether both feet are in the air all the time."""
+        return self.motion == HANGING and self.support is None
 
     def to_metadata(self) -> dict[str, str]:
         """Fields of the record, with a checksum: no other one covers it in a cut file."""

@@ -82,6 +82,9 @@ def read_runs(
             progress(f"reading run {number}", index / len(runs))
         try:
             run = session.read(number)
+            if run.info.hanging:
+                notes.append(f"run {number} is left out: both feet are in the air")
+                continue
             check_clocks(run)
             read.append((run, align(run, shoe, kinematics)))
         except FileError as error:

@@ -77,6 +77,18 @@ def import_all(folder: Path) -> Session:
     return import_csv(folder / "mapping.yaml", folder, folder.parent / "session")
 
 
+def test_a_robot_that_hangs_stands_nowhere(folder: Path) -> None:
+    mapping = folder / "mapping.yaml"
+    mapping.write_text(MAPPING.replace("motion: stepping", "motion: hanging"))
+    with pytest.raises(FileError, match=r"support: a robot that hangs stands nowhere") as caught:
+        import_all(folder)
+    assert str(mapping) in str(caught.value)
+    mapping.write_text(MAPPING.replace("motion: walking", "motion: hanging"))
+    first, second = import_all(folder).runs
+    assert second.info.hanging
+    assert not first.info.hanging
+
+
 def test_import(folder: Path) -> None:
     session = Session.open(import_all(folder).folder)
     first, second = session.runs
