@@ -226,7 +226,7 @@ def load_data(
         screening=screening,
         zeros=tuple(zeros),
         hanging=frozenset(number for number, run in recorded.items() if run.info.hanging),
-        weighed=weigh(shoe, {run: one.readings for run, one in aligned.items()}, zeros),
+        weighed=weigh(shoe, {run.info.run: one.readings for run, one in read}, zeros),
     )
 
 

@@ -24,6 +24,7 @@ COMMANDS = {
     "calibrate": "find gains and offsets from a recorded session",
     "diagnose": "where model and reality differ, which effect causes it, and what cannot be known",
     "evaluate": "how far a calibration is off model, truth or another calibration",
+    "history": "how a robot's gains and offsets changed from calibration to calibration",
     "apply": "recorded readings under a calibration: GRF and CoP of every sample, in tables",
     "correct": "what a recording finds of joint zeros and masses, into copies of the robot's files",
     "manual": "calibrate with known weights: single cells, then the shoe",

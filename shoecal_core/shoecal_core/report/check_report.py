@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from shoecal_core.estimation.weight import Weighed
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import GRAVITY
+from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.session import RunEntry
 from shoecal_core.report.assessment_figures import left_out_spans
 from shoecal_core.report.assessment_tables import findings_table, left_out_table
@@ -120,7 +120,7 @@ def _runs(content: CheckReport, seen: Strip | str | None) -> Section:
             f"run {entry.run}",
             entry.hint or UNKNOWN,
             entry.info.motion,
-            _support(entry.info.support),
+            _support(entry.info),
             quantity(_duration(entry, content), "s", 1),
             quantity(content.runs[entry.run].joints.rate_hz, "Hz", 0),
             quantity(content.runs[entry.run].readings.rate_hz, "Hz", 0),
@@ -178,8 +178,10 @@ def _details(content: CheckReport) -> Section:
     return Section("Details", (Group(tables=(Table("What it belongs to", ("", ""), rows),)),))
 
 
-def _support(support: DoubleSupport | None) -> str:
-    return "none (walking)" if support is None else double_support_text(support)
+def _support(info: RunInfo) -> str:
+    if info.support is not None:
+        return double_support_text(info.support)
+    return "both feet in the air" if info.hanging else "none (walking)"
 
 
 def _duration(entry: RunEntry, content: CheckReport) -> float:
