@@ -8,9 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from core.commands.conftest import ROBOT, Run
 from shoecal_core.calibration.calibration import load_calibration, save_calibration
+from shoecal_core.recording.foreign import joint_states, voltages
+from shoecal_core.recording.schemas import GOOD
+from shoecal_core.recording.session import Session
 from shoecal_core.sensing.wrench import ChannelParameters
 
 WEEK_NS = 7 * 86_400 * 10**9
@@ -42,6 +46,41 @@ def test_what_changed(calibrated: Path, later: Path, shoecal: Run) -> None:
     assert not any(one["gain_beyond_2_std"] for one in second["channels"])
     assert second["channels"][0]["name"] in told
     assert report.read_text().count("<svg") >= 4
+
+
+def test_zeros_that_moved_between_two_sessions(
+    tmp_path: Path, simulated: Path, calibrated: Path, shoecal: Run
+) -> None:
+    """The same motions a week later, every zero of the left foot moved by 10 N."""
+    first = Session.open(simulated)
+    second = Session.create(
+        tmp_path / "second",
+        *(simulated / name for name in ("robot.yaml", "robot.urdf", "shoe.yaml")),
+    )
+    before = load_calibration(calibrated)
+    left = np.array([name.startswith("left/") for name in before.channels])
+    for entry in first.runs[:3]:
+        run = first.read(entry.run)
+        start = run.start_ns + WEEK_NS
+        moved = run.readings.value - np.where(left, 10.0 / before.parameters.gain, 0.0)
+        moved[run.readings.status != GOOD] = np.nan
+        sent = joint_states(stamps(start, run.joints.time), run.joints.names, run.joints.position)
+        sent += voltages(stamps(start, run.readings.time), run.readings.names, moved)
+        with second.new_run(entry.info.motion, entry.info.support) as writer:
+            for one in sorted(sent, key=lambda one: one.stamp_ns):
+                writer.write(one.topic, one.data, one.stamp_ns)
+    after, figures = tmp_path / "after.yaml", tmp_path / "history.json"
+    code, _, err = shoecal("calibrate", second.folder, "--out", after)
+    assert code == 0, err
+    code, _, err = shoecal("history", after, calibrated, "--json", figures)
+    assert code == 0, err
+    old, new = (one["zero_sum_n"] for one in json.loads(figures.read_text())["calibrations"])
+    assert new["left"] - old["left"] == pytest.approx(10.0 * left.sum(), abs=3.0)
+    assert new["right"] == pytest.approx(old["right"], abs=3.0)
+
+
+def stamps(start: int, time: NDArray[np.float64]) -> NDArray[np.int64]:
+    return start + np.rint(1e9 * time).astype(np.int64)
 
 
 def test_two_robots_are_refused(calibrated: Path, later: Path, shoecal: Run) -> None:
