@@ -102,7 +102,7 @@ def demo(tmp_path: Path) -> Iterator[Demo]:
 
 
 def test_an_interrupted_demo_leaves_nothing_running(demo: Demo) -> None:
-    demo.until(lambda: "moving 1" in demo.output)
+    demo.until(lambda: "moving, run 1 " in demo.output)
     demo.process.send_signal(signal.SIGINT)
     assert demo.end() == 130
     assert demo.output.splitlines()[-1] == "demo: interrupted; the nodes have been stopped"
@@ -139,7 +139,7 @@ def test_the_command_that_is_ended_ends_all_it_started(
 
 
 def test_a_node_that_dies_is_named(demo: Demo) -> None:
-    demo.until(lambda: "reaching 1" in demo.output)
+    demo.until(lambda: "reaching, run 1 " in demo.output)
     os.kill(demo.pid_of("model"), signal.SIGKILL)
     assert demo.end() == 1
     assert "node model ended with code -9" in demo.output
