@@ -110,6 +110,14 @@ class Calibration:
         std: NDArray[np.float64] = np.sqrt(np.diag(self.covariance)[: len(self.channels)])
         return std
 
+    @property
+    def offset_std(self) -> NDArray[np.float64] | None:
+        """(n,) standard deviations of the offsets [N or N m]; None where they are not known."""
+        if self.covariance is None:
+            return None
+        std: NDArray[np.float64] = np.sqrt(np.diag(self.covariance)[len(self.channels) :])
+        return std
+
     def calibrated(self, shoe: Shoe) -> Shoe:
         """The shoe with the columns that were calibrated.
 

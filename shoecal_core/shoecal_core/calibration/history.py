@@ -125,8 +125,7 @@ def _compared(path: Path, one: Calibration, first: Calibration) -> Entry:
 
 
 def _stds(one: Calibration) -> tuple[FloatArray, FloatArray]:
-    count = len(one.channels)
-    if one.covariance is None:
-        return np.full(count, np.nan), np.full(count, np.nan)
-    std = np.sqrt(np.diag(one.covariance))
-    return std[:count], std[count:]
+    """Of gains and offsets (n,), NaN where they are not known."""
+    unknown = np.full(len(one.channels), np.nan)
+    gain, offset = one.gain_std, one.offset_std
+    return unknown if gain is None else gain, unknown if offset is None else offset

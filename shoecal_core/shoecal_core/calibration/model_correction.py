@@ -43,7 +43,6 @@ class CorrectedRobot:
     """Files of a session's robot with what a fit found in them, and what they are worth.
 
     Attributes:
-        outcome: of the fit.
         files: text of robot file and URDF, by name.
         found: joint zeros [rad], shares of mass, shifts of CoMs [m], all of them.
         runs: that the errors are of.
@@ -52,7 +51,6 @@ class CorrectedRobot:
             `FOLDS` parts, each by what the others found.
     """
 
-    outcome: Outcome
     files: Mapping[str, str]
     found: tuple[FittedDeviation, ...]
     runs: tuple[int, ...]
@@ -111,7 +109,6 @@ def correct_robot(
                 (measured_series(sensing, one), modelled_series(one)) for one in data.of(runs)
             ]
     return CorrectedRobot(
-        outcome=outcome,
         files=_files(session, found),
         found=found,
         runs=tuple(sorted(run for _, runs in held_out for run in runs)),

@@ -18,6 +18,7 @@ from shoecal_core.commands.arguments import (
     settings_of,
 )
 from shoecal_core.commands.progress import shown_progress
+from shoecal_core.commands.tables import new_table
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.joint_fit import FittedDeviation
@@ -84,7 +85,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
 
 
 def _table(certain: Sequence[FittedDeviation]) -> Table:
-    table = Table(title=f"More than {SIGNIFICANT:g} standard deviations from the files")
+    table = new_table(f"More than {SIGNIFICANT:g} standard deviations from the files")
     for heading in ("Joint or link", "What", "Off by"):
         table.add_column(heading)
     for one in certain:
