@@ -1,7 +1,7 @@
 # shoecal without an installation of ROS: everything lives in .venv, build/ and install/.
 
 .DEFAULT_GOAL := help
-.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench planner-speed live-path demo-table paper trust accuracy repeats caught-faults faults blind own-steps motion-menu pictures figures reference docs wheel lock clean
+.PHONY: firmware stand-ins robots descriptions clean-sessions help setup demo test test-floor lint bench planner-speed planned-motions live-path demo-table paper trust accuracy repeats caught-faults faults blind own-steps motion-menu pictures figures reference docs wheel lock clean
 
 # Nothing that is sourced in the calling shell reaches what runs from .venv.
 unexport AMENT_PREFIX_PATH CMAKE_PREFIX_PATH COLCON_PREFIX_PATH LD_LIBRARY_PATH PYTHONHOME PYTHONPATH
@@ -44,6 +44,10 @@ bench: planner-speed live-path demo-table paper  ## all measurements
 planner-speed: export OPENBLAS_NUM_THREADS := 1
 planner-speed: setup  ## the planner's solver against IPOPT, motions in many supports (ARGS="--supports 1 --nao 20")
 	$(BIN)/python benchmarks/planner_speed.py $(ARGS)
+
+planned-motions: export OPENBLAS_NUM_THREADS := 1
+planned-motions: setup  ## load, grip and tilt of planned motions in the physics (ARGS="--robots nao --count 20")
+	$(BIN)/python benchmarks/planned_motions.py $(ARGS)
 
 live-path: export OPENBLAS_NUM_THREADS := 1
 live-path: setup  ## latency from frame to CoP, compared with a bare chain (ARGS="--seconds 5")

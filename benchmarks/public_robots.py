@@ -95,7 +95,7 @@ def run(humanoid: Humanoid, folder: Path, out: Path, supports: int, seed: int) -
     seconds["simulation"] = -_processor_seconds()
     shoecal(
         out / "simulated.json", "simulate", robot_file, shoe_file, "--reality", drafted["reality"],
-        "--settings", drafted["planner"], "--supports", supports, "--seed", seed,
+        "--supports", supports, "--seed", seed,
         "--out", folder_of_runs,
     )  # fmt: skip
     seconds["simulation"] += _processor_seconds()

@@ -10,7 +10,7 @@ from rich.console import Console
 
 from shoecal_core.drafting.draft import draft_robot, prove, relative
 from shoecal_core.drafting.notes import Note, robot_notes, shoe_notes
-from shoecal_core.drafting.simulated import planner_text, reality_text
+from shoecal_core.drafting.simulated import reality_text
 from shoecal_core.drafting.soles import SoleSize
 from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileTakenError, ShoecalError
@@ -57,8 +57,8 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     shoe: Path = args.shoe or out.with_name(f"{out.stem}_shoe.yaml")
     if out.resolve() == shoe.resolve():
         raise ShoecalError(f"{out}: robot file and shoe file cannot be one; name another --shoe")
-    reality, planner = (out.with_name(f"{out.stem}_{what}.yaml") for what in ("reality", "planner"))
-    for file in (out, shoe, reality, planner):
+    reality = out.with_name(f"{out.stem}_reality.yaml")
+    for file in (out, shoe, reality):
         if file.exists() and not args.force:
             problem = "is there already; name another one, or replace it with --force"
             raise FileTakenError(file, problem)
@@ -67,7 +67,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     )
     texts = {out: robot_text(draft, relative(args.urdf, out.parent)), shoe: shoe_text(draft)}
     robot, worn = prove(draft, texts[out], texts[shoe])
-    texts |= {reality: reality_text(robot, worn), planner: planner_text(robot)}
+    texts[reality] = reality_text(robot, worn)
     for file, text in texts.items():
         make_folder(file.parent)
         atomic_write(file, text)
@@ -75,10 +75,9 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     for file, told in notes.items():
         _tell(console, file, told)
     console.print(
-        f"{reality}, {planner}: drafted for a robot of this size\n"
-        f"Then: shoecal plan {out} --shoe {shoe} --settings {planner} --supports 1 --out out/plan\n"
-        f"      shoecal simulate {out} {shoe} --settings {planner} --reality {reality} "
-        "--out out/session\n"
+        f"{reality}: drafted for a robot of this size\n"
+        f"Then: shoecal plan {out} --shoe {shoe} --supports 1 --out out/plan\n"
+        f"      shoecal simulate {out} {shoe} --reality {reality} --out out/session\n"
         "      shoecal calibrate out/session --out out/calibration.yaml",
         markup=False,
         soft_wrap=True,
@@ -87,7 +86,6 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
         "robot": str(out),
         "shoe": str(shoe),
         "reality": str(reality),
-        "planner": str(planner),
         "mass_kg": draft.mass,
         "legs": draft.leg_names,
         "six_axis": draft.six_axis[0] is not None,

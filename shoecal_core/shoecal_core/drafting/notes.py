@@ -71,6 +71,20 @@ def robot_notes(draft: Draft) -> list[Note]:
             "the robot can stand at its ends; `shoecal plan` leaves out what it cannot reach.",
         )
     )
+    notes += [
+        Note(
+            "friction",
+            "Usual values, not of this robot: least friction between soles and floor, largest tilt "
+            "of the torso.",
+            "the soles do not slip at it, and the robot bears that tilt.",
+        ),
+        Note(
+            "joint_deflection",
+            "Usual of a robot of this weight: sag of a joint at its torque limit; play of gears "
+            "and error of its zero together.",
+            "measure both at an ankle; the looser the joints, the less motions may ask for.",
+        ),
+    ]
     missing = ""
     if {"left_thigh", "left_shank"} - {capsule.name for capsule in draft.capsules}:
         missing = "Thighs or shanks have no shape in the URDF, so no capsule. "

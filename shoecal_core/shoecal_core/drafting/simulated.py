@@ -1,9 +1,9 @@
-"""A simulated reality and planner settings that suit a robot's size."""
+"""A simulated reality that suits a robot's size."""
 
 from __future__ import annotations
 
 from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import Robot
+from shoecal_core.model.robot import JointDeflection, Robot
 from shoecal_core.sensing.shoe import Shoe
 
 USUAL_KG, USUAL_COM_HEIGHT_M = 5.3, 0.3
@@ -13,10 +13,10 @@ LARGE_KG = 10.0
 ENCODER_RAD = 1e-4
 """16 bits a turn; a NAO's have 12."""
 PLAY_RAD = 0.001
+LARGE_DEFLECTION = JointDeflection(sag=0.02, play=0.003)
+"""What motions of such a robot count on: sag with the servo's own error, play with an encoder's."""
 COMPLIANCE = 0.0015
 """rad/(N m) of a gear on a robot as large as a NAO, which has 0.0045 of both."""
-LEAN_WEIGHT = 100.0
-"""1/rad^2. Without it, legs longer than a NAO's let the torso lean by 1 rad to shift the CoP."""
 
 
 def reality_text(robot: Robot, shoe: Shoe) -> str:
@@ -61,14 +61,3 @@ def reality_text(robot: Robot, shoe: Shoe) -> str:
         ]
     lines += ["cells:", *(f"  {name}: {value:.3g}" for name, value in cells.items())]
     return "\n".join(lines) + "\n"
-
-
-def planner_text(robot: Robot) -> str:
-    """PLANNER.yaml: parameters of the planner node, also for `--settings`."""
-    return (
-        f"# Planner settings of {robot.name} that differ from the defaults. CHECK: the higher the\n"
-        "# weight, the less the torso leans, and the less closely landmarks are reached.\n"
-        "/**/planner:\n"
-        "  ros__parameters:\n"
-        f"    planning: {{cop_lean_weight: {LEAN_WEIGHT:g}}}\n"
-    )

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike
 
 from shoecal_core.drafting.draft import Draft
 from shoecal_core.drafting.notes import Note, robot_notes, shoe_notes
+from shoecal_core.drafting.simulated import LARGE_DEFLECTION, LARGE_KG
+from shoecal_core.model.robot import Robot
 from shoecal_core.sensing.shoe import AXES, FEET
 
 ROBOT_TITLE = "Draft of {} by `shoecal new robot`. Lengths in m, angles in rad, masses in kg."
@@ -82,6 +84,11 @@ def robot_text(draft: Draft, urdf: str) -> str:
             f"  {key}: {{lower: {low:g}, upper: {high:g}, step: {step:g}, neutral: {neutral:g}}}"
         )
     page.lines.append("")
+    page.say("friction")
+    page.lines += [f"friction: {Robot.friction:g}", f"tilt_max_rad: {Robot.tilt_max:g}", ""]
+    page.say("joint_deflection")
+    joint = LARGE_DEFLECTION if draft.mass > LARGE_KG else Robot.deflection
+    page.lines += [f"joint_deflection: {{sag_rad: {joint.sag:g}, play_rad: {joint.play:g}}}", ""]
     page.say("capsules")
     _add_capsules(page.lines, draft)
     return str(page)

@@ -97,6 +97,19 @@ class Capsule:
 
 
 @dataclass(frozen=True)
+class JointDeflection:
+    """How far a loaded joint may be from where its motor was commanded to.
+
+    Attributes:
+        sag: of servo, gears and brackets at the motor's torque limit [rad].
+        play: backlash, the whole width of the dead band, and error of the zero together [rad].
+    """
+
+    sag: float = 0.03
+    play: float = 0.005
+
+
+@dataclass(frozen=True)
 class SupportRange:
     """Where the right foot may stand relative to the left, as a grid.
 
@@ -131,6 +144,9 @@ class Robot:
         optional: joints that may be absent from measurements; they are then at `posture`.
         capsules, collision_pairs: shapes, and pairs of indices that must not touch.
         support_range: allowed double supports.
+        friction: coefficient of static friction that soles and floor have at least.
+        deflection: of the joints under load.
+        tilt_max: largest tilt of the torso that a motion may ask for [rad].
     """
 
     name: str
@@ -149,6 +165,9 @@ class Robot:
     capsules: tuple[Capsule, ...]
     collision_pairs: tuple[tuple[int, int], ...]
     support_range: SupportRange
+    friction: float = 0.5
+    deflection: JointDeflection = JointDeflection()
+    tilt_max: float = 0.4
 
     @property
     def weight(self) -> float:

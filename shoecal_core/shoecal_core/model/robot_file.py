@@ -13,7 +13,14 @@ from numpy.typing import NDArray
 from shoecal_core.errors import FileMissingError
 from shoecal_core.file_kinds import meant
 from shoecal_core.files import Fields, read_bytes, read_yaml, sha256
-from shoecal_core.model.robot import Capsule, Foot, Robot, SharedMotor, SupportRange
+from shoecal_core.model.robot import (
+    Capsule,
+    Foot,
+    JointDeflection,
+    Robot,
+    SharedMotor,
+    SupportRange,
+)
 from shoecal_core.model.shared_motors import read_shared_motors
 from shoecal_core.model.standing import check_standing
 from shoecal_core.model.urdf import ROOT_JOINTS, read_urdf
@@ -77,7 +84,8 @@ def load_robot(
     fields.format(FORMAT)
     fields.only(
         "format", "name", "urdf", "weight", "feet", "legs", "shared_motors", "optional_joints",
-        "posture_rad", "support_range", "capsules", "collision_pairs",
+        "posture_rad", "support_range", "capsules", "collision_pairs", "friction",
+        "joint_deflection", "tilt_max_rad",
     )  # fmt: skip
     urdf = path.parent / fields.text("urdf") if urdf is None else urdf
     description = read_urdf(urdf)
@@ -116,6 +124,9 @@ def load_robot(
         capsules=capsules,
         collision_pairs=_pairs(fields, capsules),
         support_range=_support_range(fields.mapping("support_range")),
+        friction=fields.number("friction", default=Robot.friction, above=0.0, maximum=2.0),
+        deflection=_deflection(fields),
+        tilt_max=fields.number("tilt_max_rad", default=Robot.tilt_max, above=0.0, maximum=1.5),
     )
     check_standing(robot, fields)
     return robot
@@ -218,6 +229,18 @@ def _known_joints(fields: Fields, key: str, names: list[str]) -> list[str]:
         if name not in names:
             raise fields.error(key, f"the URDF has no joint '{name}'; {meant(name, names)}")
     return found
+
+
+def _deflection(fields: Fields) -> JointDeflection:
+    usual = JointDeflection()
+    if "joint_deflection" not in fields:
+        return usual
+    block = fields.mapping("joint_deflection")
+    block.only("sag_rad", "play_rad")
+    return JointDeflection(
+        sag=block.number("sag_rad", default=usual.sag, above=0.0, maximum=0.5),
+        play=block.number("play_rad", default=usual.play, minimum=0.0, maximum=0.2),
+    )
 
 
 def _posture(

@@ -15,14 +15,18 @@ from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot import Foot, Robot
 from shoecal_core.model.symbolic import SymbolicKinematics
 from shoecal_core.planning.capsules import segment_distance_squared
+from shoecal_core.planning.load_sharing import FRICTION_USED, LoadSharing, SharingSpread
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.torques import holding_torques
 from shoecal_core.sensing.shoe import FEET
 from shoecal_core.settings import SettingError
 
 FloatArray = NDArray[np.float64]
 
 
+BALANCE_NAMES = (
+    "load on left", "load on right", "grip of left", "grip of right", "tilt of the torso",
+)  # fmt: skip
+"""What LegExpressions.balance lists, for people."""
 _LEAST_JOINTS = 8
 """Both feet in place take six of them, the CoP two."""
 _AT_KNEE = 0.01
@@ -93,7 +97,10 @@ class LegExpressions:
         cop: (2, 1) ground projection of the CoM in the left sole's frame [m].
         foot_error: (6, 1) how far the right sole is from that pose: way [m], turn [rad].
         distances: (p, 1) of the robot's collision pairs [m].
+        balance: (5, 1) vertical force on left and right, how much more sideways force left and
+            right could take, all over the weight; and the cosine of the torso's tilt.
         torques: (k, 1) of the leg motors, to hold the posture [N m].
+        relative_jacobian: (6, k) see LoadSharing.
         lean: (2, 1) direction of the torso's upward axis along the floor; zero when upright.
         height: of the base above the left sole [m].
     """
@@ -117,7 +124,32 @@ class LegExpressions:
         self.lean = left.rotation.T[:2, 2]
         self.height = left.inverse_act(ca.SX.zeros(3))[2]
         self.distances = _distances(robot, body)
-        self.torques = holding_torques(robot, body, self.foot_pose, self.share, self.cop)
+        sharing = LoadSharing(robot, body, self.foot_pose, self.share, self.cop)
+        self.torques, self.relative_jacobian = sharing.torques, sharing.relative_jacobian
+        forces = ca.vertcat(sharing.loads, sharing.grips) / robot.weight
+        self.balance = ca.vertcat(forces, left.rotation.T[2, 2])
+
+
+def least_balance(
+    robot: Robot, settings: PlannerSettings, loaded: NDArray[np.bool_], spread: SharingSpread
+) -> FloatArray:
+    """(n, 5) least of what LegExpressions.balance lists, however the feet share the load.
+
+    Args:
+        robot: its friction and its torso's largest tilt.
+        settings: least share of the load.
+        loaded: (n, 2) whether left, right have to keep load and grip.
+        spread: of the sharing, of one posture.
+    """
+    load = settings.load_share + spread.load[0] / robot.weight
+    grip = spread.grip(FRICTION_USED * robot.friction)[0] / robot.weight
+    feet = np.where(np.tile(loaded, 2), [load, load, grip, grip], -np.inf)
+    # Knees that sag unevenly, and the play of an ankle and a hip, lean the torso farther; while it
+    # goes over to one foot they hardly do.
+    joint = robot.deflection
+    less = np.where(loaded.all(axis=1), joint.sag + 2.0 * joint.play, 0.0)
+    tilt = np.maximum(0.1 * robot.tilt_max, robot.tilt_max - less)
+    return np.column_stack([feet, np.cos(tilt)])
 
 
 class Legs:

@@ -32,6 +32,7 @@ class Phase:
         begin, end: since the motion's begin [s].
         foot_poses: of the right sole in the left sole's frame, at begin and end.
         pace: factor on all speeds.
+        loaded: whether left, right have to keep load and grip.
     """
 
     name: str
@@ -40,6 +41,7 @@ class Phase:
     end: float
     foot_poses: tuple[FootPose, FootPose]
     pace: float = 1.0
+    loaded: tuple[bool, bool] = (True, True)
 
 
 @dataclass(frozen=True)
@@ -176,6 +178,7 @@ def _phases(segments: Sequence[MotionSegment], inner: FloatArray, end: float) ->
             until,
             (segment.pose(0), segment.foot_poses[-1]),
             segment.pace,
+            segment.loaded,
         )
         for segment, begin, until in zip(segments, borders[:-1], borders[1:], strict=True)
     )

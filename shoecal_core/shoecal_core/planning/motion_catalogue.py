@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,6 +39,8 @@ class InitialStance:
         foot_pose: of the right sole in the left sole's frame.
         tasks: (5,) CoP in the left sole's frame [m], lean, height of the base [m].
         on_one: the same for standing on one foot, the feet in a pose.
+        within_reach: moves places (L, 2) for the CoP on these feet in to where it can be; NaN
+            where that is nowhere.
         support_phase: the feet that stand.
     """
 
@@ -46,6 +49,7 @@ class InitialStance:
     foot_pose: FootPose
     tasks: FloatArray
     on_one: Callable[[FootPose, SupportPhase], FloatArray]
+    within_reach: Callable[[FloatArray], FloatArray]
     support_phase: SupportPhase = SupportPhase.BOTH
 
     @property
@@ -53,14 +57,26 @@ class InitialStance:
         """(2,) left sole's frame [m]."""
         return self.tasks[:2]
 
-    @property
+    @cached_property
     def contour(self) -> Contour:
-        """Of the landmarks."""
-        return Contour.of(self.robot, self.foot_pose.support)
+        """Of the landmarks, as far out as the robot can have its CoP."""
+        corners = Contour.of(self.robot, self.foot_pose.support).corners
+        found = self.within_reach(corners)
+        # A robot that stands outside its margins is led towards the landmark itself.
+        return Contour(np.where(np.isnan(found), corners, found))
 
-    def pursuing(self, name: str, targets: FloatArray) -> MotionSegment:
-        """Targets (L, 5) on both feet, the torso's lean and height among them."""
-        return MotionSegment(name, targets, self.settings.task_weights, (self.foot_pose,))
+    def pursuing(
+        self, name: str, targets: FloatArray, loaded: SupportPhase = SupportPhase.BOTH
+    ) -> MotionSegment:
+        """Targets (L, 5) on both feet, the torso's lean and height among them.
+
+        Args:
+            name: of the segment.
+            targets: CoP [m], lean, height [m].
+            loaded: the feet that have to keep load: not one that is, or was, in the air.
+        """
+        weights = self.settings.task_weights
+        return MotionSegment(name, targets, weights, (self.foot_pose,), loaded=loaded.feet)
 
 
 @dataclass(frozen=True)
@@ -151,10 +167,10 @@ def _unload(standing: InitialStance, support_phase: SupportPhase) -> tuple[Motio
     )
     aim = in_standing(tasks, pose, support_phase)
     return (
-        standing.pursuing("shift", tasks[None]),
+        standing.pursuing("shift", tasks[None], support_phase),
         swing_segment("lift", aim, up, support_phase, settings, pause=settings.unloaded_time),
         swing_segment("lower", aim, up[::-1], support_phase, settings),
-        standing.pursuing("back", standing.tasks[None]),
+        standing.pursuing("back", standing.tasks[None], support_phase),
     )
 
 
@@ -168,7 +184,9 @@ def _put_down(standing: InitialStance) -> tuple[MotionSegment, ...]:
     ended = in_left(aim, down, support_phase)
     ended[:2] = middle(standing.robot, down.support)
     ended[2:4] = 0.0
-    back = MotionSegment("back", ended[None], settings.task_weights, (down,))
+    back = MotionSegment(
+        "back", ended[None], settings.task_weights, (down,), loaded=support_phase.feet
+    )
     return (
         swing_segment(
             "lower",

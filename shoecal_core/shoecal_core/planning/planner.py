@@ -22,7 +22,7 @@ from shoecal_core.planning.horizon.sqp import SqpSolver
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.motion import Motion, timed
 from shoecal_core.planning.motion_catalogue import PUT_DOWN, InitialStance, motion_kind
-from shoecal_core.planning.posture import StanceSolver
+from shoecal_core.planning.posture import StanceSolver, UnreachableError
 from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
@@ -57,6 +57,18 @@ class Planner:
     def stance(self, support: DoubleSupport) -> FloatArray:
         """(m,) all joint angles of standing in a double support [rad]; see StanceSolver."""
         return self.legs.robot.from_legs(self._stance.solve(support))
+
+    def require_one_foot(self, support: DoubleSupport) -> None:
+        """Nothing, where the robot can have all its weight on one foot of a double support.
+
+        Raises:
+            UnreachableError: when it can on neither.
+        """
+        pose, posture = FootPose.of(support), self.legs.robot.posture
+        try:
+            self._stance.solve_on_one(pose, SupportPhase.LEFT, posture)
+        except UnreachableError:
+            self._stance.solve_on_one(pose, SupportPhase.RIGHT, posture)
 
     def plan(
         self,
@@ -232,8 +244,13 @@ class Planner:
         def on_one(pose: FootPose, foot: SupportPhase) -> FloatArray:
             return tasks(self._stance.solve_on_one(pose, foot, joint_angles))
 
+        def within_reach(places: FloatArray) -> FloatArray:
+            return self._stance.within_reach(foot_pose, places, joint_angles)
+
         now = tasks(joint_angles[robot.legs])
-        return InitialStance(robot, self.settings, foot_pose, now, on_one, support_phase)
+        return InitialStance(
+            robot, self.settings, foot_pose, now, on_one, within_reach, support_phase
+        )
 
 
 def _solvers(collocation: Collocation) -> list[Solver]:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+from dataclasses import dataclass
+
 import casadi as ca
 import numpy as np
 import shapely
@@ -11,7 +14,8 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.standing import feet_gap
-from shoecal_core.planning.legs import FootPose, LegExpressions, Legs
+from shoecal_core.planning.legs import BALANCE_NAMES, FootPose, LegExpressions, Legs, least_balance
+from shoecal_core.planning.load_sharing import SharingSpread
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
 
@@ -36,6 +40,9 @@ _UPRIGHT_WEIGHT = 5.0
 """Of an upright torso, against joint angles near the nominal ones."""
 _ASIDE_WEIGHT = 100.0
 """1/m^2, of that against joint angles near the nominal ones."""
+_INWARD_WEIGHT = 1e3
+"""Of the part of the way by which a place of the CoP is moved in: the least there is counts more
+than any posture."""
 
 
 class UnreachableError(ShoecalError):
@@ -45,6 +52,8 @@ class UnreachableError(ShoecalError):
         support: the double support asked for, or that of the feet while one is in the air.
         miss: what is left between feet or CoP and where they should be [m, rad].
         overload: torque of a motor beyond its share [N m].
+        unbalanced: what of load, grip, tilt and clearance is not kept, for people; empty where
+            all is.
     """
 
     def __init__(
@@ -54,10 +63,10 @@ class UnreachableError(ShoecalError):
         miss: float,
         overload: float,
         support_phase: SupportPhase = SupportPhase.BOTH,
+        unbalanced: str = "",
     ) -> None:
-        self.support = support
-        self.miss = miss
-        self.overload = overload
+        self.support, self.miss, self.overload = support, miss, overload
+        self.unbalanced = unbalanced
         on = (
             ""
             if support_phase is SupportPhase.BOTH
@@ -66,7 +75,8 @@ class UnreachableError(ShoecalError):
         super().__init__(
             f"robot '{robot}' cannot stand{on} with the right foot at dx {support.dx:g} m, "
             f"dy {support.dy:g} m, dtheta {support.dtheta:g} rad (misses by {miss:.2g} m or rad, "
-            f"torque too large by {max(0.0, overload):.2g} N m); choose feet nearer to the neutral "
+            f"torque too large by {max(0.0, overload):.2g} N m"
+            f"{', ' if unbalanced else ''}{unbalanced}); choose feet nearer to the neutral "
             "stance, or change joint_margin, stance_margin, knee_margin or torque_share"
         )
 
@@ -75,7 +85,7 @@ class FeetOverlapError(UnreachableError):
     """A double support in which one foot would stand on the other."""
 
     def __init__(self, robot: str, support: DoubleSupport) -> None:
-        self.support, self.miss, self.overload = support, 0.0, 0.0
+        self.support, self.miss, self.overload, self.unbalanced = support, 0.0, 0.0, ""
         ShoecalError.__init__(
             self,
             f"robot '{robot}': the outlines of the feet overlap with the right foot at dx "
@@ -84,25 +94,56 @@ class FeetOverlapError(UnreachableError):
         )
 
 
+@dataclass(frozen=True)
+class _Task:
+    """What a posture shall be.
+
+    Attributes:
+        foot_pose: of the right sole in the left sole's frame.
+        support_phase: the feet that stand.
+        target: (2,) place of the CoP, left sole's frame [m].
+        others: (m,) all joint angles, of which those beside the legs count [rad].
+        aside: how far the CoP may be from its place, forward and sideways [m].
+        inward: greatest part of the way to the middle between the feet by which it may be moved.
+    """
+
+    foot_pose: FootPose
+    support_phase: SupportPhase
+    target: FloatArray
+    others: FloatArray
+    aside: float = 0.0
+    inward: float = 0.0
+
+
 class StanceSolver:
     """Inverse kinematics of one robot, written out once for all its stances."""
 
     def __init__(self, legs: Legs, settings: PlannerSettings) -> None:
-        self._legs = legs
+        self._legs, self._settings = legs, settings
         # A way to the CoP ends within the radius of it.
         self._kept_from_edge = settings.one_foot_margin + settings.landmark_radius
         self._lower, self._upper = legs.bounds(settings, settings.stance_margin)
         robot = legs.robot
         self._torque = robot.effort_limit[robot.legs] * settings.torque_share
         terms = LegExpressions(robot)
-        target = ca.SX.sym("target", 2)
+        target, centre = ca.SX.sym("target", 2), ca.SX.sym("centre", 2)
+        inward = ca.SX.sym("inward")
+        place = target + inward * (centre - target)
         cost = ca.sumsqr(terms.angles - legs.nominal)
         cost += _UPRIGHT_WEIGHT * ca.sumsqr(terms.lean)
-        cost += _ASIDE_WEIGHT * ca.sumsqr(terms.cop - target)
-        parameters = ca.vertcat(terms.foot_pose, terms.share, target, terms.others)
-        constraints = ca.vertcat(terms.torques, terms.cop - target, terms.foot_error)
-        problem = {"x": terms.angles, "p": parameters, "f": cost, "g": constraints}
+        cost += _ASIDE_WEIGHT * ca.sumsqr(terms.cop - place)
+        cost += _INWARD_WEIGHT * inward
+        parameters = ca.vertcat(terms.foot_pose, terms.share, target, centre, terms.others)
+        constraints = ca.vertcat(
+            terms.balance, terms.distances, terms.torques, terms.cop - place, terms.foot_error
+        )
+        problem = {
+            "x": ca.vertcat(terms.angles, inward), "p": parameters, "f": cost, "g": constraints,
+        }  # fmt: skip
         self._solver = ca.nlpsol("stance", "ipopt", problem, _OPTIONS)
+        self._relative_jacobian = ca.Function(
+            "relative_jacobian", [terms.angles, terms.others], [terms.relative_jacobian]
+        )
 
     def solve(self, support: DoubleSupport, cop_target: FloatArray | None = None) -> FloatArray:
         """Leg angles (k,) [rad]: both feet flat, torso upright, knees bent, motors not strained.
@@ -121,7 +162,29 @@ class StanceSolver:
         if not feet_gap(robot, support) > 0.0:
             raise FeetOverlapError(robot.name, support)
         target = middle(robot, support) if cop_target is None else cop_target
-        return self._solved(FootPose.of(support), SupportPhase.BOTH, target, 0.0, robot.posture)
+        task = _Task(FootPose.of(support), SupportPhase.BOTH, target, robot.posture)
+        return self._solved(task)[0]
+
+    def within_reach(
+        self, foot_pose: FootPose, places: FloatArray, others: FloatArray
+    ) -> FloatArray:
+        """Places (L, 2) for the CoP on both feet, each moved in as little as needed (L, 2) [m].
+
+        Inward is towards the middle between the feet. NaN where the robot can stand nowhere on that
+        way within its margins, however the feet share the load.
+
+        Args:
+            foot_pose: of the right sole in the left sole's frame.
+            places: in the left sole's frame.
+            others: (m,) all joint angles, of which those beside the legs count [rad].
+        """
+        centre = middle(self._legs.robot, foot_pose.support)
+        found = np.full(places.shape, np.nan)
+        for place, row in zip(places, found, strict=True):
+            task = _Task(foot_pose, SupportPhase.BOTH, place, others, inward=1.0)
+            with contextlib.suppress(UnreachableError):
+                row[:] = place + self._solved(task)[1] * (centre - place)
+        return found
 
     def solve_on_one(
         self, foot_pose: FootPose, support_phase: SupportPhase, others: FloatArray
@@ -142,34 +205,82 @@ class StanceSolver:
         centre = polygon.centroid
         room = (polygon.exterior.distance(centre) - self._kept_from_edge) / np.sqrt(2.0)
         target = np.array([centre.x, centre.y])
-        return self._solved(foot_pose, support_phase, target, np.clip(room, 0.0, _ASIDE), others)
+        aside = float(np.clip(room, 0.0, _ASIDE))
+        return self._solved(_Task(foot_pose, support_phase, target, others, aside=aside))[0]
 
-    def _solved(
-        self,
-        foot_pose: FootPose,
-        support_phase: SupportPhase,
-        target: FloatArray,
-        aside: float,
-        others: FloatArray,
-    ) -> FloatArray:
-        bounds = np.concatenate([self._torque, [aside, aside], np.zeros(6)])
-        result = self._solver(
-            x0=np.clip(self._legs.nominal, self._lower, self._upper),
-            p=np.concatenate([foot_pose.parameters, support_phase.share, target, others]),
-            lbx=self._lower,
-            ubx=self._upper,
-            lbg=-bounds,
-            ubg=bounds,
+    def _solved(self, task: _Task) -> tuple[FloatArray, float]:
+        """Leg angles, and the part of the way to the middle by which the place is moved in.
+
+        The width of the sharing's interval is that of the posture found without it; it hardly
+        changes from there to the posture within it.
+        """
+        start = np.append(np.clip(self._legs.nominal, self._lower, self._upper), 0.0)
+        spread = SharingSpread.none(self._legs.robot)
+        found, beyond = self._tried(task, start, spread)
+        if task.inward and np.all(beyond < 0.0):
+            jacobian = np.array(self._relative_jacobian(found[:-1], task.others))
+            spread = SharingSpread.of(self._legs.robot, jacobian[None])
+            found, beyond = self._tried(task, found, spread)
+        if not np.all(beyond < 0.0):
+            raise self._unreachable(task, beyond)
+        return found[:-1], float(found[-1])
+
+    def _tried(
+        self, task: _Task, start: FloatArray, spread: SharingSpread
+    ) -> tuple[FloatArray, FloatArray]:
+        """Leg angles and way in (k + 1,), and by how much each constraint is violated (r,)."""
+        robot, loaded = self._legs.robot, np.array([task.support_phase.feet])
+        least = np.append(
+            least_balance(robot, self._settings, loaded, spread)[0],
+            np.full(len(robot.collision_pairs), self._settings.capsule_clearance),
         )
+        torque = np.maximum(0.0, self._torque - spread.torque[0])
+        bounds = np.concatenate([torque, np.full(2, task.aside), np.zeros(6)])
+        centre = middle(robot, task.foot_pose.support)
+        result = self._solver(
+            x0=start,
+            p=np.concatenate(
+                [
+                    task.foot_pose.parameters, task.support_phase.share, task.target, centre,
+                    task.others,
+                ]
+            ),
+            lbx=np.append(self._lower, 0.0),
+            ubx=np.append(self._upper, task.inward),
+            lbg=np.concatenate([least, -bounds]),
+            ubg=np.concatenate([np.full(len(least), np.inf), bounds]),
+        )  # fmt: skip
         # IPOPT relaxes bounds by rounding; inside is inside.
-        angles: FloatArray = np.clip(np.array(result["x"]).ravel(), self._lower, self._upper)
-        beyond = np.abs(np.array(result["g"]).ravel()) - bounds
-        if not np.all(beyond < _RESIDUAL * np.maximum(bounds, 1.0)):
-            miss, overload = float(beyond[-8:].max()), float(beyond[:-8].max())
-            raise UnreachableError(
-                self._legs.robot.name, foot_pose.support, miss, overload, support_phase
-            )
-        return angles
+        found = np.clip(
+            np.array(result["x"]).ravel(),
+            np.append(self._lower, 0.0),
+            np.append(self._upper, task.inward),
+        )
+        values = np.array(result["g"]).ravel()
+        beyond = np.concatenate(
+            [least - values[: len(least)], np.abs(values[len(least) :]) - bounds]
+        )
+        scale = np.maximum(np.concatenate([np.abs(least), bounds]), 1.0)
+        scale[~np.isfinite(scale)] = 1.0
+        return found, beyond - _RESIDUAL * scale
+
+    def _unreachable(self, task: _Task, beyond: FloatArray) -> UnreachableError:
+        robot = self._legs.robot
+        pairs = tuple(
+            f"clearance of {robot.capsules[a].name} and {robot.capsules[b].name}"
+            for a, b in robot.collision_pairs
+        )
+        kept = (*BALANCE_NAMES, *pairs)
+        unbalanced = [
+            f"{what} is not kept"
+            for what, excess in zip(kept, beyond[: len(kept)], strict=True)
+            if excess > 0.0
+        ]
+        miss, overload = float(beyond[-8:].max()), float(beyond[len(kept) : -8].max())
+        return UnreachableError(
+            robot.name, task.foot_pose.support, miss, overload, task.support_phase,
+            ", ".join(unbalanced),
+        )  # fmt: skip
 
 
 def stance(

@@ -31,6 +31,8 @@ class MotionSegment:
         support_phase: which feet stand.
         pace: factor on all speeds.
         pause: standing still at its end [s].
+        loaded: whether left, right have to keep load and grip, as a foot that is about to be
+            lifted has not.
     """
 
     name: str
@@ -41,6 +43,7 @@ class MotionSegment:
     pace: float = 1.0
     pause: float = 0.0
     arrival: FloatArray | None = None
+    loaded: tuple[bool, bool] = (True, True)
 
     def __post_init__(self) -> None:
         if not self.foot_poses:
@@ -71,11 +74,11 @@ class MotionSegment:
             state: where the horizon begins.
         """
         support_phase, margin = self.support_phase, self.support_phase.margin(settings)
+        share, feet = support_phase.share, support_phase.feet
+        loaded = (self.loaded[0] and feet[0], self.loaded[1] and feet[1])
         return Scene.row(
             [
-                Scene.of(
-                    support_phase.polygon(robot, pose), margin, pose, others, support_phase.share
-                )
+                Scene.of(support_phase.polygon(robot, pose), margin, pose, others, share, loaded)
                 for pose in self._ahead(state, settings.horizon)
             ]
         )

@@ -66,8 +66,12 @@ class PlannerSettings(Settings):
         minimum=0.0,
     )  # fmt: skip
     torque_share: float = setting(
-        0.8, "", "part of a motor's torque limit that holding a posture may need",
-        minimum=0.01, maximum=1.0,
+        0.8, "", "part of a motor's torque limit that holding a posture may need, however the feet "
+        "share the load", minimum=0.01, maximum=1.0,
+    )  # fmt: skip
+    load_share: float = setting(
+        0.1, "", "part of the weight that each foot keeps at least while both stand, however they "
+        "share it", minimum=0.0, maximum=0.5,
     )  # fmt: skip
 
     # Optimisation over one horizon
@@ -81,11 +85,6 @@ class PlannerSettings(Settings):
     cop_weight_y: float = setting(
         1.0e4, "1/m^2", "Q_c, weight of the CoP's distance to the landmark, sideways", minimum=1e-6
     )
-    cop_lean_weight: float = setting(
-        0.0, "1/rad^2", "weight of the torso's lean in motions that pursue the CoP, none in the "
-        "paper; the higher the less it leans, and the less closely landmarks are reached",
-        minimum=0.0,
-    )  # fmt: skip
     transition_weight: float = setting(
         5.0e3, "1/rad^2", "Q_u, weight of the change from one transition to the next", minimum=1e-6
     )
@@ -184,8 +183,7 @@ class PlannerSettings(Settings):
     @property
     def cop_weights(self) -> NDArray[np.float64]:
         """(5,) where nothing but the CoP is pursued (the paper's Q_c); see Aim."""
-        lean = self.cop_lean_weight
-        return np.array([self.cop_weight_x, self.cop_weight_y, lean, lean, 0.0])
+        return np.array([self.cop_weight_x, self.cop_weight_y, 0.0, 0.0, 0.0])
 
     @property
     def task_weights(self) -> NDArray[np.float64]:

@@ -111,9 +111,10 @@ class Stepper:
         )
 
     def _require_reach(self, goal: DoubleSupport) -> None:
-        """No step towards a goal in which the robot could not stand."""
+        """No step towards a goal in which the robot could not stand, or not on either foot."""
         try:
             self.planner.stance(goal)
+            self.planner.require_one_foot(goal)
         except UnreachableError as error:
             raise StepError(f"no step leads to {goal}: {error}") from error
 
@@ -154,8 +155,8 @@ class Stepper:
         ended = planner.standing(planner.stance(goal))
         aim = in_standing(standing.on_one(end, support_phase), end, support_phase)
         segments = (
-            standing.pursuing("shift", standing.on_one(begin, support_phase)[None]),
+            standing.pursuing("shift", standing.on_one(begin, support_phase)[None], support_phase),
             swing_segment("swing", aim, way, support_phase, settings),
-            ended.pursuing("back", ended.tasks[None]),
+            ended.pursuing("back", ended.tasks[None], support_phase),
         )
         return planner.follow(joint_angles, NAME, segments, progress=progress, canceled=canceled)

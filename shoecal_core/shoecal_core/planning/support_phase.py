@@ -29,6 +29,11 @@ class SupportPhase(StrEnum):
         return {"both": (0.0, 1.0), "left": (1.0, 1.0), "right": (0.0, 0.0)}[self.value]
 
     @property
+    def feet(self) -> tuple[bool, bool]:
+        """Whether left, right stand."""
+        return self is not SupportPhase.RIGHT, self is not SupportPhase.LEFT
+
+    @property
     def other(self) -> SupportPhase:
         """The other foot instead; both stay both."""
         return {

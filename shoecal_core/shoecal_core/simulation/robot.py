@@ -37,7 +37,7 @@ FloatArray = NDArray[np.float64]
 
 __all__ = ["RobotFellError", "SimulatedRobot", "SupportNotReachedError"]
 
-_FALLEN_TILT, _FALLEN_HEIGHT = 0.5, 0.7
+_FALLEN_TILT, _FALLEN_HEIGHT = 0.5, 0.5
 """rad of the flatter sole, and the torso's part of its standing height: beyond either, the robot
 has fallen. A torso may lean as planned."""
 _REST_SPEED, _REST_TIME = 2e-3, 0.5

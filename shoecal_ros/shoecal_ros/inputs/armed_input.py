@@ -11,7 +11,7 @@ from std_msgs.msg import Bool
 from shoecal_ros.common import qos
 from shoecal_ros.common.node import ShoecalNode
 
-LEASE_S = 2.0
+LEASE_S = 0.4
 """Who says again and again that the robot is armed has gone when it does not for that long."""
 QUIET_S = 0.5
 """Who takes that back after so long without a word of it is another one, started meanwhile."""

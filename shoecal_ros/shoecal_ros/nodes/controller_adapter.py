@@ -15,6 +15,7 @@ from shoecal_ros.adapters.action_controller import ActionController
 from shoecal_ros.adapters.adapter import Adapter, FloatArray
 from shoecal_ros.adapters.controller import Controller
 from shoecal_ros.adapters.foreign import foreign
+from shoecal_ros.adapters.renewal import PERIOD_S, Renewal
 from shoecal_ros.adapters.topic_controller import TopicController
 from shoecal_ros.common.codes import Problem
 from shoecal_ros.common.conversions import trajectory_to_ros
@@ -47,7 +48,7 @@ class ControllerSettings(Settings):
 
 
 class ControllerAdapter(Adapter):
-    """Sends whole trajectories: the controller itself lets a new one replace the last."""
+    """Sends trajectories in short goals, each of which replaces the last; see Renewal."""
 
     def __init__(self) -> None:
         super().__init__("controller_adapter")
@@ -56,6 +57,8 @@ class ControllerAdapter(Adapter):
         self._others = [(name, self.robot.joint(name)) for name in words]
         self._closes = False
         self._controller = self._reach(settings.interface, settings.controller)
+        self._renewal: Renewal | None = None
+        self.wall_timer(PERIOD_S, self._renew)
 
     @property
     def missing(self) -> str:
@@ -68,15 +71,24 @@ class ControllerAdapter(Adapter):
         return self._controller.trouble
 
     def follow(self, trajectory: JointTrajectory, measured: FloatArray) -> None:
-        """Send the whole of it."""
+        """Send its beginning, and go on with the rest."""
         if self._closes:
             raise ShoecalError("this adapter ends; start it again")
-        message = trajectory_to_ros(self._with_others(trajectory, measured))
-        self._controller.send(message, trajectory.duration)
+        whole = self._with_others(trajectory, measured)
+        start = measured[[self.robot.joint(name) for name in whole.names]]
+        renewal = Renewal(whole, start, self.now_s)
+        self._send(renewal)
+        self._renewal = None if renewal.done else renewal
 
     def stop(self) -> None:
         """Cancel the goal, or hold."""
+        self._renewal = None
         self._controller.stop()
+
+    def go_on(self) -> None:
+        """The controller refused a goal: it comes to rest at the end of the one before."""
+        self._renewal = None
+        super().go_on()
 
     def stop_unwatched(self) -> None:
         """Cancel every goal, or hold: a controller goes on to the end of what it was sent."""
@@ -101,6 +113,22 @@ class ControllerAdapter(Adapter):
             return TopicController(self, name, self._held)
         kind = foreign("control_msgs", "action", "FollowJointTrajectory")
         return ActionController(self, kind, name, self.go_on)
+
+    def _renew(self) -> None:
+        """Send the next goal while the robot may move."""
+        if self._renewal is None:
+            return
+        try:
+            self._send(self._renewal)
+        except ShoecalError:
+            # What is under way is being stopped.
+            self._renewal = None
+        else:
+            self._renewal = None if self._renewal.done else self._renewal
+
+    def _send(self, renewal: Renewal) -> None:
+        goal = renewal.goal(self.now_s)
+        self._controller.send(trajectory_to_ros(goal), goal.duration)
 
     def _held(self) -> JointTrajectoryMsg | None:
         latest = self.joints.latest

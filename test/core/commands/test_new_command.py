@@ -27,7 +27,7 @@ def test_a_draft_can_be_planned_with(tmp_path: Path, shoecal: Run) -> None:
     assert f"{robot} with {shoe}" in told
     assert "landmarks reached" in told
     session = tmp_path / "session"
-    words = ["simulate", robot, shoe, "--settings", figures["planner"]]
+    words = ["simulate", robot, shoe]
     words += ["--reality", figures["reality"], "--supports", 1, "--out", session]
     code, _, error = shoecal(*words)
     assert code == 0, error

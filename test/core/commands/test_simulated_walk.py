@@ -32,7 +32,7 @@ START = DoubleSupport(0.0, -0.12, 0.0)
 GOALS = (
     DoubleSupport(0.04, -0.112, 0.156),
     DoubleSupport(-0.03, -0.128, -0.26),
-    DoubleSupport(0.05, -0.144, 0.312),
+    DoubleSupport(0.05, -0.132, 0.312),
 )
 FEET_ERROR = {"nao": 0.008, "odd_biped": 0.015}
 """m; what gears give beyond what encoders show, and friction holds then."""

@@ -92,7 +92,8 @@ def test_every_block_says_what_to_check() -> None:
     text = robot_text(draft("wren"), "wren.urdf")
     notes = robot_notes(draft("wren"))
     assert {note.field for note in notes} == {
-        "weight", "feet", "legs", "posture_rad", "support_range", "capsules",
+        "weight", "feet", "legs", "posture_rad", "support_range", "friction", "joint_deflection",
+        "capsules",
     }  # fmt: skip
     assert text.count("CHECK:") == len(notes)
     assert shoe_text(draft("wren")).count("CHECK:") == len(shoe_notes(draft("wren")))

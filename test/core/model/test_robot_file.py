@@ -23,7 +23,7 @@ from core.sensing.mutations import DELETE, Key
 from shoecal_core.errors import FileError, ShoecalError, VersionError
 from shoecal_core.files import sha256
 from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import Robot
+from shoecal_core.model.robot import JointDeflection, Robot
 from shoecal_core.model.robot_file import load_robot
 
 ODD, ODD_URDF = robots.FILES["odd_biped"], robots.FILES["odd_biped"].with_suffix(".urdf")
@@ -585,3 +585,28 @@ def test_bytes_that_are_no_text(folder: Path) -> None:
     urdf.write_bytes(b"\xff\xfe" + urdf.read_text(errors="replace").encode("utf-16-le"))
     with pytest.raises(FileError):
         load_robot(folder / ODD.name)
+
+
+def test_friction_and_deflection(folder: Path) -> None:
+    robot = load_robot(NAO)
+    assert (robot.friction, robot.deflection) == (0.6, JointDeflection(sag=0.028, play=0.005))
+    keys = ("friction", "joint_deflection")
+    path = mutations.write_edited(folder / NAO.name, NAO, *(((key,), DELETE) for key in keys))
+    robot = load_robot(path)
+    assert (robot.friction, robot.deflection) == (0.5, JointDeflection())
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        (("friction",), 0.0),
+        (("joint_deflection", "sag_rad"), 0.0),
+        (("joint_deflection", "play_rad"), -0.001),
+        (("joint_deflection", "slack"), 0.1),
+    ],
+)
+def test_impossible_friction_and_deflection_are_refused(
+    folder: Path, key: tuple[Key, ...], value: float
+) -> None:
+    path = mutations.write_edited(folder / NAO.name, NAO, (key, value))
+    assert mutations.refused(path, lambda: load_robot(path)).field == ".".join(map(str, key))

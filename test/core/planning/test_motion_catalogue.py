@@ -15,7 +15,6 @@ from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS, SUPPORTS, motion_of, planner_of
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.planning.checking.body_track import BodyTrack, track
-from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS, motion_kind
 from shoecal_core.planning.planner import Planner
@@ -120,14 +119,15 @@ def torso(name: str, motion: Motion) -> FloatArray:
     return np.array(rows)
 
 
-def test_a_torso_that_shall_lean_less_leans_less() -> None:
+def test_a_torso_that_may_lean_less_leans_less() -> None:
     freely = planned("nao", "landmarks")
-    settings = dataclasses.replace(SETTINGS, cop_lean_weight=20.0)
-    upright = Planner(load_body("nao").robot, settings).plan(SUPPORTS[0])
+    robot = dataclasses.replace(load_body("nao").robot, tilt_max=0.2)
+    upright = Planner(robot, SETTINGS).plan(SUPPORTS[0])
     most = [np.linalg.norm(torso("nao", one)[:, :2], axis=1).max() for one in (freely, upright)]
-    assert most[1] < 0.6 * most[0]
-    assert np.all(upright.path.nearest < 0.01)
-    assert check_motion(load_body("nao").legs, upright, settings).kept
+    assert 0.2 < most[0] <= np.sin(0.4)
+    assert most[1] <= np.sin(0.2)
+    # Landmarks that would ask for more have been moved in, and are reached.
+    assert np.all(upright.path.nearest < SETTINGS.landmark_radius)
 
 
 @pytest.mark.parametrize("name", NAMES)

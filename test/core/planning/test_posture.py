@@ -62,7 +62,7 @@ def test_a_place_for_the_cop(body: Body) -> None:
     np.testing.assert_allclose(cop, target, atol=1e-6)
 
 
-@pytest.mark.parametrize("share", [0.18, 0.165])
+@pytest.mark.parametrize("share", [0.167, 0.165])
 def test_motors_at_their_limit_hold_a_heavy_robot_as_they_hold_a_light_one(
     nao: Body, share: float
 ) -> None:

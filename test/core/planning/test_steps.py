@@ -134,7 +134,7 @@ def test_goals_out_of_reach() -> None:
 def test_a_robot_that_cannot_stand_on_one_foot_does_not_step() -> None:
     robot = load_body("nao").robot
     planner = Planner(robot, dataclasses.replace(SETTINGS, torque_share=0.45))
-    with pytest.raises(StepError, match=r"no step leads from .*foot alone.*neutral") as caught:
+    with pytest.raises(StepError, match=r"no step leads to .*foot alone.*neutral") as caught:
         Stepper(planner).step(planner.stance(HERE), THERE)
     assert "\n" not in str(caught.value)
 

@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 from core.planning.bodies import NAMES, load_body
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.checking.body_track import load_share
 from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.support_phase import SupportPhase
@@ -43,27 +42,13 @@ def test_the_polygon_of_the_right_foot_while_the_left_one_is_in_the_air() -> Non
     )
 
 
-@pytest.mark.parametrize("name", NAMES)
-@given(support=supports, x=st.floats(-0.05, 0.1), y=st.floats(-0.2, 0.1))
-def test_one_foot_has_all_the_weight_where_the_cop_is(
-    name: str, support: DoubleSupport, x: float, y: float
-) -> None:
-    robot, pose, cop = load_body(name).robot, FootPose.of(support), np.array([x, y])
-    for support_phase, foot in ((SupportPhase.LEFT, 0), (SupportPhase.RIGHT, 1)):
-        share, places = load_share(
-            robot, pose.rotation[None], pose.translation[None], cop[None], support_phase.share
-        )
-        assert share[0] == 1.0 - foot
-        np.testing.assert_allclose(places[0, foot], cop, atol=1e-12)
-    share, _ = load_share(
-        robot, pose.rotation[None], pose.translation[None], cop[None], SupportPhase.BOTH.share
-    )
-    assert 0.0 <= share[0] <= 1.0
-
-
 def test_the_other_foot() -> None:
     assert [one.other for one in SupportPhase] == [
         SupportPhase.BOTH,
         SupportPhase.RIGHT,
         SupportPhase.LEFT,
     ]
+
+
+def test_which_feet_stand() -> None:
+    assert [one.feet for one in SupportPhase] == [(True, True), (True, False), (False, True)]

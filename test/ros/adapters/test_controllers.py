@@ -60,6 +60,7 @@ def test_started_again_it_stops_what_nobody_watches(robot: Adapted) -> None:
     robot.start_adapter()
     robot.world.until(knee.rests)
     assert 0.0 < knee.way < 0.29
+    robot.until_well("armed")
     squats(robot, knee)
 
 
@@ -97,19 +98,34 @@ def test_started_again_it_leaves_a_controller_alone_that_comes_later(begin: Begi
     assert not sent.messages
 
 
-def test_started_again_where_nobody_has_armed_it_leaves_the_controller_alone(
-    robot: Adapted,
-) -> None:
+def test_killed_it_leaves_the_controller_half_a_second_to_go_on_with(robot: Adapted) -> None:
+    """Sixty seconds of a motion were asked for, and no adapter comes back."""
+    knee = moving(robot, 60.0)
+    robot.kill_adapter()
+    way = knee.way
+    robot.world.until(knee.rests)
+    # A squat of 0.3 rad in 60 s: what is left of a goal, and what was on its way here.
+    assert knee.way - way < 0.3 / 60.0 * 10.0
+
+
+def test_a_motion_in_many_goals_comes_to_its_end(robot: Adapted) -> None:
+    knee = Knee(robot)
+    robot.arm()
+    robot.send(squat(3.0))
+    robot.world.until(lambda: abs(knee.way - WAY) < 1e-6)
+
+
+def test_started_again_where_nobody_has_armed_it_sends_nothing(robot: Adapted) -> None:
     knee = moving(robot, 60.0)
     robot.kill_adapter()
     robot.say(armed=False)
+    robot.world.until(knee.rests)
+    way = knee.way
     robot.start_adapter()
     robot.until_well("not armed")
     robot.settle()
-    assert not knee.rests()
-    robot.arm()
-    way = knee.way
-    robot.world.until(lambda: knee.way > way + 0.005)
+    assert knee.rests()
+    assert knee.way == pytest.approx(way, abs=1e-9)
 
 
 def test_started_again_it_stops_as_well_what_somebody_else_sends_until_disarmed(

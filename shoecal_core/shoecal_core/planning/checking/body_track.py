@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.planning.capsules import segment_distance
+from shoecal_core.planning.load_sharing import SharingSpread
 
 FloatArray = NDArray[np.float64]
 
@@ -23,14 +24,22 @@ class BodyTrack:
         right_rotation: (T, 3, 3) turns vectors of the right sole's frame into the left's.
         right_translation: (T, 3) origin of the right sole [m].
         distances: (T, p) of the collision pairs [m].
+        up: (T, 3) unit vector along the torso's upward axis.
         torques: (T, k) that the leg motors need to hold the posture [N m].
+        loads: (T, 2) vertical force on left, right [N].
+        sideways: (T,) sideways force between the feet; zero on one foot [N].
+        spread: half-width of the interval in which torques and loads lie; zero on one foot.
     """
 
     com: FloatArray
     right_rotation: FloatArray
     right_translation: FloatArray
     distances: FloatArray
+    up: FloatArray
     torques: FloatArray
+    loads: FloatArray
+    sideways: FloatArray
+    spread: SharingSpread
 
 
 def track(
@@ -41,18 +50,19 @@ def track(
     Args:
         robot: whose body.
         positions: where its joints are.
-        shares: (T, 2) or (2,) least and greatest share of the weight on the left foot.
+        shares: (T, 2) or (2,) least and greatest share of the weight on the left foot: 0 and 1
+            where both stand, twice the same on one foot.
     """
     model, count = robot.model, len(positions)
     data = model.createData()
-    coms = np.zeros((count, 3))
+    coms, ups = np.zeros((count, 3)), np.zeros((count, 3))
     rotations, translations = np.zeros((count, 3, 3)), np.zeros((count, 3))
     ends = np.zeros((count, len(robot.capsules), 2, 3))
     gravity, jacobians = np.zeros((count, model.nv)), np.zeros((count, 2, 6, model.nv))
-    ankles = np.zeros((count, 2, 3))
     for index, angles in enumerate(positions):
         base = _standing(robot, data, angles)
         coms[index] = pin.centerOfMass(model, data, base)
+        ups[index] = data.oMi[1].rotation[:, 2]
         pin.updateFramePlacements(model, data)
         right = data.oMf[robot.feet[1].frame]
         rotations[index], translations[index] = right.rotation, right.translation
@@ -62,17 +72,29 @@ def track(
         gravity[index] = pin.computeGeneralizedGravity(model, data, base)
         pin.computeJointJacobians(model, data, base)
         for side, foot in enumerate(robot.feet):
-            jacobians[index, side] = pin.getJointJacobian(
-                model, data, foot.joint, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+            jacobians[index, side] = pin.getFrameJacobian(
+                model, data, foot.frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
             )
-            ankles[index, side] = data.oMi[foot.joint].translation
-    share, places = load_share(robot, rotations, translations, coms[:, :2], shares)
+    # Pinocchio's own gravity is rounded; forces and weights must balance.
+    gravity *= GRAVITY / np.linalg.norm(model.gravity.linear)
+    shares = np.broadcast_to(np.asarray(shares, dtype=np.float64), (count, 2))
+    motors = _motors(robot)
+    wrenches, torques = _shared(robot, gravity, jacobians, shares, motors)
+    relative = _relative(jacobians[..., 6:] @ motors.T, translations)
+    both = np.ptp(shares, axis=1) > 0.0
+    spread = SharingSpread.of(robot, relative)
     return BodyTrack(
         com=coms,
         right_rotation=rotations,
         right_translation=translations,
         distances=_distances(robot, ends),
-        torques=_holding_torques(robot, gravity, jacobians, ankles, share, places),
+        up=ups,
+        torques=torques,
+        loads=wrenches[:, :, 2],
+        sideways=np.linalg.norm(wrenches[:, 1, :2], axis=1),
+        spread=SharingSpread(
+            both * spread.load, both * spread.sideways, both[:, None] * spread.torque
+        ),
     )
 
 
@@ -95,62 +117,70 @@ def _distances(robot: Robot, ends: FloatArray) -> FloatArray:
     return distances
 
 
-def load_share(
-    robot: Robot,
-    right_rotation: FloatArray,
-    right_translation: FloatArray,
-    cop: FloatArray,
-    shares: FloatArray | tuple[float, float] = (0.0, 1.0),
-) -> tuple[FloatArray, FloatArray]:
-    """How CoPs (T, 2) in the left sole's frame [m] may come about.
+def _motors(robot: Robot) -> FloatArray:
+    """(k, m) how much each joint moves with each motor of the legs."""
+    legs = robot.legs
+    motors = np.zeros((len(legs), len(robot.joint_names)))
+    motors[np.arange(len(legs)), legs] = 1.0
+    for shared in robot.shared:
+        motors[np.flatnonzero(legs == shared.leader), shared.joint] = shared.ratio
+    return motors
+
+
+def _relative(by_motor: FloatArray, right: FloatArray) -> FloatArray:
+    """(T, 6, k) see LoadSharing.relative_jacobian.
+
+    What the left sole's own motion does to the right one is taken off.
 
     Args:
-        robot: whose feet.
-        right_rotation, right_translation: (T, 3, 3), (T, 3) pose of the right sole.
-        cop: of both feet together.
-        shares: (T, 2) or (2,) least and greatest share of the weight on the left foot.
-
-    Returns:
-        (T,) the left foot's share of the weight, and (T, 2, 2) the CoP of the left and of the
-        right foot, both in the left sole's frame: each as far from its sensing polygon's middle.
+        by_motor: (T, 2, 6, k) velocity and rate of turn of either sole by the motors' angles.
+        right: (T, 3) origin of the right sole, that of the left one being zero [m].
     """
-    left, right = (foot.sensing_polygon.mean(axis=0) for foot in robot.feet)
-    right_middle = right_rotation[:, :2, :2] @ right + right_translation[:, :2]
-    way = left - right_middle
-    share = np.sum((cop - right_middle) * way, axis=1) / np.sum(way * way, axis=1)
-    share = np.clip(share, *np.moveaxis(np.asarray(shares), -1, 0))
-    aside = cop - (right_middle + share[:, None] * way)
-    return share, np.stack([left + aside, right_middle + aside], axis=1)
+    left = by_motor[:, 0]
+    moved = left[:, :3] + np.cross(left[:, 3:], right[..., None], axis=1)
+    relative: FloatArray = by_motor[:, 1] - np.concatenate([moved, left[:, 3:]], axis=1)
+    return relative
 
 
-def _holding_torques(
+def _shared(
     robot: Robot,
     gravity: FloatArray,
     jacobians: FloatArray,
-    feet: FloatArray,
-    share: FloatArray,
-    places: FloatArray,
-) -> FloatArray:
-    """(T, k) motor torques of the legs under gravity, held by vertical forces at both feet.
+    shares: FloatArray,
+    motors: FloatArray,
+) -> tuple[FloatArray, FloatArray]:
+    """The floor's wrenches on the feet by least work, and motor torques.
+
+    See load_sharing; here the base's equations of balance and the motors' deflection energy are
+    solved as one system.
 
     Args:
         robot: whose legs.
-        gravity: (T, 6 + m) generalised gravity [N m].
-        jacobians: (T, 2, 6, 6 + m) of the joints that carry the feet, world axes.
-        feet: (T, 2, 3) those joints' origins [m].
-        share, places: as load_share gives them.
+        gravity: (T, 6 + m) generalised gravity [N, N m].
+        jacobians: (T, 2, 6, 6 + m) of the soles, world axes.
+        shares: (T, 2) as for `track`.
+        motors: (k, m) as _motors.
+
+    Returns:
+        (T, 2, 6) force [N] and moment [N m] on left, right about its own sole, and (T, k) torques
+        [N m].
     """
-    # Pinocchio's own gravity is rounded; forces and weights must balance.
-    scale = GRAVITY / np.linalg.norm(robot.model.gravity.linear)
-    forces = np.zeros((*feet.shape[:2], 6))
-    forces[..., 2] = robot.weight * np.stack([share, 1.0 - share], axis=1)
-    arms = places - feet[..., :2]
-    # A vertical force f at an arm (x, y) has the moment (y f, -x f, 0).
-    forces[..., 3] = arms[..., 1] * forces[..., 2]
-    forces[..., 4] = -arms[..., 0] * forces[..., 2]
-    torques = scale * gravity - np.einsum("tfcv,tfc->tv", jacobians, forces)
-    joints = torques[:, 6:]
-    for shared in robot.shared:
-        joints[:, shared.leader] += shared.ratio * joints[:, shared.joint]
-    motors: FloatArray = joints[:, robot.legs]
-    return motors
+    legs, count = robot.legs, len(gravity)
+    stands = np.stack([shares[:, 1] > 0.0, shares[:, 0] < 1.0], axis=1)
+    jacobians = jacobians * stands[:, :, None, None]
+    stacked = jacobians.reshape(count, 12, -1)
+    balance = stacked[:, :, :6]
+    by_motor = stacked[:, :, 6:] @ motors.T
+    compliance = 1.0 / robot.effort_limit[legs]
+    # [B C B' A; A' 0] [w; multipliers] = [B C g; b]; a foot in the air has no wrench.
+    system, known = np.zeros((count, 18, 18)), np.zeros((count, 18))
+    system[:, :12, :12] = (by_motor * compliance) @ by_motor.swapaxes(1, 2)
+    system[:, :12, 12:], system[:, 12:, :12] = balance, balance.swapaxes(1, 2)
+    motor_gravity = gravity[:, 6:] @ motors.T
+    known[:, :12] = (by_motor @ (compliance * motor_gravity)[..., None])[..., 0]
+    known[:, 12:] = gravity[:, :6]
+    air = np.repeat(~stands, 6, axis=1)
+    system[:, np.arange(12), np.arange(12)] += air
+    wrenches = np.linalg.solve(system, known[..., None])[:, :12, 0]
+    torques = motor_gravity - (wrenches[:, None] @ by_motor)[:, 0]
+    return np.stack([wrenches[:, :6], wrenches[:, 6:]], axis=1), torques

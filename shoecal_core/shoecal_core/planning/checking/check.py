@@ -15,9 +15,11 @@ from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.checking.body_track import BodyTrack, track
 from shoecal_core.planning.checking.findings import Finding, Report, at_least, at_most, worst
 from shoecal_core.planning.legs import FootPose, Legs
+from shoecal_core.planning.load_sharing import FRICTION_USED
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.sensing.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 
@@ -25,6 +27,10 @@ _WINDOW = 0.1
 """s; accelerations are differences over this time, as the CoP feels them through a shoe."""
 _TORQUE_SLACK = 1.02
 """Between planned states torques may exceed the planned ones by this factor."""
+_TILT_SLACK = 1.02
+"""Between planned states the torso may lean more than the planned ones by this factor."""
+_NO_LOAD = 1e-3
+"""N; a foot with less cannot take any sideways force."""
 _DRAGGED = 0.006
 """m; a foot in the air that is farther than this from where it stood and will stand is carried."""
 MARGIN_KEPT = 0.8
@@ -53,6 +59,7 @@ def check_motion(legs: Legs, motion: Motion, settings: PlannerSettings) -> Repor
         _joint_limits(legs, motion.positions, motion.time, settings),
         *_collision(legs, body, motion.time, settings),
         _torque(legs, body, motion.time, settings),
+        _tilt(legs, body, motion.time),
         _rest(motion, settings),
     ]
     for span in spans:
@@ -62,6 +69,7 @@ def check_motion(legs: Legs, motion: Motion, settings: PlannerSettings) -> Repor
             *_feet(legs, span, body, motion.time, settings),
             _joint_speed(legs, span, motion, paced),
             *_com(span, body, motion.time, paced),
+            *_loads(legs, span, body, motion.time, settings),
         ]
     return Report(worst(found))
 
@@ -265,11 +273,46 @@ def _com(
 
 
 def _torque(legs: Legs, body: BodyTrack, time: FloatArray, settings: PlannerSettings) -> Finding:
+    """However the feet share the load."""
     robot = legs.robot
     most = robot.effort_limit[robot.legs]
-    limit = np.maximum(most * settings.torque_share, np.abs(body.torques[0])) * _TORQUE_SLACK
+    held, margin = np.abs(body.torques), MARGIN_KEPT * body.spread.torque
+    # Of a begin beyond the limit the torque must not grow; its interval may.
+    begin = held[0] + margin.max(axis=0)
+    limit = np.maximum(most * settings.torque_share, begin) * _TORQUE_SLACK
     limit = np.minimum(limit, most)
-    return at_most("static torque", "N m", np.abs(body.torques), limit, time, robot.leg_names)
+    return at_most("static torque", "N m", held + margin, limit, time, robot.leg_names)
+
+
+def _tilt(legs: Legs, body: BodyTrack, time: FloatArray) -> Finding:
+    tilt = np.arccos(np.clip(body.up[:, 2:], -1.0, 1.0))
+    # Of a begin that leans farther the tilt must not grow.
+    limit = np.maximum(legs.robot.tilt_max, tilt[0]) * _TILT_SLACK
+    return at_most("tilt of the torso", "rad", tilt, limit, time)
+
+
+def _loads(
+    legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
+) -> tuple[Finding, ...]:
+    """Of feet that have to keep load: however they share it, enough of it, and no slip."""
+    robot, feet = legs.robot, [index for index in (0, 1) if span.phase.loaded[index]]
+    if span.phase.support_phase is not SupportPhase.BOTH or not feet:
+        return ()
+    names, at = tuple(FEET[index] for index in feet), time[span.samples]
+    margin = MARGIN_KEPT * body.spread.load[span.samples, None]
+    loads = body.loads[span.samples][:, feet] - margin
+    usable = FRICTION_USED * robot.friction
+    grip = MARGIN_KEPT * body.spread.grip(usable)[span.samples, None] / usable
+    pressed = body.loads[span.samples][:, feet] - grip
+    ratio = body.sideways[span.samples, None] / np.maximum(pressed, _NO_LOAD)
+    slip = np.full(len(feet), usable)
+    if span.first:
+        slip = np.maximum(slip, ratio[0])
+    least = settings.load_share * robot.weight
+    return (
+        at_least("load of a foot that stands", "N", loads, least, at, names, from_begin=span.first),
+        at_most("sideways force over load of a foot", "", ratio, slip, at, names),
+    )
 
 
 def _rest(motion: Motion, settings: PlannerSettings) -> Finding:

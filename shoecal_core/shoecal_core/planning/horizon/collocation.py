@@ -8,10 +8,15 @@
                 TF(q[i]) = T0                       foot transform
                 |u[i]| < joint speed * step time
                 |torque(q[i])| < torque limit
+                load(q[i]) > least load             of each foot that stands
+                |sideways force(q[i])| < friction * load(q[i])
+                tilt(q[i]) < largest tilt           of the torso
 
-The last two are not the paper's: a small robot's motors are slow and weak. For motions that the
-paper does not have, the torso's lean and height may be pursued beside the CoP, and polygon and
-foot transform may change from state to state: so a foot is lifted, carried and put down.
+The last five are not the paper's: a small robot's motors are slow and weak, and a foot without load
+slips. Loads, sideways forces and torques are those of load_sharing; loads and torques keep half the
+width of their interval as a margin. For motions that the paper does not have, the torso's lean and
+height may be pursued beside the CoP, and polygon and foot transform may change from state to state:
+so a foot is lifted, carried and put down.
 
 The transitions u are differences of states, so the states alone are unknowns and the state
 equation holds exactly. Solvers stand behind one protocol; what they return is certified here.
@@ -31,12 +36,17 @@ from shoecal_core.planning.horizon.problem import (
     Solution,
     StateValues,
 )
-from shoecal_core.planning.legs import LegExpressions, Legs
+from shoecal_core.planning.legs import BALANCE_NAMES, LegExpressions, Legs, least_balance
+from shoecal_core.planning.load_sharing import SharingSpread
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
 RECOVERY = 0.25
 """Part of a step's way used to come back inside a constraint."""
+
+_SHIFTED, _RIGHTED = 0.03, 0.02
+"""Of the weight: what of it goes from foot to foot between two states; of the cosine of the torso's
+tilt, the same."""
 
 
 class Collocation:
@@ -45,8 +55,8 @@ class Collocation:
     Attributes:
         legs: what moves.
         settings: weights and margins.
-        state: angles, foot pose, others, share -> tasks, foot error, distances, torques of one
-            state.
+        state: angles, foot pose, others, share -> tasks, foot error, distances, balance, torques
+            of one state.
     """
 
     def __init__(self, legs: Legs, settings: PlannerSettings) -> None:
@@ -59,11 +69,15 @@ class Collocation:
             ca.vertcat(terms.cop, terms.lean, terms.height),
             terms.foot_error,
             terms.distances,
+            terms.balance,
             terms.torques,
         ]
         self.state = ca.Function("state", given, found, {"cse": True})
         self._rows = ca.Function(
             "state_rows", [ca.vertcat(*given)], [ca.vertcat(*found)], {"cse": True}
+        )
+        self._relative_jacobian = ca.Function(
+            "relative_jacobian", [terms.angles, terms.others], [terms.relative_jacobian]
         )
 
     @property
@@ -83,7 +97,7 @@ class Collocation:
 
     @property
     def torque(self) -> FloatArray:
-        """(k,) largest |torque| of the motors [N m]."""
+        """(k,) largest |torque| of the motors, however the feet share the load [N m]."""
         robot = self.legs.robot
         torque: FloatArray = robot.effort_limit[robot.legs] * self.settings.torque_share
         return torque
@@ -114,14 +128,33 @@ class Collocation:
         # Edges that move with a foot are those of the foot that stands: of the first state.
         first = scene.first
         beyond = first.beyond(_seen_at_first(now, first)) - first.offsets
+        spread = self._spread(problem.start, problem.scene)
         return Limits(
             lower=np.minimum(self.lower, problem.start + turn),
             upper=np.maximum(self.upper, problem.start - turn),
             offsets=scene.offsets + np.maximum(0.0, beyond - way),
             clearances=np.minimum(settings.capsule_clearance, now.distances[0] + way),
+            balance=self._balance(scene, now, spread),
             transition=self.transition,
-            torque=np.maximum(self.torque, np.abs(now.torques[0])),
+            torque=np.maximum(self.torque - spread.torque[0], np.abs(now.torques[0])),
         )
+
+    def _spread(self, state: FloatArray, scene: Scene) -> SharingSpread:
+        """Of the sharing of the load in a state (k,) [rad]; on one foot there is none."""
+        robot = self.legs.robot
+        if not np.ptp(scene.shares[0]):
+            return SharingSpread.none(robot)
+        jacobian = np.array(self._relative_jacobian(state, scene.others))
+        return SharingSpread.of(robot, jacobian[None])
+
+    def _balance(self, scene: Scene, now: StateValues, spread: SharingSpread) -> FloatArray:
+        """(N, 5) least of what LegExpressions.balance lists; a start outside is led back."""
+        robot = self.legs.robot
+        least = least_balance(robot, self.settings, scene.loaded, spread)
+        steps = np.arange(1, self.settings.horizon + 1)[:, None]
+        back = RECOVERY * steps * np.append(np.full(4, _SHIFTED), _RIGHTED)
+        led: FloatArray = np.minimum(least, now.balance + back)
+        return led
 
     def outside(self, state: FloatArray, scene: Scene) -> tuple[str, ...]:
         """What a state (k,) [rad] does not keep of the first state's scene, for people."""
@@ -150,6 +183,13 @@ class Collocation:
                 robot.leg_names, now.torques[0], self.torque, strict=True
             )
             if abs(torque) > limit + settings.tolerance
+        ]
+        spread = self._spread(state, scene)
+        least = least_balance(robot, settings, scene.first.loaded, spread)[0]
+        found += [
+            f"{name}: {value:.2f} of {bound:.2f} that are kept however the feet share the load"
+            for name, value, bound in zip(BALANCE_NAMES, now.balance[0], least, strict=True)
+            if value < bound - settings.tolerance
         ]
         return tuple(found)
 
@@ -183,6 +223,7 @@ class Collocation:
             limits.lower - states,
             states - limits.upper,
             limits.clearances - values.distances,
+            limits.balance - values.balance,
             np.abs(values.torques) - limits.torque,
             np.abs(moves) - limits.transition,
         ]

@@ -47,14 +47,14 @@ def horizon_nlp(collocation: Collocation, symbols: type[Expression]) -> dict[str
     before, moved = start, previous
     for index in range(count):
         now = states[:, index]
-        tasks, error, distances, torques = collocation.state(
+        tasks, error, distances, balance, torques = collocation.state(
             now, foot_poses[:, index], others, shares[:, index]
         )
         move = now - before
         cost += ca.dot(weights, (tasks - targets[:, index]) ** 2)
         cost += settings.transition_weight * ca.sumsqr(move - moved)
         beyond = ca.reshape(normals[:, index], edges, 2) @ tasks[:2]
-        constraints += [error, beyond, distances, torques, move]
+        constraints += [error, beyond, distances, balance, torques, move]
         before, moved = now, move
     parameters = ca.veccat(start, previous, targets, weights, normals, foot_poses, shares, others)
     return {"x": ca.vec(states), "p": parameters, "f": cost, "g": ca.vertcat(*constraints)}
@@ -93,8 +93,9 @@ class IpoptSolver:
         offsets = limits.offsets
         zero, free = np.zeros((count, 6)), np.full_like(limits.clearances, np.inf)
         both = np.tile(np.concatenate([limits.torque, limits.transition]), (count, 1))
-        low = [zero, np.full_like(offsets, -np.inf), limits.clearances, -both]
-        high = [zero, offsets, free, both]
+        any_load = np.full_like(limits.balance, np.inf)
+        low = [zero, np.full_like(offsets, -np.inf), limits.clearances, limits.balance, -both]
+        high = [zero, offsets, free, any_load, both]
         # CasADi stores by columns, one a state.
         normals = scene.normals.swapaxes(1, 2).reshape(-1, 2 * self._edges)
         rows = [

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from shoecal_core.model.symbolic import evaluate
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.problem import (
+    BALANCE,
     FOOT_ROWS,
     TASKS,
     HorizonProblem,
@@ -30,7 +31,7 @@ class Linearised:
         states: (N, k) leg angles [rad].
         values: of the states.
         tasks, foot: (N, 5, k), (N, 6, k) slopes.
-        rest: (N, p + k, k) slopes of capsule distances and torques.
+        rest: (N, p + 5 + k, k) slopes of capsule distances, balance and torques.
     """
 
     states: FloatArray
@@ -98,7 +99,9 @@ class Curvature:
 
 
 class Inequalities:
-    """What the states of one problem keep, in rows: edges, distances, torques, limits, moves.
+    """What the states of one problem keep, in rows.
+
+    Edges, distances, balance, torques, limits, moves.
 
     Attributes:
         scene: that they belong to.
@@ -113,21 +116,21 @@ class Inequalities:
             np.broadcast_to(bound, shape) for bound in (limits.torque, limits.transition)
         )
         edges = np.broadcast_to(limits.offsets, (shape[0], limits.offsets.shape[1]))
-        free_edges, free_pairs = (
-            np.full_like(edges, np.inf),
-            np.full_like(limits.clearances, np.inf),
-        )
-        self.low = np.hstack([-free_edges, limits.clearances, -torque, limits.lower, -move])
-        self.high = np.hstack([edges, free_pairs, torque, limits.upper, move])
+        free_edges = np.full_like(edges, np.inf)
+        bounded_below = np.hstack([limits.clearances, limits.balance])
+        free_above = np.full_like(bounded_below, np.inf)
+        self.low = np.hstack([-free_edges, bounded_below, -torque, limits.lower, -move])
+        self.high = np.hstack([edges, free_above, torque, limits.upper, move])
 
     def values(self, linear: Linearised) -> FloatArray:
         """(N, r) of the rows."""
         states = linear.states
         values = np.empty_like(self.low)
         pairs, size = linear.values.distances.shape[1], states.shape[1]
-        edges = values.shape[1] - pairs - 3 * size
+        edges = values.shape[1] - pairs - BALANCE - 3 * size
         values[:, :edges] = self.scene.beyond(linear.values.cop)
         values[:, edges : edges + pairs] = linear.values.distances
+        values[:, edges + pairs : -3 * size] = linear.values.balance
         values[:, -3 * size : -2 * size] = linear.values.torques
         values[:, -2 * size : -size] = states
         values[0, -size:] = states[0] - self._start

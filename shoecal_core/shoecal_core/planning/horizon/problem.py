@@ -21,6 +21,8 @@ TASKS = 5
 """What is pursued: CoP forward and sideways, lean forward and sideways, height."""
 FOOT_ROWS = 6
 """Of the foot transform: way and turn."""
+BALANCE = 5
+"""Loads and grips of left and right, and the torso's tilt; see LegExpressions."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +35,7 @@ class Scene:
         shares: (n, 2) least and greatest share of the weight on the left foot.
         normals: (n, h, 2) outward, of the edges of where the CoP may be.
         offsets: (n, h) a CoP c is inside where normals @ c <= offsets [m].
+        loaded: (n, 2) whether left, right have to keep load and grip.
         others: (m,) all joint angles, of which those beside the legs count [rad].
     """
 
@@ -40,6 +43,7 @@ class Scene:
     shares: FloatArray
     normals: FloatArray
     offsets: FloatArray
+    loaded: NDArray[np.bool_]
     others: FloatArray
 
     @classmethod
@@ -50,6 +54,7 @@ class Scene:
         foot_pose: FootPose,
         others: FloatArray,
         share: tuple[float, float] = (0.0, 1.0),
+        loaded: tuple[bool, bool] = (True, True),
     ) -> Scene:
         """Half planes of a convex polygon, moved inwards by a margin [m]."""
         if polygon.buffer(-margin).is_empty:
@@ -62,8 +67,9 @@ class Scene:
         normals /= np.linalg.norm(normals, axis=1, keepdims=True)
         offsets = np.sum(normals * corners[:-1], axis=1) - margin
         return cls(
-            foot_pose.parameters[None], np.array([share]), normals[None], offsets[None], others
-        )
+            foot_pose.parameters[None], np.array([share]), normals[None], offsets[None],
+            np.array([loaded]), others,
+        )  # fmt: skip
 
     @classmethod
     def row(cls, scenes: Sequence[Scene]) -> Scene:
@@ -77,6 +83,7 @@ class Scene:
             np.concatenate([scene.shares for scene in padded]),
             np.concatenate([scene.normals for scene in padded]),
             np.concatenate([scene.offsets for scene in padded]),
+            np.concatenate([scene.loaded for scene in padded]),
             padded[0].others,
         )
 
@@ -102,6 +109,7 @@ class Scene:
             shares=self.shares[:count],
             normals=self.normals[:count],
             offsets=self.offsets[:count],
+            loaded=self.loaded[:count],
         )
 
     def beyond(self, cop: FloatArray) -> FloatArray:
@@ -154,6 +162,7 @@ class Limits:
         lower, upper: (N, k) of the leg angles [rad].
         offsets: (N, h) of the half planes [m].
         clearances: (N, p) of the capsule pairs' distances [m].
+        balance: (N, 5) least, of what LegExpressions.balance lists.
         transition: (k,) of |u| [rad].
         torque: (k,) of the motors [N m].
     """
@@ -162,6 +171,7 @@ class Limits:
     upper: FloatArray
     offsets: FloatArray
     clearances: FloatArray
+    balance: FloatArray
     transition: FloatArray
     torque: FloatArray
 
@@ -174,19 +184,21 @@ class StateValues:
         tasks: (n, 5) CoP [m], lean, height [m], as in Aim.
         foot_error: (n, 6) way [m] and turn [rad] from T0.
         distances: (n, p) of the capsule pairs [m].
+        balance: (n, 5) as LegExpressions.balance.
         torques: (n, k) of the motors [N m].
     """
 
     tasks: FloatArray
     foot_error: FloatArray
     distances: FloatArray
+    balance: FloatArray
     torques: FloatArray
 
     @classmethod
     def of_rows(cls, rows: FloatArray, motors: int) -> StateValues:
         """From (n, r) all of them side by side, torques of k motors last."""
-        foot, torques = TASKS + FOOT_ROWS, rows.shape[1] - motors
-        return cls(rows[:, :TASKS], rows[:, TASKS:foot], rows[:, foot:torques], rows[:, torques:])
+        ends = np.cumsum([TASKS, FOOT_ROWS, rows.shape[1] - TASKS - FOOT_ROWS - BALANCE - motors])
+        return cls(*np.split(rows, [*ends, rows.shape[1] - motors], axis=1))
 
     @property
     def cop(self) -> FloatArray:

@@ -20,7 +20,7 @@ from shoecal_core.planning.horizon.linearisation import (
     Linearisation,
     Linearised,
 )
-from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, Solution
+from shoecal_core.planning.horizon.problem import BALANCE, TASKS, HorizonProblem, Solution
 from shoecal_core.planning.horizon.quadratic_program import QuadraticProgram, Step
 
 FloatArray = NDArray[np.float64]
@@ -61,7 +61,7 @@ class SqpSolver:
         settings = collocation.settings
         count, size = settings.horizon, len(collocation.lower)
         self._edges = collocation.edges
-        rows = self._edges + len(collocation.legs.robot.collision_pairs) + 3 * size
+        rows = self._edges + len(collocation.legs.robot.collision_pairs) + BALANCE + 3 * size
         self._linearised = Linearisation(collocation)
         self._curvature = Curvature(collocation)
         self._program = QuadraticProgram(count, size, rows, settings.transition_weight)

@@ -14,11 +14,14 @@ from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.standing import feet_gap
 from shoecal_core.planning.landmarks import Contour
-from shoecal_core.planning.legs import Legs
-from shoecal_core.planning.posture import StanceSolver, UnreachableError
+from shoecal_core.planning.legs import FootPose, Legs
+from shoecal_core.planning.posture import StanceSolver, UnreachableError, middle
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
+
+_MOVED_IN = 0.25
+"""Of the way to the middle between the feet; a landmark moved in by more is out of reach."""
 
 
 @dataclass
@@ -130,13 +133,15 @@ class Feasible:
 
     def can_stand(self, support: DoubleSupport) -> bool:
         """Whether the robot can stand there, and above enough landmarks."""
-        if not self._stands(support, None):
+        try:
+            self._stance.solve(support)
+        except UnreachableError:
             self.tally.unreachable += 1
             return False
         landmarks = Contour.of(self.robot, support).corners
         # As soon as too many are out of reach, the others need no look.
         spare = len(landmarks) - self.settings.landmarks_in_reach
-        failed = (landmark for landmark in landmarks if not self._stands(support, landmark))
+        failed = (landmark for landmark in landmarks if not self._reaches(support, landmark))
         if len(list(itertools.islice(failed, spare + 1))) > spare:
             self.tally.landmarks += 1
             return False
@@ -155,9 +160,9 @@ class Feasible:
             else:
                 self.tally.near += 1
 
-    def _stands(self, support: DoubleSupport, cop: FloatArray | None) -> bool:
-        try:
-            self._stance.solve(support, cop)
-        except UnreachableError:
-            return False
-        return True
+    def _reaches(self, support: DoubleSupport, landmark: FloatArray) -> bool:
+        """Whether the CoP comes to a landmark (2,) [m], or to one moved in a little."""
+        pose, posture = FootPose.of(support), self.robot.posture
+        place = self._stance.within_reach(pose, landmark[None], posture)[0]
+        whole = np.linalg.norm(middle(self.robot, support) - landmark)
+        return bool(np.linalg.norm(place - landmark) <= _MOVED_IN * whole)

@@ -11,11 +11,11 @@ import pytest
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS, motion_of, planner_of, step_of
 from shoecal_core.model.standing import feet_gap
-from shoecal_core.planning.checking.body_track import load_share, track
+from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.checking.findings import CheckFailedError, Report
 from shoecal_core.planning.horizon.problem import Scene
-from shoecal_core.planning.legs import FootPose
+from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
@@ -85,7 +85,7 @@ def test_a_good_motion_passes() -> None:
     report = checked(motion_of("nao"))
     report.require()
     assert report.kept
-    assert len(report.findings) == 10
+    assert len(report.findings) == 13
 
 
 def test_time_and_place_of_the_worst() -> None:
@@ -108,19 +108,6 @@ def test_a_begin_outside_a_margin_must_not_get_worse() -> None:
     assert not checked(motion, far).of("distance from joint limits").kept
 
 
-def test_shares_give_the_cop() -> None:
-    pose = motion_of("nao").foot_pose
-    cop = np.array([(0.02, -0.06), (0.0, 0.01), (0.03, -0.13), (0.0, -0.3)])
-    share, places = load_share(
-        BODY.robot, np.tile(pose.rotation, (4, 1, 1)), np.tile(pose.translation, (4, 1)), cop
-    )
-    assert np.all((share >= 0.0) & (share <= 1.0))
-    assert share[1] > 0.9
-    assert share[3] == 0.0
-    both = share[:, None] * places[:, 0] + (1.0 - share[:, None]) * places[:, 1]
-    np.testing.assert_allclose(both, cop, atol=1e-12)
-
-
 def test_torques_do_the_work_of_lifting() -> None:
     """Both feet stay, so the floor does no work: what the motors do lifts the CoM."""
     robot, states = BODY.robot, motion_of("nao").path.states
@@ -137,6 +124,39 @@ def test_too_fast_is_told_from_what_slowness_does_not_mend() -> None:
     hasty = SPOILT["CoM speed"](motion)
     assert checked(hasty).too_fast
     assert not checked(SPOILT["distance from joint limits"](hasty)).too_fast
+
+
+def test_a_foot_without_enough_load_is_named() -> None:
+    heavy = dataclasses.replace(SETTINGS, load_share=0.45)
+    finding = checked(motion_of("nao"), heavy).of("load of a foot that stands")
+    assert not finding.kept
+    assert finding.where in ("left", "right")
+    assert finding.limit <= 0.45 * BODY.robot.weight
+
+
+def test_a_slippery_floor_is_named() -> None:
+    slippery = Legs(dataclasses.replace(BODY.robot, friction=0.3))
+    finding = check_motion(slippery, motion_of("nao"), SETTINGS).of(
+        "sideways force over load of a foot"
+    )
+    assert not finding.kept
+    assert finding.value > finding.limit
+
+
+def test_a_torso_that_leans_too_far_is_named() -> None:
+    upright = Legs(dataclasses.replace(BODY.robot, tilt_max=0.1))
+    report = check_motion(upright, motion_of("nao"), SETTINGS)
+    assert not report.of("tilt of the torso").kept
+    assert report.of("tilt of the torso").value > 0.1
+    assert checked(motion_of("nao")).of("tilt of the torso").value < BODY.robot.tilt_max
+
+
+def test_joints_with_more_play_need_wider_margins() -> None:
+    play = dataclasses.replace(BODY.robot.deflection, play=3.0 * BODY.robot.deflection.play)
+    loose = Legs(dataclasses.replace(BODY.robot, deflection=play))
+    report = check_motion(loose, motion_of("nao"), SETTINGS)
+    for constraint in ("load of a foot that stands", "static torque"):
+        assert not report.of(constraint).kept
 
 
 def while_carried(motion: Motion, size: float) -> np.ndarray:

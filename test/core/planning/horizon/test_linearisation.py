@@ -40,7 +40,9 @@ def all_slopes(linear: Linearised) -> FloatArray:
 
 def all_values(linear: Linearised) -> FloatArray:
     values = linear.values
-    return np.hstack([values.tasks, values.foot_error, values.distances, values.torques])
+    return np.hstack(
+        [values.tasks, values.foot_error, values.distances, values.balance, values.torques]
+    )
 
 
 def test_values_are_those_of_the_problem(body: Body, collocation: Collocation) -> None:
@@ -48,7 +50,7 @@ def test_values_are_those_of_the_problem(body: Body, collocation: Collocation) -
     states = around(problem.start)
     linear = Linearisation(collocation)(states, problem.scene)
     expected = collocation.evaluate(states, problem.scene)
-    for name in ("tasks", "foot_error", "distances", "torques"):
+    for name in ("tasks", "foot_error", "distances", "balance", "torques"):
         found = getattr(linear.values, name)
         np.testing.assert_allclose(found, getattr(expected, name), atol=1e-12)
 
@@ -63,7 +65,7 @@ def test_slopes_and_curvature_by_differences(body: Body, collocation: Collocatio
     for column, unit in enumerate(np.eye(states.shape[1])):
         ahead, behind = (at(states + way * STEP * unit, problem.scene) for way in (1.0, -1.0))
         slope = (all_values(ahead) - all_values(behind)) / (2.0 * STEP)
-        np.testing.assert_allclose(all_slopes(linear)[..., column], slope, atol=1e-5)
+        np.testing.assert_allclose(all_slopes(linear)[..., column], slope, atol=1e-5, rtol=1e-4)
         change = (all_slopes(ahead) - all_slopes(behind))[:, :11] / (2.0 * STEP)
         expected = np.einsum("nr,nrk->nk", prices, change)
         np.testing.assert_allclose(curvature[..., column], expected, atol=1e-6)

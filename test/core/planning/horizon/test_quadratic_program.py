@@ -14,7 +14,7 @@ from core.planning.horizons import problems
 from core.planning.motions import SETTINGS
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.linearisation import Inequalities, Linearisation, Linearised
-from shoecal_core.planning.horizon.problem import HorizonProblem
+from shoecal_core.planning.horizon.problem import BALANCE, HorizonProblem
 from shoecal_core.planning.horizon.quadratic_program import QuadraticProgram
 
 FloatArray = NDArray[np.float64]
@@ -39,7 +39,7 @@ def case_of(body: Body, count: int = 3) -> Case:
     states = guess[:count] + np.random.default_rng(0).uniform(-3e-3, 3e-3, guess[:count].shape)
     linear = Linearisation(collocation)(states, problem.scene)
     size = guess.shape[1]
-    rows = collocation.edges + len(body.robot.collision_pairs) + 3 * size
+    rows = collocation.edges + len(body.robot.collision_pairs) + BALANCE + 3 * size
     return Case(
         problem,
         linear,

@@ -13,7 +13,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.planning.landmarks import Contour
-from shoecal_core.planning.posture import StanceSolver, UnreachableError
+from shoecal_core.planning.posture import StanceSolver, UnreachableError, middle
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import UnobservableError, draw_supports, other_supports
 from shoecal_core.planning.supports.feasible import Feasible, SupportRangeError
@@ -62,10 +62,11 @@ def test_every_draw_passes_every_check(body: Body) -> None:
 
 
 def landmarks_in_reach(body: Body, solver: StanceSolver, support: DoubleSupport) -> int:
-    found = 0
+    """Or places a quarter of the way in from them."""
+    found, centre = 0, middle(body.robot, support)
     for landmark in Contour.of(body.robot, support).corners:
         with contextlib.suppress(UnreachableError):
-            solver.solve(support, landmark)
+            solver.solve(support, landmark + 0.25 * (centre - landmark))
             found += 1
     return found
 
