@@ -18,7 +18,7 @@ from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.planning.supports.feasible import Feasible
-from shoecal_core.planning.supports.named import NAMED, named_support
+from shoecal_core.planning.supports.named import NAMED, PAPER_DOC, named_supports
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_core.settings import SettingError, Settings, load_settings
 from shoecal_core.workspace import config_dir
@@ -180,9 +180,12 @@ def add_planning(parser: argparse.ArgumentParser) -> None:
     where.add_argument(
         "--stance",
         nargs="+",
-        choices=list(NAMED),
+        choices=[*NAMED, "paper"],
         metavar="NAME",
-        help=_listed("double supports by name", {name: at.doc for name, at in NAMED.items()}),
+        help=_listed(
+            "double supports by name",
+            {name: at.doc for name, at in NAMED.items()} | {"paper": PAPER_DOC},
+        ),
     )
     parser.add_argument("--seed", type=seed_number, default=1, help="draws whatever is random")
     parser.add_argument(
@@ -232,7 +235,7 @@ def chosen_supports(
 
         return draw_supports(robot, shoe, settings, settings.supports, args.seed, told)
     feasible = Feasible(robot, settings)
-    return [named_support(name, feasible) for name in args.stance]
+    return [support for name in args.stance for support in named_supports(name, feasible)]
 
 
 def planner_settings(args: argparse.Namespace) -> PlannerSettings:

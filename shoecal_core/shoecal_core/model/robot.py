@@ -106,7 +106,7 @@ class JointDeflection:
     """
 
     sag: float = 0.03
-    play: float = 0.005
+    play: float = 0.006
 
 
 @dataclass(frozen=True)

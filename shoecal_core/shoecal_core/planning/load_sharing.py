@@ -95,6 +95,10 @@ class SharingSpread:
     sideways: FloatArray
     torque: FloatArray
 
+    def scaled(self, factor: float) -> SharingSpread:
+        """An interval that is wider by a factor."""
+        return SharingSpread(factor * self.load, factor * self.sideways, factor * self.torque)
+
     def grip(self, friction: float) -> FloatArray:
         """(n,) half-width of what sideways force either foot could take more [N].
 

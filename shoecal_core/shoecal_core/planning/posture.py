@@ -43,6 +43,8 @@ _ASIDE_WEIGHT = 100.0
 _INWARD_WEIGHT = 1e3
 """Of the part of the way by which a place of the CoP is moved in: the least there is counts more
 than any posture."""
+_RESERVE = 1.15
+"""On the sharing's interval where a place is moved in: motions come there in other postures."""
 
 
 class UnreachableError(ShoecalError):
@@ -211,15 +213,14 @@ class StanceSolver:
     def _solved(self, task: _Task) -> tuple[FloatArray, float]:
         """Leg angles, and the part of the way to the middle by which the place is moved in.
 
-        The width of the sharing's interval is that of the posture found without it; it hardly
-        changes from there to the posture within it.
+        The width of the sharing's interval is that of the posture found without it, with a reserve.
         """
         start = np.append(np.clip(self._legs.nominal, self._lower, self._upper), 0.0)
         spread = SharingSpread.none(self._legs.robot)
         found, beyond = self._tried(task, start, spread)
         if task.inward and np.all(beyond < 0.0):
             jacobian = np.array(self._relative_jacobian(found[:-1], task.others))
-            spread = SharingSpread.of(self._legs.robot, jacobian[None])
+            spread = SharingSpread.of(self._legs.robot, jacobian[None]).scaled(_RESERVE)
             found, beyond = self._tried(task, found, spread)
         if not np.all(beyond < 0.0):
             raise self._unreachable(task, beyond)

@@ -589,7 +589,7 @@ def test_bytes_that_are_no_text(folder: Path) -> None:
 
 def test_friction_and_deflection(folder: Path) -> None:
     robot = load_robot(NAO)
-    assert (robot.friction, robot.deflection) == (0.6, JointDeflection(sag=0.028, play=0.005))
+    assert (robot.friction, robot.deflection) == (0.6, JointDeflection(sag=0.028, play=0.006))
     keys = ("friction", "joint_deflection")
     path = mutations.write_edited(folder / NAO.name, NAO, *(((key,), DELETE) for key in keys))
     robot = load_robot(path)

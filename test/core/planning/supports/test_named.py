@@ -1,12 +1,13 @@
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from core.planning.bodies import NAMES, load_body
-from core.planning.motions import SETTINGS
+from core.planning.motions import SETTINGS, planner_of
 from shoecal_core.errors import NameNotFoundError
 from shoecal_core.planning.supports.feasible import Feasible
-from shoecal_core.planning.supports.named import NAMED, named_support
+from shoecal_core.planning.supports.named import NAMED, named_support, named_supports
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -22,6 +23,15 @@ def test_each_goes_as_far_as_can_be(name: str) -> None:
             assert most(support) == max(map(most, found.values()))
     assert found["toes_out"].dtheta < -0.2 < 0.2 < found["toes_in"].dtheta
     assert found["left_ahead"].dx < 0.0 < found["right_ahead"].dx
+
+
+def test_the_paper_s_supports_are_planned_with_every_landmark_reached() -> None:
+    planner = planner_of("nao")
+    supports = named_supports("paper", Feasible(load_body("nao").robot, SETTINGS))
+    assert len(set(supports)) == 9
+    for support in supports:
+        motion = planner.plan(support)
+        assert np.all(motion.path.nearest < SETTINGS.landmark_radius), support
 
 
 def test_a_stance_that_nobody_knows() -> None:
