@@ -144,10 +144,10 @@ def least_balance(
     load = settings.load_share + spread.load[0] / robot.weight
     grip = spread.grip(FRICTION_USED * robot.friction)[0] / robot.weight
     feet = np.where(np.tile(loaded, 2), [load, load, grip, grip], -np.inf)
-    # Knees that sag unevenly, and the play of an ankle and a hip, lean the torso farther; while it
-    # goes over to one foot they hardly do.
+    # Play of an ankle and a hip, and knees that sag unevenly, lean the torso farther; the latter
+    # hardly do while the weight goes over to one foot.
     joint = robot.deflection
-    less = np.where(loaded.all(axis=1), joint.sag + 2.0 * joint.play, 0.0)
+    less = 2.0 * joint.play + np.where(loaded.all(axis=1), joint.sag, 0.0)
     tilt = np.maximum(0.1 * robot.tilt_max, robot.tilt_max - less)
     return np.column_stack([feet, np.cos(tilt)])
 

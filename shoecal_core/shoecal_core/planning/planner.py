@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Sequence
 from functools import cached_property
 
@@ -12,8 +13,10 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShapeError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
+from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.checking.findings import Report
+from shoecal_core.planning.deflection import deflected, sag_of_foot
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver
 from shoecal_core.planning.horizon.problem import Scene, Solver
@@ -26,7 +29,7 @@ from shoecal_core.planning.posture import StanceSolver, UnreachableError
 from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
-from shoecal_core.planning.swing import stance_foot
+from shoecal_core.planning.swing import lifted, stance_foot
 
 FloatArray = NDArray[np.float64]
 
@@ -69,6 +72,34 @@ class Planner:
             self._stance.solve_on_one(pose, SupportPhase.LEFT, posture)
         except UnreachableError:
             self._stance.solve_on_one(pose, SupportPhase.RIGHT, posture)
+
+    def with_sag(
+        self, ends: Sequence[FootPose], support_phase: SupportPhase, others: FloatArray
+    ) -> PlannerSettings:
+        """Settings whose lift and clearance of a step are larger by what deflection takes of them.
+
+        Args:
+            ends: of the step, both feet on the floor.
+            support_phase: the foot that stands during the step.
+            others: (m,) all joint angles, of which those beside the legs count [rad].
+
+        Raises:
+            UnreachableError: when the robot cannot stand on that foot.
+        """
+        robot, settings, taken = self.legs.robot, self.settings, [(0.0, 0.0)]
+        for end in ends:
+            up = lifted(end, support_phase, settings.step_lift)
+            legs = self._stance.solve_on_one(up, support_phase, others)
+            posture = robot.from_legs(legs, others)[None]
+            torques = track(robot, posture, support_phase.share).torques
+            true = self.legs.foot_pose(deflected(robot, posture, torques)[0])
+            taken.append(sag_of_foot(robot, up, true, support_phase))
+        drop, inward = (max(column) for column in zip(*taken, strict=True))
+        return dataclasses.replace(
+            settings,
+            step_lift=settings.step_lift + drop,
+            step_clearance=settings.step_clearance + inward,
+        )
 
     def plan(
         self,

@@ -151,7 +151,8 @@ class Stepper:
     ) -> Motion:
         planner, settings = self.planner, self.planner.settings
         robot, begin, end = planner.legs.robot, standing.foot_pose, FootPose.of(goal)
-        way = swing_path(robot, begin, end, support_phase, settings)
+        room = planner.with_sag((begin, end), support_phase, joint_angles)
+        way = swing_path(robot, begin, end, support_phase, room)
         ended = planner.standing(planner.stance(goal))
         aim = in_standing(standing.on_one(end, support_phase), end, support_phase)
         segments = (

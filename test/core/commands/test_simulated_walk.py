@@ -49,6 +49,8 @@ class Seen:
     since: float
     force: FloatArray
     gap: float
+    height: float
+    tilt: float
 
 
 def way_between(sim: SimulatedRobot) -> tuple[FloatArray, float]:
@@ -72,7 +74,14 @@ def looking_on(sim: SimulatedRobot, seen: list[Seen]) -> Callable[[Motion, float
         )
         force = sim.truth(snap).foot_grf
         done = (now - phase.begin) / (phase.end - phase.begin)
-        seen.append(Seen(phase.name, phase.support_phase, done, force, float(left.distance(right))))
+        gap, foot = float(left.distance(right)), 1 - phase.support_phase.standing
+        outline = sim.robot.feet[foot].outline
+        flat = np.column_stack([outline, np.zeros(len(outline))])
+        corners = snap.sole_position[foot] + flat @ snap.sole_rotation[foot].T
+        x, y = snap.base_orientation[:2]
+        tilt = float(np.arccos(1.0 - 2.0 * (x * x + y * y)))
+        height = float(corners[:, 2].min())
+        seen.append(Seen(phase.name, phase.support_phase, done, force, gap, height, tilt))
 
     return look
 
@@ -116,6 +125,10 @@ def test_a_carried_foot_is_in_the_air_and_touches_nothing() -> None:
     assert len(force) > 10
     np.testing.assert_array_equal(force, 0.0)
     assert min(one.gap for one in seen) > 0.0
+    # What gears take has been added: 15 mm are asked for.
+    high = [one.height for one in seen if one.phase == "swing" and 0.4 < one.since < 0.6]
+    assert min(high) > 0.010
+    assert max(one.tilt for one in seen) < 0.41
 
 
 @pytest.mark.parametrize(("motion", "side"), [("unload_left", 0), ("unload_right", 1)])

@@ -13,6 +13,7 @@ from core.planning.motions import SETTINGS, SUPPORTS, planner_of, step_of
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
+from shoecal_core.planning.deflection import deflected
 from shoecal_core.planning.horizon.rolling import PlanningCanceledError, Progress
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.planner import Planner
@@ -71,7 +72,12 @@ def test_the_foot_goes_up_along_and_down(support_phase: SupportPhase) -> None:
     body = track(robot, motion.positions)
     up = body.right_translation[:, 2] * (1.0 if support_phase is SupportPhase.LEFT else -1.0)
     assert np.abs(up[~at]).max() < 1e-4
-    assert up.max() == pytest.approx(SETTINGS.step_lift, abs=5e-4)
+    # Joints sag under the weight on one leg: that much more it is lifted.
+    torques = track(robot, motion.positions, support_phase.share).torques
+    true = track(robot, deflected(robot, motion.positions, torques)).right_translation[:, 2]
+    hanging = true * (1.0 if support_phase is SupportPhase.LEFT else -1.0)
+    assert up.max() > SETTINGS.step_lift + 0.004
+    assert hanging[at].max() > 0.8 * SETTINGS.step_lift
     # Most of its way along it is high enough.
     ground = np.linalg.norm(np.diff(body.right_translation[:, :2], axis=0), axis=1)
     high = up[1:] > 0.8 * SETTINGS.step_lift

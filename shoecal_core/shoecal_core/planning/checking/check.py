@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.checking.body_track import BodyTrack, track
 from shoecal_core.planning.checking.findings import Finding, Report, at_least, at_most, worst
+from shoecal_core.planning.deflection import deflected
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.load_sharing import FRICTION_USED
 from shoecal_core.planning.motion import Motion, Phase
@@ -55,6 +56,10 @@ def check_motion(legs: Legs, motion: Motion, settings: PlannerSettings) -> Repor
     for span in spans:
         shares[span.samples] = span.phase.support_phase.share
     body = track(legs.robot, motion.positions, shares)
+    sagging = body
+    if any(span.phase.support_phase is not SupportPhase.BOTH for span in spans):
+        true = deflected(legs.robot, motion.positions, body.torques)
+        sagging = track(legs.robot, true, shares)
     found = [
         _joint_limits(legs, motion.positions, motion.time, settings),
         *_collision(legs, body, motion.time, settings),
@@ -66,7 +71,7 @@ def check_motion(legs: Legs, motion: Motion, settings: PlannerSettings) -> Repor
         paced = settings.paced(span.phase.pace)
         found += [
             _stability(legs, span, body, motion.time, settings),
-            *_feet(legs, span, body, motion.time, settings),
+            *_feet(legs, span, body, sagging, motion.time, settings),
             _joint_speed(legs, span, motion, paced),
             *_com(span, body, motion.time, paced),
             *_loads(legs, span, body, motion.time, settings),
@@ -159,7 +164,12 @@ def _collision(
 
 
 def _feet(
-    legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
+    legs: Legs,
+    span: _Span,
+    body: BodyTrack,
+    sagging: BodyTrack,
+    time: FloatArray,
+    settings: PlannerSettings,
 ) -> list[Finding]:
     """Feet that stay must stay; one in the air must arrive, level and clear of the floor."""
     if span.phase.support_phase is SupportPhase.BOTH:
@@ -179,7 +189,7 @@ def _feet(
         at_most("drift of the turn between the feet", "rad", turn[:, None], limit, at),
     ]
     if span.phase.support_phase is not SupportPhase.BOTH:
-        found += _swing_foot(legs, span, body, time[span.samples], settings)
+        found += _swing_foot(legs, span, body, sagging, time[span.samples], settings)
     return found
 
 
@@ -193,29 +203,24 @@ def _away(body: BodyTrack, samples: slice, pose: FootPose) -> tuple[FloatArray, 
 
 
 def _swing_foot(
-    legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
+    legs: Legs,
+    span: _Span,
+    body: BodyTrack,
+    sagging: BodyTrack,
+    time: FloatArray,
+    settings: PlannerSettings,
 ) -> list[Finding]:
-    """A foot in the air: no corner below the floor, and no overlap with the other foot."""
-    robot = legs.robot
+    """A foot in the air: no corner below the floor, and no overlap with the other foot.
+
+    One that is carried along comes as high as it shall, however much the joints sag.
+    """
     # The motion's begin leads: a foot may be put down again where it stood.
     samples = np.concatenate([[0], np.arange(span.samples.start, span.samples.stop)])
-    left, right = (
-        np.column_stack([foot.outline, np.zeros(len(foot.outline))]) for foot in robot.feet
-    )
-    right_in_left = (
-        np.einsum("tij,cj->tci", body.right_rotation[samples], right)
-        + body.right_translation[samples, None]
-    )
-    if span.phase.support_phase is SupportPhase.LEFT:
-        corners = right_in_left
-    else:
-        local = left[None] - body.right_translation[samples, None]
-        corners = np.einsum("tji,tcj->tci", body.right_rotation[samples], local)
+    corners, gaps = _air(legs, span, body, samples)
     lowest = corners[..., 2].min(axis=1)
     middle = corners[1:, :, :2].mean(axis=1)
     way = np.linalg.norm(middle[:, None] - middle[[0, -1]], axis=2).min(axis=1)
     carried = way > _DRAGGED
-    gaps = shapely.distance(shapely.Polygon(left[:, :2]), shapely.polygons(right_in_left[..., :2]))
     found = [
         at_least(
             "height of the foot in the air", "m", lowest[1:, None],
@@ -231,7 +236,29 @@ def _swing_foot(
         name = "height of the foot that is carried along"
         values, least = lowest[1:][carried, None], settings.step_lift / 3.0
         found.append(at_least(name, "m", values, least, time[carried], from_begin=False))
+        hanging = _air(legs, span, sagging, samples)[0][1:, :, 2].min(axis=1)
+        top = [int(np.argmax(hanging))]
+        name, least = "height to which a foot is truly lifted", settings.step_lift * MARGIN_KEPT
+        found.append(at_least(name, "m", hanging[top, None], least, time[top], from_begin=False))
     return found
+
+
+def _air(
+    legs: Legs, span: _Span, body: BodyTrack, samples: NDArray[np.int64]
+) -> tuple[FloatArray, FloatArray]:
+    """Corners (t, c, 3) of the foot in the air over the other's floor, gaps (t,) beside it [m]."""
+    left, right = (
+        np.column_stack([foot.outline, np.zeros(len(foot.outline))]) for foot in legs.robot.feet
+    )
+    right_in_left = (
+        np.einsum("tij,cj->tci", body.right_rotation[samples], right)
+        + body.right_translation[samples, None]
+    )
+    gaps = shapely.distance(shapely.Polygon(left[:, :2]), shapely.polygons(right_in_left[..., :2]))
+    if span.phase.support_phase is SupportPhase.LEFT:
+        return right_in_left, gaps
+    local = left[None] - body.right_translation[samples, None]
+    return np.einsum("tji,tcj->tci", body.right_rotation[samples], local), gaps
 
 
 def _from_begin(limit: float, values: FloatArray, settings: PlannerSettings) -> float:

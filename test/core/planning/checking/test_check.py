@@ -263,5 +263,5 @@ def test_a_foot_that_is_dragged_is_found() -> None:
     motion = step_of("nao", SupportPhase.LEFT)
     name = "height of the foot that is carried along"
     assert checked(motion).of(name).value > SETTINGS.step_lift / 3.0
-    high = dataclasses.replace(SETTINGS, step_lift=4.0 * SETTINGS.step_lift)
+    high = dataclasses.replace(SETTINGS, step_lift=6.0 * SETTINGS.step_lift)
     assert not checked(motion, high).of(name).kept
