@@ -29,7 +29,7 @@ from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.planner.following import Follower, Look, Verdict
 from shoecal_ros.planner.order import Mover, Order
 from shoecal_ros.planner.part import Part
-from shoecal_ros.planner.watch import MotionWatch, hot
+from shoecal_ros.planner.watch import MotionWatch, hot, unwatched
 
 FloatArray = NDArray[np.float64]
 R = TypeVar("R")
@@ -94,7 +94,10 @@ class Execution:
         if listeners.missing:
             raise RefusedError(Plan.Result.NOT_FOLLOWED, f"not begun: {listeners.missing}")
         moving = self._mover.moving
-        concern = hot(self._mover.senses, moving.hot_degc - moving.cool_by)
+        mover = self._mover
+        concern = hot(mover.senses, moving.hot_degc - moving.cool_by) or unwatched(
+            mover.senses, mover.kinematics, moving, self.measured()
+        )
         if concern is not None:
             raise RefusedError(concern.code, f"not begun: {concern.message}")
 

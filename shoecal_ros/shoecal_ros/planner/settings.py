@@ -34,6 +34,14 @@ class MovingSettings(Settings):
     give: float = setting(
         0.03, "rad", "most that a standing joint may be behind streamed commands", minimum=1e-3
     )
+    tilt_required: bool = setting(
+        True,
+        "",
+        "without a usable imu nothing moves; false: falls are not seen where there is none",
+    )
+    load_required: bool = setting(
+        True, "", "without shoe/voltages nothing moves; false: loads are not watched then"
+    )
     tilt_error: float = setting(
         0.1, "rad", "a torso (/imu) that leans farther from what is meant stops it", minimum=1e-3
     )

@@ -166,6 +166,26 @@ def tilt_now(
     return Tilt(up, upward(kinematics.states(joint_angles[None]), support_phase.standing))
 
 
+def unwatched(
+    senses: Senses, kinematics: Kinematics, settings: MovingSettings, joint_angles: FloatArray
+) -> StopReason | None:
+    """What would watch a motion and must, but does not come by now; (m,) joint angles [rad]."""
+    tilt = tilt_now(senses, kinematics, settings, joint_angles)
+    if settings.tilt_required and (tilt is None or not tilt.usable):
+        what = "nothing comes from imu" if tilt is None else "imu contradicts the joint angles"
+        return StopReason(
+            Plan.Result.SENSORS_STALE,
+            f"{what}, so a fall would not be seen; start its driver, or set tilt_required to false",
+        )
+    if settings.load_required and senses.shoes.heard.age_s > settings.stale_s:
+        return StopReason(
+            Plan.Result.SENSORS_STALE,
+            "nothing comes from shoe/voltages, so lost load would not be seen; start shoe_driver, "
+            "or set load_required to false",
+        )
+    return None
+
+
 def hot(senses: Senses, limit: float) -> StopReason | None:
     """Motors at a limit or beyond [degC]."""
     problem = too_hot(senses.temperatures.degc, limit)

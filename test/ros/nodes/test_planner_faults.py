@@ -11,6 +11,7 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.bodies import nao
 from ros.following_robot import FollowingRobot
+from ros.nodes.test_planner_watch import PATIENT
 from ros.world import World
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_ros.common import qos
@@ -21,7 +22,7 @@ def test_the_robot_is_stopped_and_the_goal_answered(world: World) -> None:
     robot = FollowingRobot(world, DoubleSupport(0.02, -0.11, 0.1))
     commands = world.receive(JointTrajectoryMsg, "joint_trajectory", qos.COMMAND)
     faulty = Path(__file__).with_name("faulty_planner.py")
-    world.start("planner", {"stale_s": 10.0, "follow_late": 4.0}, script=faulty)
+    world.start("planner", PATIENT, script=faulty)
     world.until_reported("planner", "planning", "ready")
     world.until_reported("planner", "joints", "come")
     assert world.call(SetBool, "shoe/arm", SetBool.Request(data=True)).success

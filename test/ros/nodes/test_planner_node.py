@@ -25,6 +25,8 @@ from shoecal_ros.common.conversions import (
 
 SUPPORT = DoubleSupport(dx=0.02, dy=-0.11, dtheta=0.1)
 QUICK = {
+    "tilt_required": False,
+    "load_required": False,
     "stale_s": 10.0,
     "follow_late": 4.0,
     "planning.horizon": 5,

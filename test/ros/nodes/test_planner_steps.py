@@ -18,7 +18,12 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.common.health import Level
 
-PATIENT = {"stale_s": 10.0, "follow_late": 4.0}
+PATIENT = {
+    "stale_s": 10.0,
+    "follow_late": 4.0,
+    "tilt_required": False,
+    "load_required": False,
+}
 """For a busy machine."""
 NEAR = DoubleSupport(dx=0.02, dy=-0.115, dtheta=0.1)
 FAR = DoubleSupport(dx=-0.02, dy=-0.12, dtheta=-0.1)

@@ -20,7 +20,12 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_from_ros
 
 FloatArray = NDArray[np.float64]
-PATIENT = {"stale_s": 10.0, "follow_late": 4.0}
+PATIENT = {
+    "stale_s": 10.0,
+    "follow_late": 4.0,
+    "tilt_required": False,
+    "load_required": False,
+}
 """For a busy machine."""
 SUPPORT = DoubleSupport(0.02, -0.11, 0.1)
 

@@ -70,7 +70,7 @@ class Scene:
                 robot=nao(),
                 kinematics=Kinematics(nao()),
                 planning=PlannerSettings(),
-                moving=MovingSettings(),
+                moving=MovingSettings(tilt_required=False, load_required=False),
                 arming=self.arming,
                 joints=self._joints,
                 listeners=self.listeners,
@@ -125,6 +125,19 @@ def off(way: float) -> FloatArray:
     angles = ANGLES.copy()
     angles[KNEE] += way
     return angles
+
+
+@pytest.mark.parametrize(
+    ("required", "missing"),
+    [({"load_required": False}, "imu"), ({"tilt_required": False}, "shoe/voltages")],
+)
+def test_nothing_begins_that_nobody_would_watch(
+    scene: Scene, required: dict[str, bool], missing: str
+) -> None:
+    scene.mover.moving = MovingSettings(**required)  # type: ignore[misc]
+    with pytest.raises(RefusedError, match=f"nothing comes from {missing}.*_required") as caught:
+        Execution(scene.mover, scene.order).check_ready()
+    assert caught.value.code == Plan.Result.SENSORS_STALE
 
 
 def test_who_disarms_and_arms_at_once_stops_the_robot_for_good(scene: Scene) -> None:

@@ -40,9 +40,10 @@ class Scene:
         heat = Temperature(header=header_to_ros(1, "RKneePitch"), temperature=degc)
         self.senses.temperatures.take([heat])
 
-    def conditions(self, *, joints: bool = True) -> dict[str, Condition]:
+    def conditions(self, *, joints: bool = True, required: bool = True) -> dict[str, Condition]:
         angles = nao().posture if joints else None
-        return watched(self.senses, KINEMATICS, MovingSettings(), angles)
+        settings = MovingSettings(tilt_required=required, load_required=required)
+        return watched(self.senses, KINEMATICS, settings, angles)
 
 
 @pytest.fixture
@@ -50,8 +51,16 @@ def scene() -> Scene:
     return Scene()
 
 
-def test_what_never_came_is_missing_and_that_is_no_fault(scene: Scene) -> None:
+def test_what_never_came_but_must_is_told(scene: Scene) -> None:
     found = scene.conditions()
+    assert [found[name].level for name in SUBJECTS] == [Level.WARN, Level.WARN, Level.OK]
+    assert [found[name].code for name in SUBJECTS[:2]] == [Code.IMU_STALE, Code.SHOES_STALE]
+    for name in SUBJECTS[:2]:
+        assert "nothing moves" in found[name].message
+
+
+def test_what_never_came_and_need_not_is_no_fault(scene: Scene) -> None:
+    found = scene.conditions(required=False)
     assert tuple(found) == SUBJECTS
     assert all(one.level is Level.OK and "not watched" in one.message for one in found.values())
 
