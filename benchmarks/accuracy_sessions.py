@@ -23,7 +23,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, sha256
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.planning.standard import STANDARD_SUPPORTS, calibration_runs
+from shoecal_core.planning.standard import STANDARD_SUPPORTS, standard_runs
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
 from shoecal_core.simulation.reality import Reality
@@ -134,7 +134,7 @@ class Case:
         try:
             supports = draw_supports(robot, shoe, PlannerSettings(), count, self.seed)
             neutral = DoubleSupport(*robot.support_range.neutral)
-            runs = calibration_runs(supports, neutral) if standard else paper_runs(supports)
+            runs = standard_runs(supports, neutral) if standard else paper_runs(supports)
             make_session(
                 self.folder, runs, seed=self.seed, robot_seed=self.seed, reality=self.changes
             )

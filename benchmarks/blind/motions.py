@@ -71,7 +71,8 @@ def _there(seed: int) -> bool:
 def _runs(seed: int) -> tuple[PlannedRun, ...]:
     robot, shoe = nao()
     supports = draw_supports(robot, shoe, PlannerSettings(), STANDARD_SUPPORTS, seed)
-    return standard_runs([supports[i] for i in np.random.default_rng(seed).permutation(5)])
+    mixed = [supports[i] for i in np.random.default_rng(seed).permutation(5)]
+    return standard_runs(mixed, DoubleSupport(*map(float, robot.support_range.neutral)))
 
 
 @cache

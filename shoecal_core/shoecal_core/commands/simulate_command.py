@@ -20,6 +20,7 @@ from shoecal_core.commands.arguments import (
 from shoecal_core.commands.progress import shown_progress
 from shoecal_core.commands.simulated_session import SimulationPlan, simulate_session
 from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.model.robot import Robot
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.standard import PlannedRun, listed_runs, standard_runs
 from shoecal_core.sensing.shoe import load_shoe
@@ -68,7 +69,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
             shoe=shoe,
             reality=reality,
             settings=settings,
-            runs=_runs(args, chosen_supports(args, robot, shoe, settings, progress)),
+            runs=_runs(args, robot, chosen_supports(args, robot, shoe, settings, progress)),
             rate=args.rate,
             seed=args.seed,
             robot_seed=args.seed if args.robot_seed is None else args.robot_seed,
@@ -95,8 +96,10 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     }
 
 
-def _runs(args: argparse.Namespace, supports: Sequence[DoubleSupport]) -> Sequence[PlannedRun]:
+def _runs(
+    args: argparse.Namespace, robot: Robot, supports: Sequence[DoubleSupport]
+) -> Sequence[PlannedRun]:
     """What to do where: `--motions`, else the one motion in each double support."""
     if args.motions == (STANDARD_SET,):
-        return standard_runs(supports)
+        return standard_runs(supports, DoubleSupport(*map(float, robot.support_range.neutral)))
     return listed_runs(supports, args.motions or [args.motion] * len(supports))

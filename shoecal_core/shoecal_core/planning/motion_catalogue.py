@@ -122,7 +122,7 @@ def _reversed(standing: InitialStance) -> tuple[MotionSegment, ...]:
 
 
 def _faster(standing: InitialStance) -> tuple[MotionSegment, ...]:
-    return _landmarks(standing, "faster", pace=2.0)
+    return _landmarks(standing, "faster", pace=1.5)
 
 
 def _hold(standing: InitialStance) -> tuple[MotionSegment, ...]:
@@ -208,7 +208,7 @@ _PUT_DOWN_KIND = MotionKind(
 MOTION_KINDS: Mapping[str, MotionKind] = {
     "landmarks": MotionKind("landmark to landmark, counter-clockwise", _landmarks, streams=True),
     "reversed": MotionKind("landmark to landmark, clockwise", _reversed, streams=True),
-    "faster": MotionKind("landmark to landmark at twice the speed", _faster),
+    "faster": MotionKind("landmark to landmark half as fast again", _faster),
     "hold": MotionKind("landmark to landmark, standing still at each", _hold),
     "unload_left": MotionKind(
         "the left foot lifted a little, for a moment", lambda at: _unload(at, SupportPhase.RIGHT)

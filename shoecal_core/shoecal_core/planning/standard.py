@@ -1,9 +1,10 @@
-"""The standard set of motions of a diagnosis: which motion in which double support, what for."""
+"""The standard set of motions: which motion in which double support, what for."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
@@ -30,17 +31,14 @@ class StandardMotion:
 STANDARD = (
     StandardMotion("landmarks", TRAIN),
     StandardMotion("reversed", TRAIN),
-    StandardMotion("faster", TRAIN),
     StandardMotion("torso_height", TRAIN),
     StandardMotion("unload_left", TRAIN),
     StandardMotion("unload_right", TRAIN),
     StandardMotion("landmarks", TEST),
     StandardMotion("reversed", TEST),
 )
-"""Both directions and two speeds, two heights of the torso, and each foot without load once."""
-
-CALIBRATION = tuple(one for one in STANDARD if one.motion != "faster")
-"""What a self-calibration records: fast motions jolt the robot and teach gains nothing."""
+"""Of a calibration and of a diagnosis: both directions, two heights of the torso, and each foot
+without load once. Fast motions jolt the robot and teach gains nothing."""
 
 STANDARD_SUPPORTS = 5
 """Double supports of the standard set: three to train in, two to test in."""
@@ -63,12 +61,15 @@ class PlannedRun:
     hint: str = ""
 
 
-def calibration_runs(
+def standard_runs(
     supports: Sequence[DoubleSupport], neutral: DoubleSupport
 ) -> tuple[PlannedRun, ...]:
-    """What a self-calibration records by default, each foot unloaded in the neutral support.
+    """The standard set in double supports, as it is recorded.
 
-    There any robot can stand on one foot that can do so at all.
+    Training and testing take turns from yaw to yaw: runs to train begin and end the range of yaw
+    between the feet, and a run to test stands where no other does, in between. Fewer than four
+    double supports leave none for tests alone: those are then shared, with other motions. Each foot
+    is unloaded in the neutral support: there any robot can stand on one foot that can do so at all.
 
     Args:
         supports: double supports that differ in yaw; STANDARD_SUPPORTS of them are best.
@@ -77,41 +78,20 @@ def calibration_runs(
     Raises:
         ShoecalError: for no supports.
     """
-    return tuple(
-        replace(run, support=neutral) if run.motion in UNLOADING else run
-        for run in standard_runs(supports, CALIBRATION)
-    )
-
-
-def standard_runs(
-    supports: Sequence[DoubleSupport], motions: Sequence[StandardMotion] = STANDARD
-) -> tuple[PlannedRun, ...]:
-    """The standard set in double supports, as it is recorded.
-
-    Training and testing take turns from yaw to yaw: runs to train begin and end the range of yaw
-    between the feet, and a run to test stands where no other does, in between. Fewer than four
-    double supports leave none for tests alone: those are then shared, with other motions.
-
-    Args:
-        supports: double supports that differ in yaw; STANDARD_SUPPORTS of them are best.
-        motions: of the set.
-
-    Raises:
-        ShoecalError: for no supports.
-    """
     _require(supports)
     tested = _test_supports(supports)
     trained = [support for support in supports if support not in tested]
     # Where both share them, tests move on by one, so that each meets another motion's support.
-    places = {TRAIN: trained, TEST: tested or [*trained[1:], trained[0]]}
-    counted = dict.fromkeys(places, 0)
-    runs = []
-    for standard in motions:
-        there = places[standard.hint]
-        place = there[counted[standard.hint] % len(there)]
-        counted[standard.hint] += 1
-        runs.append(PlannedRun(place, standard.motion, standard.hint))
-    return tuple(runs)
+    places = {
+        TRAIN: itertools.cycle(trained),
+        TEST: itertools.cycle(tested or [*trained[1:], trained[0]]),
+    }
+    return tuple(
+        PlannedRun(
+            neutral if one.motion in UNLOADING else next(places[one.hint]), one.motion, one.hint
+        )
+        for one in STANDARD
+    )
 
 
 def listed_runs(

@@ -93,7 +93,7 @@ SIGNALS: Mapping[str, str] = {
 MOTIONS: Mapping[str, str] = {
     "landmarks": "move the CoP from landmark to landmark, counter-clockwise",
     "reversed": "move the CoP from landmark to landmark the other way round",
-    "faster": "move the CoP from landmark to landmark at twice the speed",
+    "faster": "move the CoP from landmark to landmark half as fast again",
     "hold": "stand still for a while at each landmark",
     "unload_left": "lift the left foot a little, for a moment",
     "unload_right": "lift the right foot a little, for a moment",

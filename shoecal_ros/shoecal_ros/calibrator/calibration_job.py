@@ -11,7 +11,7 @@ from shoecal_msgs.action import Calibrate
 
 from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.planning.standard import TEST, TRAIN, PlannedRun, calibration_runs
+from shoecal_core.planning.standard import TEST, TRAIN, PlannedRun, standard_runs
 from shoecal_ros.calibrator import solving_work
 from shoecal_ros.calibrator.job import Job, JobContext
 from shoecal_ros.calibrator.job_settings import STANDARD_SET
@@ -110,7 +110,7 @@ class CalibrationJob:
         )
         if site.job_settings.motion == STANDARD_SET:
             neutral = DoubleSupport(*map(float, site.robot.support_range.neutral))
-            return list(calibration_runs(supports, neutral))
+            return list(standard_runs(supports, neutral))
         training = _training(request)
         return [
             PlannedRun(support, site.job_settings.motion, TRAIN if index in training else TEST)

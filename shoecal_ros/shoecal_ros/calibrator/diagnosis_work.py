@@ -76,7 +76,9 @@ def runs_to_record(
     entries = () if session is None else Session.open(session).runs
     so_far = _supports(entries)
     if not motions:
-        return list(standard_runs(draw_supports(robot, shoe, settings, STANDARD_SUPPORTS, seed)))
+        neutral = DoubleSupport(*map(float, robot.support_range.neutral))
+        drawn = draw_supports(robot, shoe, settings, STANDARD_SUPPORTS, seed)
+        return list(standard_runs(drawn, neutral))
     count = min(len(motions), STANDARD_SUPPORTS)
     places = so_far or draw_supports(robot, shoe, settings, count, seed)
     runs = listed_runs(places, [planned_as(name) for name in motions])

@@ -22,12 +22,12 @@ from shoecal_core.planning.standard import STANDARD, TEST, PlannedRun, standard_
 from shoecal_core.recording.session import TRUTH, Session
 
 MOTIONS = 1
-SHORT = (0, 1, 2, 6)
+SHORT = (0, 1, 2, 5)
 """Of the standard set: three runs to train, one to test."""
 
 
-def _short(supports: Sequence[DoubleSupport]) -> tuple[PlannedRun, ...]:
-    runs = standard_runs(supports)
+def _short(supports: Sequence[DoubleSupport], neutral: DoubleSupport) -> tuple[PlannedRun, ...]:
+    runs = standard_runs(supports, neutral)
     return tuple(runs[index] for index in SHORT)
 
 

@@ -118,7 +118,7 @@ def test_the_menu() -> None:
     faster = planner.plan(SUPPORTS[0], "faster")
     np.testing.assert_array_equal(faster.path.states, first.path.states)
     holds = 2.0 * SETTINGS.hold_time
-    assert faster.duration - holds == pytest.approx((first.duration - holds) / 2.0, rel=0.02)
+    assert faster.duration - holds == pytest.approx((first.duration - holds) / 1.5, rel=0.02)
     with pytest.raises(NameNotFoundError, match=r"motion named 'dance' .*landmarks"):
         planner.plan(SUPPORTS[0], "dance")
 

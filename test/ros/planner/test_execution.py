@@ -134,7 +134,7 @@ def off(way: float) -> FloatArray:
 def test_nothing_begins_that_nobody_would_watch(
     scene: Scene, required: dict[str, bool], missing: str
 ) -> None:
-    scene.mover.moving = MovingSettings(**required)  # type: ignore[misc]
+    scene.mover.moving = MovingSettings(**required)
     with pytest.raises(RefusedError, match=f"nothing comes from {missing}.*_required") as caught:
         Execution(scene.mover, scene.order).check_ready()
     assert caught.value.code == Plan.Result.SENSORS_STALE
