@@ -26,8 +26,8 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import time_from_ros, trajectory_to_ros
 from shoecal_ros.common.health import Level
-from shoecal_ros.demo import write_device
 from shoecal_ros.inputs.imu import ImuInput
+from shoecal_ros.simulator.device_file import write_device
 
 NEAR = DoubleSupport(dx=0.02, dy=-0.11, dtheta=0.1)
 
