@@ -36,8 +36,8 @@ from shoecal_ros.calibrator.calibration_job import DRAW_SHARE, SOLVE_SHARE
 from shoecal_ros.calibrator.run_series import PLAN_SHARE, REACH_SHARE
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import time_from_ros
-from shoecal_ros.demo import write_device
 from shoecal_ros.inputs.stillness import Stillness
+from shoecal_ros.simulator.device_file import write_device
 
 NODES = ("planner", "calibrator", "shoe_driver", "model", "simulator")
 STAGES = ("drawing", "reaching", "planning", "moving", "moving", "moving")

@@ -1,6 +1,6 @@
 """The nodes beside a robot: shoe_driver, model, planner, calibrator, and where need be an adapter.
 
-    ros2 launch shoecal_ros bringup.launch.py robot:=ROBOT.yaml shoe:=SHOE.yaml port:=/dev/ttyUSB0
+    ros2 launch shoecal_ros bringup.launch.py robot:=ROBOT.yaml shoe:=SHOE.yaml device:=DEVICE.yaml
 
 Arguments, files and packages are checked before the first node starts. Discovery stays on this
 computer unless ROS_AUTOMATIC_DISCOVERY_RANGE is set before.

@@ -26,7 +26,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from shoecal_core.workspace import network_environment
-from shoecal_ros.bringup import simulated_port, simulated_robot, simulated_state
+from shoecal_ros.bringup import simulated_device, simulated_robot, simulated_state
 from shoecal_ros.launched import action
 
 CONFIG = Path(get_package_share_directory("shoecal_core")) / "config"
@@ -69,7 +69,7 @@ def _simulation(context: LaunchContext) -> list[IncludeLaunchDescription | Node]
             PythonLaunchDescriptionSource(str(BRINGUP)),
             launch_arguments={
                 **{name: arguments[name] for name in shared},
-                "port": simulated_port(namespace),
+                "device": simulated_device(arguments),
                 "state": arguments["state"] or simulated_state(namespace),
                 "use_sim_time": "true",
             }.items(),

@@ -5,6 +5,7 @@ It needs no `launch`, so that it can be tried with the nodes alone.
 
 from __future__ import annotations
 
+import os
 import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -14,6 +15,10 @@ from ament_index_python.packages import PackageNotFoundError, get_package_prefix
 
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.parameter_file import sections_of
+from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.workspace import config_dir
+from shoecal_ros.common.robot_files import RobotFiles
+from shoecal_ros.simulator.device_file import write_device
 
 Parameter = str | bool | int | float
 NONE = "none"
@@ -113,10 +118,30 @@ def simulated_robot(arguments: Mapping[str, str]) -> NodeToStart:
     return _node("simulator", {**arguments, "use_sim_time": "false"}, parameters)
 
 
+def simulated_device(arguments: Mapping[str, str]) -> str:
+    """The device file that the driver needs for the simulator: the cells of the shoe file.
+
+    Args:
+        arguments: of `demo.launch.py`.
+
+    Raises:
+        ShoecalError: for a shoe or reality file that cannot be used, or where the file cannot be
+            written.
+    """
+    shoe = RobotFiles(robot_file=arguments["robot"], shoe_file=arguments["shoe"]).load_shoe()
+    changes = Path(arguments["reality"]) if arguments["reality"] else None
+    reality = load_reality(config_dir() / "realities" / "default.yaml", changes)
+    port = Path(simulated_port(arguments["namespace"]))
+    file = port.with_name(f"{port.name}.yaml")
+    write_device(file, shoe, port, reality.cells.converter_bits)
+    return str(file)
+
+
 def simulated_port(namespace: str) -> str:
-    """Link to the simulated serial port of a namespace."""
-    name = "_".join(("shoecal_shoes", *namespace.strip("/").split("/"))).rstrip("_")
-    return str(Path(tempfile.gettempdir()) / name)
+    """Link to the simulated serial port of a namespace in this ROS domain."""
+    domain = os.environ.get("ROS_DOMAIN_ID", "")
+    parts = ("shoecal_shoes", domain, *namespace.split("/"))
+    return str(Path(tempfile.gettempdir()) / "_".join(filter(None, parts)))
 
 
 def simulated_state(namespace: str) -> str:

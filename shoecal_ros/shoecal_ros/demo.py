@@ -23,9 +23,9 @@ from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.commands.progress import shown_progress
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
-from shoecal_core.files import atomic_write, read_bytes, write_yaml
+from shoecal_core.files import atomic_write, read_bytes
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.sensing.shoe import load_shoe
 from shoecal_core.settings import load_settings
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir
@@ -39,6 +39,7 @@ from shoecal_ros.demonstration.outcome import (
     write_results,
 )
 from shoecal_ros.demonstration.processes import Nodes
+from shoecal_ros.simulator.device_file import write_device
 
 SPEED = 5.0
 PATIENCE_S = 5.0
@@ -186,40 +187,6 @@ def _start(nodes: Nodes, options: Options, folder: Folder) -> None:
             "apply_warned": True,
         },
         [configuration / "calibrator.yaml"],
-    )
-
-
-def write_device(path: Path, shoe: Shoe, port: Path, bits: int) -> None:
-    """The driver's file for the simulated device of a shoe: one channel a cell, in order.
-
-    Args:
-        path: of the file.
-        shoe: with its converter's range.
-        port: of the device.
-        bits: of the converter.
-    """
-    converters = [
-        {
-            "volts_per_count": (channel.highest - channel.lowest) / 2**bits,
-            "bits": bits,
-            "encoding": "signed",
-        }
-        for channel in shoe.channels
-    ]
-    write_yaml(
-        path,
-        {
-            "format": 1,
-            "port": str(port),
-            "baud": 115200,
-            "mode": "binary",
-            "alarm_s": PATIENCE_S,
-            "converter": converters[0],
-            "channels": [
-                {"index": index, "cell": name, "converter": converter}
-                for index, (name, converter) in enumerate(zip(shoe.names, converters, strict=True))
-            ],
-        },
     )
 
 

@@ -7,7 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Mapping
+import tempfile
 from pathlib import Path
 
 import pytest
@@ -16,12 +16,15 @@ from shoecal_msgs.msg import ShoeVoltages
 from trajectory_msgs.msg import JointTrajectory
 
 from reference.launch_files import arguments as listed
+from ros.bodies import ODD, ODD_SHOE
 from ros.world import World
 from shoecal_core.errors import ShoecalError
+from shoecal_core.sensing.shoe import load_shoe
 from shoecal_core.workspace import config_dir, ros_environment
 from shoecal_ros.bringup import (
     NodeToStart,
     robot_nodes,
+    simulated_device,
     simulated_port,
     simulated_robot,
     simulated_state,
@@ -61,21 +64,28 @@ def own_parameters(folder: Path) -> Path:
 
 
 def test_a_demo_in_a_namespace_keeps_its_limits_and_takes_the_simulator_along(
-    world: World, tmp_path: Path
+    world: World, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    common = {"params": str(own_parameters(tmp_path / "nodes")), "namespace": "/left"}
-    port = str(tmp_path / "port")
-    for node in (
-        simulated_robot(arguments("demo", **common)),
-        *robot_nodes(
-            arguments("bringup", use_sim_time="true", state=str(tmp_path / "state"), **common)
-        ),
-    ):
-        changed = {"port": port} if "port" in node.parameters else {}
-        parameters: Mapping[str, object] = {**node.parameters, **changed}
-        begin(world, NodeToStart(node.name, node.namespace, node.files, parameters))  # type: ignore[arg-type]
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path))
+    common = {
+        "params": str(own_parameters(tmp_path / "nodes")),
+        "namespace": "/left",
+        "robot": str(ODD),
+        "shoe": str(ODD_SHOE),
+    }
+    demo = arguments("demo", **common)
+    robot = arguments(
+        "bringup",
+        device=simulated_device(demo),
+        use_sim_time="true",
+        state=str(tmp_path / "state"),
+        **common,
+    )
+    for node in (simulated_robot(demo), *robot_nodes(robot)):
+        begin(world, node)
     voltages = world.receive(ShoeVoltages, "left/shoe/voltages", qos.EITHER)
     world.until(lambda: len(voltages) > 3)
+    assert tuple(voltages.last.cell) == load_shoe(ODD_SHOE).names
     world.publisher(JointTrajectory, "left/joint_trajectory", qos.COMMAND)
     request = GetParameters.Request(names=["follow_error"])
     (value,) = world.call(GetParameters, "left/planner/get_parameters", request).values
@@ -92,6 +102,14 @@ def test_a_simulation_has_state_and_port_of_its_own() -> None:
     assert len({"~/.ros/shoecal", *states}) == 4
     assert len({simulated_port(one) for one in ("", "left", "left/a", "right")}) == 4
     assert simulated_port("/left/") == simulated_port("left")
+
+
+def test_another_ros_domain_has_another_simulated_port(monkeypatch: pytest.MonkeyPatch) -> None:
+    ports = set()
+    for domain in ("", "7", "8"):
+        monkeypatch.setenv("ROS_DOMAIN_ID", domain)
+        ports.add(simulated_port("left"))
+    assert len(ports) == 3
 
 
 def test_what_a_parameter_file_says_of_folders_stays(tmp_path: Path) -> None:

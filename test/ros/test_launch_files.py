@@ -26,6 +26,18 @@ def test_discovery_stays_on_this_computer(file: Path) -> None:
     assert reported == "*(SetEnvironmentVariable(*each) for each in network_environment().items())"
 
 
+def test_the_simulated_robots_driver_reads_the_cells_of_its_shoe_file() -> None:
+    tree = ast.parse((LAUNCH / "demo.launch.py").read_text())
+    handed_on = {
+        ast.unparse(key): ast.unparse(value)
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Dict)
+        for key, value in zip(node.keys, node.values, strict=True)
+        if key is not None
+    }
+    assert handed_on["'device'"] == "simulated_device(arguments)"
+
+
 def test_there_are_launch_files() -> None:
     names = ["bringup.launch.py", "demo.launch.py", "view.launch.py"]
     assert [file.name for file in FILES] == names

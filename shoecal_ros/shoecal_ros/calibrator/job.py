@@ -105,17 +105,16 @@ class Job:
         self._alone = canceled is None
         self._canceled = canceled or (lambda: False)
         self._disarmings = site.disarmings
+        self._end: RefusedError | None = None
 
     @property
     def interrupted(self) -> bool:
         """Whether nothing may move any more."""
-        site = self.site
-        return (
-            self._canceled()
-            or not self._armed
-            or bool(site.recorder.problem)
-            or site.input_problem() is not None
-        )
+        try:
+            self.check()
+        except RefusedError:
+            return True
+        return False
 
     @property
     def _armed(self) -> bool:
@@ -138,9 +137,19 @@ class Job:
     def check(self) -> None:
         """End the job where nothing may move any more.
 
+        The first reason stays: by the time the robot has stopped, what was missing may be back.
+
         Raises:
             RefusedError: with the reason.
         """
+        try:
+            self._check_now()
+        except RefusedError as refusal:
+            self._end = self._end or refusal
+        if self._end is not None:
+            raise self._end
+
+    def _check_now(self) -> None:
         site = self.site
         self.check_canceled()
         self._check_lapsed()

@@ -11,6 +11,9 @@ from enum import IntEnum
 from shoecal_core.errors import one_line
 from shoecal_ros.common.codes import Code, Problem
 
+AGAIN_S = 5.0
+"""A problem that stays the same but for its words is told anew after so long, not before."""
+
 
 class Level(IntEnum):
     """As in diagnostic_msgs/msg/DiagnosticStatus."""
@@ -71,6 +74,7 @@ class Health:
         self._errors: dict[str, tuple[float, Condition]] = {}
         self._conditions: dict[str, Condition] = {}
         self._fresh: dict[str, Condition] = {}
+        self._told: dict[str, tuple[float, Condition]] = {}
 
     @property
     def conditions(self) -> Mapping[str, Condition]:
@@ -112,9 +116,19 @@ class Health:
             self._fresh[subject] = condition
 
     def news(self) -> dict[str, Condition]:
-        """Conditions that have changed since the last call."""
-        fresh, self._fresh = self._fresh, {}
-        return fresh
+        """Conditions that have changed since the last call; mere words of a problem may wait."""
+        now = self._clock()
+        due = {name: one for name, one in self._fresh.items() if self._due(name, one, now)}
+        for subject, condition in due.items():
+            del self._fresh[subject]
+            self._told[subject] = now, condition
+        return due
+
+    def _due(self, subject: str, condition: Condition, now: float) -> bool:
+        if condition.level is Level.OK or subject not in self._told:
+            return True
+        at, told = self._told[subject]
+        return now - at >= AGAIN_S or _kind(condition) != _kind(told)
 
 
 def _clean(condition: Condition) -> Condition:
@@ -125,7 +139,11 @@ def _clean(condition: Condition) -> Condition:
     )
 
 
+def _kind(condition: Condition) -> tuple[Level, str]:
+    """What is news at once where it changes."""
+    return condition.level, condition.code
+
+
 def _words(condition: Condition) -> tuple[Level, str, str]:
     """What is news where it changes."""
-    words = re.sub(r"[-+]?\d+(\.\d+)?", "#", condition.message)
-    return condition.level, condition.code, words
+    return *_kind(condition), re.sub(r"[-+]?\d+(\.\d+)?", "#", condition.message)

@@ -116,13 +116,16 @@ class Worker:
         self._work: Work[Any] | None = None
         self._lost: WorkerError | None = None
         self._connection, child = Pipe()
+        # The node may be gone before the child has begun, and could not be found then.
+        node = os.pidfd_open(os.getpid())
         self._process = subprocess.Popen(
-            [sys.executable, "-c", _CHILD, str(child.fileno())],
-            pass_fds=[child.fileno()],
+            [sys.executable, "-c", _CHILD, str(child.fileno()), str(node)],
+            pass_fds=[child.fileno(), node],
             stdin=subprocess.DEVNULL,
             process_group=0,  # with whatever processes it starts itself
         )
         child.close()
+        os.close(node)
         self._listener = threading.Thread(target=self._listen, daemon=True)
         self._listener.start()
 
@@ -238,11 +241,14 @@ def _answer(
 
 
 def _end_with(node: int) -> None:
-    """Once the node has ended, killed perhaps, end amid any work, with all that it has started."""
-    node_ends = os.pidfd_open(node)
+    """Once the node has ended, killed perhaps, end amid any work, with all that it has started.
+
+    Args:
+        node: a descriptor of its process.
+    """
 
     def wait() -> None:
-        select.select([node_ends], [], [])
+        select.select([node], [], [])
         os.killpg(0, signal.SIGKILL)
 
     threading.Thread(target=wait, daemon=True, name="node").start()
@@ -256,5 +262,5 @@ def main() -> None:
     # does it share the priority of a node that runs in real time.
     os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
     os.nice(NICE)
-    _end_with(os.getppid())
+    _end_with(int(sys.argv[2]))
     _serve(Connection(int(sys.argv[1])))

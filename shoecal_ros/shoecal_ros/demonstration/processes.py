@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import signal
 import subprocess
 import sys
+import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -15,7 +15,7 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.files import make_folder
 
 END_S = 15.0
-"""How long a node may take to end."""
+"""How long the nodes may take to end."""
 SHOWN_LINES = 8
 
 
@@ -89,11 +89,13 @@ class Nodes:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
+        # Not SIGINT: started in a shell's background, a node ignores that until it has begun.
         for process in self._processes.values():
-            process.send_signal(signal.SIGINT)
+            process.terminate()
+        deadline = time.monotonic() + END_S
         for process in self._processes.values():
             try:
-                process.wait(END_S)
+                process.wait(max(0.0, deadline - time.monotonic()))
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()

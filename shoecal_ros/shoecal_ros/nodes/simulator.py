@@ -114,7 +114,9 @@ class Simulator(ShoecalNode):
         self._reaching = self._moves = False
         self._refused = ""
         self._clock_publisher = self.create_publisher(Clock, "/clock", qos.CLOCK)
-        self._body_publishers = BodyPublishers(self, self._robot, waits=settings.speed > REAL_TIME)
+        self._body_publishers = BodyPublishers(
+            self, self._robot, reality, waits=settings.speed > REAL_TIME
+        )
         self.subscribe(JointTrajectoryMsg, "joint_trajectory", self._follow, qos.COMMAND)
         self._server: ActionServer | None = None
         if settings.offer_reach_support:

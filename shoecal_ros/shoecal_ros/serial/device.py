@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
 import select
+import socket
 import tempfile
 import tty
 from collections.abc import Iterable
@@ -59,8 +61,10 @@ class SimulatedDevice:
             patience_s: how long a full line is waited for before a frame is dropped [s].
 
         Raises:
-            DeviceError: when the link cannot be made, or something else stands in its place.
+            DeviceError: when the link cannot be made, is another device's, or something else stands
+                in its place.
         """
+        self._claim = _claimed(link)
         self.sent = self.dropped = 0
         self._link, self._info, self._patience_s = link, info, patience_s
         self._line: int | None = None
@@ -68,7 +72,11 @@ class SimulatedDevice:
         self._begin()
         self._lose = 0
         self._flips: list[int] = []
-        self.plug()
+        try:
+            self.plug()
+        except DeviceError:
+            self._claim.close()
+            raise
 
     def plug(self) -> None:
         """Appear as a new pseudo-terminal behind the link."""
@@ -170,6 +178,7 @@ class SimulatedDevice:
     def close(self) -> None:
         """Unplug for good."""
         self.unplug()
+        self._claim.close()
 
     def __enter__(self) -> Self:
         return self
@@ -225,3 +234,22 @@ class SimulatedDevice:
             fresh = Path(folder) / "link"
             fresh.symlink_to(target)
             fresh.replace(self._link)
+
+
+def _claimed(link: Path) -> socket.socket:
+    """Keeps a link for one device: a bound socket, which the kernel closes however a process ends.
+
+    Raises:
+        DeviceError: when another device has it.
+    """
+    place = Path(os.path.realpath(link.parent)) / link.name
+    claim = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+    try:
+        claim.bind(f"\0shoecal {hashlib.sha256(bytes(place)).hexdigest()}")
+    except OSError as error:
+        claim.close()
+        raise DeviceError(
+            f"{link}: is the port of another simulator that runs; end that one, or choose another "
+            "'port' (demo.launch.py: another namespace)"
+        ) from error
+    return claim

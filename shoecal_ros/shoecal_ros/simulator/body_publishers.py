@@ -6,6 +6,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import Imu, JointState, Temperature
 
 from shoecal_core.model.robot import Robot
+from shoecal_core.simulation.reality import Reality
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import joined
 from shoecal_ros.common.conversions import (
@@ -24,22 +25,29 @@ HEAT_NS = SECOND_NS
 
 
 class BodyPublishers:
-    """Joint angles of every sample; orientation and temperatures of the last of some samples."""
+    """Joint angles of every sample; orientation and temperatures of the last of some samples.
 
-    def __init__(self, node: Node, robot: Robot, *, waits: bool) -> None:
+    Orientation and temperatures where the robot's reality has their sensors.
+    """
+
+    def __init__(self, node: Node, robot: Robot, reality: Reality, *, waits: bool) -> None:
         """Publishers of a node.
 
         Args:
             node: of the simulator.
             robot: that is simulated.
+            reality: says which sensors it has.
             waits: for listeners that keep all; a real robot does not.
         """
         profile = qos.RAW if waits else qos.DEVICE
         self._names = robot.joint_names
-        shared = {one.joint for one in robot.shared}
-        self._motors = [index for index in range(len(self._names)) if index not in shared]
+        # A joint that follows another one has no motor.
+        silent = {one.joint for one in robot.shared}
+        if not reality.servo.temperatures_told:
+            silent.update(range(len(self._names)))
+        self._motors = [index for index in range(len(self._names)) if index not in silent]
         self._joints = PatientPublisher(node, JointState, "joint_states", profile)
-        self._imu = PatientPublisher(node, Imu, "imu", profile)
+        self._imu = PatientPublisher(node, Imu, "imu", profile) if reality.imu.present else None
         self._temperatures = PatientPublisher(node, Temperature, "joint_temperatures", profile)
         self._heat_ns = 0
 
@@ -47,7 +55,7 @@ class BodyPublishers:
     def condition(self) -> Condition:
         """For diagnostics: whether somebody hangs for whom the others wait."""
         all_of_them = (self._joints, self._imu, self._temperatures)
-        problem = joined(one.problem for one in all_of_them if one.problem is not None)
+        problem = joined(one.problem for one in all_of_them if one and one.problem is not None)
         if problem is None:
             return Condition(Level.OK, "nobody who listens hangs")
         return Condition(Level.WARN, problem.message, code=problem.code)
@@ -59,7 +67,8 @@ class BodyPublishers:
         for stamp_ns, angles, efforts in zip(stamps, joints.angles, joints.efforts, strict=True):
             message = joints_to_ros(JointSample(stamp_ns, self._names, angles, efforts))
             self._joints.publish(message)
-        self._imu.publish(_orientation(stamps[-1], samples.orientation[-1].tolist()))
+        if self._imu is not None:
+            self._imu.publish(_orientation(stamps[-1], samples.orientation[-1].tolist()))
         if stamps[-1] - self._heat_ns >= HEAT_NS:
             self._heat_ns = stamps[-1]
             for index in self._motors:

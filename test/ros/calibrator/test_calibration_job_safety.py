@@ -1,16 +1,18 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Coroutine
+from collections.abc import Callable, Coroutine
 from types import SimpleNamespace
 from typing import cast
 
 import pytest
+from rclpy.action import ActionClient
 from shoecal_msgs.action import Calibrate
 
 from shoecal_ros.calibrator import job as jobs
 from shoecal_ros.calibrator.job import Job, JobContext
 from shoecal_ros.calibrator.job_settings import JobSettings
+from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.planner.settings import MovingSettings
 
@@ -60,3 +62,25 @@ def test_a_job_that_nobody_arms_or_wants_does_not_begin(
     with pytest.raises(RefusedError) as refusal:
         run(beginning)
     assert refusal.value.code == code
+
+
+def test_voltages_that_were_gone_for_a_moment_are_the_reason_though_they_are_back(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    site = make_site(armed=True)
+
+    async def do_action(*_: object, stop: Callable[[], bool], **__: object) -> SimpleNamespace:
+        site.input_problem = lambda: Problem(Code.VOLTAGES_STALE, "no voltages for 1 s")
+        assert stop()
+        site.input_problem = lambda: None
+        return SimpleNamespace(success=False, message="cancelled")
+
+    monkeypatch.setattr(jobs, "do_action", do_action)
+    job = Job(cast("JobContext", site), lambda: False)
+    moving = job.done(
+        cast("ActionClient", None), "shoe/plan", None, lambda _: None, 60.0,
+        Calibrate.Result.MOTION_FAILED,
+    )  # fmt: skip
+    with pytest.raises(RefusedError, match="no voltages for 1 s") as refusal:
+        run(moving)
+    assert refusal.value.code == Calibrate.Result.STALE_INPUT

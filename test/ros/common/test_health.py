@@ -5,7 +5,7 @@ import pytest
 from ros.clock import Clock
 from shoecal_core.errors import LONGEST, NameNotFoundError
 from shoecal_ros.common.codes import Code, Problem, joined
-from shoecal_ros.common.health import Condition, Health, Level
+from shoecal_ros.common.health import AGAIN_S, Condition, Health, Level
 
 
 def test_news_are_told_once() -> None:
@@ -26,6 +26,23 @@ def test_a_number_that_grows_is_no_news() -> None:
     health.tell("device", Level.ERROR, "no byte for 13.1 s", Code.PORT_SILENT)
     assert health.news() == {}
     assert health.conditions["device"].message == "no byte for 13.1 s"
+
+
+def test_other_words_of_the_same_problem_wait_a_while() -> None:
+    clock = Clock()
+    health = Health(clock)
+    told = []
+    for fault in ("no packet", "checksum wrong", "no packet", "no end") * 25:
+        clock.now += 0.1
+        health.tell("device", Level.ERROR, f"no good frame ({fault})", Code.PORT_UNREADABLE)
+        told += [one.message for one in health.news().values()]
+    assert len(told) == 2, told
+    health.tell("device", Level.ERROR, "no byte", Code.PORT_SILENT)
+    assert "device" in health.news(), "another problem is told at once"
+    health.tell("device", Level.ERROR, "no byte at all", Code.PORT_SILENT)
+    assert health.news() == {}
+    clock.now += AGAIN_S
+    assert health.news()["device"].message == "no byte at all", "the last words are told in the end"
 
 
 def test_a_worse_level_is_news() -> None:

@@ -150,3 +150,19 @@ def test_the_child_ends_when_its_node_is_killed(task: str) -> None:
         assert is_alive(child)
         node.kill()
     wait_for_end(child)
+
+
+def test_the_child_ends_when_its_node_is_killed_before_it_has_begun() -> None:
+    program = (
+        "import os, signal\n"
+        "from ros.common import worker_tasks\n"
+        "from shoecal_ros.common.worker import Worker\n"
+        "Worker(lambda: None).do(worker_tasks.hang_silently)\n"
+        "os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    # The child has the same output: that ends with it.
+    subprocess.run(
+        [sys.executable, "-c", program],
+        capture_output=True, check=False, env=environment, timeout=TIMEOUT_S,
+    )  # fmt: skip

@@ -48,6 +48,10 @@ def hang(link: Link) -> None:
     time.sleep(1000.0)
 
 
+def hang_silently(link: Link) -> None:
+    time.sleep(1000.0)
+
+
 def hang_together(link: Link) -> None:
     child = subprocess.Popen(["sleep", "1000"])
     link.progress(child.pid)

@@ -19,7 +19,7 @@ from shoecal_core.recording.session import Session
 from shoecal_ros.calibrator.proposals import by_hand
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import time_from_ros
-from shoecal_ros.demo import write_device
+from shoecal_ros.simulator.device_file import write_device
 
 CODES = Diagnose.Result
 QUICK = {

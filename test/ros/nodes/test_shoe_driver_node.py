@@ -22,9 +22,9 @@ from ros.world import Received, World
 from shoecal_core.sensing.shoe import Shoe
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import time_from_ros, time_to_ros
-from shoecal_ros.demo import write_device
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info
+from shoecal_ros.simulator.device_file import write_device
 
 INFO = Info("test", 1, 8, 100.0)
 COUNTS = [1000 * index for index in range(8)]

@@ -26,8 +26,8 @@ from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import time_from_ros, trajectory_to_ros
 from shoecal_ros.common.health import Level
-from shoecal_ros.demo import write_device
 from shoecal_ros.inputs.imu import ImuInput
+from shoecal_ros.simulator.device_file import write_device
 
 NEAR = DoubleSupport(dx=0.02, dy=-0.11, dtheta=0.1)
 
@@ -96,6 +96,21 @@ def test_it_tells_how_warm_its_motors_are_and_which_way_is_up(world: World) -> N
     heard = ImuInput(nao())
     heard.take(imu.messages)
     assert heard.up == pytest.approx([0.0, 0.0, 1.0], abs=0.05)
+
+
+def test_a_robot_without_sensors_of_tilt_and_heat_tells_neither(
+    world: World, tmp_path: Path
+) -> None:
+    reality = tmp_path / "reality.yaml"
+    reality.write_text("format: 1\nimu: {present: false}\nservo: {temperatures_told: false}\n")
+    temperatures = world.receive(Temperature, "joint_temperatures")
+    imu = world.receive(Imu, "imu")
+    joints = world.receive(JointState, "joint_states")
+    start(world, reality_file=reality)
+    # Temperatures come once a simulated second.
+    world.until(lambda: len(joints) > 300)
+    assert not imu.messages
+    assert not temperatures.messages
 
 
 def test_it_leaves_supports_to_others_where_told_to(world: World) -> None:

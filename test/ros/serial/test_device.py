@@ -125,6 +125,17 @@ def test_link_left_behind_is_replaced_but_no_file_is(link: Path, tmp_path: Path)
         SimulatedDevice(tmp_path / "none" / "port", INFO)
 
 
+def test_nobody_takes_the_port_of_a_device_that_is_plugged_in(
+    device: SimulatedDevice, link: Path
+) -> None:
+    before = link.readlink()
+    with pytest.raises(DeviceError, match="another simulator that runs; end that one"):
+        SimulatedDevice(link, INFO)
+    assert link.readlink() == before
+    device.close()
+    SimulatedDevice(link, INFO).close()
+
+
 def test_converter() -> None:
     volts = np.array([0.0, 1.0, -5.0, 5.0, 7.0, -np.inf, np.nan, 2e-7, 4e-7])
     counts, status = convert(volts, CONVERTER)
