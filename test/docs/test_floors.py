@@ -32,7 +32,7 @@ PINNED = r"^([a-z0-9-]+)==([^\s;]+)"
 
 def declared() -> dict[str, str]:
     """The floor of every requirement, by name."""
-    found = {}
+    found: dict[str, str] = {}
     for name in SET_UPS:
         for node in ast.walk(ast.parse((ROOT / name).read_text())):
             if isinstance(node, ast.keyword) and node.arg == "install_requires":
