@@ -127,7 +127,8 @@ lock: setup  ## resolve the lock files anew
 		--output-file requirements.txt requirements.in shoecal_core/setup.py shoecal_ros/setup.py
 	$(LOCK) --override requirements-floor.in --python-version 3.11 \
 		--python-platform x86_64-manylinux_2_35 \
-		--output-file requirements-floor.txt requirements-floor.in shoecal_core/setup.py
+		--output-file requirements-floor.txt requirements-floor.in shoecal_core/setup.py \
+		shoecal_ros/setup.py
 	$(LOCK) --universal --python-version 3.11 \
 		--output-file requirements-docs.txt requirements-docs.in
 

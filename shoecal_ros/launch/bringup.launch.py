@@ -42,6 +42,7 @@ ARGUMENTS = {
     "enclaves": ("false", "true gives each node its SROS2 enclave, /shoecal/NODE"),
     "use_sim_time": ("false", "true where a simulator owns /clock"),
     "viewer": ("none", "also start a viewer: rviz, foxglove, plotjuggler or none"),
+    "left_sole_frame": ("l_sole", "fixed frame of the viewer: the left sole's, with its prefix"),
 }
 
 
@@ -59,6 +60,8 @@ def generate_launch_description() -> LaunchDescription:
                 PythonLaunchDescriptionSource(str(VIEW)),
                 launch_arguments={
                     "viewer": LaunchConfiguration("viewer"),
+                    "namespace": LaunchConfiguration("namespace"),
+                    "left_sole_frame": LaunchConfiguration("left_sole_frame"),
                     "use_sim_time": LaunchConfiguration("use_sim_time"),
                 }.items(),
             ),

@@ -4,8 +4,10 @@
     ros2 launch shoecal_ros view.launch.py viewer:=plotjuggler
     ros2 launch shoecal_ros view.launch.py viewer:=foxglove
 
-Foxglove runs elsewhere: this starts its bridge, on this computer alone (ws://localhost:8765); open
-share/shoecal_ros/foxglove/shoecal.json there as a layout. The viewers are packages of their own:
+    ros2 launch shoecal_ros view.launch.py viewer:=rviz namespace:=lab left_sole_frame:=one/l_sole
+
+Foxglove runs elsewhere: this starts its bridge, on this computer alone (ws://localhost:8765), and
+tells which file to open there as a layout. The viewers are packages of their own:
 ros-jazzy-rviz2, ros-jazzy-plotjuggler-ros, ros-jazzy-foxglove-bridge.
 
 Discovery stays on this computer unless ROS_AUTOMATIC_DISCOVERY_RANGE is set before.
@@ -22,18 +24,21 @@ from launch_ros.parameter_descriptions import ParameterValue
 
 from shoecal_core.workspace import network_environment
 from shoecal_ros.bringup import VIEWERS, check_viewer
+from shoecal_ros.viewers.placed import placed_layout
 
 SHARE = Path(get_package_share_directory("shoecal_ros"))
-FOXGLOVE = str(SHARE / "foxglove" / "shoecal.json")
-LAYOUT_ARGUMENTS = {
-    "rviz": ["-d", str(SHARE / "rviz" / "shoecal.rviz")],
-    "plotjuggler": ["--layout", str(SHARE / "plotjuggler" / "shoecal.xml")],
-    "foxglove": [],
+LAYOUTS = {
+    "rviz": SHARE / "rviz" / "shoecal.rviz",
+    "plotjuggler": SHARE / "plotjuggler" / "shoecal.xml",
+    "foxglove": SHARE / "foxglove" / "shoecal.json",
 }
+OPTIONS = {"rviz": "-d", "plotjuggler": "--layout"}
 PARAMETERS = {"foxglove": {"address": "127.0.0.1", "port": 8765}}
 
 ARGUMENTS = {
     "viewer": ("rviz", "rviz, foxglove, plotjuggler or none"),
+    "namespace": ("", "namespace of the nodes that are shown"),
+    "left_sole_frame": ("l_sole", "fixed frame of the view: the left sole's, with its prefix"),
     "use_sim_time": ("false", "true where a simulator owns /clock"),
 }
 
@@ -56,15 +61,20 @@ def _viewer(context: LaunchContext) -> list[Node | LogInfo]:
     viewer = check_viewer(LaunchConfiguration("viewer").perform(context))
     if not viewer:
         return []
+    layout = placed_layout(
+        LAYOUTS[viewer],
+        LaunchConfiguration("namespace").perform(context),
+        LaunchConfiguration("left_sole_frame").perform(context),
+    )
     sim_time = ParameterValue(LaunchConfiguration("use_sim_time"), value_type=bool)
     node = Node(
         package=VIEWERS[viewer],
         executable=VIEWERS[viewer],
-        arguments=LAYOUT_ARGUMENTS[viewer],
+        arguments=[OPTIONS[viewer], str(layout)] if viewer in OPTIONS else [],
         parameters=[{**PARAMETERS.get(viewer, {}), "use_sim_time": sim_time}],
         output="screen",
     )
     if viewer != "foxglove":
         return [node]
-    hint = f"Foxglove: connect to ws://localhost:8765 and open the layout {FOXGLOVE}"
+    hint = f"Foxglove: connect to ws://localhost:8765 and open the layout {layout}"
     return [node, LogInfo(msg=hint)]

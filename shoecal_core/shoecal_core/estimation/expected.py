@@ -138,9 +138,8 @@ class ErrorModel:
         """Of one foot in its own sole's frame, for outputs (p, n) of all channels [N or N m]."""
         wrenches = foot_wrenches(self.shoe, outputs)[:, foot]
         extra = np.zeros((len(outputs), 3))
-        if not self.shoe.torque[self.shoe.of_foot(foot)].any():
-            lever = 0.5 * self.shoe.height * self.sideways
-            extra[:, 1:] = (lever / np.maximum(wrenches[:, :1], MINIMUM_FORCE)) ** 2
+        moment = sideways_moment(self.shoe, foot, self.sideways)
+        extra[:, 1:] = (moment / np.maximum(wrenches[:, :1], MINIMUM_FORCE)) ** 2
         return self._spread(self.foot_jacobian(outputs, foot), wrenches, extra)
 
     def both_jacobian(self, outputs: FloatArray, support: DoubleSupport) -> FloatArray:
@@ -213,6 +212,18 @@ class ErrorModel:
             std[:, 0],
             np.where(loaded[:, None], std[:, 1:], np.nan),
         )
+
+
+def sideways_moment(shoe: Shoe, foot: int, sideways: float) -> float:
+    """Standard deviation of the moment about x and y that a foot's cells do not feel [N m].
+
+    Args:
+        shoe: with its channels.
+        foot: LEFT 0 or RIGHT 1; sensors that measure torques feel it: 0.
+        sideways: standard deviation of the sideways force on a foot, each axis [N].
+    """
+    felt = bool(shoe.torque[shoe.of_foot(foot)].any())
+    return 0.0 if felt else 0.5 * shoe.height * sideways
 
 
 def _by_support(right: FloatArray, both: FloatArray, support: DoubleSupport) -> FloatArray:

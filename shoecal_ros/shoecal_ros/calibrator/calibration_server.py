@@ -165,7 +165,12 @@ class CalibrationServer:
         node = self._node
         node.live.sensing = calibration.sensing(node.shoe)
         node.force_samples = ForceSamples(
-            calibration, node.shoe, node.frames.soles, node.node_settings.sum_frame
+            calibration,
+            node.robot,
+            node.shoe,
+            node.tolerances,
+            node.frames.soles,
+            node.node_settings.sum_frame,
         )
         node.drift.begin()
         self._publisher.publish(calibration_to_ros(calibration, origin))

@@ -2,6 +2,10 @@
 
 Wrenches are six numbers, force x, y, z [N] and torque x, y, z [N m] about a frame's origin. NaN
 stands for an axis that nothing measures.
+
+Covariances are expected errors as in `ErrorModel`: of gains and offsets, of the weight, of sideways
+forces (each foot) and of where the right foot stands (the sum), and the readings' own noise. What
+the fit leaves open of the cells' places and plates is not in a calibration file.
 """
 
 from __future__ import annotations
@@ -16,7 +20,10 @@ from numpy.typing import NDArray
 from shoecal_msgs.msg import FootForce, ShoeForces
 
 from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation.expected import sideways_moment
 from shoecal_core.model.kinematics import BodyStates
+from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.sensing.shoe import FEET, Shoe
 from shoecal_ros.calibrator.live import FootFlags, Live, wrench_of
 from shoecal_ros.calibrator.load import LEFT, RIGHT
@@ -79,13 +86,21 @@ class ForceSamples:
     """Makes the messages under one calibration."""
 
     def __init__(
-        self, calibration: Calibration, shoe: Shoe, soles: tuple[str, str], sum_frame: str
+        self,
+        calibration: Calibration,
+        robot: Robot,
+        shoe: Shoe,
+        tolerances: Tolerances,
+        soles: tuple[str, str],
+        sum_frame: str,
     ) -> None:
         """Under a calibration.
 
         Args:
             calibration: in force.
+            robot: on the shoe.
             shoe: with its channels.
+            tolerances: of both.
             soles: names of their frames.
             sum_frame: one of SUM_FRAMES.
         """
@@ -95,6 +110,12 @@ class ForceSamples:
         self._law = calibration.parameters
         self._sideways = [_sideways(shoe, foot) for foot in range(len(FEET))]
         self._covariance = calibration.covariance
+        self._weight_error = robot.mass_std * GRAVITY / robot.weight
+        force = tolerances.sideways_share * robot.weight
+        unfelt = [sideways_moment(shoe, foot, force) for foot in (LEFT, RIGHT)]
+        self._unfelt = np.diag([moment**2 for one in unfelt for moment in (0.0, one, one)])
+        stds = (tolerances.support_m, tolerances.support_m, tolerances.support_rad)
+        self._support_variances = np.square(stds)
         # Joint angles come seldom beside readings.
         self._states: BodyStates | None = None
         self._between: _Soles | None = None
@@ -106,7 +127,11 @@ class ForceSamples:
             self._columns[3 * foot : 3 * foot + 3, own] = columns[own].T
 
     def message(
-        self, live: Live, flags: Sequence[FootFlags], states: BodyStates | None
+        self,
+        live: Live,
+        flags: Sequence[FootFlags],
+        states: BodyStates | None,
+        noise: FloatArray,
     ) -> ShoeForces:
         """One sample.
 
@@ -114,14 +139,16 @@ class ForceSamples:
             live: both feet.
             flags: of each foot.
             states: of the body, one sample; None where joint angles are stale.
+            noise: (n,) standard deviations of the readings.
         """
         if states is not self._states:
             self._states = states
             self._between = None if states is None else _Soles.of(states)
-        covariance = self._output_covariance(live.readings)
+        covariance = self._output_covariance(live, noise)
         forces = [self._sideways_force(foot, live.readings) for foot in (LEFT, RIGHT)]
         feet = [
-            self._foot(foot, live, flags[foot], forces[foot], covariance) for foot in (LEFT, RIGHT)
+            self._foot(foot, live, flags[foot], forces[foot], covariance + self._unfelt)
+            for foot in (LEFT, RIGHT)
         ]
         both = self._both(live, flags, forces, covariance)
         return ShoeForces(
@@ -169,7 +196,7 @@ class ForceSamples:
                     wrench[3:5] = np.nan
             if between.flat:
                 across = np.hstack(to_target)
-                spread = across @ covariance @ across.T
+                spread = across @ covariance @ across.T + self._by_support(between, live, target)
                 turns = [one[1:, 1:] for one in to_target]
                 wrench[:2] = sum(turn @ one for turn, one in zip(turns, sideways, strict=True))
             if live.cop is not None:
@@ -191,16 +218,52 @@ class ForceSamples:
             force[axis] = self._law.gain[channel] * readings[channel] + self._law.offset[channel]
         return force
 
-    def _output_covariance(self, readings: FloatArray) -> FloatArray:
+    def _by_support(self, between: _Soles, live: Live, target: int) -> FloatArray:
+        """(3, 3) of the sum's F, Mx, My, by where the right foot stands."""
+        right = np.array(wrench_of(live.feet[RIGHT]))
+        if target == RIGHT:
+            right = between.to[RIGHT][LEFT] @ np.array(wrench_of(live.feet[LEFT]))
+        force, (about_x, about_y) = right[0], between.to[LEFT][RIGHT][1:, 1:] @ right[1:]
+        by_pose = [[0.0, 0.0, 0.0], [0.0, force, -about_y], [-force, 0.0, about_x]]
+        slopes = between.to[target][LEFT] @ np.array(by_pose)
+        return np.asarray(slopes * self._support_variances @ slopes.T, dtype=np.float64)
+
+    def _output_covariance(self, live: Live, noise: FloatArray) -> FloatArray:
         """(6, 6) of F, Mx, My of the left and the right foot; NaN where it is not known."""
         if self._covariance is None:
             return np.full((6, 6), np.nan)
+        readings = live.readings
         # Of a foot with a bad reading nothing is known.
         jacobian = np.hstack((self._columns * np.nan_to_num(readings), self._columns))
-        found: FloatArray = jacobian @ self._covariance @ jacobian.T
+        noisy = self._columns * (self._law.gain * noise)
+        # A wrong weight scales all gains alike.
+        scaled = self._weight_error * np.hstack([wrench_of(foot) for foot in live.feet])
+        found: FloatArray = jacobian @ self._covariance @ jacobian.T + noisy @ noisy.T
+        found += np.outer(scaled, scaled)
         bad = (self._columns[:, np.isnan(readings)] != 0.0).any(axis=1)
         found[bad] = found[:, bad] = np.nan
         return found
+
+
+def no_forces(
+    stamp_ns: int, calibration_id: str, soles: tuple[str, str], flags: Sequence[FootFlags]
+) -> ShoeForces:
+    """A sample without numbers, which is not valid.
+
+    Args:
+        stamp_ns: of the last readings, or now [ns].
+        calibration_id: in force; empty while uncalibrated.
+        soles: names of their frames.
+        flags: of each foot.
+    """
+    unknown = np.full(6, np.nan)
+    frames = (*soles, soles[LEFT])
+    left, right, both = (_message(frame, unknown, None, UNKNOWN) for frame in frames)
+    for one, own in zip((left, right), flags, strict=True):
+        one.stale = own.stale
+    both.stale = any(one.stale for one in flags)
+    header = header_to_ros(stamp_ns, both.frame_id)
+    return ShoeForces(header=header, calibration=calibration_id, left=left, right=right, both=both)
 
 
 def _sideways(shoe: Shoe, foot: int) -> list[tuple[int, int]]:

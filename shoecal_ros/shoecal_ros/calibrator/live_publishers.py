@@ -7,17 +7,21 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 from geometry_msgs.msg import PointStamped, WrenchStamped
+from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from shoecal_msgs.msg import FootState, ShoeForces, ShoeState
 
 from shoecal_core.model.kinematics import BodyStates
 from shoecal_core.sensing.shoe import FEET, Shoe
-from shoecal_ros.calibrator.force_samples import ForceSamples
+from shoecal_ros.calibrator.force_samples import ForceSamples, no_forces
 from shoecal_ros.calibrator.live import FootFlags, Live, wrench_of
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import header_to_ros, point_to_ros, wrench_to_ros
+
+FloatArray = NDArray[np.float64]
 
 
 class LivePublishers:
@@ -87,6 +91,19 @@ class LivePublishers:
             )
         )
 
+    def publish_no_forces(
+        self, stamp_ns: int, calibration_id: str, flags: Sequence[FootFlags]
+    ) -> None:
+        """Publish `shoe/forces` without numbers: while uncalibrated, or without readings.
+
+        Args:
+            stamp_ns: of the last readings, or now [ns].
+            calibration_id: in force; empty while uncalibrated.
+            flags: of both feet now.
+        """
+        if self._forces.get_subscription_count():
+            self._forces.publish(no_forces(stamp_ns, calibration_id, self._soles, flags))
+
     def _combined_cop(self, live: Live) -> Any:
         if live.cop is None:
             return None
@@ -116,6 +133,7 @@ class LivePublishers:
         lives: Sequence[Live],
         flags: Sequence[FootFlags],
         states: BodyStates | None,
+        noise: FloatArray,
     ) -> None:
         """Publish whole samples in order, where anybody listens.
 
@@ -124,10 +142,11 @@ class LivePublishers:
             lives: instants.
             flags: of both feet now.
             states: of the body; None where joint angles are stale.
+            noise: (n,) standard deviations of the readings.
         """
         if self._forces.get_subscription_count():
             for live in lives:
-                self._forces.publish(samples.message(live, flags, states))
+                self._forces.publish(samples.message(live, flags, states, noise))
 
 
 def _pair(node: Node, prefix: str) -> tuple[Publisher, Publisher]:

@@ -98,6 +98,12 @@ class CellWatch:
         self._restart(np.zeros(count))
 
     @property
+    def noise(self) -> FloatArray:
+        """(n,) standard deviation of the readings, by how much they change from one to the next."""
+        # Of a normal law, whose mean absolute difference is 2 / sqrt(pi) of it.
+        return self._noise * (math.sqrt(math.pi) / 2.0)
+
+    @property
     def findings(self) -> Mapping[str, Code]:
         """What is wrong with which cell by now."""
         found = {}

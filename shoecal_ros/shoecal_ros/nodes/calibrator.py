@@ -328,7 +328,9 @@ class Calibrator(ShoecalNode):
         self._out.publish(lives)
         if self.force_samples is not None:
             states = None if self.joints.silent else self._states
-            self._out.publish_forces(self.force_samples, lives, self._flags(), states)
+            self._out.publish_forces(
+                self.force_samples, lives, self._flags(), states, self.cells.noise
+            )
         self.cells.learn()
         self.recorder.take(topic, serialised)
         self.rezeroing.take_readings(joined)
@@ -342,13 +344,17 @@ class Calibrator(ShoecalNode):
     def _publish_state(self) -> None:
         current = self.calibration_server.store.current
         state = ShoeState.UNCALIBRATED if current is None else ShoeState.CALIBRATED
+        stamp_ns, flags = self.voltages.latest_ns or self.now_ns, self._flags()
+        calibration_id = "" if current is None else current.id
         self._out.publish_state(
-            self.voltages.latest_ns or self.now_ns,
+            stamp_ns,
             ShoeState.CALIBRATING if self.calibrating else state,
-            "" if current is None else current.id,
-            self._flags(),
+            calibration_id,
+            flags,
             joints_stale=self.joints.silent,
         )
+        if current is None or all(foot.stale for foot in flags):
+            self._out.publish_no_forces(stamp_ns, calibration_id, flags)
 
     def _report_calibration(self) -> None:
         found, job = self.calibration_server.in_force, self._self_calibration.condition

@@ -35,7 +35,10 @@ class ModelSettings(Settings):
         0.5, "s", "without joint angles for that long they are stale", minimum=0.01
     )
     publish_tf: bool = setting(
-        True, "", "publishes the sole frames on /tf; false where another node does"
+        True,
+        "",
+        "publishes the sole frames on /tf, but none that is a link of the URDF, which the robot's "
+        "own driver publishes; false where another node publishes them",
     )
 
 
@@ -56,7 +59,7 @@ class Model(ShoecalNode):
         self._cop = self.create_publisher(PointStamped, "shoe/model/cop", qos.LIVE)
         self.peers.alone |= {self._com.topic_name, self._cop.topic_name}
         self._tf = None
-        if TFMessage is not None and settings.publish_tf:
+        if TFMessage is not None and settings.publish_tf and not all(self._frames.links):
             self._tf = self.create_publisher(TFMessage, "/tf", qos.TRANSFORMS)
         self.subscribe(JointState, "joint_states", self._hear, qos.RAW)
 
@@ -84,14 +87,16 @@ class Model(ShoecalNode):
 
 
 def _transforms(stamp_ns: int, states: BodyStates, frames: Frames) -> Any:
-    """Both soles in the base, as the last sample has them."""
+    """The soles that are no links of the URDF, in the base, as the last sample has them."""
     turn, place = states.left_rotation[-1], states.left_translation[-1]
     poses = (
         (place, turn),
         (place + turn @ states.translation[-1], turn @ states.rotation[-1]),
     )
     transforms = []
-    for frame, (translation, rotation) in zip(frames.soles, poses, strict=True):
+    for frame, link, (translation, rotation) in zip(frames.soles, frames.links, poses, strict=True):
+        if link:
+            continue
         transform = TransformStamped(
             header=header_to_ros(stamp_ns, frames.base), child_frame_id=frame
         )

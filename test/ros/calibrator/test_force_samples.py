@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,12 +10,14 @@ import pytest
 from numpy.typing import NDArray
 
 from ros.bodies import ROOT, calibration, nao, nao_shoe
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation.expected import ErrorModel
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.planning.posture import stance
 from shoecal_core.sensing.instant import InstantSensing
 from shoecal_core.sensing.shoe import Shoe, load_shoe
-from shoecal_core.sensing.wrench import ChannelParameters, at_cop, weight_below
+from shoecal_core.sensing.wrench import ChannelParameters, at_cop, to_left, weight_below
 from shoecal_ros.calibrator.force_samples import STANCE, ForceSamples
 from shoecal_ros.calibrator.live import FootFlags, Live, LiveSensing, LowPass
 from shoecal_ros.calibrator.load import LoadSwitch
@@ -25,6 +28,9 @@ SUPPORT = DoubleSupport(0.02, -0.12, 0.2)
 SOLES = ("left/l_sole", "left/r_sole")
 FINE = FootFlags(loaded=True, valid=True, stale=False, extrapolating=False, status=())
 FORCES = (30.0, 23.0)
+EXACT = Tolerances(sideways_share=0.0, support_m=0.0, support_rad=0.0)
+WEIGHED = replace(nao(), mass_std=0.0)
+SILENT = np.zeros(8)
 PLACES = np.array([[0.02, 0.005], [0.03, -0.01]])
 
 
@@ -55,6 +61,16 @@ def nao_sample(forces: tuple[float, float] = FORCES) -> tuple[Shoe, Any, FloatAr
     return shoe, made, (outputs - made.parameters.offset) / made.parameters.gain
 
 
+def support_variances(tolerances: Tolerances) -> FloatArray:
+    return np.square([tolerances.support_m, tolerances.support_m, tolerances.support_rad])
+
+
+def samples_of(
+    made: Any, shoe: Shoe, sum_frame: str, tolerances: Tolerances = EXACT
+) -> ForceSamples:
+    return ForceSamples(made, WEIGHED, shoe, tolerances, SOLES, sum_frame)
+
+
 def message(
     sum_frame: str = STANCE,
     *,
@@ -63,8 +79,8 @@ def message(
     body: BodyStates | None = None,
 ) -> Any:
     shoe, made, readings = nao_sample(forces)
-    samples = ForceSamples(made, shoe, SOLES, sum_frame)
-    return samples.message(live(shoe, made, readings), flags, body or states())
+    samples = samples_of(made, shoe, sum_frame)
+    return samples.message(live(shoe, made, readings), flags, body or states(), SILENT)
 
 
 def cop(foot: Any) -> FloatArray:
@@ -127,8 +143,8 @@ def test_a_fixed_frame_does_not_switch_and_says_the_same(forces: tuple[float, fl
 
 def test_covariances_are_those_of_draws() -> None:
     shoe, made, readings = nao_sample()
-    found = ForceSamples(made, shoe, SOLES, "left").message(
-        live(shoe, made, readings), (FINE, FINE), states()
+    found = samples_of(made, shoe, "left").message(
+        live(shoe, made, readings), (FINE, FINE), states(), SILENT
     )
     assert made.covariance is not None
     rng = np.random.default_rng(5)
@@ -149,11 +165,55 @@ def test_covariances_are_those_of_draws() -> None:
     )
 
 
+def test_covariances_are_the_expected_errors_and_the_noise() -> None:
+    shoe, made, readings = nao_sample()
+    made, law = replace(made, covariance=1e-6 * np.eye(16)), made.parameters
+    tolerances = Tolerances()
+    model = ErrorModel.of(
+        nao(), shoe, shoe, law, made.covariance, [], np.diag(support_variances(tolerances)),
+        tolerances,
+    )  # fmt: skip
+    samples = ForceSamples(made, nao(), shoe, tolerances, SOLES, "left")
+    sample, outputs = live(shoe, made, readings), law.outputs(readings[None])
+    found, noisy = (
+        samples.message(sample, (FINE, FINE), states(), np.full(8, noise)) for noise in (0.0, 1e-3)
+    )
+    left, right = (model.foot(outputs, foot) for foot in (0, 1))
+    for one, expected in (
+        (found.left, left), (found.right, right), (found.both, model.both_feet(outputs, SUPPORT)),
+    ):  # fmt: skip
+        variances = np.array(one.cop_covariance)[[0, 3]]
+        np.testing.assert_allclose(np.sqrt(variances), expected.cop[0], rtol=1e-5)
+        assert one.covariance[0] == pytest.approx(expected.grf[0] ** 2)
+    added = noisy.left.covariance[0] - found.left.covariance[0]
+    assert added == pytest.approx(np.sum((law.gain[shoe.of_foot(0)] * 1e-3) ** 2))
+
+
+def test_the_sum_on_the_right_errs_by_where_that_foot_stands() -> None:
+    shoe, made, readings = nao_sample()
+    made, tolerances = replace(made, covariance=np.zeros((16, 16))), Tolerances(sideways_share=0.0)
+    samples = samples_of(made, shoe, "right", tolerances)
+    found = samples.message(live(shoe, made, readings), (FINE, FINE), states(), SILENT).both
+    left, right = at_cop(np.array(FORCES), PLACES)
+
+    def in_right(support: FloatArray) -> FloatArray:
+        turn = to_left(DoubleSupport(*support))
+        return np.asarray(np.linalg.solve(turn, left) + right)
+
+    mean, step = np.array([SUPPORT.dx, SUPPORT.dy, SUPPORT.dtheta]), 1e-5
+    slopes = np.array([in_right(mean + d) - in_right(mean - d) for d in step * np.eye(3)]).T
+    slopes /= 2.0 * step
+    expected = slopes * support_variances(tolerances) @ slopes.T
+    np.testing.assert_allclose(
+        np.array(found.covariance).reshape(3, 3), expected, rtol=1e-4, atol=1e-12
+    )
+
+
 def test_without_covariance_it_says_so() -> None:
     shoe, _, readings = nao_sample()
     plain = calibration(nao(), shoe)
-    found = ForceSamples(plain, shoe, SOLES, STANCE).message(
-        live(shoe, plain, readings), (FINE, FINE), states()
+    found = samples_of(plain, shoe, STANCE).message(
+        live(shoe, plain, readings), (FINE, FINE), states(), SILENT
     )
     assert np.isnan(found.both.covariance).all()
     assert np.isnan(found.both.cop_covariance).all()
@@ -161,8 +221,8 @@ def test_without_covariance_it_says_so() -> None:
 
 def test_stale_joints_leave_the_feet_and_stop_the_sum() -> None:
     shoe, made, readings = nao_sample()
-    found = ForceSamples(made, shoe, SOLES, STANCE).message(
-        live(shoe, made, readings), (FINE, FINE), None
+    found = samples_of(made, shoe, STANCE).message(
+        live(shoe, made, readings), (FINE, FINE), None, SILENT
     )
     assert found.left.valid
     assert found.both.stale
@@ -176,8 +236,8 @@ def test_a_six_axis_sensor_tells_sideways_forces_too() -> None:
     law = ChannelParameters(np.full(count, 2.0), np.full(count, 1.0))
     made = calibration(nao(), shoe, parameters=law)
     readings = np.array([10.0, -5.0, 150.0, 2.0, 3.0, 4.0, 6.0, 140.0, 1.0, -2.0])
-    found = ForceSamples(made, shoe, SOLES, "left").message(
-        live(shoe, made, readings), (FINE, FINE), states()
+    found = samples_of(made, shoe, "left").message(
+        live(shoe, made, readings), (FINE, FINE), states(), np.zeros(count)
     )
     assert list(found.left.measured) == [True] * 5 + [False]
     assert (found.left.wrench.force.x, found.left.wrench.force.y) == (21.0, -9.0)

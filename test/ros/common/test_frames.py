@@ -24,7 +24,9 @@ def with_link(name: str, *, above: float) -> Robot:
 
 
 def test_the_base_is_the_root_of_the_urdf() -> None:
-    assert FrameSettings().frames(nao()) == Frames("base_link", ("l_sole", "r_sole"))
+    assert FrameSettings().frames(nao()) == Frames(
+        "base_link", ("l_sole", "r_sole"), (False, False)
+    )
     odd = load_robot(ODD, load_shoe(ODD_SHOE))
     root = odd.model.frames[2].name
     assert FrameSettings().frames(odd).base == root
@@ -33,18 +35,23 @@ def test_the_base_is_the_root_of_the_urdf() -> None:
 
 def test_a_prefix_stands_before_all() -> None:
     settings = FrameSettings(frame_prefix="left/", left_sole_frame="l_shoe")
-    assert settings.frames(nao()) == Frames("left/base_link", ("left/l_shoe", "left/r_sole"))
+    assert settings.frames(nao()) == Frames(
+        "left/base_link", ("left/l_shoe", "left/r_sole"), (False, False)
+    )
 
 
 def test_a_frame_of_the_robot_s_own_tree_is_not_moved() -> None:
-    with pytest.raises(SettingError, match="the URDF has a link 'l_sole'") as caught:
-        FrameSettings().frames(with_link("l_sole", above=0.022))
+    settings = FrameSettings(left_sole_frame="foot")
+    with pytest.raises(SettingError, match="the URDF has a link 'foot'") as caught:
+        settings.frames(with_link("foot", above=0.022))
     assert "left_sole_frame" in str(caught.value)
     assert "'left_shoe'" in str(caught.value)
-    # At the same place it is the same.
-    assert FrameSettings().frames(with_link("l_sole", above=0.0)).soles[0] == "l_sole"
-    settings = FrameSettings(left_sole_frame="left_shoe")
-    assert settings.frames(with_link("l_sole", above=0.022)).soles[0] == "left_shoe"
+    # At the same place it is the same, and whoever publishes the links publishes it.
+    same = FrameSettings().frames(with_link("l_sole", above=0.0))
+    assert (same.soles, same.links) == (("l_sole", "r_sole"), (True, False))
+    # A NAO's own sole is above the shoe's: by default the shoe's has another name.
+    nao_s = FrameSettings().frames(with_link("l_sole", above=0.022))
+    assert (nao_s.soles, nao_s.links) == (("left_shoe", "r_sole"), (False, False))
 
 
 @pytest.mark.parametrize("left", ["r_sole", "base_link", ""])

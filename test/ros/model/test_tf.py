@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
@@ -10,13 +11,15 @@ import pytest
 from sensor_msgs.msg import JointState
 
 from ros.adapters.driver_messages import NoMessagesError, messages_of
-from ros.bodies import nao
+from ros.bodies import ROOT, nao, nao_shoe
 from ros.world import World
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_ros.common.conversions import JointSample, joints_to_ros
 
 LISTENER = Path(__file__).with_name("tf_listener.py")
 PERIOD_NS = 50_000_000
+ANKLE_TO_SOLE = -0.04519
+"""m; height of a NAO's own sole below its ankle."""
 
 
 @pytest.fixture
@@ -50,6 +53,22 @@ def test_names_and_prefix_are_those_asked_for(tf: World) -> None:
     height = states.left_translation[0, 2]
     tf.until_logged("tf_listener", f"left/base_link left/l_shoe {height:.3f}")
     tf.until_logged("tf_listener", "left/base_link left/r_sole")
+
+
+def test_a_link_of_the_urdf_is_not_published_twice(tf: World) -> None:
+    """Whoever publishes the robot's links publishes it already."""
+    folder = tf.folder / "robots"
+    shutil.copytree(ROOT / "config/robots", folder)
+    own = f"""<link name="l_sole"/><joint name="l_sole_fixed" type="fixed">
+        <parent link="l_ankle_link"/><child link="l_sole"/>
+        <origin xyz="0 0 {ANKLE_TO_SOLE - nao_shoe().height}"/></joint></robot>"""
+    urdf = folder / "nao.urdf"
+    urdf.write_text(urdf.read_text().replace("</robot>", own))
+    shoe = ROOT / "config/shoes/nao_shoe.yaml"
+    tf.start("model", {"robot_file": folder / "nao.yaml", "shoe_file": shoe})
+    tell_joints(tf)
+    tf.until_logged("tf_listener", "base_link r_sole")
+    assert "l_sole" not in tf.output("tf_listener")
 
 
 def test_it_can_be_switched_off(tf: World) -> None:

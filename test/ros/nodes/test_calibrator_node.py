@@ -234,8 +234,13 @@ def test_stale_joints_silence_the_sum_and_stale_voltages_everything(world: World
     fresh(world, heard["shoe/left/cop"])
     assert len(heard["shoe/cop"]) == silent
     robot.publishes_voltages = False
+    forces = world.receive(ShoeForces, "shoe/forces", qos.LIVE)
     reported = state(world, lambda one: all(foot.stale for foot in one.feet))
     assert not any(foot.valid for foot in reported.feet)
+    world.until(lambda: len(forces) and forces.last.both.stale and forces.last.left.stale)
+    last = forces.last
+    assert not any(one.valid for one in (last.left, last.right, last.both))
+    assert np.isnan(forces.last.left.wrench.force.z)
     robot.publishes_joints = robot.publishes_voltages = True
     state(world, lambda one: not one.joints_stale and one.feet[0].valid)
     fresh(world, heard["shoe/cop"])
@@ -271,6 +276,10 @@ def test_uncalibrated_nothing_is_published(world: World, robot: StandingRobot) -
     reported = state(world, lambda one: not one.feet[0].stale)
     assert reported.state == ShoeState.UNCALIBRATED
     assert not any(len(one) for one in heard.values())
+    forces = world.receive(ShoeForces, "shoe/forces", qos.LIVE)
+    world.until(lambda: len(forces) and not forces.last.left.stale)
+    assert forces.last.calibration == ""
+    assert not forces.last.left.valid
     assert in_force(world) == ""
 
 

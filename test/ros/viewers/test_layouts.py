@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 
 from ros.world import World
-from shoecal_core.errors import FileError
+from shoecal_core.errors import FileError, ShoecalError
 from shoecal_ros import check_layouts
 from shoecal_ros.viewers.fit import misfits
 from shoecal_ros.viewers.layouts import shown_by
+from shoecal_ros.viewers.placed import placed_layout
 
 ROS = Path(__file__).parents[3] / "shoecal_ros"
 LAYOUTS = (
@@ -65,6 +67,26 @@ def test_each_layout_shows_markers_or_lines_of_both_feet(file: Path) -> None:
     assert any("/shoe/markers" in topic or "/shoe/left/grf" in topic for topic in topics)
     assert any("/shoe/cop" in topic for topic in topics)
     assert any("/shoe/model/cop" in topic for topic in topics)
+
+
+@pytest.mark.parametrize("file", LAYOUTS, ids=lambda file: file.suffix)
+def test_layouts_follow_namespace_and_frame(
+    file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    assert placed_layout(file, "/", "l_sole") == file
+    new = placed_layout(file, "lab/two", "one/left_shoe")
+    before = [one.topic.replace("/shoe/", "/lab/two/shoe/") for one in shown_by(file)]
+    assert [one.topic for one in shown_by(new)] == before
+    text = new.read_text()
+    assert not re.search(r"\bl_sole\b", text)
+    assert text.count("one/left_shoe") == len(re.findall(r"\bl_sole\b", file.read_text()))
+
+
+@pytest.mark.parametrize("names", [("a b", "l_sole"), ("lab", "l sole"), ("lab", "")])
+def test_names_that_are_none_are_refused(names: tuple[str, str]) -> None:
+    with pytest.raises(ShoecalError, match="for example"):
+        placed_layout(LAYOUTS[0], *names)
 
 
 def test_foxglove_panels_are_those_of_its_arrangement() -> None:
