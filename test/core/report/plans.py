@@ -23,13 +23,13 @@ def planned(name: str, motion: str = "landmarks", support: int = 0) -> PlannedMo
 
 
 def reaching() -> PlannedMotion:
-    """The second robot; all landmarks are reached."""
-    return planned(SECOND, support=1)
+    """The NAO; all landmarks are reached."""
+    return planned("nao", support=2)
 
 
 def missing() -> PlannedMotion:
-    """The NAO where one landmark is out of reach."""
-    return planned("nao", support=2)
+    """The second robot where one landmark is out of reach."""
+    return planned(SECOND, support=1)
 
 
 def stepping() -> PlannedMotion:
