@@ -19,9 +19,9 @@ from live.line import Line
 from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.end_with_parent import ending_with_parent
 from shoecal_core.workspace import ros_environment
-from shoecal_ros.demo import write_device
 from shoecal_ros.demonstration.domain import reserve_domain
 from shoecal_ros.serial.config import load_driver_config
+from shoecal_ros.simulator.device_file import write_device
 
 BITS = 24
 END_S = 20.0

@@ -25,9 +25,9 @@ from shoecal_core.sensing.sensing import Sensing
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import JointSample, joints_to_ros, time_from_ros, time_to_ros
 from shoecal_ros.common.realtime_executor import BATCH, drained
-from shoecal_ros.demo import write_device
 from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info
+from shoecal_ros.simulator.device_file import write_device
 
 FloatArray = NDArray[np.float64]
 
