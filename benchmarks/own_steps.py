@@ -46,6 +46,8 @@ ROBOTS = {"nao": "nao_shoe", "wren": "wren_shoe"}
 OUT = ROOT / "out" / "own_steps"
 PAGE = ROOT / "docs" / "evidence" / "own-steps.md"
 PROCESSES = 2
+_MIDDLE = 0.4, 0.6
+"""Part of the way of a carried foot in which it is as high as it shall be."""
 
 
 @dataclass
@@ -62,6 +64,8 @@ class Walked:
         duration: of each step.
         feet_error, yaw_error: true feet from each support reached; the latter in rad.
         gap: least true one between the feet's outlines.
+        height: least true one of the carried foot's lowest corner in the middle of its way.
+        tilt: greatest true one of the torso [rad].
     """
 
     robot: str
@@ -75,6 +79,8 @@ class Walked:
     feet_error: list[tuple[float, float]] = field(default_factory=list)
     yaw_error: list[float] = field(default_factory=list)
     gap: float = float("inf")
+    height: float = float("inf")
+    tilt: float = 0.0
 
 
 def robot_of(name: str) -> tuple[Robot, Callable[[int], SimulatedRobot]]:
@@ -99,15 +105,23 @@ class Witness:
 
     def __call__(self, motion: Motion, since: float) -> None:
         """As `walk` tells."""
-        del motion, since
-        snap = self._sim.snapshot()
+        snap, walked = self._sim.snapshot(), self._walked
+        x, y = snap.base_orientation[:2]
+        walked.tilt = max(walked.tilt, float(np.arccos(1.0 - 2.0 * (x * x + y * y))))
+        swing = motion.phases[1]
+        if _MIDDLE[0] < (since - swing.begin) / (swing.end - swing.begin) < _MIDDLE[1]:
+            foot = 1 - swing.support_phase.standing
+            outline = self._sim.robot.feet[foot].outline
+            flat = np.column_stack([outline, np.zeros(len(outline))])
+            corners = snap.sole_position[foot] + flat @ snap.sole_rotation[foot].T
+            walked.height = min(walked.height, 1e3 * float(corners[:, 2].min()))
         left, right = (
             shapely.Polygon(position[:2] + foot.outline @ rotation[:2, :2].T)
             for position, rotation, foot in zip(
                 snap.sole_position, snap.sole_rotation, self._sim.robot.feet, strict=True
             )
         )
-        self._walked.gap = min(self._walked.gap, 1e3 * float(left.distance(right)))
+        walked.gap = min(walked.gap, 1e3 * float(left.distance(right)))
 
     def arrived(self, goal: DoubleSupport) -> None:
         """Note where the feet truly stand."""
@@ -190,6 +204,10 @@ def figures(walks: Sequence[Walked]) -> dict[str, str]:
         "of it narrower, median [mm]": f"{np.median(off[:, 1]):.1f}",
         "the same in yaw [rad]": f"{np.median(yaw):.3f} ({yaw.max():.3f})",
         "least true gap between the feet [mm]": f"{min(walked.gap for walked in walks):.1f}",
+        "least true height of the carried foot, 15 planned [mm]": (
+            f"{min(walked.height for walked in walks):.1f}"
+        ),
+        "greatest true tilt of the torso [rad]": f"{max(walked.tilt for walked in walks):.2f}",
     }
 
 

@@ -56,7 +56,8 @@ def standard_session(tmp_path_factory: pytest.TempPathFactory) -> Session:
     reality.write_text(CLEAN)
     words = [
         "simulate", CONFIG / "robots" / "nao.yaml", CONFIG / "shoes" / "nao_shoe.yaml",
-        "--reality", reality, "--motions", "standard", "--rate", "50", "--seed", "4",
+        "--reality", reality, "--supports", "5", "--rate", "50", "--seed", "2", "--motions",
+        "landmarks,reversed,faster,torso_height,unload_left,unload_right,landmarks,reversed",
         "--out", folder / "session",
     ]  # fmt: skip
     assert cli.main([str(word) for word in words]) == 0

@@ -23,7 +23,7 @@ from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.hold import LONGEST_S, is_hold
 from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.inputs.armed_input import ArmedInput
+from shoecal_ros.inputs.armed_input import SHORT_LEASE_S, ArmedInput
 from shoecal_ros.inputs.joints import JointInput
 
 FloatArray = NDArray[np.float64]
@@ -52,7 +52,7 @@ class Adapter(ShoecalNode):
         senders = self.peers.expect_one_sender("joint_states")
         self.joints = JointInput(self.robot, STALE_S, senders=senders)
         self.subscribe(JointState, "joint_states", self._hear, qos.NEWEST)
-        self._arming = ArmedInput(self)
+        self._arming = ArmedInput(self, lease_s=SHORT_LEASE_S)
         self._unwatched = Unwatched(self, self._arming)
         self._moves = False
         self._disarmings = 0

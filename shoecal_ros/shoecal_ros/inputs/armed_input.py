@@ -11,8 +11,10 @@ from std_msgs.msg import Bool
 from shoecal_ros.common import qos
 from shoecal_ros.common.node import ShoecalNode
 
-LEASE_S = 0.4
+LEASE_S = 2.0
 """Who says again and again that the robot is armed has gone when it does not for that long."""
+SHORT_LEASE_S = 0.4
+"""The same, for who would let a robot go on otherwise."""
 QUIET_S = 0.5
 """Who takes that back after so long without a word of it is another one, started meanwhile."""
 
@@ -24,10 +26,16 @@ class ArmedInput:
     said while the robot is armed, and that lapses when it falls silent.
     """
 
-    def __init__(self, node: ShoecalNode, clock: Callable[[], float] = time.monotonic) -> None:
+    def __init__(
+        self,
+        node: ShoecalNode,
+        clock: Callable[[], float] = time.monotonic,
+        lease_s: float = LEASE_S,
+    ) -> None:
         self._reported = self._repeats = self._taken_over = False
         self._disarmings = 0
         self._clock = clock
+        self._lease_s = lease_s
         self._heard_at = 0.0
         self._subscription = node.subscribe(Bool, "shoe/armed", self._hear, qos.ARMED)
 
@@ -46,7 +54,7 @@ class ArmedInput:
         """Whether who armed the robot is gone: left, or fallen silent after repeating it."""
         if not self._reported:
             return False
-        silent = self._repeats and self._clock() - self._heard_at > LEASE_S
+        silent = self._repeats and self._clock() - self._heard_at > self._lease_s
         return silent or self._subscription.get_publisher_count() == 0
 
     @property

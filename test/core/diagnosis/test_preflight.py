@@ -101,7 +101,7 @@ def test_the_fewer_places_are_named_of_those_that_show_and_those_that_do_not(
         return one
 
     assert "places: " in line(0.3)
-    assert "all but " in line(4.0)
+    assert "all but " in line(8.0)
 
 
 def test_missing_channels_are_told(workspace: Workspace) -> None:

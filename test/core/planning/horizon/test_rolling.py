@@ -131,7 +131,10 @@ def segment_of(places: FloatArray) -> MotionSegment:
 def two_targets(nao: Body) -> FloatArray:
     contour = Contour.of(nao.robot, SUPPORT)
     cop = nao.legs.cop(nao.robot.from_legs(scene_of(nao)[0])[None])[0]
-    return contour.targets(cop)[:2]
+    places = contour.targets(cop)[:2]
+    return StanceSolver(nao.legs, SETTINGS).within_reach(
+        FootPose.of(SUPPORT), places, nao.robot.posture
+    )
 
 
 def test_reaches_landmarks_in_turn(nao: Body, collocation: Collocation, ipopt: IpoptSolver) -> None:
