@@ -64,10 +64,10 @@ def test_a_cop_correction_is_fitted_to_what_the_joint_fit_leaves_if_asked_for(
         replace(one, cop=one.cop + 2.0 * one.cop * np.abs(one.cop))
         for one in outcome.data.of(outcome.train)
     ]
-    for size, feet in ((0.0, 0), (0.01, 2)):
+    for size, feet in ((0.0, False), (0.01, True)):
         settings = CalibrationSettings(correction_std_m=size)
         found = of_joint(joint, stages.guess, stages.guess_with_weight, bent, settings)
-        assert len(found.corrections) == feet
+        assert (len(found.corrections) > 0) == feet
 
 
 def test_figures_for_machines(outcome: Outcome) -> None:
