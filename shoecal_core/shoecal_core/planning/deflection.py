@@ -12,10 +12,10 @@ On one foot this lowers the other foot and brings it nearer to the one that stan
 from __future__ import annotations
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
 
 from shoecal_core.model.robot import Robot
+from shoecal_core.model.standing import feet_gap
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.support_phase import SupportPhase
 
@@ -50,20 +50,13 @@ def sag_of_foot(
         meant, true: pose between the feet as commanded, and with deflected joints.
         support_phase: the foot that stands.
     """
-    drop = lowest_corner(robot, meant, support_phase) - lowest_corner(robot, true, support_phase)
-    return drop, outline_gap(robot, meant) - outline_gap(robot, true)
+    drop = _lowest_corner(robot, meant, support_phase) - _lowest_corner(robot, true, support_phase)
+    return drop, feet_gap(robot, meant.support) - feet_gap(robot, true.support)
 
 
-def lowest_corner(robot: Robot, pose: FootPose, support_phase: SupportPhase) -> float:
+def _lowest_corner(robot: Robot, pose: FootPose, support_phase: SupportPhase) -> float:
     """Height of the lowest corner of the foot in the air over the floor of the other [m]."""
     seen = pose.inverse if support_phase is SupportPhase.RIGHT else pose
     outline = robot.feet[1 - support_phase.standing].outline
     corners = np.column_stack([outline, np.zeros(len(outline))])
     return float((corners @ seen.rotation.T + seen.translation)[:, 2].min())
-
-
-def outline_gap(robot: Robot, pose: FootPose) -> float:
-    """Between the outlines of both feet, seen from above [m]."""
-    left, right = (foot.outline for foot in robot.feet)
-    right = pose.support.right_to_left(right)
-    return float(shapely.Polygon(left).distance(shapely.Polygon(right)))
