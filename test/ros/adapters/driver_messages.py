@@ -19,6 +19,7 @@ PACKAGES = {
     "refusing_action": ("control_msgs",),
     "hanging_action": ("control_msgs",),
     "stuck_action": ("control_msgs",),
+    "settling_action": ("control_msgs",),
     "topic": (),
     "tf": ("tf2_msgs",),
 }

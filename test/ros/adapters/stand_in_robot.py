@@ -128,6 +128,15 @@ def _followed(
     return True
 
 
+def _settled(settling_s: float, stopped: Callable[[], bool]) -> bool:
+    """Whether nothing ends the goal meanwhile."""
+    end = time.monotonic() + settling_s
+    while time.monotonic() < end:
+        if stopped() or ASKED_TO_END.wait(0.002):
+            return False
+    return True
+
+
 def topic_controller() -> StandIn:
     """A new trajectory takes the place of the last."""
     robot = StandIn()
@@ -148,10 +157,12 @@ def action_controller(
     cancel: Callable[[Any], CancelResponse] = lambda _: CancelResponse.ACCEPT,
     *,
     stuck: bool = False,
+    settling_s: float = 0.0,
 ) -> StandIn:
     """Refuses goals without the arms, as a controller of all joints does.
 
-    One that is stuck agrees to end a goal, and never does.
+    One that is stuck agrees to end a goal, and never does. At the end of a goal it may settle for
+    a while: as long the goal goes on.
     """
     robot = StandIn()
     kind = foreign("control_msgs", "action", "FollowJointTrajectory")
@@ -161,6 +172,9 @@ def action_controller(
         complete = "LShoulderPitch" in request.trajectory.joint_names
         return GoalResponse.ACCEPT if complete else GoalResponse.REJECT
 
+    def ends(goal: Any) -> bool:
+        return (goal.is_cancel_requested and not stuck) or newest[0] is not goal
+
     def execute(goal: Any) -> Any:
         newest[0] = goal
         result = kind.Result()
@@ -168,11 +182,8 @@ def action_controller(
             goal.abort()
             result.error_code = kind.Result.PATH_TOLERANCE_VIOLATED
             result.error_string = "too far"
-        elif _followed(
-            robot,
-            goal.request.trajectory,
-            lambda: (goal.is_cancel_requested and not stuck) or newest[0] is not goal,
-            pace,
+        elif _followed(robot, goal.request.trajectory, lambda: ends(goal), pace) and _settled(
+            settling_s, lambda: ends(goal)
         ):
             goal.succeed()
         elif goal.is_cancel_requested:
@@ -194,11 +205,14 @@ def action_controller(
     return robot
 
 
-def refusing_controller() -> StandIn:
-    """Cancels nothing before it is told to give in."""
+def refusing_controller(settling_s: float = math.inf) -> StandIn:
+    """Cancels nothing before it is told to give in, and settles meanwhile."""
     accepts_cancel = threading.Event()
     robot = action_controller(
-        cancel=lambda _: CancelResponse.ACCEPT if accepts_cancel.is_set() else CancelResponse.REJECT
+        cancel=lambda _: (
+            CancelResponse.ACCEPT if accepts_cancel.is_set() else CancelResponse.REJECT
+        ),
+        settling_s=settling_s,
     )
 
     def accept_cancel(_: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
@@ -231,8 +245,9 @@ KINDS = {
     "action": action_controller,
     "slow_action": lambda: action_controller(40.0),
     "refusing_action": refusing_controller,
+    "settling_action": lambda: refusing_controller(settling_s=4.0),
     "hanging_action": hanging_controller,
-    "stuck_action": lambda: action_controller(stuck=True),
+    "stuck_action": lambda: action_controller(stuck=True, settling_s=math.inf),
 }
 
 

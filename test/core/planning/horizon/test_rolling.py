@@ -131,7 +131,8 @@ def segment_of(places: FloatArray) -> MotionSegment:
 def two_targets(nao: Body) -> FloatArray:
     contour = Contour.of(nao.robot, SUPPORT)
     cop = nao.legs.cop(nao.robot.from_legs(scene_of(nao)[0])[None])[0]
-    places = contour.targets(cop)[:2]
+    # Well inside: how near the rim a motion comes is another matter.
+    places = cop + 0.8 * (contour.targets(cop)[:2] - cop)
     return StanceSolver(nao.legs, SETTINGS).within_reach(
         FootPose.of(SUPPORT), places, nao.robot.posture
     )
