@@ -9,12 +9,15 @@ of the CoM, and would hold its last posture where this one falls silent.
 
 from __future__ import annotations
 
+import signal
+import threading
+
 import rclpy
 import rclpy.time
 from geometry_msgs.msg import Vector3Stamped
-from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+from rclpy.signals import SignalHandlerOptions
 from shoecal_msgs.msg import ShoeForces
 
 OLDEST_S = 0.1
@@ -55,13 +58,16 @@ class ExampleController(Node):
 
 def main() -> None:
     """Run it until Ctrl-C."""
-    rclpy.init()
-    try:
-        rclpy.spin(ExampleController())
-    except (KeyboardInterrupt, ExternalShutdownException):
-        pass
-    finally:
-        rclpy.try_shutdown()
+    rclpy.init(signal_handler_options=SignalHandlerOptions.NO)
+    # Not as an exception, which may come in the midst of taking a message.
+    asked_to_end = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: asked_to_end.set())
+    node = ExampleController()
+    while not asked_to_end.is_set():
+        rclpy.spin_once(node, timeout_sec=0.1)
+    node.destroy_node()
+    rclpy.shutdown()
 
 
 if __name__ == "__main__":
