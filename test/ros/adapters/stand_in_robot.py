@@ -113,6 +113,14 @@ def naoqi() -> StandIn:
     return robot
 
 
+def _waited(until_s: float, stopped: Callable[[], bool]) -> bool:
+    """Whether that moment came before anything ended the motion."""
+    while time.monotonic() < until_s:
+        if stopped() or ASKED_TO_END.wait(0.002):
+            return False
+    return True
+
+
 def _followed(
     robot: StandIn, message: JointTrajectory, stopped: Callable[[], bool], pace: float = 1.0
 ) -> bool:
@@ -120,20 +128,9 @@ def _followed(
     begun = time.monotonic()
     for point in message.points:
         due = pace * (point.time_from_start.sec + point.time_from_start.nanosec * 1e-9)
-        while time.monotonic() - begun < due:
-            if stopped() or ASKED_TO_END.is_set():
-                return False
-            time.sleep(0.002)
-        robot.move(dict(zip(message.joint_names, point.positions, strict=True)))
-    return True
-
-
-def _settled(settling_s: float, stopped: Callable[[], bool]) -> bool:
-    """Whether nothing ends the goal meanwhile."""
-    end = time.monotonic() + settling_s
-    while time.monotonic() < end:
-        if stopped() or ASKED_TO_END.wait(0.002):
+        if not _waited(begun + due, stopped):
             return False
+        robot.move(dict(zip(message.joint_names, point.positions, strict=True)))
     return True
 
 
@@ -182,8 +179,8 @@ def action_controller(
             goal.abort()
             result.error_code = kind.Result.PATH_TOLERANCE_VIOLATED
             result.error_string = "too far"
-        elif _followed(robot, goal.request.trajectory, lambda: ends(goal), pace) and _settled(
-            settling_s, lambda: ends(goal)
+        elif _followed(robot, goal.request.trajectory, lambda: ends(goal), pace) and _waited(
+            time.monotonic() + settling_s, lambda: ends(goal)
         ):
             goal.succeed()
         elif goal.is_cancel_requested:

@@ -71,11 +71,13 @@ def check_motion(legs: Legs, motion: Motion, settings: PlannerSettings) -> Repor
         paced = settings.paced(span.phase.pace)
         found += [
             _stability(legs, span, body, motion.time, settings),
-            *_feet(legs, span, body, sagging, motion.time, settings),
+            *_feet(span, body, motion.time, settings),
             _joint_speed(legs, span, motion, paced),
             *_com(span, body, motion.time, paced),
             *_loads(legs, span, body, motion.time, settings),
         ]
+        if span.phase.support_phase is not SupportPhase.BOTH:
+            found += _swing_foot(legs, span, body, sagging, motion.time[span.samples], settings)
     return Report(worst(found))
 
 
@@ -164,14 +166,9 @@ def _collision(
 
 
 def _feet(
-    legs: Legs,
-    span: _Span,
-    body: BodyTrack,
-    sagging: BodyTrack,
-    time: FloatArray,
-    settings: PlannerSettings,
+    span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
 ) -> list[Finding]:
-    """Feet that stay must stay; one in the air must arrive, level and clear of the floor."""
+    """Feet that stay must stay; one in the air must leave from where it stood, and arrive."""
     if span.phase.support_phase is SupportPhase.BOTH:
         way, turn = _away(body, span.samples, span.phase.foot_poses[0])
         at = time[span.samples]
@@ -184,13 +181,10 @@ def _feet(
         way, turn = (np.concatenate(parts) for parts in zip(*aways, strict=True))
         at = time[ends]
     limit = settings.foot_drift
-    found = [
+    return [
         at_most("drift of the way between the feet", "m", way[:, None], limit, at),
         at_most("drift of the turn between the feet", "rad", turn[:, None], limit, at),
     ]
-    if span.phase.support_phase is not SupportPhase.BOTH:
-        found += _swing_foot(legs, span, body, sagging, time[span.samples], settings)
-    return found
 
 
 def _away(body: BodyTrack, samples: slice, pose: FootPose) -> tuple[FloatArray, FloatArray]:
