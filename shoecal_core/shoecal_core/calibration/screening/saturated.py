@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.calibration.screening.blocks import Blocks, ReadingBlocks
 from shoecal_core.calibration.screening.following import Halt
+from shoecal_core.calibration.screening.noise import spread
 from shoecal_core.calibration.screening.unresponsive import joined
 from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.recording.run import Readings
@@ -34,6 +35,9 @@ MISSING_STDS, TREMBLING_STDS = 0.5, 3.0
 those of the force's noise."""
 MISSING_QUANTILE = 0.25
 """Where a cell has only just reached its end, hardly any force is missing yet."""
+SCATTER_STDS = 2.5
+"""Nor does force that is missing as often while the cell is away from its end, in robust
+standard deviations of the force's error there."""
 LEAST_S = 0.6
 """Time at the extreme from which missing force tells something [s]."""
 
@@ -118,6 +122,7 @@ def saturated(
                 continue
             outwards = np.sign(gain[channel]) * side
             missing = -float(np.quantile(outwards * error[there], MISSING_QUANTILE))
-            if missing > least:
+            scatter = float(spread(error[~there])) if not there.all() else 0.0
+            if missing > max(least, SCATTER_STDS * scatter):
                 found.append(Saturated(channel, level, missing, float(there.mean())))
     return found
