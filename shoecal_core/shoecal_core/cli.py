@@ -15,6 +15,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.markup import escape
 
+import shoecal_core.one_thread  # noqa: F401  (before anything that loads numpy)
 from shoecal_core.commands.parsers import COMMANDS, command_line
 from shoecal_core.commands.progress import still_working
 from shoecal_core.commands.suggestions import nearest_file
