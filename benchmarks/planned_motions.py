@@ -65,7 +65,7 @@ Made by `make planned-motions`.
 Simulated: the motions of the catalogue in turn, in random double supports of each robot's range,
 each by another robot of its reality. *Share*: least vertical force on a foot that is not about to
 be lifted, and was not, over the weight. *Sideways*: greatest sideways over vertical force of such a
-foot; the planner counts on a friction of 0.6 (G1: 0.5), the simulated floor has 0.9. *Tilt* of the
+foot; the planner counts on a friction of 0.6, the simulated floor has 0.9. *Tilt* of the
 torso: robot files allow 0.4 rad. *Planned* is by the most probable sharing of the load. *Refused*:
 no motion there, before anything moved.
 

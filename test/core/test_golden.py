@@ -83,6 +83,7 @@ def measured(recorded: Recorded, folder: Path) -> dict[str, Any]:
     shoecal("diagnose", session, *recorded.runs, "--no-simulation", "--json", told)
     calibration = load_calibration(stored)
     parameters = calibration.parameters
+    assert calibration.covariance is not None
     stds = np.sqrt(np.diag(calibration.covariance))
     calibrated, diagnosed = json.loads(figures.read_text()), json.loads(told.read_text())
     return {

@@ -27,6 +27,8 @@ CORNERS = ("front_left", "front_right", "rear_left", "rear_right")
 """Of a sole, as `Draft.cells` has them."""
 SHOE_HEIGHT = 0.02
 """m; of a shoe that was not measured yet."""
+USUAL_FRICTION = 0.6
+"""Of clean soles on a floor of wood or linoleum."""
 PLATE_SHARE = 0.009
 """Mass of one plate over the robot's, as in shoes that were built."""
 
@@ -85,7 +87,7 @@ def robot_text(draft: Draft, urdf: str) -> str:
         )
     page.lines.append("")
     page.say("friction")
-    page.lines += [f"friction: {Robot.friction:g}", f"tilt_max_rad: {Robot.tilt_max:g}", ""]
+    page.lines += [f"friction: {USUAL_FRICTION:g}", f"tilt_max_rad: {Robot.tilt_max:g}", ""]
     page.say("joint_deflection")
     joint = LARGE_DEFLECTION if draft.mass > LARGE_KG else Robot.deflection
     page.lines += [f"joint_deflection: {{sag_rad: {joint.sag:g}, play_rad: {joint.play:g}}}", ""]

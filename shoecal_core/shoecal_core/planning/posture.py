@@ -25,7 +25,7 @@ _OPTIONS: dict[str, bool | int | float | str] = {
     "print_time": False,
     "ipopt.print_level": 0,
     "ipopt.sb": "yes",
-    "ipopt.max_iter": 45,
+    "ipopt.max_iter": 200,
     "ipopt.tol": 1e-9,
     "ipopt.mu_init": 1e-2,
 }
