@@ -33,11 +33,9 @@ AT_END_STDS = 4.0
 MISSING_STDS, TREMBLING_STDS = 0.5, 3.0
 """Less missing force tells nothing, in the settings' standard deviations of the force, and in
 those of the force's noise."""
-MISSING_QUANTILE = 0.25
-"""Where a cell has only just reached its end, hardly any force is missing yet."""
 SCATTER_STDS = 2.5
-"""Nor does force that is missing as often while the cell is away from its end, in robust
-standard deviations of the force's error there."""
+"""Nor does force that may be missing by chance: in standard deviations of the force's error while
+the cell is away from its extreme, for one visit there; of several visits the mean counts."""
 LEAST_S = 0.6
 """Time at the extreme from which missing force tells something [s]."""
 
@@ -120,9 +118,10 @@ def saturated(
             there = np.abs(values - level) <= AT_END_STDS * noise[channel]
             if there.sum() * period < LEAST_S:
                 continue
-            outwards = np.sign(gain[channel]) * side
-            missing = -float(np.quantile(outwards * error[there], MISSING_QUANTILE))
-            scatter = float(spread(error[~there])) if not there.all() else 0.0
-            if missing > max(least, SCATTER_STDS * scatter):
+            outwards = float(np.sign(gain[channel])) * side
+            missing = -outwards * float(np.median(error[there]))
+            scatter = 0.0 if there.all() else float(spread(error[~there]))
+            visits = 1 + int(np.count_nonzero(np.diff(np.flatnonzero(there)) > 1))
+            if missing > max(least, SCATTER_STDS * scatter / np.sqrt(visits)):
                 found.append(Saturated(channel, level, missing, float(there.mean())))
     return found
