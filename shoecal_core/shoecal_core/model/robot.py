@@ -54,6 +54,11 @@ class Foot:
     sensing_polygon: NDArray[np.float64]
 
     @property
+    def box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """(2,) lower and upper corner of the box around the outline, sole frame [m]."""
+        return self.outline.min(axis=0), self.outline.max(axis=0)
+
+    @property
     def half_width(self) -> float:
         """Half the shorter side of the box around the sensing polygon [m]."""
         return 0.5 * float(np.ptp(self.sensing_polygon, axis=0).min())

@@ -24,9 +24,16 @@ FloatArray = NDArray[np.float64]
 
 
 BALANCE_NAMES = (
-    "load on left", "load on right", "grip of left", "grip of right", "tilt of the torso",
+    "load on left", "load on right", "grip of left", "grip of right",
+    *(
+        f"CoP of {foot} behind the {edge} edge of its sole"
+        for foot in FEET for edge in ("front", "left", "rear", "right")
+    ),
+    "tilt of the torso",
 )  # fmt: skip
 """What LegExpressions.balance lists, for people."""
+BALANCE_EDGES = slice(4, 12)
+"""Of it: what keeps the feet flat."""
 _LEAST_JOINTS = 8
 """Both feet in place take six of them, the CoP two."""
 _AT_KNEE = 0.01
@@ -97,8 +104,9 @@ class LegExpressions:
         cop: (2, 1) ground projection of the CoM in the left sole's frame [m].
         foot_error: (6, 1) how far the right sole is from that pose: way [m], turn [rad].
         distances: (p, 1) of the robot's collision pairs [m].
-        balance: (5, 1) vertical force on left and right, how much more sideways force left and
-            right could take, all over the weight; and the cosine of the torso's tilt.
+        balance: (13, 1) vertical force on left and right, how much more sideways force left and
+            right could take, by how much either keeps off its edges, all over the weight; and the
+            cosine of the torso's tilt.
         torques: (k, 1) of the leg motors, to hold the posture [N m].
         relative_jacobian: (6, k) see LoadSharing.
         lean: (2, 1) direction of the torso's upward axis along the floor; zero when upright.
@@ -126,30 +134,31 @@ class LegExpressions:
         self.distances = _distances(robot, body)
         sharing = LoadSharing(robot, body, self.foot_pose, self.share, self.cop)
         self.torques, self.relative_jacobian = sharing.torques, sharing.relative_jacobian
-        forces = ca.vertcat(sharing.loads, sharing.grips) / robot.weight
+        forces = ca.vertcat(sharing.loads, sharing.grips, sharing.edges) / robot.weight
         self.balance = ca.vertcat(forces, left.rotation.T[2, 2])
 
 
 def least_balance(
     robot: Robot, settings: PlannerSettings, loaded: NDArray[np.bool_], spread: SharingSpread
 ) -> FloatArray:
-    """(n, 5) least of what LegExpressions.balance lists, however the feet share the load.
+    """(n, 13) least of what LegExpressions.balance lists, however the feet share the load.
 
     Args:
         robot: its friction and its torso's largest tilt.
         settings: least share of the load.
-        loaded: (n, 2) whether left, right have to keep load and grip.
+        loaded: (n, 2) whether left, right have to keep load and grip, and stay flat.
         spread: of the sharing, of one posture.
     """
     load = settings.load_share + spread.load[0] / robot.weight
     grip = spread.grip(FRICTION_USED * robot.friction)[0] / robot.weight
     feet = np.where(np.tile(loaded, 2), [load, load, grip, grip], -np.inf)
+    edges = np.where(np.repeat(loaded, 4, axis=1), 0.0, -np.inf)
     # Play of an ankle and a hip, and knees that sag unevenly, lean the torso farther; the latter
     # hardly do while the weight goes over to one foot.
     joint = robot.deflection
     less = 2.0 * joint.play + np.where(loaded.all(axis=1), joint.sag, 0.0)
     tilt = np.maximum(0.1 * robot.tilt_max, robot.tilt_max - less)
-    return np.column_stack([feet, np.cos(tilt)])
+    return np.column_stack([feet, edges, np.cos(tilt)])
 
 
 class Legs:

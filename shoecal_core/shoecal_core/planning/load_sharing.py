@@ -48,6 +48,9 @@ class LoadSharing:
             one, by the motors' angles, in the left sole's axes [m/rad, rad/rad].
         torques: (k, 1) of the leg motors, to hold the posture [N m].
         loads: (2, 1) vertical force on left, right [N].
+        edges: (8, 1) moment by which left, right keep off tipping about the front, left, rear and
+            right edge of the box around their soles: load times the way from that edge to the
+            foot's own CoP [N m].
         grips: (2, 1) how much more sideways force left, right could take: usable friction times
             load, less the sideways force of the internal wrench [N].
     """
@@ -79,6 +82,7 @@ class LoadSharing:
         self.loads = ca.vertcat(on_left * weight - wrench[2], (1.0 - on_left) * weight + wrench[2])
         sideways = ca.sqrt(ca.sumsqr(wrench[:2]) + (_SMOOTHING * weight) ** 2)
         self.grips = FRICTION_USED * robot.friction * self.loads - both * sideways
+        self.edges = _edges(robot, foot_pose, on_left, cop, wrench)
 
 
 @dataclass(frozen=True)
@@ -149,6 +153,28 @@ def _forces(
         (part, ca.vertcat(middle + aside, 0.0))
         for part, middle in ((on_left, middle_left), (1.0 - on_left, middle_right))
     ]
+
+
+def _edges(robot: Robot, foot_pose: ca.SX, on_left: ca.SX, cop: ca.SX, wrench: ca.SX) -> ca.SX:
+    """(8, 1) see LoadSharing.edges: the part of the contact wrench cone of a flat foot that is of
+    its moments along the floor (Caron, Pham, Nakamura, "Stability of surface contacts for humanoid
+    robots", 2015).
+    """
+    rotation, translation = ca.reshape(foot_pose[:9], 3, 3), foot_pose[9:]
+    turns, origins = [ca.SX.eye(2), rotation[:2, :2]], [ca.SX.zeros(2), translation[:2]]
+    # Acts at the right sole's origin; the left foot gives it back there.
+    moved = ca.vertcat(-wrench[4], wrench[3]) + wrench[2] * translation[:2]
+    margins = []
+    for side, (part, place) in enumerate(_forces(robot, foot_pose, on_left, cop)):
+        sign = (-1.0, 1.0)[side]
+        load = part * robot.weight + sign * wrench[2]
+        # Load times the way of the foot's own CoP from the sole's origin.
+        about_origin = part * robot.weight * place[:2] + sign * moved - load * origins[side]
+        moment = turns[side].T @ about_origin
+        low, high = robot.feet[side].box
+        margins += [load * high - moment, moment - load * low]
+    edges: ca.SX = ca.vertcat(*margins)
+    return edges
 
 
 def _torques(robot: Robot, body: SymbolicKinematics, forces: list[tuple[ca.SX, ca.SX]]) -> ca.SX:

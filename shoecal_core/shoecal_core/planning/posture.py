@@ -14,7 +14,14 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.model.robot import Robot
 from shoecal_core.model.standing import feet_gap
-from shoecal_core.planning.legs import BALANCE_NAMES, FootPose, LegExpressions, Legs, least_balance
+from shoecal_core.planning.legs import (
+    BALANCE_EDGES,
+    BALANCE_NAMES,
+    FootPose,
+    LegExpressions,
+    Legs,
+    least_balance,
+)
 from shoecal_core.planning.load_sharing import SharingSpread
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
@@ -45,6 +52,9 @@ _INWARD_WEIGHT = 1e3
 than any posture."""
 _RESERVE = 1.15
 """On the sharing's interval where a place is moved in: motions come there in other postures."""
+
+_FLAT_RESERVE = 0.004
+"""m; of the weight's lever to the edges of the soles, for the same reason."""
 
 
 class UnreachableError(ShoecalError):
@@ -235,6 +245,8 @@ class StanceSolver:
             least_balance(robot, self._settings, loaded, spread)[0],
             np.full(len(robot.collision_pairs), self._settings.capsule_clearance),
         )
+        if task.inward:
+            least[BALANCE_EDGES] += _FLAT_RESERVE
         torque = np.maximum(0.0, self._torque - spread.torque[0])
         bounds = np.concatenate([torque, np.full(2, task.aside), np.zeros(6)])
         centre = middle(robot, task.foot_pose.support)

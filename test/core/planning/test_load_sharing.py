@@ -34,7 +34,7 @@ class Written:
     def __call__(
         self, angles: FloatArray, phase: SupportPhase = SupportPhase.BOTH
     ) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Balance (4,), torques (k,), relative Jacobian (6, k)."""
+        """Balance (13,), torques (k,), relative Jacobian (6, k)."""
         pose, others = self.motion.foot_pose.parameters, self.motion.positions[0]
         found = self._function(angles, pose, others, phase.share)
         balance, torques, jacobian = (np.array(one) for one in found)
@@ -59,7 +59,13 @@ def test_the_check_finds_the_same_by_another_way(written: Written, phase: Suppor
         balance, torques, _ = written(angles, phase)
         shares = body.loads[index] / robot.weight
         np.testing.assert_allclose(balance[:2], shares, atol=1e-4)
-        assert balance[4] == pytest.approx(body.up[index, 2])
+        assert balance[-1] == pytest.approx(body.up[index, 2])
+        for side, foot in enumerate(robot.feet):
+            if phase.feet[side]:
+                low, high = foot.box
+                cop, edges = body.foot_cop[index, side], balance[4 + 4 * side : 8 + 4 * side]
+                lever = shares[side] * np.concatenate([high - cop, cop - low])
+                np.testing.assert_allclose(edges, lever, atol=1e-4)
         np.testing.assert_allclose(torques, body.torques[index], atol=1e-3)
 
 

@@ -87,13 +87,13 @@ def straight(robot: Robot) -> FloatArray:
 def test_straight_legs(name: str) -> None:
     planner = planner_of(name)
     motion = certified(planner, planner.plan_from(straight(planner.legs.robot)))
-    assert np.sum(motion.path.nearest < SETTINGS.landmark_radius) >= 4
+    assert np.sum(motion.path.nearest < SETTINGS.landmark_radius) >= 3
     for knee in planner.legs.knees:
         bend = abs(motion.path.states[-1, knee.column] - knee.straight)
         assert bend > SETTINGS.knee_margin - 1e-5
 
 
-@pytest.mark.parametrize("side", [(1.0, 0.0), (0.0, 1.0)])
+@pytest.mark.parametrize("side", [(1.0, 0.0), (-1.0, 0.0)])
 @pytest.mark.parametrize("name", NAMES)
 def test_a_cop_outside_the_margin(name: str, side: tuple[float, float]) -> None:
     planner, support = planner_of(name), neutral(name)

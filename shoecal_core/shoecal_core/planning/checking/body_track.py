@@ -27,6 +27,8 @@ class BodyTrack:
         up: (T, 3) unit vector along the torso's upward axis.
         torques: (T, k) that the leg motors need to hold the posture [N m].
         loads: (T, 2) vertical force on left, right [N].
+        foot_cop: (T, 2, 2) CoP of left, right, each in its own sole's frame; no number in the air
+            [m].
         sideways: (T,) sideways force between the feet; zero on one foot [N].
         spread: half-width of the interval in which torques and loads lie; zero on one foot.
     """
@@ -38,6 +40,7 @@ class BodyTrack:
     up: FloatArray
     torques: FloatArray
     loads: FloatArray
+    foot_cop: FloatArray
     sideways: FloatArray
     spread: SharingSpread
 
@@ -91,11 +94,20 @@ def track(
         up=ups,
         torques=torques,
         loads=wrenches[:, :, 2],
+        foot_cop=_foot_cop(wrenches, rotations),
         sideways=np.linalg.norm(wrenches[:, 1, :2], axis=1),
         spread=SharingSpread(
             both * spread.load, both * spread.sideways, both[:, None] * spread.torque
         ),
     )
+
+
+def _foot_cop(wrenches: FloatArray, right: FloatArray) -> FloatArray:
+    """See BodyTrack.foot_cop; wrenches (T, 2, 6) as of _shared, rotations (T, 3, 3)."""
+    with np.errstate(invalid="ignore"):
+        cop = np.stack([-wrenches[..., 4], wrenches[..., 3]], axis=-1) / wrenches[..., 2:3]
+    cop[:, 1] = np.einsum("tji,tj->ti", right[:, :2, :2], cop[:, 1])
+    return cop
 
 
 def _standing(robot: Robot, data: pin.Data, angles: FloatArray) -> FloatArray:

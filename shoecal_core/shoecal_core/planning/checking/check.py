@@ -30,6 +30,8 @@ _TORQUE_SLACK = 1.02
 """Between planned states torques may exceed the planned ones by this factor."""
 _TILT_SLACK = 1.02
 """Between planned states the torso may lean more than the planned ones by this factor."""
+_LEVER_SLACK = 0.0005
+"""m; the lever of the weight beyond an edge may be longer by as much between planned states."""
 _NO_LOAD = 1e-3
 """N; a foot with less cannot take any sideways force."""
 _DRAGGED = 0.006
@@ -315,7 +317,7 @@ def _tilt(legs: Legs, body: BodyTrack, time: FloatArray) -> Finding:
 def _loads(
     legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
 ) -> tuple[Finding, ...]:
-    """Of feet that have to keep load: however they share it, enough of it, and no slip."""
+    """Of feet that have to keep load: however they share it, enough of it, no slip, no tipping."""
     robot, feet = legs.robot, [index for index in (0, 1) if span.phase.loaded[index]]
     if span.phase.support_phase is not SupportPhase.BOTH or not feet:
         return ()
@@ -329,9 +331,22 @@ def _loads(
     slip = np.full(len(feet), usable)
     if span.first:
         slip = np.maximum(slip, ratio[0])
+    low, high = np.array([robot.feet[index].box for index in feet]).swapaxes(0, 1)
+    cop = body.foot_cop[span.samples][:, feet]
+    inside = np.minimum(cop - low, high - cop).min(axis=-1)
+    lever = inside * body.loads[span.samples][:, feet] / robot.weight
     least = settings.load_share * robot.weight
     return (
         at_least("load of a foot that stands", "N", loads, least, at, names, from_begin=span.first),
+        at_least(
+            "lever of the weight from the edge of a sole",
+            "m",
+            lever,
+            -_LEVER_SLACK,
+            at,
+            names,
+            from_begin=span.first,
+        ),
         at_most("sideways force over load of a foot", "", ratio, slip, at, names),
     )
 

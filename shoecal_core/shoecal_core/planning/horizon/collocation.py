@@ -44,9 +44,9 @@ FloatArray = NDArray[np.float64]
 RECOVERY = 0.25
 """Part of a step's way used to come back inside a constraint."""
 
-_SHIFTED, _RIGHTED = 0.03, 0.02
-"""Of the weight: what of it goes from foot to foot between two states; of the cosine of the torso's
-tilt, the same."""
+_SHIFTED, _ROLLED, _RIGHTED = 0.03, 0.005, 0.02
+"""Of the weight: what of it goes from foot to foot between two states; of the weight's lever to a
+foot's edge [m] and of the cosine of the torso's tilt, the same."""
 
 
 class Collocation:
@@ -148,11 +148,11 @@ class Collocation:
         return SharingSpread.of(robot, jacobian[None])
 
     def _balance(self, scene: Scene, now: StateValues, spread: SharingSpread) -> FloatArray:
-        """(N, 5) least of what LegExpressions.balance lists; a start outside is led back."""
+        """(N, 13) least of what LegExpressions.balance lists; a start outside is led back."""
         robot = self.legs.robot
         least = least_balance(robot, self.settings, scene.loaded, spread)
         steps = np.arange(1, self.settings.horizon + 1)[:, None]
-        back = RECOVERY * steps * np.append(np.full(4, _SHIFTED), _RIGHTED)
+        back = RECOVERY * steps * np.repeat([_SHIFTED, _ROLLED, _RIGHTED], [4, 8, 1])
         led: FloatArray = np.minimum(least, now.balance + back)
         return led
 

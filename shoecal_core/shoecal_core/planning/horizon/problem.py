@@ -21,7 +21,7 @@ TASKS = 5
 """What is pursued: CoP forward and sideways, lean forward and sideways, height."""
 FOOT_ROWS = 6
 """Of the foot transform: way and turn."""
-BALANCE = 5
+BALANCE = 13
 """Loads and grips of left and right, and the torso's tilt; see LegExpressions."""
 
 
@@ -123,7 +123,7 @@ class Aim:
     """What the states of one optimisation pursue.
 
     Attributes:
-        targets: (n, 5) CoP in the left sole's frame [m], lean, and height of the base above the
+        targets: (n, 13) CoP in the left sole's frame [m], lean, and height of the base above the
             left sole [m]; n is 1 where all states pursue the same.
         weights: (5,) of their squared distances; zero for what is not pursued.
     """
@@ -162,7 +162,7 @@ class Limits:
         lower, upper: (N, k) of the leg angles [rad].
         offsets: (N, h) of the half planes [m].
         clearances: (N, p) of the capsule pairs' distances [m].
-        balance: (N, 5) least, of what LegExpressions.balance lists.
+        balance: (N, 13) least, of what LegExpressions.balance lists.
         transition: (k,) of |u| [rad].
         torque: (k,) of the motors [N m].
     """
@@ -181,10 +181,10 @@ class StateValues:
     """What the constraints say of n states.
 
     Attributes:
-        tasks: (n, 5) CoP [m], lean, height [m], as in Aim.
+        tasks: (n, 13) CoP [m], lean, height [m], as in Aim.
         foot_error: (n, 6) way [m] and turn [rad] from T0.
         distances: (n, p) of the capsule pairs [m].
-        balance: (n, 5) as LegExpressions.balance.
+        balance: (n, 13) as LegExpressions.balance.
         torques: (n, k) of the motors [N m].
     """
 

@@ -20,7 +20,7 @@ from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
 
-_MOVED_IN = 0.25
+_MOVED_IN = 0.5
 """Of the way to the middle between the feet; a landmark moved in by more is out of reach."""
 
 

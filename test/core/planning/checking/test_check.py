@@ -78,14 +78,14 @@ def test_weak_motors() -> None:
     # At the begin the motors already need more; a motion must not need more than that.
     finding = checked(motion_of("nao"), weak).of("static torque")
     assert not finding.kept
-    assert "Knee" in finding.where
+    assert finding.where.endswith(("KneePitch", "AnklePitch"))
 
 
 def test_a_good_motion_passes() -> None:
     report = checked(motion_of("nao"))
     report.require()
     assert report.kept
-    assert len(report.findings) == 13
+    assert len(report.findings) == 14
 
 
 def test_time_and_place_of_the_worst() -> None:
@@ -152,7 +152,7 @@ def test_a_torso_that_leans_too_far_is_named() -> None:
 
 
 def test_joints_with_more_play_need_wider_margins() -> None:
-    play = dataclasses.replace(BODY.robot.deflection, play=3.0 * BODY.robot.deflection.play)
+    play = dataclasses.replace(BODY.robot.deflection, play=4.0 * BODY.robot.deflection.play)
     loose = Legs(dataclasses.replace(BODY.robot, deflection=play))
     report = check_motion(loose, motion_of("nao"), SETTINGS)
     for constraint in ("load of a foot that stands", "static torque"):

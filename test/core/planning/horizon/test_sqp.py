@@ -45,7 +45,7 @@ def test_agrees_with_interior_points(body: Body, collocation: Collocation, fast:
         if not quick.converged:
             continue
         assert quick.violation < 1e-7
-        assert quick.cost < (1.0 + 1e-6) * sure.cost
+        assert quick.cost < (1.0 + 1e-5) * sure.cost
         same.append(quick.cost > (1.0 - 1e-6) * sure.cost)
         if same[-1]:
             np.testing.assert_allclose(quick.states[:2], sure.states[:2], atol=1e-3)

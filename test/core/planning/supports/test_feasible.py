@@ -39,7 +39,7 @@ def test_grid_covers_the_range(nao: Body) -> None:
 
 def test_far_landmarks_rule_supports_out(nao: Body) -> None:
     """There the robot can stand, but not above three of its landmarks."""
-    far = DoubleSupport(0.08, -0.16, 0.416)
+    far = DoubleSupport(0.08, -0.16, -0.52)
     assert not Feasible(nao.robot, SETTINGS).can_stand(far)
     easier = dataclasses.replace(SETTINGS, landmarks_in_reach=0)
     assert Feasible(nao.robot, easier).can_stand(far)
