@@ -53,7 +53,7 @@ def _wrong(session: Session, fit: JointFit, reality: Reality) -> FloatArray:
     drawn, names = read_drawn(session), session.shoe.names
     channels = [drawn[law][name] for law in ("gain", "offset") for name in names]
     found = dict(true_sources(session))
-    links = fit.scene.links
+    links = fit.signal_model.links
     for link, mass in zip(links.names, links.mass, strict=True):
         found["link_mass", (link,), "share"] = found["payload", (link,), "mass"] / mass
     stiffness = reality.cells.stiffness_n_per_m

@@ -15,7 +15,7 @@ from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.effects.known import EFFECTS
-from shoecal_core.error_sources.scene import make_scene
+from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.sampling import load_samples
@@ -70,8 +70,8 @@ def workspace(standard_session: Session) -> Workspace:
     settings = DiagnosisSettings()
     samples = load_samples(standard_session, range(1, 9), settings)
     train, test = range(1, 7), (7, 8)
-    scene = make_scene(samples, first_parameters(samples, train), settings)
-    return make_workspace(scene, EFFECTS, train, test, settings, Tolerances())
+    signal_model = make_signal_model(samples, first_parameters(samples, train), settings)
+    return make_workspace(signal_model, EFFECTS, train, test, settings, Tolerances())
 
 
 @pytest.fixture(scope="session")

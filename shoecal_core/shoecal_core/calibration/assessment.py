@@ -153,7 +153,7 @@ def assess(
     errors = ErrorModel.of(
         robot,
         shoe,
-        shoe if joint is None else joint.scene.samples.shoe,
+        shoe if joint is None else joint.signal_model.samples.shoe,
         parameters,
         measuring,
         shoe_columns,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.calibration.screening.result import Screening
-from shoecal_core.calibration.unloading import Aloft, aloft
+from shoecal_core.calibration.unloading import LiftedFoot, detect_lifted_foot
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.run import Run
@@ -54,7 +54,7 @@ def stances_of(
             standing = screening.standing.get(run.info.run, everything)
         if not kept.any():
             return []
-        lifting = aloft(run.info.motion, aligned)
+        lifting = detect_lifted_foot(run.info.motion, aligned)
         if lifting is not None and lifting.air.any():
             return _around_the_air(run, aligned, lifting, kept, standing, shoe, kinematics)
         return [double_support_stance(run, aligned, standing, shoe, kinematics).part(kept)]
@@ -67,7 +67,7 @@ def zeros_of(run: Run, aligned: Aligned, shoe: Shoe, kinematics: Kinematics) -> 
     if run.info.hanging:
         air = np.ones((len(aligned.time), 2), dtype=bool)
     elif run.info.support is not None:
-        lifting = aloft(run.info.motion, aligned)
+        lifting = detect_lifted_foot(run.info.motion, aligned)
         if lifting is None:
             return []
         air = np.zeros((len(aligned.time), 2), dtype=bool)
@@ -92,7 +92,7 @@ def _world(run: Run, aligned: Aligned, kinematics: Kinematics) -> World:
 def _around_the_air(
     run: Run,
     aligned: Aligned,
-    lifting: Aloft,
+    lifting: LiftedFoot,
     kept: BoolArray,
     standing: BoolArray,
     shoe: Shoe,

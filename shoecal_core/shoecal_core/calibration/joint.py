@@ -117,7 +117,7 @@ def corrected(
     stances: Mapping[int, tuple[Stance, ...]], joint: JointFit
 ) -> dict[int, tuple[Stance, ...]]:
     """Stances with the corrected reference, and with the columns of the fitted shoe, by run."""
-    samples, shift = joint.scene.samples, joint.model_shift
+    samples, shift = joint.signal_model.samples, joint.model_shift
     found = {}
     for run, parts in stances.items():
         here = samples.run == run

@@ -51,7 +51,7 @@ from shoecal_core.calibration.fit import SelfCalibration, prior_of, self_calibra
 from shoecal_core.calibration.joint import SAMPLING, corrected, joint_calibration, of_joint
 from shoecal_core.calibration.lagging import check_lags, lags
 from shoecal_core.calibration.residuals import Weights
-from shoecal_core.calibration.screening.clocks import LEFT_STD_S, put_together
+from shoecal_core.calibration.screening.clocks import LEFT_STD_S, align_runs
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
@@ -191,7 +191,7 @@ def load_data(
         aligned = {number: align(run, shoe, kinematics) for number, run in recorded.items()}
         screening = Screening()
     else:
-        aligned, late = put_together(recorded, shoe, kinematics, settings)
+        aligned, late = align_runs(recorded, shoe, kinematics, settings)
         loaded = {number: run for number, run in recorded.items() if not run.info.hanging}
         there = {number: aligned[number] for number in loaded}
         screening = screen(loaded, there, shoe, robot.weight, settings, late)

@@ -31,7 +31,7 @@ LEAST_AIR_S = 0.5
 
 
 @dataclass(frozen=True)
-class Aloft:
+class LiftedFoot:
     """A run in which one foot is lifted.
 
     Attributes:
@@ -56,11 +56,11 @@ class Aloft:
         return parts
 
 
-def aloft(motion: str, aligned: Aligned) -> Aloft | None:
+def detect_lifted_foot(motion: str, aligned: Aligned) -> LiftedFoot | None:
     """When the foot that a motion lifts is in the air; None where it lifts none.
 
     Args:
-        motion: name on the menu of motions.
+        motion: name on the catalogue of motions.
         aligned: T samples of the run.
     """
     if motion not in UNLOADING:
@@ -72,4 +72,4 @@ def aloft(motion: str, aligned: Aligned) -> Aloft | None:
     high = up & (height > FREE_SHARE * height.max())
     inner = ~widened(~high, time, TRANSIT_S)
     air = lasting(inner, time, LEAST_AIR_S)
-    return Aloft(UNLOADING[motion], air, widened(up, time, TRANSIT_S) & ~air)
+    return LiftedFoot(UNLOADING[motion], air, widened(up, time, TRANSIT_S) & ~air)

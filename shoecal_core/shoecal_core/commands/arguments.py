@@ -42,7 +42,7 @@ def run_numbers(text: str) -> tuple[int, ...]:
 
 
 def motion_names(text: str) -> tuple[str, ...]:
-    """Motions of the menu separated by commas, or the name of the standard set alone."""
+    """Motions of the catalogue separated by commas, or the name of the standard set alone."""
     names = tuple(text.split(","))
     if names == (STANDARD_SET,):
         return names

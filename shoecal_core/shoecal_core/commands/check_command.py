@@ -13,7 +13,7 @@ from rich.table import Table
 from shoecal_core.calibration.checks import missing_text, split_reason
 from shoecal_core.calibration.extract import stances_of, zeros_of
 from shoecal_core.calibration.pipeline import Outcome, calibrate_session
-from shoecal_core.calibration.screening.clocks import put_together
+from shoecal_core.calibration.screening.clocks import align_runs
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
 from shoecal_core.calibration.settings import CalibrationSettings
@@ -170,7 +170,7 @@ class _Read:
             except ShoecalError as error:
                 problems.append(str(error))
         self.entries = [entry for entry in session.runs if entry.run in self.runs]
-        self.aligned, self.time_offset = put_together(self.runs, session.shoe, kinematics, settings)
+        self.aligned, self.time_offset = align_runs(self.runs, session.shoe, kinematics, settings)
 
     def find_stances(self, screening: Screening) -> None:
         """See whether every run has stances to calibrate from."""

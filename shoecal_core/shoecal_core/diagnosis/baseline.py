@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.regression import Whitening, make_sums, solve
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
 from shoecal_core.error_sources.spectrum import BANDS
 from shoecal_core.estimation.initial_guess import initial_guess
@@ -59,11 +59,13 @@ def first_parameters(samples: Samples, runs: Sequence[int]) -> ChannelParameters
 
 
 def precision(
-    scene: Scene, parameters: ChannelParameters, settings: DiagnosisSettings
+    signal_model: SignalModel, parameters: ChannelParameters, settings: DiagnosisSettings
 ) -> FloatArray:
     """(p,) prior precision of the baseline's columns."""
-    own = parameter_std(scene.samples.shoe, parameters, scene.samples.robot.weight, settings)
-    others = np.array([one.std for one in scene.nuisances])
+    own = parameter_std(
+        signal_model.samples.shoe, parameters, signal_model.samples.robot.weight, settings
+    )
+    others = np.array([one.std for one in signal_model.nuisances])
     return np.asarray(1.0 / np.concatenate((own, others)) ** 2)
 
 
@@ -80,44 +82,46 @@ def coarse_noise(samples: Samples) -> FloatArray:
 
 
 def fit_baseline(
-    scene: Scene,
+    signal_model: SignalModel,
     runs: Sequence[int],
     noise: FloatArray,
     settings: DiagnosisSettings,
     guess: ChannelParameters | None = None,
-) -> Scene:
+) -> SignalModel:
     """Gauss-Newton over gains and offsets on some runs.
 
     Args:
-        guess: that priors are about; by default the scene's parameters.
+        guess: that priors are about; by default the signal model's parameters.
     """
-    guess = scene.parameters if guess is None else guess
-    scene = scene.with_planes(settings)
+    guess = signal_model.parameters if guess is None else guess
+    signal_model = signal_model.with_planes(settings)
     channels = len(guess.gain)
     for _ in range(STEPS):
         # Planes come and go as gains settle, and with them columns.
-        prior = precision(scene, guess, settings)
-        whitening = Whitening(scene.samples, scene.mask, noise)
-        empty = np.zeros((0, *scene.residuals.shape))
-        sums = make_sums(whitening, runs, scene.baseline, empty, scene.residuals, prior)
+        prior = precision(signal_model, guess, settings)
+        whitening = Whitening(signal_model.samples, signal_model.mask, noise)
+        empty = np.zeros((0, *signal_model.residuals.shape))
+        sums = make_sums(
+            whitening, runs, signal_model.baseline, empty, signal_model.residuals, prior
+        )
         # The prior pulls towards the guess, not towards where the fit stands.
         away = np.concatenate(
             (
-                scene.parameters.gain - guess.gain,
-                scene.parameters.offset - guess.offset,
+                signal_model.parameters.gain - guess.gain,
+                signal_model.parameters.offset - guess.offset,
                 np.zeros(len(prior) - 2 * channels),
             )
         )
         products = sums.products.copy()
         products[: len(prior), -1] += prior * away
         step = solve(replace(sums, products=products), (), np.zeros(0)).vector
-        scene = scene.with_parameters(
+        signal_model = signal_model.with_parameters(
             ChannelParameters(
-                scene.parameters.gain - step[:channels],
-                scene.parameters.offset - step[channels : 2 * channels],
+                signal_model.parameters.gain - step[:channels],
+                signal_model.parameters.offset - step[channels : 2 * channels],
             )
         )
-        scene = scene.with_planes(settings)
+        signal_model = signal_model.with_planes(settings)
         if np.max(np.abs(step[: 2 * channels]) * np.sqrt(prior[: 2 * channels])) < SETTLED:
             break
-    return scene
+    return signal_model

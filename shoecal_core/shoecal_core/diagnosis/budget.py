@@ -33,7 +33,7 @@ def budget(
         chosen: the explanation.
     """
     rows = workspace.rows_of(judged(workspace))
-    there = workspace.scene.mask[rows][:, COP]
+    there = workspace.signal_model.mask[rows][:, COP]
     own = np.where(there, rest[rows][:, COP], 0.0)
     whole = float((own**2).sum())
     if whole == 0.0:
@@ -45,7 +45,9 @@ def budget(
     slopes[errors] = np.einsum("ets,ts->e", left[:, :, COP], own) / whole
     keys: dict[int, tuple[str, tuple[str, ...]]] = {}
     for column, error in zip(
-        np.flatnonzero(workspace.scene.built).tolist(), workspace.scene.deviations, strict=True
+        np.flatnonzero(workspace.signal_model.built).tolist(),
+        workspace.signal_model.deviations,
+        strict=True,
     ):
         keys[column] = error.effect, error.location
     if chosen is not None:

@@ -1,4 +1,4 @@
-"""What could be done next: the menu of motions, and what needs a person or time."""
+"""What could be done next: the catalogue of motions, and what needs a person or time."""
 
 from __future__ import annotations
 
@@ -26,10 +26,10 @@ STANCE_MOTION = "landmarks"
 
 @dataclass(frozen=True)
 class ByHand:
-    """A motion of the menu that needs more than the robot.
+    """A motion of the catalogue that needs more than the robot.
 
     Attributes:
-        motion: on the menu.
+        motion: in the catalogue.
         later: time that passes before [s].
         mass: that a person adds [kg].
         warmer: by then [K].
@@ -46,7 +46,7 @@ BY_HAND: Mapping[str, ByHand] = {
     WARM: ByHand("hold", later=600.0, warmer=3.0),
     WEIGHTED: ByHand("landmarks", mass=KNOWN_MASS),
 }
-"""Beside the menu; see docs/reference/nodes.md for what a person does."""
+"""Beside the catalogue; see docs/reference/nodes.md for what a person does."""
 
 
 def stance(name: str, feasible: Feasible, so_far: Sequence[DoubleSupport]) -> DoubleSupport:

@@ -27,7 +27,7 @@ from shoecal_core.diagnosis.where import where
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.base import Effect, Place
 from shoecal_core.error_sources.effects.known import EFFECTS
-from shoecal_core.error_sources.scene import make_scene
+from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
@@ -93,9 +93,9 @@ def diagnose(
     if rezero:
         samples = at_zeros(samples, zeros, train)
     tell("fitting with nothing added", 0.2)
-    scene = make_scene(samples, first_parameters(samples, train), settings, without)
+    signal_model = make_signal_model(samples, first_parameters(samples, train), settings, without)
     wanted = only or (lambda _effect, _place: True)
-    workspace = make_workspace(scene, effects, train, test, settings, tolerances, wanted)
+    workspace = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
     halted = _halted(workspace, wanted)
     looked_at = workspace.catalogue.hypotheses or workspace.catalogue.rewired or halted
     if only is not None and not looked_at:
@@ -108,15 +108,15 @@ def diagnose(
     known = Measured()
     if only is None:
         known = measure(
-            session, read, samples, () if rezero else zeros, train, workspace.scene.parameters,
-            settings, weighs=weight_kg is None,
+            session, read, samples, () if rezero else zeros, train,
+            workspace.signal_model.parameters, settings, weighs=weight_kg is None,
         )  # fmt: skip
     mended = workspace
     if halted is not None or known:
         whole = known.mended(samples)
         whole = whole if halted is None else halted.mended(whole)
-        scene = make_scene(whole, first_parameters(whole, train), settings, without)
-        mended = make_workspace(scene, effects, train, test, settings, tolerances, wanted)
+        signal_model = make_signal_model(whole, first_parameters(whole, train), settings, without)
+        mended = make_workspace(signal_model, effects, train, test, settings, tolerances, wanted)
     before = preflight(mended, settings)
     tell("trying every effect", 0.5)
     exchange = rewired(mended, effects, settings, wanted)
@@ -155,7 +155,7 @@ def diagnose(
         next_motion=propose(said.ambiguity),
         train=train,
         test=test,
-        notes=(*samples.notes, *shaking(best.scene)),
+        notes=(*samples.notes, *shaking(best.signal_model)),
         robot=samples.robot.name,
         shoe=samples.shoe.name,
         evidence=evidence(best, chosen, found.singles),
@@ -169,7 +169,7 @@ def diagnose(
 
 def _halted(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> Stopped | None:
     """The cell that got stuck, if one did and it is looked for."""
-    samples = workspace.scene.samples
+    samples = workspace.signal_model.samples
     found = stopped(samples)
     if found is None or not wanted("stuck_cell", (samples.shoe.names[found.channel],)):
         return None

@@ -29,7 +29,7 @@ def worse_runs(
     Args:
         before, after: (T, s) residuals without it and with it.
     """
-    least_n = workspace.scene.samples.robot.weight * settings.material_share
+    least_n = workspace.signal_model.samples.robot.weight * settings.material_share
     runs, told = [], []
     for run in workspace.test:
         (cop, grf), (cop_after, grf_after) = (

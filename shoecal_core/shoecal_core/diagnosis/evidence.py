@@ -25,9 +25,9 @@ def evidence(workspace: Workspace, chosen: Scored | None, rivals: Sequence[Score
         chosen: the explanation; None where nothing was found.
         rivals: hypotheses by themselves, the best first.
     """
-    scene = workspace.scene
-    samples = scene.samples
-    supports = np.array([[one.dx, one.dy, one.dtheta] for one in scene.supports])
+    signal_model = workspace.signal_model
+    samples = signal_model.samples
+    supports = np.array([[one.dx, one.dy, one.dtheta] for one in signal_model.supports])
     return Evidence(
         signals=SIGNALS,
         run=samples.run,
@@ -36,9 +36,9 @@ def evidence(workspace: Workspace, chosen: Scored | None, rivals: Sequence[Score
         loaded=samples.loaded,
         support=supports[samples.segment],
         cop=samples.cop,
-        foot_cop=cop(scene.foot_wrenches, MINIMUM_FORCE),
-        foot_force=scene.foot_wrenches[..., 0],
-        outputs=scene.outputs,
+        foot_cop=cop(signal_model.foot_wrenches, MINIMUM_FORCE),
+        foot_force=signal_model.foot_wrenches[..., 0],
+        outputs=signal_model.outputs,
         noise=workspace.floor,
         without=_fitted(workspace, None, "nothing added"),
         explained=None if chosen is None else _fitted(workspace, chosen, "what was found"),
@@ -56,5 +56,5 @@ def label(scored: Scored) -> str:
 
 def _fitted(workspace: Workspace, scored: Scored | None, name: str) -> Fitted:
     rest, added = workspace.explained(scored)
-    mask = workspace.scene.mask
+    mask = workspace.signal_model.mask
     return Fitted(name, np.where(mask, rest, np.nan), np.where(mask, added, np.nan))

@@ -13,4 +13,4 @@ def hidden_cop(workspace: Workspace, scored: Scored, index: int) -> float:
     """Mean length of the CoP error that gains and offsets would make up for [m]."""
     added = workspace.added(scored, scored.own(index))
     absorbed = added - workspace.calibrated(added)
-    return float(np.linalg.norm(absorbed[workspace.scene.mask[:, 1]][:, COP], axis=1).mean())
+    return float(np.linalg.norm(absorbed[workspace.signal_model.mask[:, 1]][:, COP], axis=1).mean())

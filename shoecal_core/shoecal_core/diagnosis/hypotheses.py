@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Candidate
-from shoecal_core.error_sources.base import Effect, Place, Shape, leasts, mosts, stds
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.base import Effect, Place, Shape, lower_bounds, stds, upper_bounds
+from shoecal_core.error_sources.signal_model import SignalModel
 
 FloatArray = NDArray[np.float64]
 
@@ -61,7 +61,7 @@ class Hypothesis:
 
 @dataclass(frozen=True)
 class Catalogue:
-    """All hypotheses of a scene.
+    """All hypotheses of a signal model.
 
     Attributes:
         hypotheses: those whose columns stand in `columns`.
@@ -77,7 +77,7 @@ class Catalogue:
 
 
 def make_catalogue(
-    scene: Scene,
+    signal_model: SignalModel,
     effects: Sequence[Effect],
     wanted: Callable[[str, Place], bool] = lambda _effect, _place: True,
 ) -> Catalogue:
@@ -86,15 +86,15 @@ def make_catalogue(
     Every class has the same prior, within it every effect, within that every place.
     """
     groups = {effect.group for effect in effects}
-    weight = scene.samples.robot.weight
+    weight = signal_model.samples.robot.weight
     found: list[tuple[Effect, Place, list[Shape]]] = []
     lacking = []
     for effect in effects:
         before = len(found)
-        for place in effect.places(scene):
+        for place in effect.places(signal_model):
             if not wanted(effect.identifier, place):
                 continue
-            shapes = list(effect.shapes(scene, place))
+            shapes = list(effect.shapes(signal_model, place))
             if shapes:
                 found.append((effect, place, shapes))
         if len(found) == before:
@@ -107,22 +107,22 @@ def make_catalogue(
         forms = []
         for shape in shapes:
             count = len(shape.columns)
-            places = tuple(range(at, at + count)) if shape.scene is None else ()
+            places = tuple(range(at, at + count)) if shape.signal_model is None else ()
             forms.append(
                 Form(
                     shape,
                     places,
                     std=stds(effect, shape.free, weight),
-                    least=leasts(effect, shape.free),
-                    most=mosts(effect, shape.free, weight),
+                    least=lower_bounds(effect, shape.free),
+                    most=upper_bounds(effect, shape.free, weight),
                 )
             )
-            if shape.scene is None:
+            if shape.signal_model is None:
                 columns.append(shape.columns)
                 at += count
         hypothesis = Hypothesis(effect, place, tuple(forms), _prior(effect, found, effects, groups))
-        (rewired if shapes[0].scene is not None else ordinary).append(hypothesis)
-    whole = np.concatenate(columns) if columns else np.zeros((0, *scene.residuals.shape))
+        (rewired if shapes[0].signal_model is not None else ordinary).append(hypothesis)
+    whole = np.concatenate(columns) if columns else np.zeros((0, *signal_model.residuals.shape))
     return Catalogue(tuple(ordinary), tuple(rewired), whole, tuple(lacking))
 
 

@@ -88,7 +88,7 @@ class Measured:
         gone = shrink(mended, before.explained(None)[0], mended.explained(None)[0])
         found = [_zero_cause(one, gone) for one in self.moved]
         if self.heavier is not None:
-            found.append(self._weight_cause(before.scene.samples.robot.mass, gone, settings))
+            found.append(self._weight_cause(before.signal_model.samples.robot.mass, gone, settings))
         return found
 
     def _weight_cause(self, mass: float, gone: Shrink, settings: DiagnosisSettings) -> Cause:

@@ -104,7 +104,7 @@ def _gain(hypothesis: Hypothesis, left: FloatArray, sizes: FloatArray) -> float:
 
 def _missing_channels(workspace: Workspace) -> list[str]:
     """Lines for effects that need what was not recorded."""
-    tracks = workspace.scene.samples.tracks
+    tracks = workspace.signal_model.samples.tracks
     lines = []
     if all(track.temperature is None for track in tracks):
         lines.append("drifts with temperature: none was recorded, they are told by time alone")

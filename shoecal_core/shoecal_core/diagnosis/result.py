@@ -191,7 +191,7 @@ class NextMotion:
     """The run that would best separate what is still confused.
 
     Attributes:
-        motion: name on the menu.
+        motion: name in the catalogue.
         separates: the labels of what it tells apart.
     """
 

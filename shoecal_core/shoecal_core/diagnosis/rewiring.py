@@ -14,7 +14,7 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import shrink
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.base import Effect, Place
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.wiring import Wiring
 from shoecal_core.sensing.wrench import at_cop, combined, weight_below
 
@@ -64,31 +64,37 @@ def rewired(
     """
     if not workspace.catalogue.rewired:
         return None
-    usual = _misfit(workspace, workspace.scene.wiring)
+    usual = _misfit(workspace, workspace.signal_model.wiring)
     found = []
     for hypothesis in workspace.catalogue.rewired:
-        scene = hypothesis.forms[0].shape.scene
-        assert scene is not None
-        found.append((_misfit(workspace, scene.wiring), hypothesis, scene))
-    squares, hypothesis, scene = min(found, key=lambda one: one[0])
+        signal_model = hypothesis.forms[0].shape.signal_model
+        assert signal_model is not None
+        found.append((_misfit(workspace, signal_model.wiring), hypothesis, signal_model))
+    squares, hypothesis, signal_model = min(found, key=lambda one: one[0])
     if squares > CLEARLY * usual:
         return None
     return Exchange(
         hypothesis,
         make_workspace(
-            scene, effects, workspace.train, workspace.test, settings, workspace.tolerances, wanted
+            signal_model,
+            effects,
+            workspace.train,
+            workspace.test,
+            settings,
+            workspace.tolerances,
+            wanted,
         ),
     )
 
 
 def _misfit(workspace: Workspace, wiring: Wiring) -> float:
     """Mean square of what the best gains and offsets leave of the wrenches of both feet [N^2]."""
-    scene: Scene = workspace.scene
-    samples = scene.samples
+    signal_model: SignalModel = workspace.signal_model
+    samples = signal_model.samples
     shoe = samples.shoe
     base = weight_below(shoe)
     rows, targets = [], []
-    for segment, support in enumerate(scene.supports):
+    for segment, support in enumerate(signal_model.supports):
         part = (samples.segment == segment) & samples.both
         part &= workspace.rows_of(workspace.train)
         if not part.any():

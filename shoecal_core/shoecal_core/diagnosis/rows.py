@@ -14,7 +14,7 @@ from shoecal_core.diagnosis.hypotheses import Catalogue
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.noise import colour, form_error, least_noise, white_noise
 from shoecal_core.error_sources.regression import Whitening, covariance_of
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, TILT
 from shoecal_core.error_sources.spectrum import BANDS, frequencies_of, signals_of
 from shoecal_core.sensing.wrench import ChannelParameters
@@ -149,7 +149,7 @@ class Rows:
 
 
 def make_rows(
-    scene: Scene,
+    signal_model: SignalModel,
     catalogue: Catalogue,
     train: Sequence[int],
     coarse: FloatArray,
@@ -159,14 +159,15 @@ def make_rows(
     """Lay out the training runs.
 
     Args:
-        scene: with gains and offsets fitted, and deviations as built. catalogue: of hypotheses.
+        signal_model: with gains and offsets fitted, and deviations as built.
+        catalogue: of hypotheses.
         train: runs.
         coarse: (s, BANDS) variance before anything is known.
         settings: of the diagnosis.
         guess: gains and offsets that priors are about.
     """
-    samples = scene.samples
-    flat = Whitening(samples, scene.mask, np.ones_like(coarse))
+    samples = signal_model.samples
+    flat = Whitening(samples, signal_model.mask, np.ones_like(coarse))
     part = np.isin(samples.run, train)
     kept = flat.kept & part[:, None]
 
@@ -175,23 +176,23 @@ def make_rows(
 
     present, group = np.unique(flat.spectrum.group[kept], return_inverse=True)
     signal, frequency = signals_of(present), frequencies_of(present)
-    base = coefficients(scene.baseline)
-    prior, away = precision(scene, guess, settings), _away(scene, guess)
-    free = _unabsorbed(base, prior, scene, 1.0 / np.sqrt(coarse.ravel()[present])[group])
+    base = coefficients(signal_model.baseline)
+    prior, away = precision(signal_model, guess, settings), _away(signal_model, guess)
+    free = _unabsorbed(base, prior, signal_model, 1.0 / np.sqrt(coarse.ravel()[present])[group])
     count = np.bincount(group)
-    form = np.bincount(group, ((free * _form_stds(scene)) ** 2).sum(axis=1)) / count
-    measured = np.zeros_like(scene.residuals)
-    measured[:, GRF], measured[:, COP] = scene.wrench[:, :1], scene.cop
-    taken = coefficients(np.where(scene.mask, measured, 0.0))
+    form = np.bincount(group, ((free * _form_stds(signal_model)) ** 2).sum(axis=1)) / count
+    measured = np.zeros_like(signal_model.residuals)
+    measured[:, GRF], measured[:, COP] = signal_model.wrench[:, :1], signal_model.cop
+    taken = coefficients(np.where(signal_model.mask, measured, 0.0))
     # The mean of a stance does not tell how far the CoP moves.
     taken[np.isin(signal, np.r_[COP])[group] & (present[group] % BANDS == 0)] = 0.0
-    white = np.maximum(white_noise(scene), least_noise(scene))[signal] ** 2
-    smooth = form_error(scene, settings)[signal] ** 2 * colour(samples, frequency, settings)
+    white = np.maximum(white_noise(signal_model), least_noise(signal_model))[signal] ** 2
+    smooth = form_error(signal_model, settings)[signal] ** 2 * colour(samples, frequency, settings)
     columns = coefficients(catalogue.columns)
     return Rows(
         base=base,
         columns=columns,
-        residuals=coefficients(scene.residuals) - base @ away,
+        residuals=coefficients(signal_model.residuals) - base @ away,
         away=away,
         measured=taken,
         group=group,
@@ -199,25 +200,25 @@ def make_rows(
         noise=white * _flicker(signal, frequency),
         form=form,
         smooth=smooth,
-        most=_most(scene)[signal] ** 2,
+        most=_most(signal_model)[signal] ** 2,
         precision=prior,
-        family=_families(scene),
+        family=_families(signal_model),
         most_level=np.full(len(FAMILIES), MOST_LEVEL),
-        same=_same(base, columns, scene),
+        same=_same(base, columns, signal_model),
     )
 
 
-def _families(scene: Scene) -> IntArray:
+def _families(signal_model: SignalModel) -> IntArray:
     """(p,) to which of FAMILIES each column of the baseline belongs; -1 for what is no error."""
     of = {effect: at for at, effects in enumerate(FAMILIES) for effect in effects}
-    found = np.full(len(scene.baseline), -1)
-    found[scene.built] = [of[one.effect] for one in scene.deviations]
+    found = np.full(len(signal_model.baseline), -1)
+    found[signal_model.built] = [of[one.effect] for one in signal_model.deviations]
     return found
 
 
-def _same(base: FloatArray, columns: FloatArray, scene: Scene) -> IntArray:
+def _same(base: FloatArray, columns: FloatArray, signal_model: SignalModel) -> IntArray:
     """(k,) error as built that each of the hypotheses' columns (R, k) also is; -1 for none."""
-    built = np.flatnonzero(scene.built)
+    built = np.flatnonzero(signal_model.built)
     found = np.full(columns.shape[1], -1)
     if not len(built):
         return found
@@ -230,30 +231,30 @@ def _same(base: FloatArray, columns: FloatArray, scene: Scene) -> IntArray:
     return found
 
 
-def _away(scene: Scene, guess: ChannelParameters) -> FloatArray:
+def _away(signal_model: SignalModel, guess: ChannelParameters) -> FloatArray:
     """(p,) how far the fitted gains and offsets are from what priors are about."""
-    found = np.zeros(len(scene.baseline))
-    fitted = scene.parameters
+    found = np.zeros(len(signal_model.baseline))
+    fitted = signal_model.parameters
     moved = np.concatenate((fitted.gain - guess.gain, fitted.offset - guess.offset))
     found[: len(moved)] = moved
     return found
 
 
 def _unabsorbed(
-    base: FloatArray, prior: FloatArray, scene: Scene, weight: FloatArray
+    base: FloatArray, prior: FloatArray, signal_model: SignalModel, weight: FloatArray
 ) -> FloatArray:
     """(R, d) what all else in the baseline leaves of errors as built."""
     whole = base * weight[:, None]
-    kept = ~scene.built
+    kept = ~signal_model.built
     covariance = covariance_of(whole[:, kept].T @ whole[:, kept], prior[kept])
-    fitted = covariance @ (whole[:, kept].T @ whole[:, scene.built])
-    left: FloatArray = base[:, scene.built] - base[:, kept] @ fitted
+    fitted = covariance @ (whole[:, kept].T @ whole[:, signal_model.built])
+    left: FloatArray = base[:, signal_model.built] - base[:, kept] @ fitted
     return left
 
 
-def _form_stds(scene: Scene) -> FloatArray:
+def _form_stds(signal_model: SignalModel) -> FloatArray:
     """(d,) of errors as built: what they add in another form than the library has them in."""
-    return np.array([one.form * one.std for one in scene.deviations])
+    return np.array([one.form * one.std for one in signal_model.deviations])
 
 
 def _flicker(signal: IntArray, frequency: FloatArray) -> FloatArray:
@@ -262,9 +263,9 @@ def _flicker(signal: IntArray, frequency: FloatArray) -> FloatArray:
     return np.where(read, 1.0 + CORNER_HZ / frequency, 1.0)
 
 
-def _most(scene: Scene) -> FloatArray:
+def _most(signal_model: SignalModel) -> FloatArray:
     """(s,) by which a signal may be off beyond what was expected."""
-    found = np.zeros(scene.residuals.shape[1])
+    found = np.zeros(signal_model.residuals.shape[1])
     found[GRF], found[COP], found[TILT] = MOST_N, MOST_M, MOST_RAD
     found[AIR], found[PARITY] = MOST_N * np.array([1.0, 0.1, 0.1]), 1.5 * MOST_N
     found[CLOSURE] = (*(3 * (MOST_CLOSURE,)), *(3 * (MOST_RAD,)))

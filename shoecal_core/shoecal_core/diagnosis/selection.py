@@ -240,11 +240,11 @@ def material(workspace: Workspace, scored: Scored, settings: DiagnosisSettings) 
 
 def _moves(workspace: Workspace, added: FloatArray, runs: Sequence[int]) -> float:
     """RMS of what residuals (T, s) are moved by on some runs, as an error of the CoP [m]."""
-    here = added[workspace.rows_of(runs) & workspace.scene.mask[:, 1]]
+    here = added[workspace.rows_of(runs) & workspace.signal_model.mask[:, 1]]
     if not len(here):
         return 0.0
     cop = float(np.sqrt((here[:, COP] ** 2).sum(axis=1).mean()))
-    share = float(np.sqrt((here[:, GRF] ** 2).mean())) / workspace.scene.samples.robot.weight
+    share = float(np.sqrt((here[:, GRF] ** 2).mean())) / workspace.signal_model.samples.robot.weight
     return max(cop, ARM_M * share)
 
 

@@ -8,16 +8,16 @@ from shoecal_core.calibration.screening.noise import noise
 from shoecal_core.calibration.screening.spikes import find_leaps
 from shoecal_core.calibration.screening.standing import LEAST_LEAP_STDS
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 
 MUCH = 0.1
 """Share of the samples from which it is told."""
 
 
-def shaking(scene: Scene) -> list[str]:
+def shaking(signal_model: SignalModel) -> list[str]:
     """In words, when readings of a foot leap together for much of the time, and where most."""
-    samples = scene.samples
-    gain = scene.parameters.gain
+    samples = signal_model.samples
+    gain = signal_model.parameters.gain
     least = LEAST_LEAP_STDS * CalibrationSettings().force_std_n
     shares = {
         track.run: float(

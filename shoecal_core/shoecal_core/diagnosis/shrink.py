@@ -33,7 +33,7 @@ def gap(workspace: Workspace, rest: FloatArray) -> Gap:
 def maes(workspace: Workspace, rest: FloatArray, runs: Sequence[int]) -> tuple[float, float]:
     """Mean error of CoP [m] and GRF [N] of residuals (T, s) on some runs."""
     rows = workspace.rows_of(runs)
-    mask = workspace.scene.mask
+    mask = workspace.signal_model.mask
     force, place = rows & mask[:, 0], rows & mask[:, 1]
     return (
         float(np.linalg.norm(rest[place][:, COP], axis=1).mean()),
@@ -50,7 +50,7 @@ def shrink(workspace: Workspace, before: FloatArray, after: FloatArray) -> Shrin
     """From residuals (T, s) without an explanation to those with it."""
     rows = workspace.rows_of(judged(workspace))
     first, second = (_squares(workspace, rest, rows) for rest in (before, after))
-    blocks = workspace.scene.samples.stretch[rows & workspace.scene.mask[:, 1]]
+    blocks = workspace.signal_model.samples.stretch[rows & workspace.signal_model.mask[:, 1]]
     sums = np.array(
         [
             [one[blocks == block].sum() for block in np.unique(blocks)]
@@ -91,6 +91,6 @@ def _fraction(before: float, after: float, count: float) -> float:
 def _squares(workspace: Workspace, rest: FloatArray, rows: NDArray[np.bool_]) -> FloatArray:
     """(k,) mean over GRF and CoP of the squares of each of some samples (T,), in noises."""
     part = slice(GRF.start, COP.stop)
-    there = rest[rows & workspace.scene.mask[:, 1]][:, part]
+    there = rest[rows & workspace.signal_model.mask[:, 1]][:, part]
     squares: FloatArray = ((there / workspace.floor[part]) ** 2).mean(axis=1)
     return squares

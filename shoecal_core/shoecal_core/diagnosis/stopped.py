@@ -59,7 +59,7 @@ class Stopped:
 
     def cause(self, before: Workspace, mended: Workspace) -> Cause:
         """What it is, by what is left with the readings as they came and as mended."""
-        place = (mended.scene.samples.shoe.names[self.channel],)
+        place = (mended.signal_model.samples.shoe.names[self.channel],)
         return Cause(
             effect="stuck_cell",
             group="load_cell",

@@ -32,12 +32,12 @@ def weak_cells(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> li
     Args:
         wanted: tells of an effect and a place whether to look.
     """
-    scene = workspace.scene
-    shoe = scene.samples.shoe
+    signal_model = workspace.signal_model
+    shoe = signal_model.samples.shoe
     cells = places.cells(shoe)
     if len(cells) < FEWEST or any(shoe.channels[cell].nominal_gain is not None for cell in cells):
         return []
-    gain = np.abs(scene.parameters.gain[cells])
+    gain = np.abs(signal_model.parameters.gain[cells])
     spread = np.sqrt(np.diag(workspace.scorer.nothing.covariance))[cells]
     usual = float(np.median(gain))
     found = []
@@ -45,11 +45,11 @@ def weak_cells(workspace: Workspace, wanted: Callable[[str, Place], bool]) -> li
         place = (shoe.names[cell],)
         if not wanted("stuck_cell", place):
             continue
-        shown = usual / abs(float(scene.parameters.gain[cell]))
+        shown = usual / abs(float(signal_model.parameters.gain[cell]))
         either = Z95 * SPREAD * shown
-        change = np.zeros_like(scene.outputs)
-        change[:, cell] = (shown - 1.0) * scene.outputs[:, cell]
-        hidden = scene.by_outputs(change)[scene.mask[:, 1]][:, COP]
+        change = np.zeros_like(signal_model.outputs)
+        change[:, cell] = (shown - 1.0) * signal_model.outputs[:, cell]
+        hidden = signal_model.by_outputs(change)[signal_model.mask[:, 1]][:, COP]
         before, _ = workspace.explained(None)
         found.append(
             Cause(

@@ -39,10 +39,10 @@ def where(workspace: Workspace, rest: FloatArray, chosen: Scored | None) -> tupl
         rest: (T, s) residuals with nothing added.
         chosen: the explanation.
     """
-    scene = workspace.scene
+    signal_model = workspace.signal_model
     rows = workspace.rows_of(judged(workspace))
-    over = np.where(scene.mask, (rest / workspace.floor) ** 2 - 1.0, 0.0)
-    phases = {track.run: track.motion for track in scene.samples.tracks}
+    over = np.where(signal_model.mask, (rest / workspace.floor) ** 2 - 1.0, 0.0)
+    phases = {track.run: track.motion for track in signal_model.samples.tracks}
     sums = [
         (signal, foot, max(float(over[rows][:, part].sum()), 0.0), over[:, part].sum(axis=1))
         for signal, foot, part in PLACES
@@ -50,14 +50,14 @@ def where(workspace: Workspace, rest: FloatArray, chosen: Scored | None) -> tupl
     total = sum(size for _, _, size, _ in sums)
     found = _events(chosen, phases)
     told = {event.run for event in found}
-    for step in closure_steps(scene):
+    for step in closure_steps(signal_model):
         if step.run not in told:
             during = phases[step.run]
             found.append(Where("closure", None, None, None, step.run, during, step.time, 0.0))
     for signal, foot, size, course in sums:
         if total <= 0.0 or size < LEAST_SHARE * total:
             continue
-        run = _mostly(course, scene.samples.run, rows)
+        run = _mostly(course, signal_model.samples.run, rows)
         phase = None if run is None else phases[run]
         found.append(Where(signal, foot, None, None, run, phase, None, size / total))
     return tuple(sorted(found, key=lambda place: -place.share))

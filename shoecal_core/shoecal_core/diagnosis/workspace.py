@@ -18,7 +18,7 @@ from shoecal_core.error_sources.as_built import as_built
 from shoecal_core.error_sources.base import Effect, Place
 from shoecal_core.error_sources.noise import jolts
 from shoecal_core.error_sources.regression import Sums, Whitening, covariance_of, make_sums
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.tolerances import Tolerances
 
 FloatArray = NDArray[np.float64]
@@ -30,10 +30,10 @@ LEAST = 1e-24
 
 @dataclass(frozen=True)
 class Workspace:
-    """A scene under its best parameters, all hypotheses laid out in it, and their sums.
+    """A signal_model under its best parameters, all hypotheses laid out in it, and their sums.
 
     Attributes:
-        scene: with gains and offsets fitted to the training runs.
+        signal_model: with gains and offsets fitted to the training runs.
         noise: (s, BANDS) variance of the coefficients of a robot as built.
         catalogue: of hypotheses.
         whitening: by that noise.
@@ -44,7 +44,7 @@ class Workspace:
         built: the fit by which the robot's errors as built are as large as they are.
     """
 
-    scene: Scene
+    signal_model: SignalModel
     noise: FloatArray
     catalogue: Catalogue
     whitening: Whitening
@@ -73,22 +73,22 @@ class Workspace:
         rows = self.rows_of(self.train)
         coefficients = self.whitening(flat)[:, rows][:, self.whitening.kept[rows]]
         fitted = coefficients @ fitter.T
-        left: FloatArray = flat - np.tensordot(fitted, self.scene.baseline[kept], 1)
+        left: FloatArray = flat - np.tensordot(fitted, self.signal_model.baseline[kept], 1)
         return left.reshape(shape)
 
     @cached_property
     def _fitter(self) -> tuple[IntArray, FloatArray]:
         """Which of the baseline's columns a calibration has, and (b, R) how they are fitted."""
-        scene = self.scene
-        kept = np.flatnonzero(scene.shared & ~scene.built)
+        signal_model = self.signal_model
+        kept = np.flatnonzero(signal_model.shared & ~signal_model.built)
         rows = self.rows_of(self.train)
-        base = self.whitening(scene.baseline[kept])[:, rows][:, self.whitening.kept[rows]]
+        base = self.whitening(signal_model.baseline[kept])[:, rows][:, self.whitening.kept[rows]]
         return kept, covariance_of(base @ base.T, self.sums.precision[kept]) @ base
 
     def added(self, scored: Scored | None, part: slice = slice(None)) -> FloatArray:
         """(T, s) what an explanation's columns add: all of them, or some of its components."""
         if scored is None or not scored.parts:
-            return np.zeros_like(self.scene.residuals)
+            return np.zeros_like(self.signal_model.residuals)
         columns = self.catalogue.columns[list(scored.columns[part])]
         added: FloatArray = np.tensordot(scored.sizes[part], columns, 1)
         return added
@@ -96,12 +96,12 @@ class Workspace:
     def explained(self, scored: Scored | None) -> tuple[FloatArray, FloatArray]:
         """Residuals (T, s) that a calibration leaves beside an explanation, and what that adds."""
         added = self.added(scored)
-        return self.calibrated(self.scene.residuals - added), added
+        return self.calibrated(self.signal_model.residuals - added), added
 
     def without(self, scored: Scored, index: int) -> FloatArray:
         """(T, s) residuals that a calibration leaves beside all parts but one."""
         others = self.added(scored) - self.added(scored, scored.own(index))
-        return self.calibrated(self.scene.residuals - others)
+        return self.calibrated(self.signal_model.residuals - others)
 
     @cached_property
     def floor(self) -> FloatArray:
@@ -109,7 +109,7 @@ class Workspace:
         errors as built as the training runs tell them, where a calibration leaves them.
         """
         rows = self.rows_of(self.test or self.train)
-        count = np.maximum(self.scene.mask[rows].sum(axis=0), 1)
+        count = np.maximum(self.signal_model.mask[rows].sum(axis=0), 1)
         errors, left = self.left_of_errors
         known = np.tensordot(self.built.vector[errors], left, 1)
         spread = self.built.covariance[np.ix_(errors, errors)]
@@ -124,9 +124,9 @@ class Workspace:
     @cached_property
     def left_of_errors(self) -> tuple[IntArray, FloatArray]:
         """Columns of errors as built, and (e, T', s) what a calibration leaves of them there."""
-        scene, rows = self.scene, self.rows_of(self.test or self.train)
-        errors = np.flatnonzero(scene.built | ~scene.shared)
-        left = self.calibrated(scene.baseline[errors])[:, rows] * scene.mask[rows]
+        signal_model, rows = self.signal_model, self.rows_of(self.test or self.train)
+        errors = np.flatnonzero(signal_model.built | ~signal_model.shared)
+        left = self.calibrated(signal_model.baseline[errors])[:, rows] * signal_model.mask[rows]
         return errors, left
 
     @cached_property
@@ -140,11 +140,11 @@ class Workspace:
 
     def rows_of(self, runs: Sequence[int]) -> NDArray[np.bool_]:
         """(T,) samples of some runs."""
-        return np.isin(self.scene.samples.run, runs)
+        return np.isin(self.signal_model.samples.run, runs)
 
 
 def make_workspace(
-    scene: Scene,
+    signal_model: SignalModel,
     effects: Sequence[Effect],
     train: Sequence[int],
     test: Sequence[int],
@@ -153,28 +153,28 @@ def make_workspace(
     wanted: Callable[[str, Place], bool] = lambda _effect, _place: True,
 ) -> Workspace:
     """Fit gains, lay out errors as built and hypotheses, and find how large the former are."""
-    coarse, guess = coarse_noise(scene.samples), scene.parameters
-    scene = fit_baseline(scene, train, coarse, settings)
+    coarse, guess = coarse_noise(signal_model.samples), signal_model.parameters
+    signal_model = fit_baseline(signal_model, train, coarse, settings)
     # What test runs show is measured as it is.
-    fitted = np.isin(scene.samples.run, train)[:, None]
-    scene = scene.leaving_out(jolts(scene, settings) & fitted)
-    scene = replace(scene, deviations=tuple(as_built(scene, tolerances)))
-    catalogue = make_catalogue(scene, effects, wanted)
-    rows = make_rows(scene, catalogue, train, coarse, settings, guess)
-    scorer = Scorer(rows, len(scene.parameters.gain))
+    fitted = np.isin(signal_model.samples.run, train)[:, None]
+    signal_model = signal_model.leaving_out(jolts(signal_model, settings) & fitted)
+    signal_model = replace(signal_model, deviations=tuple(as_built(signal_model, tolerances)))
+    catalogue = make_catalogue(signal_model, effects, wanted)
+    rows = make_rows(signal_model, catalogue, train, coarse, settings, guess)
+    scorer = Scorer(rows, len(signal_model.parameters.gain))
     nothing = scorer.nothing
     noise = scorer.rows.by_band(nothing.variance, coarse)
-    whitening = Whitening(scene.samples, scene.mask, noise)
+    whitening = Whitening(signal_model.samples, signal_model.mask, noise)
     sums = make_sums(
         whitening,
         train,
-        scene.baseline,
+        signal_model.baseline,
         catalogue.columns,
-        scene.residuals,
+        signal_model.residuals,
         scorer.rows.prior(nothing.levels),
     )
     return Workspace(
-        scene,
+        signal_model,
         noise,
         catalogue,
         whitening,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.error_sources.base import ALL, Deviation, deviations
 from shoecal_core.error_sources.effects import body, contact, geometry, places
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.sensing.shoe import FEET, Shoe
@@ -30,71 +30,82 @@ FEWEST_CELLS = 3
 """Of a foot whose plates may carry a part of the moment past its cells."""
 
 
-def as_built(scene: Scene, tolerances: Tolerances) -> list[Deviation]:
-    """Every deviation with a standard deviation above zero, linear about a scene; gears in all
-    forms that a diagnosis knows.
+def as_built(signal_model: SignalModel, tolerances: Tolerances) -> list[Deviation]:
+    """Every deviation with a standard deviation above zero, linear about a signal model; gears
+    in all forms that a diagnosis knows.
     """
-    found = [*of_body(scene, tolerances, in_all_forms=True), *of_shoes(scene, tolerances)]
-    return [*found, *of_setup(scene, tolerances)]
+    found = [
+        *of_body(signal_model, tolerances, in_all_forms=True),
+        *of_shoes(signal_model, tolerances),
+    ]
+    return [*found, *of_setup(signal_model, tolerances)]
 
 
-def of_body(scene: Scene, tolerances: Tolerances, *, in_all_forms: bool = False) -> list[Deviation]:
+def of_body(
+    signal_model: SignalModel, tolerances: Tolerances, *, in_all_forms: bool = False
+) -> list[Deviation]:
     """Of links, joints and soles: what gains and offsets hardly change."""
-    joints = _joints(scene, tolerances, in_all_forms=in_all_forms)
-    found = [*_links(scene, tolerances), *joints, *_soles(scene, tolerances)]
+    joints = _joints(signal_model, tolerances, in_all_forms=in_all_forms)
+    found = [*_links(signal_model, tolerances), *joints, *_soles(signal_model, tolerances)]
     return [one for one in found if one.std > 0.0]
 
 
-def of_shoes(scene: Scene, tolerances: Tolerances) -> list[Deviation]:
+def of_shoes(signal_model: SignalModel, tolerances: Tolerances) -> list[Deviation]:
     """Of channels, plates and single runs: what follows the outputs."""
-    found = [*_channels(scene, tolerances), *_runs(scene, tolerances)]
+    found = [*_channels(signal_model, tolerances), *_runs(signal_model, tolerances)]
     return [one for one in found if one.std > 0.0]
 
 
-def of_setup(scene: Scene, tolerances: Tolerances) -> list[Deviation]:
+def of_setup(signal_model: SignalModel, tolerances: Tolerances) -> list[Deviation]:
     """Of the floor, and of shoes as they were put on: what cells and stances hardly tell."""
     crosstalk = geometry.Crosstalk()
-    axes = set(_coupled_axes(scene.samples.shoe))
-    cells = [place for place in crosstalk.places(scene) if place not in axes]
-    found = [*deviations(crosstalk, scene, tolerances, cells)]
+    axes = set(_coupled_axes(signal_model.samples.shoe))
+    cells = [place for place in crosstalk.places(signal_model) if place not in axes]
+    found = [*deviations(crosstalk, signal_model, tolerances, cells)]
     for source in (contact.FloorTilt(), contact.FootPlacement()):
-        found += deviations(source, scene, tolerances, source.places(scene))
+        found += deviations(source, signal_model, tolerances, source.places(signal_model))
     return [one for one in found if one.std > 0.0]
 
 
-def _links(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
+def _links(signal_model: SignalModel, tolerances: Tolerances) -> Iterator[Deviation]:
     com = body.LinkCom()
-    yield from deviations(com, scene, tolerances, com.places(scene))
-    links, samples = scene.links, scene.samples
+    yield from deviations(com, signal_model, tolerances, com.places(signal_model))
+    links, samples = signal_model.links, signal_model.samples
     own = samples.states.com[np.arange(len(samples.run)), samples.frame, :2]
-    for (name,) in com.places(scene):
+    for (name,) in com.places(signal_model):
         index = links.names.index(name)
         # The total is weighed: what one link weighs more all others weigh less.
         share = links.mass[index] / samples.robot.mass
-        column = scene.by_model(0.0, share * (links.com[:, index, :2] - own)) * scene.mask
+        column = (
+            signal_model.by_model(0.0, share * (links.com[:, index, :2] - own)) * signal_model.mask
+        )
         yield Deviation("link_mass", (name,), "share", "", tolerances.link_mass, column)
 
 
-def _joints(scene: Scene, tolerances: Tolerances, *, in_all_forms: bool) -> Iterator[Deviation]:
+def _joints(
+    signal_model: SignalModel, tolerances: Tolerances, *, in_all_forms: bool
+) -> Iterator[Deviation]:
     zero = body.JointOffset()
-    yield from deviations(zero, scene, tolerances, zero.places(scene))
+    yield from deviations(zero, signal_model, tolerances, zero.places(signal_model))
     # Gears of one robot are alike, and differ a little: one number in common, one a joint.
     for gear in (body.JointCompliance(), body.Backlash()):
         common = [(ALL,)]
-        yield from deviations(gear, scene, tolerances, common, in_all_forms=in_all_forms)
-        each = places.each_joint(scene)
-        for one in deviations(gear, scene, tolerances, each, in_all_forms=in_all_forms):
+        yield from deviations(gear, signal_model, tolerances, common, in_all_forms=in_all_forms)
+        each = places.each_joint(signal_model)
+        for one in deviations(gear, signal_model, tolerances, each, in_all_forms=in_all_forms):
             yield replace(one, std=tolerances.gear_spread * one.std)
 
 
-def _soles(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
-    yield from deviations(contact.SoftGround(), scene, tolerances, places.each_foot(scene))
+def _soles(signal_model: SignalModel, tolerances: Tolerances) -> Iterator[Deviation]:
+    yield from deviations(
+        contact.SoftGround(), signal_model, tolerances, places.each_foot(signal_model)
+    )
 
 
-def _channels(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
-    shoe = scene.samples.shoe
+def _channels(signal_model: SignalModel, tolerances: Tolerances) -> Iterator[Deviation]:
+    shoe = signal_model.samples.shoe
     cell = geometry.CellPosition()
-    for one in deviations(cell, scene, tolerances, cell.places(scene)):
+    for one in deviations(cell, signal_model, tolerances, cell.places(signal_model)):
         change = np.zeros((len(shoe.names), 3))
         index = shoe.index(one.location[0])
         change[index] = shoe.columns[index, 0] * _moved(one.component, 1.0)
@@ -102,13 +113,13 @@ def _channels(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
     for side in FEET:
         for axis in AXES if len(_cells(shoe, side)) >= FEWEST_CELLS else ():
             change = plates_column(shoe, side, axis)
-            column = -by_columns(scene, change)
+            column = -by_columns(signal_model, change)
             std = tolerances.plate_share
             yield Deviation(
                 "plates", (side,), axis, "", std, column, form=PLATES_FORM, shoe_column=change
             )
 
-    for one in deviations(geometry.Crosstalk(), scene, tolerances, _coupled_axes(shoe)):
+    for one in deviations(geometry.Crosstalk(), signal_model, tolerances, _coupled_axes(shoe)):
         receiver, donor = (shoe.index(name) for name in one.location)
         ranges = SENSOR_LEVER_M ** (int(shoe.torque[receiver]) - int(shoe.torque[donor]))
         change = np.zeros((len(shoe.names), 3))
@@ -122,18 +133,18 @@ def _coupled_axes(shoe: Shoe) -> list[tuple[str, ...]]:
     ]
 
 
-def _runs(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
+def _runs(signal_model: SignalModel, tolerances: Tolerances) -> Iterator[Deviation]:
     """What may differ from run to run: zeros, and where the right foot stands."""
-    samples = scene.samples
+    samples = signal_model.samples
     for run in samples.runs:
         here = samples.run == run
         for channel, name in enumerate(samples.shoe.names):
-            change = np.zeros_like(scene.outputs)
+            change = np.zeros_like(signal_model.outputs)
             change[here, channel] = 1.0
             torque = bool(samples.shoe.torque[channel])
             std = tolerances.run_zero_n * (0.1 if torque else 1.0)
             unit = "N m" if torque else "N"
-            column = scene.by_outputs(change)
+            column = signal_model.by_outputs(change)
             yield Deviation("zero_offset", (name,), "offset", unit, std, column, run=run, form=0.0)
     stds = (tolerances.support_m, tolerances.support_m, tolerances.support_rad)
     for segment, (left, right) in enumerate(samples.standing):
@@ -145,33 +156,34 @@ def _runs(scene: Scene, tolerances: Tolerances) -> Iterator[Deviation]:
             change = np.zeros((len(here), 3))
             change[here, axis] = 1.0
             # The foot truly stands further: the measured CoP takes it for where it was.
-            column = scene.by_support(-change)
+            column = signal_model.by_support(-change)
             unit = "rad" if name == "dtheta" else "m"
             place = (f"segment {segment}",)
             yield Deviation("support", place, name, unit, std, column, run=run)
 
 
-def by_columns(scene: Scene, change: FloatArray) -> FloatArray:
+def by_columns(signal_model: SignalModel, change: FloatArray) -> FloatArray:
     """(T, s) when the channels' columns are taken to be `change` (n, 3) more, each foot's own."""
-    wiring = scene.wiring
+    wiring = signal_model.wiring
     right = (wiring.foot == 1)[:, None]
     stacked = []
     for (stands_left, stands_right), support in zip(
-        scene.samples.standing, scene.supports, strict=True
+        signal_model.samples.standing, signal_model.supports, strict=True
     ):
         if stands_left and stands_right:
             stacked.append(np.where(right, change @ to_left(support).T, change))
         else:
             foot = 0 if stands_left else 1
             stacked.append(np.where((wiring.foot == foot)[:, None], change, 0.0))
-    per_sample = np.array(stacked)[scene.samples.segment]
-    wrench = np.einsum("tn,tnw->tw", scene.outputs, per_sample)
-    found = scene.by_wrench(wrench, settled=False)
+    per_sample = np.array(stacked)[signal_model.samples.segment]
+    wrench = np.einsum("tn,tnw->tw", signal_model.outputs, per_sample)
+    found = signal_model.by_wrench(wrench, settled=False)
     feet = [
-        scene.outputs @ np.where((wiring.foot == foot)[:, None], change, 0.0) for foot in (0, 1)
+        signal_model.outputs @ np.where((wiring.foot == foot)[:, None], change, 0.0)
+        for foot in (0, 1)
     ]
-    found[:, AIR] = scene.hanging(np.stack(feet, axis=1))
-    return scene.settled(found)
+    found[:, AIR] = signal_model.hanging(np.stack(feet, axis=1))
+    return signal_model.settled(found)
 
 
 def plates_column(shoe: Shoe, side: str, axis: str) -> FloatArray:

@@ -13,7 +13,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.tolerances import Tolerances
 
 FloatArray = NDArray[np.float64]
@@ -97,8 +97,8 @@ class Shape:
         fixed: components that this form holds at a value.
         run: the run that it happens in; None: in all.
         onset: when it begins there [s]; None: always there.
-        scene: the scene that it belongs to, where it changes what channels mean; None: the
-            one that was given.
+        signal_model: that it belongs to, where it changes what channels mean; None: the one that
+            was given.
         scale: a component's value is the fitted number times this (1 where not listed).
     """
 
@@ -107,7 +107,7 @@ class Shape:
     fixed: Mapping[str, float] = field(default_factory=dict)
     run: int | None = None
     onset: float | None = None
-    scene: Scene | None = None
+    signal_model: SignalModel | None = None
     scale: Mapping[str, float] = field(default_factory=dict)
 
 
@@ -129,11 +129,11 @@ class Effect(Protocol):
         """Of its size, each with its prior."""
         ...
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Where it can sit in this robot and these shoes."""
         ...
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """Its forms at a place; none where the recording lacks what it needs."""
         ...
 
@@ -159,18 +159,18 @@ def as_built_std(component: Component, tolerances: Tolerances, weight: float) ->
 
 def deviations(
     effect: Effect,
-    scene: Scene,
+    signal_model: SignalModel,
     tolerances: Tolerances,
     places: Iterable[Place],
     *,
     in_all_forms: bool = False,
 ) -> Iterator[Deviation]:
     """Every as-built component of an effect at these places, in its first form or in each."""
-    weight = scene.samples.robot.weight
+    weight = signal_model.samples.robot.weight
     stds = {one.name: as_built_std(one, tolerances, weight) for one in effect.components}
     known = {one.name: one for one in effect.components}
     for place in places:
-        shapes = list(effect.shapes(scene, place))[: None if in_all_forms else 1]
+        shapes = list(effect.shapes(signal_model, place))[: None if in_all_forms else 1]
         for shape in shapes:
             for name, column in zip(shape.free, shape.columns, strict=True):
                 if stds.get(name, 0.0) > 0.0:
@@ -181,7 +181,7 @@ def deviations(
                     )  # fmt: skip
 
 
-def leasts(effect: Effect, names: tuple[str, ...]) -> FloatArray:
+def lower_bounds(effect: Effect, names: tuple[str, ...]) -> FloatArray:
     """Least values of some components; of a factor that is no component LEAST_FACTOR.
 
     Such a factor says how much of the effect's own fixed form is there.
@@ -199,7 +199,7 @@ def stds(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
     return np.array([known.get(split_name(name)[0], 1.0) for name in names])
 
 
-def mosts(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
+def upper_bounds(effect: Effect, names: tuple[str, ...], weight: float) -> FloatArray:
     """Largest values of some components on a robot of this weight [N]; as for `stds`."""
     own = {component.name: component for component in effect.components}
     shares = [

@@ -1,4 +1,4 @@
-"""What the robot's body tells of each sample: places of links, torques, answers to joint angles."""
+"""What the robot's body tells of each sample: places of links, torques, Jacobians."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ POSE = 6
 
 
 @dataclass(frozen=True)
-class Answers:
+class JointJacobians:
     """Derivatives by joint angles, at T samples and m joints.
 
     Attributes:
@@ -56,7 +56,7 @@ def up_in_sole(states: BodyStates, frame: NDArray[np.int64], up: FloatArray) -> 
     return found
 
 
-def answers(samples: Samples) -> Answers:
+def joint_jacobians(samples: Samples) -> JointJacobians:
     """Central differences over the joints of the legs; zero for all others."""
     robot, frame = samples.robot, samples.frame
     kinematics = Kinematics(robot)
@@ -79,7 +79,7 @@ def answers(samples: Samples) -> Answers:
             )
         for whole, high, low in zip((cop, pose, tilt), *ends, strict=True):
             whole[:, :, joint] = (high - low) / (2.0 * _STEP)
-    return Answers(cop, pose, tilt)
+    return JointJacobians(cop, pose, tilt)
 
 
 @dataclass(frozen=True)

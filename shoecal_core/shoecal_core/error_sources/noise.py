@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter, median_filter, minimum_filter
 
-from shoecal_core.error_sources.scene import Scene
 from shoecal_core.error_sources.settings import SignalSettings
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, SIGNALS, TILT
 from shoecal_core.samples.samples import Samples
 
@@ -23,19 +23,19 @@ JOLT_S, JOLT_STDS = 1.0, 10.0
 """A jolt is over within half of this, and is so many times what usually is that short."""
 
 
-def least_noise(scene: Scene) -> FloatArray:
+def least_noise(signal_model: SignalModel) -> FloatArray:
     """(s,) noise that no fit may go below.
 
     A foot that swings pulls at its sensor: what varies there is noise to a model of a foot at
     rest, however small gains would make it. Taken from the first guess of the gains.
     """
-    samples = scene.samples
+    samples = signal_model.samples
     least = np.zeros(len(SIGNALS))
     here = samples.walks & ~samples.loaded.all(axis=1)
     if here.any():
         owner = np.stack((samples.run, samples.frame), axis=1)[here]
         _, group = np.unique(owner, axis=0, return_inverse=True)
-        values = scene.residuals[here, AIR]
+        values = signal_model.residuals[here, AIR]
         group = group.reshape(-1)
         count = np.bincount(group)[:, None]
         sums = np.stack([np.bincount(group, weights=one) for one in values.T], axis=1)
@@ -43,11 +43,11 @@ def least_noise(scene: Scene) -> FloatArray:
     return least
 
 
-def model_error(scene: Scene, settings: SignalSettings) -> FloatArray:
+def model_error(signal_model: SignalModel, settings: SignalSettings) -> FloatArray:
     """(s,) what each signal is off when soles lean by `model_error_rad`."""
     lean = settings.model_error_rad
-    height = float(np.median(scene.samples.states.com[:, 0, 2]))
-    weight = float(np.median(scene.samples.force))
+    height = float(np.median(signal_model.samples.states.com[:, 0, 2]))
+    weight = float(np.median(signal_model.samples.force))
     error = np.zeros(len(SIGNALS))
     error[GRF] = lean * weight
     error[COP] = lean * height
@@ -58,10 +58,10 @@ def model_error(scene: Scene, settings: SignalSettings) -> FloatArray:
     return error
 
 
-def form_error(scene: Scene, settings: SignalSettings) -> FloatArray:
+def form_error(signal_model: SignalModel, settings: SignalSettings) -> FloatArray:
     """(s,) what no model tells of each signal: more where the robot walks."""
-    error = model_error(scene, settings)
-    return np.maximum(error, WALKING * error) if scene.samples.walks.any() else error
+    error = model_error(signal_model, settings)
+    return np.maximum(error, WALKING * error) if signal_model.samples.walks.any() else error
 
 
 def colour(samples: Samples, frequency: FloatArray, settings: SignalSettings) -> FloatArray:
@@ -75,18 +75,20 @@ def colour(samples: Samples, frequency: FloatArray, settings: SignalSettings) ->
     return found
 
 
-def white_noise(scene: Scene) -> FloatArray:
+def white_noise(signal_model: SignalModel) -> FloatArray:
     """(s,) standard deviation of what has no memory from sample to sample.
 
     By fourth differences within segments, which smooth signals do not have; a median, as a jolt
     is no noise either. Zero for a signal that is too short.
     """
-    samples = scene.samples
+    samples = signal_model.samples
     apart = len(WHITE) - 1
     rows = [slice(at, len(samples.run) - apart + at) for at in range(len(WHITE))]
-    there = np.all([scene.mask[one] for one in rows], axis=0)
+    there = np.all([signal_model.mask[one] for one in rows], axis=0)
     there &= (samples.segment[rows[0]] == samples.segment[rows[-1]])[:, None]
-    bend = np.sum([share * scene.residuals[one] for share, one in zip(WHITE, rows, strict=True)], 0)
+    bend = np.sum(
+        [share * signal_model.residuals[one] for share, one in zip(WHITE, rows, strict=True)], 0
+    )
     white: FloatArray = np.array(
         [
             np.median(np.abs(one[here])) / HALF_WITHIN / np.linalg.norm(WHITE)
@@ -98,16 +100,16 @@ def white_noise(scene: Scene) -> FloatArray:
     return white
 
 
-def jolts(scene: Scene, settings: SignalSettings) -> BoolArray:
+def jolts(signal_model: SignalModel, settings: SignalSettings) -> BoolArray:
     """(T, s) values far off their median over a second: a knock is no error of a robot.
 
     Nor is a foot that is put down in a walk, which is not looked at.
     """
-    samples, rest = scene.samples, scene.residuals
+    samples, rest = signal_model.samples, signal_model.residuals
     found = np.zeros(rest.shape, dtype=np.bool_)
     if samples.walks.any():
         return found
-    least = np.maximum(form_error(scene, settings), white_noise(scene))
+    least = np.maximum(form_error(signal_model, settings), white_noise(signal_model))
     for segment in np.unique(samples.segment):
         here = np.flatnonzero(samples.segment == segment)
         step = float(np.median(np.diff(samples.time[here]))) if len(here) > 1 else JOLT_S
@@ -120,4 +122,4 @@ def jolts(scene: Scene, settings: SignalSettings) -> BoolArray:
         away = np.maximum(rest[here] - high, low - rest[here]).clip(0.0)
         spread = np.median(np.abs(rest[here] - usual), axis=0) / HALF_WITHIN
         found[here] = away > JOLT_STDS * np.maximum(spread, least)
-    return found & scene.mask
+    return found & signal_model.mask

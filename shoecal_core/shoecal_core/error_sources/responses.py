@@ -34,14 +34,14 @@ class Responses(Loads):
     """What a change of outputs, wrenches, angles or the model makes of the signals.
 
     Attributes:
-        answers: of the body to its joints.
+        jacobians: of the body to its joints.
         planes: (2, n) combination of outputs that is constant on each foot; zero where its
             cells are not known to lie on one plane.
         without: families of signals left out.
         outliers: (T, s) values that count for nothing.
     """
 
-    answers: body.Answers
+    jacobians: body.JointJacobians
     planes: FloatArray
     without: frozenset[str]
     outliers: BoolArray
@@ -82,9 +82,9 @@ class Responses(Loads):
     def by_angles(self, change: FloatArray) -> FloatArray:
         """(T, s) when encoders show `change` (T, m) more than the true angles."""
         found = np.zeros((len(change), len(SIGNALS)))
-        found[:, COP] = -np.einsum("tim,tm->ti", self.answers.cop, change)
-        found[:, CLOSURE] = np.einsum("tim,tm->ti", self.answers.closure, change)
-        found[:, TILT] = np.einsum("tim,tm->ti", self.answers.tilt, change)
+        found[:, COP] = -np.einsum("tim,tm->ti", self.jacobians.cop, change)
+        found[:, CLOSURE] = np.einsum("tim,tm->ti", self.jacobians.closure, change)
+        found[:, TILT] = np.einsum("tim,tm->ti", self.jacobians.tilt, change)
         # As `Samples.supports` takes the right foot's place: the median of a segment.
         support = self.samples.segment_medians(found[:, CLOSURE][:, (0, 1, 5)])
         found[:, COP] += self.by_support(support)[:, COP]

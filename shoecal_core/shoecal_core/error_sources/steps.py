@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import CLOSURE
 
 FloatArray = NDArray[np.float64]
@@ -49,15 +49,15 @@ class Step:
     shift: FloatArray
 
 
-def closure_steps(scene: Scene) -> Iterator[Step]:
+def closure_steps(signal_model: SignalModel) -> Iterator[Step]:
     """The step of each run that has one."""
-    samples = scene.samples
+    samples = signal_model.samples
     for track in samples.tracks:
-        here = (samples.run == track.run) & samples.both & scene.mask[:, CLOSURE.start]
+        here = (samples.run == track.run) & samples.both & signal_model.mask[:, CLOSURE.start]
         # Feet that are lifted may stand elsewhere afterwards.
         if track.walks or len(np.unique(samples.segment[here])) != 1:
             continue
-        found = step_of(samples.time[here], scene.residuals[here, CLOSURE][:, [0, 1, 5]])
+        found = step_of(samples.time[here], signal_model.residuals[here, CLOSURE][:, [0, 1, 5]])
         if found is not None:
             yield Step(track.run, *found)
 

@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 from shoecal_core.error_sources.as_built import of_body
 from shoecal_core.error_sources.base import Deviation
 from shoecal_core.error_sources.noise import model_error, white_noise
-from shoecal_core.error_sources.scene import Scene, make_scene
 from shoecal_core.error_sources.settings import SignalSettings
+from shoecal_core.error_sources.signal_model import SignalModel, make_signal_model
 from shoecal_core.error_sources.signals import COP
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
@@ -65,7 +65,7 @@ class JointFit:
     The covariance's order is gains, offsets, time offset, deviations.
 
     Attributes:
-        scene: of all runs, at the fitted gains and offsets.
+        signal_model: of all runs, at the fitted gains and offsets.
         time_offset: the joints are late by this [s].
         away: (2n + 1,) gains, offsets and time offset, less the middle of their priors.
         deviations: all k of them.
@@ -78,7 +78,7 @@ class JointFit:
         residuals: (T, s) what neither deviations nor nuisances explain.
     """
 
-    scene: Scene
+    signal_model: SignalModel
     time_offset: float
     away: FloatArray
     deviations: tuple[FittedDeviation, ...]
@@ -93,7 +93,7 @@ class JointFit:
     @property
     def parameters(self) -> ChannelParameters:
         """Gains and offsets."""
-        return self.scene.parameters
+        return self.signal_model.parameters
 
     @property
     def vector(self) -> FloatArray:
@@ -103,7 +103,7 @@ class JointFit:
     @cached_property
     def shoe(self) -> Shoe:
         """The shoe with the channels' columns as they were fitted."""
-        shoe = self.scene.samples.shoe
+        shoe = self.signal_model.samples.shoe
         columns = shoe.columns.copy()
         for one in self.deviations:
             if one.deviation.shoe_column is not None:
@@ -176,35 +176,44 @@ def fit_jointly(
     if lost.any():
         named = ", ".join(np.array(samples.shoe.names)[lost])
         raise ShoecalError(f"readings of {named} are not numbers: leave those samples out")
-    scene = make_scene(samples, guess, settings).with_planes(settings)
-    late = _time_offset_column(scene)
+    signal_model = make_signal_model(samples, guess, settings).with_planes(settings)
+    late = _time_offset_column(signal_model)
     own_std = np.append(
         parameter_std(samples.shoe, guess, samples.robot.weight, settings),
         max(time_offset_std_s, EXACT_S),
     )
     steps, initial_cost = 0, None
     for tolerance in (COARSE, SETTLED):
-        sample_std = _sample_std(scene, settings)
-        body = of_body(scene, tolerances)
+        sample_std = _sample_std(signal_model, settings)
+        body = of_body(signal_model, tolerances)
         moved = np.inf
         while not moved < tolerance:  # nor where it is not a number
             if steps == MAX_STEPS:
                 raise _unsettled(moved)
             try:
                 system = LinearSystem.at(
-                    scene, fitted, guess, own_std, late, body, sample_std, tolerances, known, zeros
+                    signal_model,
+                    fitted,
+                    guess,
+                    own_std,
+                    late,
+                    body,
+                    sample_std,
+                    tolerances,
+                    known,
+                    zeros,
                 )
                 if initial_cost is None:
                     initial_cost = system.cost(np.zeros(len(system.std)))
                 solution = system.solution()
                 moved = system.moved(solution)
                 now = system.parameters_after(solution)
-                scene = scene.with_parameters(now).with_planes(settings)
+                signal_model = signal_model.with_parameters(now).with_planes(settings)
             except np.linalg.LinAlgError:  # steps that only grow
                 raise _unsettled(moved) from None
             steps += 1
     assert initial_cost is not None
-    return _joint_fit(system, scene, solution, initial_cost, steps, moved)
+    return _joint_fit(system, signal_model, solution, initial_cost, steps, moved)
 
 
 def _unsettled(moved: float) -> ShoecalError:
@@ -215,41 +224,43 @@ def _unsettled(moved: float) -> ShoecalError:
     )
 
 
-def _sample_std(scene: Scene, settings: SignalSettings) -> FloatArray:
+def _sample_std(signal_model: SignalModel, settings: SignalSettings) -> FloatArray:
     """(s,) of the samples: sensor noise, and the form error as if each sample erred by itself.
 
     Samples within the correlation time err alike; each therefore counts by its share only.
     """
     together = max(1.0, settings.model_error_s * RATE_HZ)
-    std: FloatArray = np.hypot(white_noise(scene), np.sqrt(together) * model_error(scene, settings))
+    std: FloatArray = np.hypot(
+        white_noise(signal_model), np.sqrt(together) * model_error(signal_model, settings)
+    )
     return std
 
 
-def _time_offset_column(scene: Scene) -> FloatArray:
+def _time_offset_column(signal_model: SignalModel) -> FloatArray:
     """(T, s) a unit of the joints' time offset: the modelled CoP lags by its rate of change."""
-    samples = scene.samples
+    samples = signal_model.samples
 
     def rates(track: Track) -> FloatArray:
         rate: FloatArray = np.gradient(track.com[..., :2], track.time, axis=0)
         return rate
 
     both = samples.decimated(rates)
-    column = np.zeros_like(scene.residuals)
+    column = np.zeros_like(signal_model.residuals)
     column[:, COP] = both[np.arange(len(both)), samples.frame]
     column[:, COP] *= ~samples.walks[:, None]
-    return column * scene.mask
+    return column * signal_model.mask
 
 
 def _joint_fit(
     system: LinearSystem,
-    scene: Scene,
+    signal_model: SignalModel,
     solution: FloatArray,
     initial_cost: float,
     steps: int,
     moved: float,
 ) -> JointFit:
     """The result, for a solution that has settled."""
-    first = 2 * len(scene.parameters.gain) + 1
+    first = 2 * len(signal_model.parameters.gain) + 1
     size = first + len(system.deviations)
     # Gains and offsets enter as what they are too large by.
     sign = np.ones(size)
@@ -261,7 +272,7 @@ def _joint_fit(
         for one, value, std in zip(system.deviations, solution[first:size], stds, strict=True)
     )
     return JointFit(
-        scene=scene,
+        signal_model=signal_model,
         time_offset=float(solution[first - 1]),
         away=np.append(
             (system.away - solution)[: first - 1],
@@ -274,5 +285,5 @@ def _joint_fit(
         initial_cost=initial_cost,
         steps=steps,
         last_step=moved,
-        residuals=system.scene.residuals - np.tensordot(solution, system.columns, 1),
+        residuals=system.signal_model.residuals - np.tensordot(solution, system.columns, 1),
     )

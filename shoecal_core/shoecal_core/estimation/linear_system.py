@@ -12,7 +12,7 @@ from scipy.linalg import cho_factor, cho_solve
 
 from shoecal_core.error_sources.as_built import of_shoes
 from shoecal_core.error_sources.base import Deviation
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.known_shoe import KnownShoe
 from shoecal_core.estimation.known_zeros import KnownZeros
@@ -23,12 +23,12 @@ FloatArray = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class LinearSystem:
-    """The problem, linear about a scene: columns times unknowns give the residuals.
+    """The problem, linear about a signal model: columns times unknowns give the residuals.
 
     Unknowns are what gains and offsets are too large by, the time offset, deviations, nuisances.
 
     Attributes:
-        scene: linearised about.
+        signal_model: linearised about.
         deviations: k of them.
         std: (u,) prior standard deviation of each unknown.
         away: (u,) where the priors have their middle.
@@ -37,7 +37,7 @@ class LinearSystem:
         target: (r,) whitened residuals.
     """
 
-    scene: Scene
+    signal_model: SignalModel
     deviations: tuple[Deviation, ...]
     std: FloatArray
     away: FloatArray
@@ -48,7 +48,7 @@ class LinearSystem:
     @classmethod
     def at(
         cls,
-        scene: Scene,
+        signal_model: SignalModel,
         fitted: NDArray[np.bool_],
         guess: ChannelParameters,
         own_std: FloatArray,
@@ -62,7 +62,7 @@ class LinearSystem:
         """Linearise the problem.
 
         Args:
-            scene: of all runs, about whose gains and offsets it is linear.
+            signal_model: of all runs, about whose gains and offsets it is linear.
             fitted: (T,) samples that count.
             guess: gains and offsets that the priors are about.
             own_std: (2n + 1,) prior standard deviations of gains, offsets and time offset.
@@ -74,29 +74,29 @@ class LinearSystem:
             zeros: of a robot that hung.
         """
         own = len(own_std) - 1
-        deviations = (*body, *of_shoes(scene, tolerances))
-        nuisances = scene.nuisances
+        deviations = (*body, *of_shoes(signal_model, tolerances))
+        nuisances = signal_model.nuisances
         columns = np.concatenate(
             (
-                scene.baseline[:own],
+                signal_model.baseline[:own],
                 late[None],
                 np.array([one.column for one in deviations]).reshape(-1, *late.shape),
-                scene.baseline[own:],
+                signal_model.baseline[own:],
             )
         )
         std = np.concatenate(
             (own_std, [one.std for one in deviations], [one.std for one in nuisances])
         )
         away = np.zeros(len(std))
-        parameters = scene.parameters
+        parameters = signal_model.parameters
         away[:own] = np.concatenate(
             (parameters.gain - guess.gain, parameters.offset - guess.offset)
         )
-        there = scene.mask & fitted[:, None]
+        there = signal_model.mask & fitted[:, None]
         more_rows, more_target = np.zeros((len(std), 0)), np.zeros(0)
         if known is not None:
             by_gain, by_deviation, more_target = known.rows(
-                scene.samples.shoe, parameters, deviations
+                signal_model.samples.shoe, parameters, deviations
             )
             more_rows = np.zeros((len(std), len(more_target)))
             more_rows[: by_gain.shape[1]] = by_gain.T
@@ -109,13 +109,13 @@ class LinearSystem:
             more_target = np.concatenate((more_target, target))
         scale = 1.0 / np.broadcast_to(sample_std, there.shape)[there]
         return cls(
-            scene=scene,
+            signal_model=signal_model,
             deviations=deviations,
             std=std,
             away=away,
             columns=columns,
             rows=np.concatenate((columns[:, there] * scale, more_rows), axis=1),
-            target=np.concatenate((scene.residuals[there] * scale, more_target)),
+            target=np.concatenate((signal_model.residuals[there] * scale, more_target)),
         )
 
     @cached_property
@@ -144,12 +144,12 @@ class LinearSystem:
 
     def moved(self, solution: FloatArray) -> float:
         """Largest change of gains and offsets, in units of their priors."""
-        own = 2 * len(self.scene.parameters.gain)
+        own = 2 * len(self.signal_model.parameters.gain)
         return float(np.max(np.abs(solution[:own] / self.std[:own])))
 
     def parameters_after(self, solution: FloatArray) -> ChannelParameters:
         """Gains and offsets without what they were too large by."""
-        count, now = len(self.scene.parameters.gain), self.scene.parameters
+        count, now = len(self.signal_model.parameters.gain), self.signal_model.parameters
         return ChannelParameters(
             now.gain - solution[:count], now.offset - solution[count : 2 * count]
         )

@@ -23,16 +23,16 @@ def support_covariance(joint: JointFit | None, tolerances: Tolerances) -> FloatA
     own: FloatArray = np.diag(stds**2)
     if joint is None:
         return own
-    scene = joint.scene
+    signal_model = joint.signal_model
     zeros = [
         (index, one.deviation.location[0])
         for index, one in enumerate(joint.deviations, start=len(joint.vector))
         if one.deviation.effect == "joint_offset"
     ]
-    if not zeros or not scene.samples.both.any():
+    if not zeros or not signal_model.samples.both.any():
         return own
-    robot = scene.samples.robot
-    mean = scene.answers.closure[scene.samples.both][:, PLANAR].mean(axis=0)
+    robot = signal_model.samples.robot
+    mean = signal_model.jacobians.closure[signal_model.samples.both][:, PLANAR].mean(axis=0)
     slopes = np.zeros((3, len(zeros)))
     for column, (_, name) in enumerate(zeros):
         for moved, ratio in driven_together(robot, robot.joint(name)):

@@ -4,7 +4,7 @@ Along a path q(s) with x = (ds/dt)^2, speed and acceleration of anything that de
 
     |dr/dt|^2 = |r'|^2 x          d2r/dt2 = r'' x + r' x' / 2
 
-linear in x and its derivative. So the fastest profile x(s) is a linear programme.
+linear in x and its derivative. So the fastest profile x(s) is a linear program.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ class Stream:
         self.names: tuple[str, ...] = ()
         self._robot = robot
         self._trajectory: JointTrajectory | None = None
-        self._coast = _at_rest(robot, robot.posture)
+        self._deceleration = _at_rest(robot, robot.posture)
         self._columns = np.zeros(0, dtype=np.int64)
         self._begun_s = 0.0
         self._stopped_s: float | None = None
@@ -66,9 +66,9 @@ class Stream:
             )
             # Those that the new one does not name come to rest, too.
             names += tuple(name for name in self.names if name not in names)
-        coast = DecelerationProfile.within_limits(self._robot, angles, speeds, STOP_S)
-        self._trajectory = trajectory.full(self._robot, coast.end)
-        self._coast = coast
+        deceleration = DecelerationProfile.within_limits(self._robot, angles, speeds, STOP_S)
+        self._trajectory = trajectory.full(self._robot, deceleration.end)
+        self._deceleration = deceleration
         self.names = names
         self._columns = np.array([self._robot.joint(name) for name in names])
         self._begun_s, self._stopped_s = now_s, None
@@ -103,7 +103,7 @@ class Stream:
         """(m,) angles [rad] and speeds [rad/s] that all joints are told."""
         assert self._trajectory is not None
         elapsed, pace = self._clock(now_s)
-        run_out, running = self._coast.at(elapsed)
+        run_out, running = self._deceleration.at(elapsed)
         followed = self._trajectory.at(np.array(elapsed))
         following = self._trajectory.rates(np.array(elapsed))
         done = min(elapsed / STOP_S, 1.0)

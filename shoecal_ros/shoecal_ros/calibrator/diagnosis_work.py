@@ -66,7 +66,7 @@ def runs_to_record(
         link: to the node.
         files: robot and shoe.
         settings: of planning.
-        motions: of the planner's menu or proposed; none: the standard set.
+        motions: of the planner's catalogue or proposed; none: the standard set.
         seed: draws the double supports.
         session: to add to: what is added trains, in the double supports that are there already.
             Of a new one the last quarter tests.

@@ -23,7 +23,7 @@ class Proposal:
     """What a name means.
 
     Attributes:
-        motion: on the planner's menu.
+        motion: on the planner's catalogue.
         stance: one of STANCES, where it is done; empty: in the session's own double supports.
         by_hand: what a person does before; empty: the robot can do it all.
     """
@@ -48,11 +48,11 @@ BEYOND_MENU: Mapping[str, Proposal] = {
         for name, hand in BY_HAND.items()
     },
 }
-"""What a diagnosis may propose beside the motions of the menu."""
+"""What a diagnosis may propose beside the motions of the catalogue."""
 
 
 def proposal(name: str) -> Proposal:
-    """What a motion of the menu, or one beyond it, means.
+    """What a motion of the catalogue, or one beyond it, means.
 
     Raises:
         NameNotFoundError: for another one.

@@ -13,7 +13,7 @@ from shoecal_core.calibration.extract import stances_of
 from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.calibration.screening.screen import screen
-from shoecal_core.calibration.unloading import LEAST_AIR_S, UNLOADING, aloft
+from shoecal_core.calibration.unloading import LEAST_AIR_S, UNLOADING, detect_lifted_foot
 from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.run import Run
@@ -161,18 +161,20 @@ def test_too_short_a_time_in_the_air_is_no_stance(whole: Recording) -> None:
     one = whole.aligned[RUN]
     up = (one.time > UP) & (one.time < UP + LEAST_AIR_S / 2.0)
     translation = one.states.translation + np.outer(up, [0.0, 0.0, HEIGHT])
-    found = aloft("unload_right", replace(one, states=replace(one.states, translation=translation)))
+    found = detect_lifted_foot(
+        "unload_right", replace(one, states=replace(one.states, translation=translation))
+    )
     assert found is not None
     assert not found.air.any()
     assert found.moving[up].all()
 
 
 def test_other_motions_lift_no_foot(whole: Recording) -> None:
-    assert aloft("landmarks", whole.aligned[RUN]) is None
+    assert detect_lifted_foot("landmarks", whole.aligned[RUN]) is None
 
 
 def test_a_foot_that_stays_down_leaves_one_stretch(whole: Recording) -> None:
-    found = aloft("unload_right", whole.aligned[RUN])
+    found = detect_lifted_foot("unload_right", whole.aligned[RUN])
     assert found is not None
     (stretch,) = found.stretches()
     assert stretch.all()

@@ -28,7 +28,7 @@ def coloured(workspace: Workspace, rng: np.random.Generator) -> FloatArray:
     for rows, own in spectrum.parts:
         part = np.ix_(rows, own)
         found[part] = idct(drawn[part], axis=0, norm="ortho")
-    return np.where(workspace.scene.mask, found, 0.0)
+    return np.where(workspace.signal_model.mask, found, 0.0)
 
 
 def hypothesis(workspace: Workspace, label: str) -> Hypothesis:
@@ -59,7 +59,7 @@ class Urn:
     @classmethod
     def of(cls, workspace: Workspace) -> Urn:
         """Whiten all columns once."""
-        whole = np.concatenate((workspace.scene.baseline, workspace.catalogue.columns))
+        whole = np.concatenate((workspace.signal_model.baseline, workspace.catalogue.columns))
         kept = workspace.whitening.kept & workspace.rows_of(workspace.train)[:, None]
         return cls(workspace, workspace.whitening(whole)[:, kept], kept)
 
@@ -69,7 +69,7 @@ class Urn:
         """Noise, errors as built, and at each stance one of its own; the truth adds by label."""
         workspace = self.workspace
         residuals = coloured(workspace, rng)
-        for one in workspace.scene.nuisances:
+        for one in workspace.signal_model.nuisances:
             std = MADE * one.std if one.as_built else one.std
             residuals += one.column * rng.normal() * (std if std < 1.0 else 0.0)
         for label, size in (truth or {}).items():
@@ -80,9 +80,9 @@ class Urn:
     def showing(self, residuals: FloatArray) -> Workspace:
         """The layout with these residuals (T, s)."""
         workspace = self.workspace
-        scene = replace(workspace.scene)
-        # All else that the scene has worked out stays.
-        scene.__dict__.update(workspace.scene.__dict__ | {"residuals": residuals})
+        signal_model = replace(workspace.signal_model)
+        # All else that the signal model has worked out stays.
+        signal_model.__dict__.update(workspace.signal_model.__dict__ | {"residuals": residuals})
         own = workspace.whitening(residuals)[self.kept]
         products = workspace.sums.products.copy()
         products[:-1, -1] = products[-1, :-1] = self.whitened @ own
@@ -92,17 +92,19 @@ class Urn:
         rows = replace(old.rows, residuals=told, away=np.zeros_like(old.rows.away))
         scorer = Scorer(rows, old.channels)
         sums = replace(workspace.sums, products=products)
-        return replace(workspace, scene=scene, sums=sums, scorer=scorer, built=scorer.nothing)
+        return replace(
+            workspace, signal_model=signal_model, sums=sums, scorer=scorer, built=scorer.nothing
+        )
 
 
 def remade(workspace: Workspace, runs: Sequence[int] = ()) -> Sums:
-    """Sums from nothing but the workspace's scene, of other runs if any are named."""
-    scene = workspace.scene
+    """Sums from nothing but the workspace's signal_model, of other runs if any are named."""
+    signal_model = workspace.signal_model
     return make_sums(
         workspace.whitening,
         runs or workspace.train,
-        scene.baseline,
+        signal_model.baseline,
         workspace.catalogue.columns,
-        scene.residuals,
+        signal_model.residuals,
         workspace.sums.precision,
     )

@@ -30,5 +30,5 @@ def test_without_a_cause_there_are_errors_as_built_and_what_nothing_explains(urn
     told = budget(drawn, drawn.explained(None)[0], None)
     assert sum(one.cop_share for one in told) == pytest.approx(1.0)
     assert told[-1].source == "not explained"
-    nothing = np.zeros_like(drawn.scene.residuals)
+    nothing = np.zeros_like(drawn.signal_model.residuals)
     assert budget(drawn, nothing, None) == ()

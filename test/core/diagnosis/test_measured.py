@@ -41,15 +41,15 @@ def read(standard_session: Session) -> Read:
 
 def found(session: Session, read: Read, workspace: Workspace, zeros: tuple[Zero, ...]) -> Measured:
     return measure(
-        session, read, workspace.scene.samples, zeros, TRAIN, workspace.scene.parameters, SETTINGS,
-        weighs=True,
+        session, read, workspace.signal_model.samples, zeros, TRAIN,
+        workspace.signal_model.parameters, SETTINGS, weighs=True,
     )  # fmt: skip
 
 
 def test_a_zero_that_moved_in_one_run(
     standard_session: Session, read: Read, workspace: Workspace
 ) -> None:
-    law, shoe = workspace.scene.parameters, read.shoe
+    law, shoe = workspace.signal_model.parameters, read.shoe
     zeros = tuple(
         hanging(run, foot, law, 1.0 + 0.4 * (foot == 1 and run == 7), shoe)
         for run in (*TRAIN, *TEST)
@@ -71,7 +71,8 @@ def test_zeros_that_stay_are_no_cause(
     standard_session: Session, read: Read, workspace: Workspace
 ) -> None:
     zeros = tuple(
-        hanging(run, 0, workspace.scene.parameters, 1.0 + 1e-3 * run, read.shoe) for run in TRAIN
+        hanging(run, 0, workspace.signal_model.parameters, 1.0 + 1e-3 * run, read.shoe)
+        for run in TRAIN
     )
     assert not found(standard_session, read, workspace, zeros)
     # Nor is one that has none to be compared with.
@@ -79,7 +80,7 @@ def test_zeros_that_stay_are_no_cause(
 
 
 def test_readings_as_if_zeros_had_stayed(workspace: Workspace, read: Read) -> None:
-    samples, law = workspace.scene.samples, workspace.scene.parameters
+    samples, law = workspace.signal_model.samples, workspace.signal_model.parameters
     zeros = [hanging(run, 0, law, 0.4 * (run == 7), read.shoe) for run in (*TRAIN, *TEST)]
     moved = law.outputs(at_zeros(samples, zeros, TRAIN).readings) - law.outputs(samples.readings)
     left = read.shoe.foot == 0

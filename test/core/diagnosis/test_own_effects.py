@@ -33,14 +33,14 @@ class Pulled:
     def __init__(self, swinging):
         self.swinging = swinging
 
-    def places(self, scene):
+    def places(self, signal_model):
         yield ("swinging" if self.swinging else "steady",)
 
-    def shapes(self, scene, place):
-        time = scene.samples.time
+    def shapes(self, signal_model, place):
+        time = signal_model.samples.time
         course = np.sin(5.0 * time) if self.swinging else np.ones_like(time)
         cop = np.stack((0.0 * course, course), axis=1)
-        yield Shape(("far",), scene.by_model(0.0, cop)[None])
+        yield Shape(("far",), signal_model.by_model(0.0, cop)[None])
 
 
 EFFECTS = (Pulled(False), Pulled(True))
@@ -56,7 +56,7 @@ def own(workspace: Workspace, tmp_path_factory: pytest.TempPathFactory) -> Urn:
     effects = effects_from(path)
     return Urn.of(
         make_workspace(
-            workspace.scene, effects, workspace.train, workspace.test, SETTINGS, Tolerances()
+            workspace.signal_model, effects, workspace.train, workspace.test, SETTINGS, Tolerances()
         )
     )
 

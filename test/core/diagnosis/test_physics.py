@@ -18,7 +18,7 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.sizes import sizes
 from shoecal_core.diagnosis.workspace import make_workspace
 from shoecal_core.error_sources.effects.known import EFFECTS
-from shoecal_core.error_sources.scene import make_scene
+from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.sampling import load_samples
@@ -83,9 +83,9 @@ def test_sizes_are_those_of_the_physics(world: str, tmp_path: Path) -> None:
 def fitted(folder: Path, labels: tuple[str, ...]) -> Mapping[str, Mapping[str, Size]]:
     """Sizes of all that is there, fitted together."""
     samples = load_samples(Session.open(folder), RUNS, SETTINGS)
-    scene = make_scene(samples, first_parameters(samples, RUNS), SETTINGS)
+    signal_model = make_signal_model(samples, first_parameters(samples, RUNS), SETTINGS)
     wanted = {label.split(" ")[0] for label in labels}
     effects = [effect for effect in EFFECTS if effect.identifier in wanted]
-    workspace = make_workspace(scene, effects, RUNS, (), SETTINGS, Tolerances())
+    workspace = make_workspace(signal_model, effects, RUNS, (), SETTINGS, Tolerances())
     scored = workspace.scorer.score([part(workspace, label) for label in labels])
     return {label: sizes(workspace, scored, index) for index, label in enumerate(labels)}

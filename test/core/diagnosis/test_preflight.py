@@ -105,10 +105,10 @@ def test_the_fewer_places_are_named_of_those_that_show_and_those_that_do_not(
 
 
 def test_missing_channels_are_told(workspace: Workspace) -> None:
-    samples = workspace.scene.samples
+    samples = workspace.signal_model.samples
     tracks = tuple(replace(track, up=None, efforts=None) for track in samples.tracks)
-    scene = replace(workspace.scene, samples=replace(samples, tracks=tracks))
-    lines = preflight(replace(workspace, scene=scene), SETTINGS).cannot_detect
+    signal_model = replace(workspace.signal_model, samples=replace(samples, tracks=tracks))
+    lines = preflight(replace(workspace, signal_model=signal_model), SETTINGS).cannot_detect
     assert any(line.startswith("off_axis_load: joint efforts") for line in lines)
     assert any("/imu" in line for line in lines)
 

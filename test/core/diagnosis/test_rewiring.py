@@ -15,7 +15,7 @@ from shoecal_core.diagnosis.rewiring import rewired
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.effects.geometry import SwappedCells
-from shoecal_core.error_sources.scene import make_scene
+from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
@@ -25,19 +25,21 @@ SETTINGS, EFFECTS = DiagnosisSettings(), (SwappedCells(),)
 
 def swapped(workspace: Workspace, one: int, other: int) -> Workspace:
     """The session as it would be had two cables been exchanged."""
-    samples = workspace.scene.samples
+    samples = workspace.signal_model.samples
     order = np.arange(len(samples.shoe.channels))
     order[[one, other]] = other, one
     tracks = tuple(replace(one, readings=one.readings[:, order]) for one in samples.tracks)
     crossed = replace(samples, tracks=tracks, readings=samples.readings[:, order])
     first = first_parameters(crossed, workspace.train)
-    scene = make_scene(crossed, first, SETTINGS)
-    return make_workspace(scene, EFFECTS, workspace.train, workspace.test, SETTINGS, Tolerances())
+    signal_model = make_signal_model(crossed, first, SETTINGS)
+    return make_workspace(
+        signal_model, EFFECTS, workspace.train, workspace.test, SETTINGS, Tolerances()
+    )
 
 
 @pytest.mark.parametrize(("one", "other"), [(0, 3), (2, 5)])
 def test_exchanged_cables_are_found(workspace: Workspace, one: int, other: int) -> None:
-    names = workspace.scene.samples.shoe.names
+    names = workspace.signal_model.samples.shoe.names
     crossed = swapped(workspace, one, other)
     found = rewired(crossed, EFFECTS, SETTINGS)
     assert found is not None
@@ -51,7 +53,7 @@ def test_exchanged_cables_are_found(workspace: Workspace, one: int, other: int) 
 
 def test_cables_that_are_right_stay(workspace: Workspace) -> None:
     usual = make_workspace(
-        workspace.scene, EFFECTS, workspace.train, workspace.test, SETTINGS, Tolerances()
+        workspace.signal_model, EFFECTS, workspace.train, workspace.test, SETTINGS, Tolerances()
     )
     assert len(usual.catalogue.rewired) == 28
     assert rewired(usual, EFFECTS, SETTINGS) is None

@@ -86,9 +86,10 @@ def test_of_three_causes_as_many_are_named_as_may_be(urn: Urn) -> None:
 def test_exact_twins_are_equally_probable_and_others_are_not(urn: Urn) -> None:
     true, twin = "cell_position (left/front_left)", "crosstalk (left/rear_left, left/front_left)"
     # From the receiver's place to the donor's: what crosstalk does to the CoP.
-    shoe = urn.workspace.scene.samples.shoe
+    shoe = urn.workspace.signal_model.samples.shoe
     places = {
-        name: urn.workspace.scene.wiring.columns[shoe.names.index(name)] for name in shoe.names
+        name: urn.workspace.signal_model.wiring.columns[shoe.names.index(name)]
+        for name in shoe.names
     }
     away = places["left/rear_left"] - places["left/front_left"]
     size = 0.2 * np.array([-away[2], away[1]])

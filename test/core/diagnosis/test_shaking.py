@@ -7,11 +7,11 @@ import pytest
 from core.error_sources.altered import FloatArray, with_forces
 from shoecal_core.diagnosis.shaking import shaking
 from shoecal_core.diagnosis.workspace import Workspace
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.samples.samples import Track
 
 
-def struck(scene: Scene, every: int) -> Scene:
+def struck(signal_model: SignalModel, every: int) -> SignalModel:
     """All cells leap by 5 N, once in so many samples."""
 
     def work(_track: Track, forces: FloatArray) -> FloatArray:
@@ -19,17 +19,17 @@ def struck(scene: Scene, every: int) -> Scene:
         forces[::every] += 5.0
         return forces
 
-    return with_forces(scene, work)
+    return with_forces(signal_model, work)
 
 
 def test_a_robot_that_stands_firm_does_not_shake(workspace: Workspace) -> None:
-    assert shaking(workspace.scene) == []
-    assert shaking(struck(workspace.scene, 50)) == []
+    assert shaking(workspace.signal_model) == []
+    assert shaking(struck(workspace.signal_model, 50)) == []
 
 
 @pytest.mark.parametrize("every", [7, 9])
 def test_how_often_it_shook_is_told(workspace: Workspace, every: int) -> None:
-    (note,) = shaking(struck(workspace.scene, every))
+    (note,) = shaking(struck(workspace.signal_model, every))
     assert "the robot shook" in note
     told = float(note.split("for ")[1].split("%")[0])
     assert 100 / every - 1.0 < told < 100 / every + 5.0  # some leaps are the robot's own

@@ -44,7 +44,7 @@ def stuck(
 def test_a_cell_that_gets_stuck_is_found_and_mended(
     workspace: Workspace, channel: int, when: float, share: float
 ) -> None:
-    samples = workspace.scene.samples
+    samples = workspace.signal_model.samples
     time = when * float(samples.clock.max())
     time += 0.1 + float(samples.clock[samples.clock >= time].min()) - time
     broken = stuck(samples, channel, time, share)
@@ -89,7 +89,7 @@ def test_a_cell_may_be_stuck_for_a_while_in_any_run(
     ends: tuple[int, float] | None,
 ) -> None:
     """In training runs and test runs, over their ends, and at the ends of the session."""
-    samples = workspace.scene.samples
+    samples = workspace.signal_model.samples
     time = in_run(samples, *begins)
     end = np.inf if ends is None else in_run(samples, *ends)
     broken = stuck(samples, channel, time, 1.0, end)
@@ -112,7 +112,7 @@ def test_a_cell_may_be_stuck_for_a_while_in_any_run(
 def test_a_cell_that_is_stuck_from_the_beginning_shows_what_the_weight_leaves(
     workspace: Workspace, living: float
 ) -> None:
-    samples = workspace.scene.samples
+    samples = workspace.signal_model.samples
     channel = 4
     broken = stuck(samples, channel, living, 1.0)
     found = stopped(broken)
@@ -126,7 +126,7 @@ def test_a_cell_that_is_stuck_from_the_beginning_shows_what_the_weight_leaves(
 
 
 def test_a_cell_that_reaches_its_end_is_not_stuck(workspace: Workspace) -> None:
-    samples = workspace.scene.samples
+    samples = workspace.signal_model.samples
     level = float(np.quantile(samples.readings[:, 0], 0.8))
 
     def cut(readings: FloatArray) -> FloatArray:
@@ -139,16 +139,16 @@ def test_a_cell_that_reaches_its_end_is_not_stuck(workspace: Workspace) -> None:
 
 
 def test_cells_that_go_on_are_not_stuck(workspace: Workspace) -> None:
-    assert stopped(workspace.scene.samples) is None
+    assert stopped(workspace.signal_model.samples) is None
 
 
 def test_a_gain_that_changes_little_is_no_stuck_cell(workspace: Workspace) -> None:
-    samples = workspace.scene.samples
+    samples = workspace.signal_model.samples
     assert stopped(stuck(samples, 2, 0.5 * float(samples.clock.max()), 0.3)) is None
 
 
 def test_what_it_tells_is_a_cause(workspace: Workspace) -> None:
-    samples = workspace.scene.samples
+    samples = workspace.signal_model.samples
     found = stopped(stuck(samples, 0, 0.4 * float(samples.clock.max()), 1.0))
     assert found is not None
     cause = found.cause(workspace, workspace)

@@ -15,7 +15,7 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.weak_cells import weak_cells
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.base import Place
-from shoecal_core.error_sources.scene import make_scene
+from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
 
 SETTINGS = DiagnosisSettings()
@@ -29,13 +29,13 @@ def everywhere(_effect: str, _place: Place) -> bool:
 
 def answering(workspace: Workspace, channel: int, share: float) -> Workspace:
     """The session as it would be had a cell shown but a share of what it feels."""
-    samples = workspace.scene.samples
+    samples = workspace.signal_model.samples
     factor = np.ones(len(samples.shoe.channels))
     factor[channel] = share
     tracks = tuple(replace(one, readings=one.readings * factor) for one in samples.tracks)
     weak = replace(samples, tracks=tracks, readings=samples.readings * factor)
-    scene = make_scene(weak, first_parameters(weak, workspace.train), SETTINGS)
-    return make_workspace(scene, (), workspace.train, workspace.test, SETTINGS, Tolerances())
+    signal_model = make_signal_model(weak, first_parameters(weak, workspace.train), SETTINGS)
+    return make_workspace(signal_model, (), workspace.train, workspace.test, SETTINGS, Tolerances())
 
 
 @pytest.mark.parametrize(("channel", "share"), [(1, 0.1), (6, 0.25)])
@@ -44,7 +44,7 @@ def test_a_cell_that_hardly_answers_is_a_stuck_one(
 ) -> None:
     (cause,) = weak_cells(answering(workspace, channel, share), everywhere)
     assert (cause.effect, cause.group) == ("stuck_cell", "load_cell")
-    assert cause.location == (workspace.scene.samples.shoe.names[channel],)
+    assert cause.location == (workspace.signal_model.samples.shoe.names[channel],)
     size = cause.size["share"]
     assert size.ci95[0] <= 1.0 - share <= size.ci95[1]
     assert cause.hidden_cop_mm > 1.0
@@ -80,8 +80,8 @@ def test_cells_that_differ_as_cells_do_are_none(workspace: Workspace) -> None:
 
 def test_cells_of_known_gain_need_not_be_alike(workspace: Workspace) -> None:
     weak = answering(workspace, 1, 0.1)
-    samples = weak.scene.samples
+    samples = weak.signal_model.samples
     channels = tuple(replace(one, nominal_gain=1.0) for one in samples.shoe.channels)
     shoe = replace(samples.shoe, channels=channels)
-    scene = replace(weak.scene, samples=replace(samples, shoe=shoe))
-    assert weak_cells(replace(weak, scene=scene), everywhere) == []
+    signal_model = replace(weak.signal_model, samples=replace(samples, shoe=shoe))
+    assert weak_cells(replace(weak, signal_model=signal_model), everywhere) == []

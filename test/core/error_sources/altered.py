@@ -1,4 +1,4 @@
-"""A recorded scene with exactly one thing changed: what the definition of an effect says."""
+"""A recorded signal_model with exactly one thing changed: what the definition of an effect says."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.model.kinematics import BodyStates
 from shoecal_core.model.robot import Robot
 from shoecal_core.samples.samples import Samples, Track
@@ -21,46 +21,48 @@ Work = Callable[[Track, FloatArray], FloatArray]
 """From a run and something of it (F, k) to what it is with the effect."""
 
 
-def with_forces(scene: Scene, work: Work) -> Scene:
+def with_forces(signal_model: SignalModel, work: Work) -> SignalModel:
     """The readings that tell other forces by the same affine law."""
-    law = scene.parameters
+    law = signal_model.parameters
 
     def changed(track: Track) -> FloatArray:
         return np.asarray((work(track, law.outputs(track.readings)) - law.offset) / law.gain)
 
-    return with_readings(scene, changed)
+    return with_readings(signal_model, changed)
 
 
-def with_readings(scene: Scene, work: Callable[[Track], FloatArray]) -> Scene:
+def with_readings(signal_model: SignalModel, work: Callable[[Track], FloatArray]) -> SignalModel:
     """Other raw readings, at the recorded rate and in the samples."""
-    samples = scene.samples
+    samples = signal_model.samples
     tracks = tuple(replace(track, readings=work(track)) for track in samples.tracks)
     readings = np.concatenate([track.mean(track.readings) for track in tracks])
-    return replace(scene, samples=replace(samples, tracks=tracks, readings=readings))
+    return replace(signal_model, samples=replace(samples, tracks=tracks, readings=readings))
 
 
-def calm(scene: Scene) -> Scene:
+def calm(signal_model: SignalModel) -> SignalModel:
     """Without noise and trembling: readings averaged over about a second."""
-    width = 0.5 / float(np.median(np.diff(scene.samples.tracks[0].time)))
-    return with_readings(scene, lambda track: gaussian_filter1d(track.readings, width, axis=0))
+    width = 0.5 / float(np.median(np.diff(signal_model.samples.tracks[0].time)))
+    return with_readings(
+        signal_model, lambda track: gaussian_filter1d(track.readings, width, axis=0)
+    )
 
 
-def with_angles(scene: Scene, change: FloatArray) -> Scene:
+def with_angles(signal_model: SignalModel, change: FloatArray) -> SignalModel:
     """Encoders that show (T, m) more, in all that is modelled from them."""
-    angles = scene.samples.angles + change
-    return _modelled(scene, replace(scene.samples, angles=angles))
+    angles = signal_model.samples.angles + change
+    return _modelled(signal_model, replace(signal_model.samples, angles=angles))
 
 
-def with_robot(scene: Scene, robot: Robot) -> Scene:
+def with_robot(signal_model: SignalModel, robot: Robot) -> SignalModel:
     """The same recording, told from another model of the robot."""
-    return _modelled(scene, replace(scene.samples, robot=robot))
+    return _modelled(signal_model, replace(signal_model.samples, robot=robot))
 
 
-def _modelled(scene: Scene, samples: Samples) -> Scene:
+def _modelled(signal_model: SignalModel, samples: Samples) -> SignalModel:
     states = body_states(samples.robot, samples.angles)
     cop = states.com[np.arange(len(samples.frame)), samples.frame, :2]
     force = np.full(len(cop), samples.robot.weight)
-    return replace(scene, samples=replace(samples, states=states, cop=cop, force=force))
+    return replace(signal_model, samples=replace(samples, states=states, cop=cop, force=force))
 
 
 def body_states(robot: Robot, angles: FloatArray) -> BodyStates:
@@ -112,20 +114,24 @@ def _inertia_of(robot: Robot, link: str) -> tuple[pin.Model, int]:
     return model, model.frames[model.getFrameId(link)].parentJoint
 
 
-def bearing(scene: Scene, cop: FloatArray, columns: FloatArray | None = None) -> Scene:
+def bearing(
+    signal_model: SignalModel, cop: FloatArray, columns: FloatArray | None = None
+) -> SignalModel:
     """With samples' forces shifted, as little as can be, until their CoP is (T, 2) [m].
 
     Args:
-        columns: (T, n, 3) by which they truly make the wrench; default: the scene's own.
+        columns: (T, n, 3) by which they truly make the wrench; default: the signal model's own.
     """
-    columns = scene.per_sample if columns is None else columns
-    fixed = scene.wrench - np.einsum("tn,tnw->tw", scene.outputs, scene.per_sample)
-    missing = at_cop(scene.samples.force, cop) - fixed
-    missing -= np.einsum("tn,tnw->tw", scene.outputs, columns)
-    outputs = scene.outputs + np.einsum("twn,tw->tn", np.linalg.pinv(columns), missing)
-    law = scene.parameters
+    columns = signal_model.per_sample if columns is None else columns
+    fixed = signal_model.wrench - np.einsum(
+        "tn,tnw->tw", signal_model.outputs, signal_model.per_sample
+    )
+    missing = at_cop(signal_model.samples.force, cop) - fixed
+    missing -= np.einsum("tn,tnw->tw", signal_model.outputs, columns)
+    outputs = signal_model.outputs + np.einsum("twn,tw->tn", np.linalg.pinv(columns), missing)
+    law = signal_model.parameters
     readings = (outputs - law.offset) / law.gain
-    return replace(scene, samples=replace(scene.samples, readings=readings))
+    return replace(signal_model, samples=replace(signal_model.samples, readings=readings))
 
 
 def below(com: FloatArray, up: FloatArray) -> FloatArray:

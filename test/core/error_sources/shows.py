@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.error_sources.base import Effect, Shape
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import SIGNALS
 
 FloatArray = NDArray[np.float64]
@@ -16,14 +16,14 @@ ALIKE = (
     (0,), (1, 2), (3,), (4, 5), (6, 7, 8), (9, 10, 11), (12,), (13,), (14, 15),
 )  # fmt: skip
 """Signals that are one vector, of one unit."""
-LEAST = (5e-3, 1e-5, 5e-3, 2e-4, 5e-6, 3e-5, 1e-3, 1e-3, 3e-5)
+LEAST = (6e-3, 1e-5, 5e-3, 2e-4, 5e-6, 3e-5, 1e-3, 1e-3, 3e-5)
 """Changes that are small against what no model tells count as none [N, m, N m, rad, 1]."""
 
 
-def shape(scene: Scene, effect: Effect, *place: str, form: int = 0) -> Shape:
+def shape(signal_model: SignalModel, effect: Effect, *place: str, form: int = 0) -> Shape:
     """One form of an effect at a place."""
-    assert place in set(effect.places(scene))
-    return list(effect.shapes(scene, place))[form]
+    assert place in set(effect.places(signal_model))
+    return list(effect.shapes(signal_model, place))[form]
 
 
 def told(found: Shape, *sizes: float) -> FloatArray:
@@ -32,8 +32,8 @@ def told(found: Shape, *sizes: float) -> FloatArray:
 
 
 def assert_shows(
-    before: Scene,
-    after: Scene,
+    before: SignalModel,
+    after: SignalModel,
     foretold: FloatArray,
     within: float = 0.03,
     without: slice = slice(0),

@@ -15,8 +15,8 @@ from core.error_sources.altered import shifted
 from core.error_sources.shows import ALIKE, LEAST
 from shoecal_core.error_sources.as_built import as_built, plates_column
 from shoecal_core.error_sources.base import ALL, Deviation
-from shoecal_core.error_sources.scene import Scene, make_scene
 from shoecal_core.error_sources.settings import SignalSettings
+from shoecal_core.error_sources.signal_model import SignalModel, make_signal_model
 from shoecal_core.error_sources.signals import SIGNALS
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.model.robot import Robot
@@ -33,11 +33,11 @@ SIZES = {
 WITHIN = 0.02
 PUSHED = 0.05
 """N m; a softened sign of the torque, as the play's law has it."""
-Layout = tuple[world.Motion, ChannelParameters, Scene, list[Deviation]]
+Layout = tuple[world.Motion, ChannelParameters, SignalModel, list[Deviation]]
 
 
-def scene_of(moves: world.Motion, truth: world.Truth) -> Scene:
-    return make_scene(world.recorded(moves, truth), truth.parameters, SignalSettings())
+def scene_of(moves: world.Motion, truth: world.Truth) -> SignalModel:
+    return make_signal_model(world.recorded(moves, truth), truth.parameters, SignalSettings())
 
 
 @pytest.fixture(scope="module", params=SEEDS)
@@ -46,8 +46,8 @@ def layout(request: pytest.FixtureRequest) -> Layout:
     rng = np.random.default_rng(request.param)
     moves = world.motion(rng)
     parameters = synthetic.truth(moves.shoe, rng)
-    scene = scene_of(moves, world.Truth(parameters))
-    return moves, parameters, scene, as_built(scene, Tolerances())
+    signal_model = scene_of(moves, world.Truth(parameters))
+    return moves, parameters, signal_model, as_built(signal_model, Tolerances())
 
 
 def truly(
@@ -104,14 +104,14 @@ def columns(shoe: Shoe, one: Deviation, size: float) -> FloatArray:
 @pytest.mark.parametrize("effect", SIZES)
 def test_columns_are_what_is_recorded(layout: Layout, effect: str) -> None:
     """Every signal of every sample, for each place and component, in the first of its forms."""
-    moves, parameters, scene, found = layout
+    moves, parameters, signal_model, found = layout
     mine = {one.key: one for one in reversed(found) if one.effect == effect}
     assert mine
     for one in mine.values():
         size = SIZES[effect]
         samples = world.recorded(moves, truly(moves, parameters, one, size))
-        after = replace(scene, samples=samples)
-        change, foretold = after.residuals - scene.residuals, size * one.column
+        after = replace(signal_model, samples=samples)
+        change, foretold = after.residuals - signal_model.residuals, size * one.column
         for signals, least in zip(ALIKE, LEAST, strict=True):
             off, most = (rms(x[:, signals]) for x in (change - foretold, change))
             names = [SIGNALS[index] for index in signals]
@@ -134,15 +134,15 @@ def test_nothing_shows_where_nothing_is_wrong(layout: Layout) -> None:
 
 def test_a_link_that_is_heavier_draws_the_cop_towards_it(layout: Layout) -> None:
     """At the same total mass; by hand for the heaviest thigh, in double support."""
-    moves, parameters, scene, found = layout
+    moves, parameters, signal_model, found = layout
     (one,) = (x for x in found if x.effect == "link_mass" and x.location[0] == "LThigh_link")
-    both = scene.samples.both
-    at = scene.links.com[both, scene.links.names.index("LThigh_link"), 1]
-    towards = at - scene.samples.states.com[both, 0, 1]
+    both = signal_model.samples.both
+    at = signal_model.links.com[both, signal_model.links.names.index("LThigh_link"), 1]
+    towards = at - signal_model.samples.states.com[both, 0, 1]
     assert (towards > 0.0).all()
     assert (one.column[both, 2] > 0.0).all()
     heavier = world.recorded(moves, truly(moves, parameters, one, 0.05))
-    assert (replace(scene, samples=heavier).residuals[both, 2] > 0.0).all()
+    assert (replace(signal_model, samples=heavier).residuals[both, 2] > 0.0).all()
 
 
 def test_shoe_columns_say_how_the_channels_measure(layout: Layout) -> None:
@@ -164,8 +164,8 @@ def test_plates_act_about_the_middle_of_a_foot_s_cells(layout: Layout) -> None:
 @pytest.mark.parametrize("name", [one.name for one in fields(Tolerances)])
 def test_what_is_exact_is_no_deviation(layout: Layout, name: str) -> None:
     """A tolerance of zero takes its source away, and no other."""
-    _, _, scene, found = layout
-    left = as_built(scene, replace(Tolerances(), **{name: 0.0}))
+    _, _, signal_model, found = layout
+    left = as_built(signal_model, replace(Tolerances(), **{name: 0.0}))
     if name == "sideways_share":  # of the expected error alone
         assert len(left) == len(found)
         return

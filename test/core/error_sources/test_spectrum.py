@@ -15,9 +15,11 @@ from shoecal_core.error_sources.spectrum import BANDS, Spectrum, frequencies_of
 
 
 def test_a_transform_keeps_lengths_and_angles(workspace: Workspace) -> None:
-    scene = workspace.scene
-    values = np.where(scene.mask, np.random.default_rng(1).normal(size=(3, *scene.mask.shape)), 0.0)
-    turned = Spectrum(scene.samples, scene.mask)(values)
+    signal_model = workspace.signal_model
+    values = np.where(
+        signal_model.mask, np.random.default_rng(1).normal(size=(3, *signal_model.mask.shape)), 0.0
+    )
+    turned = Spectrum(signal_model.samples, signal_model.mask)(values)
     for signal in range(len(SIGNALS)):
         np.testing.assert_allclose(
             turned[..., signal] @ turned[..., signal].T,
@@ -27,21 +29,23 @@ def test_a_transform_keeps_lengths_and_angles(workspace: Workspace) -> None:
 
 
 def test_a_constant_of_each_stance_is_one_coefficient(workspace: Workspace) -> None:
-    scene = workspace.scene
-    samples = scene.samples
-    course = np.where(scene.mask, (1.0 + samples.segment)[:, None], 0.0)
-    turned = Spectrum(samples, scene.mask)(course)
+    signal_model = workspace.signal_model
+    samples = signal_model.samples
+    course = np.where(signal_model.mask, (1.0 + samples.segment)[:, None], 0.0)
+    turned = Spectrum(samples, signal_model.mask)(course)
     for segment in np.unique(samples.segment):
         own = turned[samples.segment == segment]
         assert (np.count_nonzero(np.abs(own) > 1e-9, axis=0) <= 1).all()
 
 
 def test_white_noise_is_white_in_every_band(workspace: Workspace) -> None:
-    scene = workspace.scene
+    signal_model = workspace.signal_model
     rng = np.random.default_rng(2)
     std = np.geomspace(0.1, 10.0, len(SIGNALS))
-    whitening = Whitening(scene.samples, scene.mask, np.tile(std[:, None] ** 2, BANDS))
-    noise = np.where(scene.mask, std * rng.normal(size=scene.mask.shape), 0.0)
+    whitening = Whitening(
+        signal_model.samples, signal_model.mask, np.tile(std[:, None] ** 2, BANDS)
+    )
+    noise = np.where(signal_model.mask, std * rng.normal(size=signal_model.mask.shape), 0.0)
     white = whitening(noise)
     assert not white[~whitening.kept].any()
     for group in np.unique(whitening.spectrum.group[whitening.kept]):
@@ -50,17 +54,17 @@ def test_white_noise_is_white_in_every_band(workspace: Workspace) -> None:
 
 
 def test_noise_that_stays_alike_has_its_colour(workspace: Workspace) -> None:
-    samples = workspace.scene.samples
+    samples = workspace.signal_model.samples
     settings = SignalSettings()
     step = float(np.median(np.diff(samples.time)[np.diff(samples.segment) == 0]))
     keep = float(np.exp(-step / settings.model_error_s))
     rng = np.random.default_rng(3)
     drive = rng.normal(size=(200, len(samples.run))) * np.sqrt(1.0 - keep**2)
     noise = lfilter([1.0], [1.0, -keep], drive, axis=1)
-    spectrum = Spectrum(samples, workspace.scene.mask)
-    values = np.zeros((200, *workspace.scene.mask.shape))
+    spectrum = Spectrum(samples, workspace.signal_model.mask)
+    values = np.zeros((200, *workspace.signal_model.mask.shape))
     values[:, :, CLOSURE] = noise[:, :, None]
-    turned = spectrum(np.where(workspace.scene.mask, values, 0.0))
+    turned = spectrum(np.where(workspace.signal_model.mask, values, 0.0))
     signal = CLOSURE.start
     told = []
     for band in range(1, BANDS):

@@ -14,8 +14,8 @@ from core.error_sources import world
 from core.error_sources.altered import shifted
 from shoecal_core.error_sources.as_built import of_body, of_shoes
 from shoecal_core.error_sources.base import ALL, Deviation
-from shoecal_core.error_sources.scene import make_scene
 from shoecal_core.error_sources.settings import SignalSettings
+from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.joint_fit import RATE_HZ, JointFit, fit_jointly
 from shoecal_core.model.robot import Robot
@@ -75,8 +75,8 @@ def drawn(
     moves = world.motion(rng, supports=5, unloading=2, count=count)
     parameters = synthetic.truth(moves.shoe, rng)
     exact = world.Truth(parameters, noise=noise)
-    scene = make_scene(world.recorded(moves, exact, seed), parameters, SETTINGS)
-    found = [*of_body(scene, tolerances), *of_shoes(scene, tolerances)]
+    signal_model = make_signal_model(world.recorded(moves, exact, seed), parameters, SETTINGS)
+    found = [*of_body(signal_model, tolerances), *of_shoes(signal_model, tolerances)]
     values = {one.key: share * one.std * rng.standard_normal() for one in found}
     samples = world.recorded(moves, _truth(moves, exact, found, values), seed)
     guess = ChannelParameters(

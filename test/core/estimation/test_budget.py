@@ -17,8 +17,8 @@ from shoecal_core.estimation.support_error import support_covariance
 def budget_of(found: Drawn, tolerances: Tolerances = TOLERANCES) -> Budget:
     fit = found.fit
     model = ErrorModel.of(
-        fit.scene.samples.robot, fit.shoe, fit.scene.samples.shoe, fit.parameters, *fit.measuring,
-        support_covariance(fit, tolerances), tolerances,
+        fit.signal_model.samples.robot, fit.shoe, fit.signal_model.samples.shoe, fit.parameters,
+        *fit.measuring, support_covariance(fit, tolerances), tolerances,
     )  # fmt: skip
     return budget(fit, model, model.over_polygons())
 

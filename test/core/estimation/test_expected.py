@@ -28,10 +28,10 @@ WITHIN = 0.1
 def model(known: Drawn) -> ErrorModel:
     """Of channels and shoe alone: the weight, the support and sideways forces are exact."""
     fit = known.fit
-    robot = replace(fit.scene.samples.robot, mass_std=0.0)
+    robot = replace(fit.signal_model.samples.robot, mass_std=0.0)
     exact = replace(TOLERANCES, sideways_share=0.0)
     return ErrorModel.of(
-        robot, fit.shoe, fit.scene.samples.shoe, fit.parameters, *fit.measuring,
+        robot, fit.shoe, fit.signal_model.samples.shoe, fit.parameters, *fit.measuring,
         np.zeros((3, 3)), exact,
     )  # fmt: skip
 
@@ -142,7 +142,7 @@ def test_the_support_is_as_sure_as_its_tolerance_and_the_joints(known: Drawn) ->
     at = len(fit.vector) + index
     lone[at, at] = 0.004**2
     found = support_covariance(replace(fit, covariance=lone), TOLERANCES) - own
-    samples = fit.scene.samples
+    samples = fit.signal_model.samples
     robot, both, step = samples.robot, samples.both, 1e-5
     change = np.zeros(len(robot.joint_names))
     (name,) = fit.deviations[index].deviation.location

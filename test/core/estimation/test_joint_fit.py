@@ -81,7 +81,7 @@ def test_it_certifies_itself(known: Drawn) -> None:
 
 def test_each_foot_measures_with_the_shoe_that_was_found(known: Drawn) -> None:
     """The CoP of a foot by the fitted columns is nearer to the truth than by the file's."""
-    fit, samples = known.fit, known.fit.scene.samples
+    fit, samples = known.fit, known.fit.signal_model.samples
     both = samples.both
     truth = samples.shoe.columns.copy()
     for one in fit.deviations:
@@ -111,7 +111,7 @@ def test_noise_of_readings_does_not_bias_gains(noise: float, most: float) -> Non
 
 def test_runs_that_are_not_fitted_have_no_part(known: Drawn) -> None:
     """Their readings may be anything, as long as they are numbers."""
-    samples = known.fit.scene.samples
+    samples = known.fit.signal_model.samples
     last = samples.runs[-3]
     train = [run for run in samples.runs if run != last]
     wild = samples.readings.copy()
@@ -153,7 +153,7 @@ def noise_alone(samples: Samples) -> Samples:
 def test_bad_readings_are_one_error(
     known: Drawn, alter: Callable[[Samples], Samples], text: str
 ) -> None:
-    samples, guess = alter(known.fit.scene.samples), known.parameters
+    samples, guess = alter(known.fit.signal_model.samples), known.parameters
     with pytest.raises(ShoecalError, match=text) as caught, np.errstate(all="ignore"):
         fit_jointly(samples, samples.runs, guess, SETTINGS, TOLERANCES, 0.02)
     assert len(str(caught.value).splitlines()) == 1
@@ -162,4 +162,4 @@ def test_bad_readings_are_one_error(
 def test_training_runs_without_samples_are_refused(known: Drawn) -> None:
     guess = known.parameters
     with pytest.raises(ShoecalError, match="no sample that can be fitted"):
-        fit_jointly(known.fit.scene.samples, (99,), guess, SETTINGS, TOLERANCES, 0.02)
+        fit_jointly(known.fit.signal_model.samples, (99,), guess, SETTINGS, TOLERANCES, 0.02)

@@ -294,7 +294,7 @@ def use(planner: Planner, *solvers: Solver) -> None:
 
 
 def raising(_: HorizonProblem, __: FloatArray) -> FloatArray:
-    raise RuntimeError("Error in Function::call for 'programme': out of memory")
+    raise RuntimeError("Error in Function::call for 'program': out of memory")
 
 
 FAILURES: dict[str, Callable[[HorizonProblem, FloatArray], FloatArray]] = {

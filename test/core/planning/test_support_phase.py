@@ -36,8 +36,8 @@ def test_the_polygon_of_the_right_foot_while_the_left_one_is_in_the_air() -> Non
     """Seen from the left sole the floor is lower then; places along it are the same."""
     robot, support = load_body("nao").robot, DoubleSupport(0.02, -0.12, 0.2)
     down = FootPose.of(support)
-    aloft = FootPose(down.rotation, down.translation - [0.0, 0.0, 0.02])
-    assert SupportPhase.RIGHT.polygon(robot, aloft).equals_exact(
+    detect_lifted_foot = FootPose(down.rotation, down.translation - [0.0, 0.0, 0.02])
+    assert SupportPhase.RIGHT.polygon(robot, detect_lifted_foot).equals_exact(
         SupportPhase.RIGHT.polygon(robot, down), 1e-12
     )
 

@@ -177,13 +177,13 @@ def test_a_carried_foot_touches_nothing(
     above, below = (swing._above(robot, pose, support_phase, SETTINGS) for pose in (first, last))
     lifting = len(swing._led(first, above, support_phase, 0.0)) - 1
     lowering = len(swing._led(below, last, support_phase, 0.0)) - 1
-    aloft = poses[lifting : len(poses) - lowering]
+    detect_lifted_foot = poses[lifting : len(poses) - lowering]
     lowest = min(swing_segment((first, last), support_phase), key=lambda pose: pose.translation[2])
     assert (
-        corners(robot, aloft, support_phase)[..., 2].min()
+        corners(robot, detect_lifted_foot, support_phase)[..., 2].min()
         >= SETTINGS.step_lift + lowest.translation[2] - 1e-9
     )
-    for pose in swing_segment(aloft, support_phase):
+    for pose in swing_segment(detect_lifted_foot, support_phase):
         np.testing.assert_allclose(pose.rotation[2], [0, 0, 1], atol=1e-9)
     allowed = min(SETTINGS.foot_clearance, gaps(robot, (first,))[0])
     up = vertical_states(SETTINGS.step_lift)

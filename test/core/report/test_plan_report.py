@@ -169,8 +169,8 @@ def test_frames_follow_the_motion(player: Player) -> None:
     samples = np.round(np.linspace(0, len(planned.motion.time) - 1, count)).astype(int)
     assert letters == lifted(planned, samples)
     assert set(letters) == {"-", "l"}
-    aloft = letters[count // 2]
-    assert all((svg.count(" lifted") > 0) == (aloft == "l") for svg in player.svgs)
+    detect_lifted_foot = letters[count // 2]
+    assert all((svg.count(" lifted") > 0) == (detect_lifted_foot == "l") for svg in player.svgs)
     wanted = 1e3 * planned.cop[samples]
     on_floor = [
         point

@@ -53,7 +53,7 @@ class Track:
     modelled: FloatArray
 
 
-def put_together(
+def align_runs(
     runs: Mapping[int, Run],
     shoe: Shoe,
     kinematics: Kinematics,

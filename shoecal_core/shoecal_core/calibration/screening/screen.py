@@ -21,7 +21,7 @@ from shoecal_core.calibration.screening.standing import screen_standing
 from shoecal_core.calibration.screening.stretches import JOIN_S, stretches
 from shoecal_core.calibration.screening.unresponsive import dead, halted, stuck
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.unloading import aloft
+from shoecal_core.calibration.unloading import detect_lifted_foot
 from shoecal_core.recording.run import Run
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.sensing.shoe import Shoe
@@ -60,7 +60,9 @@ def screen(
     }
     if found.fails or not double:
         return found
-    lifting = {number: aloft(runs[number].info.motion, one) for number, one in double.items()}
+    lifting = {
+        number: detect_lifted_foot(runs[number].info.motion, one) for number, one in double.items()
+    }
     fast = {number for number in double if runs[number].info.motion == FAST_MOTION}
     return screen_standing(found, double, lifting, fast, shoe, weight, settings)
 

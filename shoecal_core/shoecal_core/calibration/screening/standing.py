@@ -28,7 +28,7 @@ from shoecal_core.calibration.screening.stretches import JOIN_S, lasting, stretc
 from shoecal_core.calibration.screening.weights import wrong_weights
 from shoecal_core.calibration.screening.wiring import check_wiring
 from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.unloading import Aloft
+from shoecal_core.calibration.unloading import LiftedFoot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.sensing.sensing import MINIMUM_FORCE
 from shoecal_core.sensing.shoe import Shoe
@@ -57,7 +57,7 @@ LEAST_LEAP_STDS = 1.0
 def screen_standing(
     found: Screening,
     aligned: Mapping[int, Aligned],
-    lifting: Mapping[int, Aloft | None],
+    lifting: Mapping[int, LiftedFoot | None],
     fast: Collection[int],
     shoe: Shoe,
     weight: float,
@@ -144,7 +144,7 @@ class _Watch:
     settings: CalibrationSettings
     ended: Sequence[Saturated]
 
-    def moments(self, aligned: Aligned, part: Blocks, lifting: Aloft | None) -> _Moments:
+    def moments(self, aligned: Aligned, part: Blocks, lifting: LiftedFoot | None) -> _Moments:
         time, settings = aligned.time, self.settings
         trembling = noise(aligned.readings)
         least = LEAST_LEAP_STDS * settings.force_std_n
@@ -175,7 +175,7 @@ class _Watch:
         }
         return _Moments(marked, leaps.spikes, air, tuple(calm))
 
-    def _hangs(self, lifting: Aloft, readings: FloatArray) -> bool:
+    def _hangs(self, lifting: LiftedFoot, readings: FloatArray) -> bool:
         """Whether the foot that was lifted carries nothing meanwhile."""
         if not lifting.air.any():
             return False

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from shoecal_core.error_sources.base import ALL, Component, Place, Shape
 from shoecal_core.error_sources.body import driven_together
 from shoecal_core.error_sources.effects import places
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.samples.filters import slope
 from shoecal_core.samples.known_weight import carried
 from shoecal_core.samples.samples import Samples
@@ -24,10 +24,10 @@ DRAG = 0.01
 """rad/s; the same of a motion."""
 
 
-def _heavy(scene: Scene) -> Iterator[Place]:
-    links = scene.links
+def _heavy(signal_model: SignalModel) -> Iterator[Place]:
+    links = signal_model.links
     for name, mass in zip(links.names, links.mass, strict=True):
-        if mass >= LEAST_MASS * scene.samples.robot.mass:
+        if mass >= LEAST_MASS * signal_model.samples.robot.mass:
             yield (name,)
 
 
@@ -40,20 +40,20 @@ class TotalMass:
     identifier, group = "total_mass", "body"
     components = (Component("mass", "kg", 0.15),)
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """The whole body."""
         yield (ALL,)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """More force at the same CoP.
 
         That a known weight then moves the CoP less is left out: 0.03 mm for 0.15 kg on a NAO.
         """
-        samples = scene.samples
+        samples = signal_model.samples
         if _gains_tied(samples):
             # Of a robot that walks, the force is that of its acceleration too.
             force = samples.force / (samples.robot.mass + _known_mass(samples))
-            column = scene.by_model(force, np.zeros((len(force), 2))) * _shown(scene)
+            column = signal_model.by_model(force, np.zeros((len(force), 2))) * _shown(signal_model)
             yield Shape(("mass",), column[None])
 
 
@@ -78,18 +78,18 @@ class Payload:
     identifier, group = "payload", "body"
     components = (Component("mass", "kg", 0.15, 0.0),)
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every link that weighs something."""
-        return _heavy(scene)
+        return _heavy(signal_model)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """More force, and a CoM that leans towards it."""
-        links, samples = scene.links, scene.samples
+        links, samples = signal_model.links, signal_model.samples
         at = links.com[:, links.names.index(place[0]), :2]
         com = samples.states.com[np.arange(len(at)), samples.frame, :2]
         cop = (at - com) / samples.robot.mass
         force = samples.force / samples.robot.mass
-        yield Shape(("mass",), scene.by_model(force, cop)[None] * _shown(scene))
+        yield Shape(("mass",), signal_model.by_model(force, cop)[None] * _shown(signal_model))
 
 
 class LinkCom:
@@ -98,26 +98,27 @@ class LinkCom:
     identifier, group = "link_com", "body"
     components = tuple(Component(name, "m", 0.008, as_built="link_com_m") for name in "xyz")
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every link that weighs something."""
-        return _heavy(scene)
+        return _heavy(signal_model)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """The CoM moves by the link's share of the mass."""
-        links = scene.links
+        links = signal_model.links
         index = links.names.index(place[0])
-        share = links.mass[index] / scene.samples.robot.mass
+        share = links.mass[index] / signal_model.samples.robot.mass
         columns = np.array(
             [
-                scene.by_model(0.0, share * links.rotation[:, index, :2, axis]) * _shown(scene)
+                signal_model.by_model(0.0, share * links.rotation[:, index, :2, axis])
+                * _shown(signal_model)
                 for axis in range(3)
             ]
         )
         yield Shape(("x", "y", "z"), columns)
 
 
-def _shown(scene: Scene) -> FloatArray:
-    return scene.mask.astype(np.float64)
+def _shown(signal_model: SignalModel) -> FloatArray:
+    return signal_model.mask.astype(np.float64)
 
 
 class JointOffset:
@@ -126,35 +127,39 @@ class JointOffset:
     identifier, group = "joint_offset", "body"
     components = (Component("angle", "rad", 0.015, as_built="joint_zero_rad"),)
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every encoder of the legs."""
-        robot = scene.samples.robot
+        robot = signal_model.samples.robot
         following = {one.joint for one in robot.shared}
-        for place in places.each_joint(scene):
+        for place in places.each_joint(signal_model):
             if robot.joint(place[0]) not in following:
                 yield place
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """The same everywhere, in all joints of one motor."""
-        change = np.zeros_like(scene.samples.angles)
-        for joint, ratio in driven_together(scene.samples.robot, places.joints_at(scene, place)[0]):
+        change = np.zeros_like(signal_model.samples.angles)
+        for joint, ratio in driven_together(
+            signal_model.samples.robot, places.joints_at(signal_model, place)[0]
+        ):
             change[:, joint] = ratio
-        yield Shape(("angle",), scene.by_angles(change)[None])
+        yield Shape(("angle",), signal_model.by_angles(change)[None])
 
 
 class _Give:
     """What lies between an encoder and its link, and gives with the torque."""
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every joint of the legs, and all alike."""
-        return places.joints_and_all(scene)
+        return places.joints_and_all(signal_model)
 
-    def _shape(self, scene: Scene, place: Place, name: str, given: FloatArray) -> Shape:
+    def _shape(
+        self, signal_model: SignalModel, place: Place, name: str, given: FloatArray
+    ) -> Shape:
         """Encoders at a place show `given` (T, m) more than the links' angles, a unit."""
-        change = np.zeros_like(scene.samples.angles)
-        joints = places.joints_at(scene, place)
+        change = np.zeros_like(signal_model.samples.angles)
+        joints = places.joints_at(signal_model, place)
         change[:, joints] = given[:, joints]
-        return Shape((name,), scene.by_angles(change)[None])
+        return Shape((name,), signal_model.by_angles(change)[None])
 
 
 class JointCompliance(_Give):
@@ -167,9 +172,9 @@ class JointCompliance(_Give):
         ),
     )
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """In proportion to the torque that it holds."""
-        yield self._shape(scene, place, "compliance", scene.torque)
+        yield self._shape(signal_model, place, "compliance", signal_model.torque)
 
 
 class Backlash(_Give):
@@ -178,9 +183,11 @@ class Backlash(_Give):
     identifier, group = "backlash", "body"
     components = (Component("play", "rad", 0.015, 0.0, form=7.0, as_built="gear_play_rad"),)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """By the side to which the torque pushes, at once or over a while, or the motion drags."""
         for friction in FRICTION:
-            yield self._shape(scene, place, "play", 0.5 * np.tanh(scene.torque / friction))
-        rate = scene.samples.decimated(lambda track: slope(track.angles, track.time))
-        yield self._shape(scene, place, "play", 0.5 * np.tanh(rate / DRAG))
+            yield self._shape(
+                signal_model, place, "play", 0.5 * np.tanh(signal_model.torque / friction)
+            )
+        rate = signal_model.samples.decimated(lambda track: slope(track.angles, track.time))
+        yield self._shape(signal_model, place, "play", 0.5 * np.tanh(rate / DRAG))

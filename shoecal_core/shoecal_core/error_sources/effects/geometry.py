@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.error_sources.base import Component, Place, Shape
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.effects.load_cell import shown
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, PARITY
 from shoecal_core.error_sources.wiring import Wiring
 from shoecal_core.sensing.shoe import FEET
@@ -28,19 +28,19 @@ class CellPosition:
         Component(name, "m", 0.004, most=0.025, as_built="cell_position_m") for name in "xy"
     )
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every cell; of a six-axis sensor the channel of its vertical force."""
-        return places.each_cell(scene)
+        return places.each_cell(signal_model)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """The moment that the file's place misses; it is turned with its foot."""
-        (channel,) = places.channels_at(scene, place)
-        force = scene.outputs[:, channel]
-        foot = int(scene.wiring.foot[channel])
-        samples = scene.samples
+        (channel,) = places.channels_at(signal_model, place)
+        force = signal_model.outputs[:, channel]
+        foot = int(signal_model.wiring.foot[channel])
+        samples = signal_model.samples
         stands = samples.loaded[:, foot]
         alone = ~samples.both
-        yaw = np.array([support.dtheta for support in scene.supports])[samples.segment]
+        yaw = np.array([support.dtheta for support in signal_model.supports])[samples.segment]
         turn = np.where(alone | (foot == 0), 0.0, yaw)
         c, s = np.cos(turn), np.sin(turn)
         columns = []
@@ -48,9 +48,9 @@ class CellPosition:
             # Truly at t + d: the force's moment by the file's t is short of d x f.
             dx, dy = c * x - s * y, s * x + c * y
             wrench = np.stack((np.zeros_like(force), -dy * force, dx * force), axis=1)
-            column = scene.by_wrench(np.where(stands[:, None], wrench, 0.0))
+            column = signal_model.by_wrench(np.where(stands[:, None], wrench, 0.0))
             hanging = np.stack((0.0 * force, -y * force, x * force), axis=1)
-            column[:, AIR] = np.where(~stands[:, None] & scene.mask[:, AIR], hanging, 0.0)
+            column[:, AIR] = np.where(~stands[:, None] & signal_model.mask[:, AIR], hanging, 0.0)
             columns.append(column)
         yield Shape(("x", "y"), np.array(columns))
 
@@ -64,19 +64,19 @@ class Crosstalk:
     identifier, group = "crosstalk", "load_cell"
     components = (Component("fraction", "", 0.08, most=0.3, as_built="crosstalk"),)
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Receiver and donor of one foot's cells, which share a board; axes of one sensor."""
-        shoe = scene.samples.shoe
+        shoe = signal_model.samples.shoe
         for receiver, donor in permutations(places.cells(shoe), 2):
             if shoe.foot[receiver] == shoe.foot[donor]:
                 yield (shoe.names[receiver], shoe.names[donor])
         for receiver, donor in places.coupled_axes(shoe):
             yield (shoe.names[receiver], shoe.names[donor])
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """The donor's force."""
-        receiver, donor = (scene.samples.shoe.names.index(name) for name in place)
-        column = shown(scene, np.array([receiver]), scene.outputs[:, [donor]])
+        receiver, donor = (signal_model.samples.shoe.names.index(name) for name in place)
+        column = shown(signal_model, np.array([receiver]), signal_model.outputs[:, [donor]])
         # Which way a plane leans is found from the outputs; mixed ones lie on one as well.
         column[:, PARITY] = 0.0
         yield Shape(("fraction",), column[None])
@@ -88,26 +88,26 @@ class SwappedCells:
     identifier, group = "swapped_cells", "load_cell"
     components: tuple[Component, ...] = ()
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every two cells."""
-        shoe = scene.samples.shoe
+        shoe = signal_model.samples.shoe
         for one, other in combinations(places.cells(shoe), 2):
             yield (shoe.names[one], shoe.names[other])
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """Each channel at the other's place."""
-        one, other = (scene.samples.shoe.names.index(name) for name in place)
-        order = np.arange(len(scene.wiring.foot))
+        one, other = (signal_model.samples.shoe.names.index(name) for name in place)
+        order = np.arange(len(signal_model.wiring.foot))
         order[[one, other]] = other, one
-        wiring = Wiring(scene.wiring.columns[order], scene.wiring.foot[order])
+        wiring = Wiring(signal_model.wiring.columns[order], signal_model.wiring.foot[order])
         exchanged = replace(
-            scene,
+            signal_model,
             wiring=wiring,
-            planes=np.zeros_like(scene.planes)
-            if scene.wiring.foot[one] != scene.wiring.foot[other]
-            else scene.planes,
+            planes=np.zeros_like(signal_model.planes)
+            if signal_model.wiring.foot[one] != signal_model.wiring.foot[other]
+            else signal_model.planes,
         )
-        yield Shape((), np.zeros((0, *scene.residuals.shape)), scene=exchanged)
+        yield Shape((), np.zeros((0, *signal_model.residuals.shape)), signal_model=exchanged)
 
 
 class OffAxisLoad:
@@ -116,39 +116,39 @@ class OffAxisLoad:
     identifier, group = "off_axis_load", "load_cell"
     components = (Component("x", "", 0.1), Component("y", "", 0.1))
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Each foot that has cells."""
-        shoe = scene.samples.shoe
+        shoe = signal_model.samples.shoe
         for foot in sorted({int(shoe.foot[index]) for index in places.cells(shoe)}):
             yield (FEET[foot],)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """Sideways forces as the torques of the leg's joints tell them."""
-        forces = sideways(scene)
+        forces = sideways(signal_model)
         if forces is None:
             return
         foot = FEET.index(place[0])
-        channels = places.channels_at(scene, place)
+        channels = places.channels_at(signal_model, place)
         share = np.full((1, len(channels)), 1.0 / len(channels))
         columns = [
-            shown(scene, channels, forces[:, foot, axis][:, None] * share) for axis in (0, 1)
+            shown(signal_model, channels, forces[:, foot, axis][:, None] * share) for axis in (0, 1)
         ]
         yield Shape(("x", "y"), np.array(columns))
 
 
-def sideways(scene: Scene) -> FloatArray | None:
+def sideways(signal_model: SignalModel) -> FloatArray | None:
     """(T, 2, 2) force of the floor on each foot along x and y of its sole [N].
 
     What the motors' torques miss against those that the vertical forces alone ask for, by
     least squares over each leg's joints. None where no efforts were recorded.
     """
-    samples = scene.samples
+    samples = signal_model.samples
     if any(track.efforts is None for track in samples.tracks):
         return None
     told = samples.decimated(lambda track: np.asarray(track.efforts))
-    missing = told - scene.links.torque
+    missing = told - signal_model.links.torque
     joints = samples.robot.moved
-    side = scene.links.side[:, :, :2][..., joints]
+    side = signal_model.links.side[:, :, :2][..., joints]
     forces = np.zeros((len(told), 2, 2))
     for index in range(len(told)):
         # torque = ... - J' f: a force on the foot lightens the motors.

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.error_sources.base import Component, Place, Shape, one_of
 from shoecal_core.error_sources.effects import places
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.samples.filters import low_passed
 from shoecal_core.samples.samples import Track
 from shoecal_core.sensing.wrench import weight_below
@@ -26,19 +26,19 @@ WARM_UP = 0.3
 """Time constant of what warms up, as a share of the session."""
 
 
-def shown(scene: Scene, channels: NDArray[np.int64], values: FloatArray) -> FloatArray:
+def shown(signal_model: SignalModel, channels: NDArray[np.int64], values: FloatArray) -> FloatArray:
     """(T, s) when these channels show `values` (T, k) more than they feel."""
-    change = np.zeros_like(scene.outputs)
+    change = np.zeros_like(signal_model.outputs)
     change[:, channels] = values
-    return scene.by_outputs(change)
+    return signal_model.by_outputs(change)
 
 
-def unloaded(scene: Scene, channel: int) -> float:
+def unloaded(signal_model: SignalModel, channel: int) -> float:
     """What a cell shows when it feels nothing, as its foot tells in the air [N]; else 0.
 
     Offsets of a foot's cells that change neither its force nor its CoP no other signal fixes.
     """
-    samples, shoe = scene.samples, scene.samples.shoe
+    samples, shoe = signal_model.samples, signal_model.samples.shoe
     foot = int(shoe.foot[channel])
     hanging = ~samples.loaded[:, foot]
     if np.count_nonzero(hanging) < LEAST_HANGING:
@@ -46,7 +46,7 @@ def unloaded(scene: Scene, channel: int) -> float:
     # What is below the cells hangs on them all.
     beside = np.count_nonzero(shoe.foot[places.vertical(shoe)] == foot)
     below = float(weight_below(shoe)[foot, 0]) / beside
-    return float(np.median(scene.outputs[hanging, channel])) + below
+    return float(np.median(signal_model.outputs[hanging, channel])) + below
 
 
 class Nonlinearity:
@@ -57,15 +57,15 @@ class Nonlinearity:
         Component("quadratic", "1/N", 2e-3, form=2.5), Component("cubic", "1/N^2", 5e-5, form=2.5)
     )  # fmt: skip
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every cell."""
-        return places.each_cell(scene)
+        return places.each_cell(signal_model)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """Both powers together."""
-        channels = places.channels_at(scene, place)
-        force = scene.outputs[:, channels] - unloaded(scene, int(channels[0]))
-        columns = np.array([shown(scene, channels, force**power) for power in (2, 3)])
+        channels = places.channels_at(signal_model, place)
+        force = signal_model.outputs[:, channels] - unloaded(signal_model, int(channels[0]))
+        columns = np.array([shown(signal_model, channels, force**power) for power in (2, 3)])
         yield Shape(("quadratic", "cubic"), columns)
 
 
@@ -75,23 +75,23 @@ class Saturation:
     identifier, group = "saturation", "load_cell"
     components = (Component("level", "N", 10.0),)
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every cell."""
-        return places.each_cell(scene)
+        return places.each_cell(signal_model)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """Levels near the top of what it showed; what is missing there is what others tell."""
-        (channel,) = places.channels_at(scene, place)
-        force = scene.outputs[:, channel]
-        told = expected(scene, int(channel), force <= np.median(force))
-        top, zero = force.max(), unloaded(scene, int(channel))
+        (channel,) = places.channels_at(signal_model, place)
+        force = signal_model.outputs[:, channel]
+        told = expected(signal_model, int(channel), force <= np.median(force))
+        top, zero = force.max(), unloaded(signal_model, int(channel))
         span = top - np.percentile(force, 5.0)
         for share in (0.0, 0.04, 0.1, 0.2, 0.35):
             level = float(top - share * span)
             missing = np.maximum(told - level, 0.0)
             beyond = missing > 0.0
             if np.count_nonzero(beyond) >= 5 and _flat(force[beyond], told[beyond], FLAT_AT_TOP):
-                columns = shown(scene, np.array([channel]), -missing[:, None])[None]
+                columns = shown(signal_model, np.array([channel]), -missing[:, None])[None]
                 yield Shape(("share",), columns, {"level": level - zero})
 
 
@@ -101,15 +101,15 @@ class Hysteresis:
     identifier, group = "hysteresis", "load_cell"
     components = (Component("fraction", "", 0.03, form=3.0),)
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every cell, and all of a foot alike."""
-        return places.cells_and_feet(scene)
+        return places.cells_and_feet(signal_model)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """A play operator; its width as a share of each cell's usual range."""
-        channels = places.channels_at(scene, place)
-        for loop in scene.loops:
-            yield Shape(("fraction",), shown(scene, channels, loop[:, channels])[None])
+        channels = places.channels_at(signal_model, place)
+        for loop in signal_model.loops:
+            yield Shape(("fraction",), shown(signal_model, channels, loop[:, channels])[None])
 
 
 class Creep:
@@ -120,20 +120,20 @@ class Creep:
         Component("fraction", "", 0.03, form=4.0), Component("time", "s", 30.0, form=4.0)
     )  # fmt: skip
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every cell, and all of a foot alike."""
-        return places.cells_and_feet(scene)
+        return places.cells_and_feet(signal_model)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """One exponential; several time constants."""
-        channels = places.channels_at(scene, place)
+        channels = places.channels_at(signal_model, place)
         for time in (3.0, 8.0, 20.0, 60.0):
 
             def work(track: Track, time: float = time) -> FloatArray:
-                force = scene.parameters.outputs(track.readings)[:, channels]
+                force = signal_model.parameters.outputs(track.readings)[:, channels]
                 return low_passed(force, track.time, time)
 
-            columns = shown(scene, channels, scene.samples.decimated(work))[None]
+            columns = shown(signal_model, channels, signal_model.samples.decimated(work))[None]
             yield Shape(("fraction",), columns, {"time": time})
 
 
@@ -143,16 +143,16 @@ class ZeroOffset:
     identifier, group = "zero_offset", "load_cell"
     components = (Component("offset", "N", 3.0, as_built="run_zero_n"),)
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every cell, each foot's alike, all alike."""
-        return places.cells_feet_and_all(scene)
+        return places.cells_feet_and_all(signal_model)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """Each channel at the place shows as much more in one run, and right in all others."""
-        channels = places.channels_at(scene, place)
-        for run in np.unique(scene.samples.run).tolist():
-            here = (scene.samples.run == run).astype(np.float64)
-            yield Shape(("offset",), shown(scene, channels, here[:, None])[None], run=run)
+        channels = places.channels_at(signal_model, place)
+        for run in np.unique(signal_model.samples.run).tolist():
+            here = (signal_model.samples.run == run).astype(np.float64)
+            yield Shape(("offset",), shown(signal_model, channels, here[:, None])[None], run=run)
 
 
 class ZeroDrift:
@@ -161,16 +161,16 @@ class ZeroDrift:
     identifier, group = "zero_drift", "load_cell"
     components = (Component("rate", "N/s", 3e-3), Component("per_kelvin", "N/K", 0.1))
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every cell, each foot's alike, all alike."""
-        return places.cells_feet_and_all(scene)
+        return places.cells_feet_and_all(signal_model)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """Over time or temperature; several channels all alike, or each at a rate of its own."""
-        channels = places.channels_at(scene, place)
-        for name, course in courses(scene):
+        channels = places.channels_at(signal_model, place)
+        for name, course in courses(signal_model):
             values = np.repeat(course[:, None], len(channels), axis=1)
-            yield from _alike_or_each(scene, channels, name, values)
+            yield from _alike_or_each(signal_model, channels, name, values)
 
 
 class SpanDrift:
@@ -179,16 +179,16 @@ class SpanDrift:
     identifier, group = "span_drift", "load_cell"
     components = (Component("rate", "1/s", 2e-4), Component("per_kelvin", "1/K", 5e-3))
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every cell, each foot's alike, all alike."""
-        return places.cells_feet_and_all(scene)
+        return places.cells_feet_and_all(signal_model)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """Over time or temperature; several channels all alike, or each at a rate of its own."""
-        channels = places.channels_at(scene, place)
-        for name, course in courses(scene):
-            values = course[:, None] * scene.outputs[:, channels]
-            yield from _alike_or_each(scene, channels, name, values)
+        channels = places.channels_at(signal_model, place)
+        for name, course in courses(signal_model):
+            values = course[:, None] * signal_model.outputs[:, channels]
+            yield from _alike_or_each(signal_model, channels, name, values)
 
 
 class StuckCell:
@@ -197,28 +197,28 @@ class StuckCell:
     identifier, group = "stuck_cell", "load_cell"
     components = (Component("share", "", 1.0, 0.3), Component("time", "s", 100.0))
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Every cell."""
-        return places.each_cell(scene)
+        return places.each_cell(signal_model)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """From the beginning of each run on; what is missing is what the others tell."""
-        (channel,) = places.channels_at(scene, place)
-        samples = scene.samples
+        (channel,) = places.channels_at(signal_model, place)
+        samples = signal_model.samples
         # Whatever the gain: a cell beside it, in volts that move as they do under load.
         own = [i for i in places.vertical(samples.shoe) if i != channel]
         others = samples.readings[:, own[int(np.argmax(np.std(samples.readings[:, own], axis=0)))]]
         for start in sorted({track.start for track in samples.tracks}):
             late = samples.clock >= start
             if np.count_nonzero(late) < 10 or not _flat(
-                scene.samples.readings[late, channel], others[late], FLAT_STUCK
+                signal_model.samples.readings[late, channel], others[late], FLAT_STUCK
             ):
                 continue
             before = ~late if not late.all() else late
-            told = expected(scene, int(channel), before)
-            level = float(np.median(scene.outputs[late, channel]))
+            told = expected(signal_model, int(channel), before)
+            level = float(np.median(signal_model.outputs[late, channel]))
             missing = np.where(late, level - told, 0.0)
-            columns = shown(scene, np.array([channel]), missing[:, None])[None]
+            columns = shown(signal_model, np.array([channel]), missing[:, None])[None]
             yield Shape(("share",), columns, {"time": start})
 
 
@@ -228,22 +228,22 @@ def _flat(shown_: FloatArray, expected: FloatArray, share: float) -> bool:
 
 
 def _alike_or_each(
-    scene: Scene, channels: NDArray[np.int64], name: str, values: FloatArray
+    signal_model: SignalModel, channels: NDArray[np.int64], name: str, values: FloatArray
 ) -> Iterator[Shape]:
     """What shows as values (T, k) a unit: by one number for all channels, or by one for each."""
-    yield Shape((name,), shown(scene, channels, values)[None])
+    yield Shape((name,), shown(signal_model, channels, values)[None])
     if len(channels) > 1:
-        each = [shown(scene, channels[[at]], values[:, [at]]) for at in range(len(channels))]
-        names = scene.samples.shoe.names
+        each = [shown(signal_model, channels[[at]], values[:, [at]]) for at in range(len(channels))]
+        names = signal_model.samples.shoe.names
         yield Shape(tuple(one_of(name, names[at]) for at in channels), np.array(each))
 
 
-def courses(scene: Scene) -> Iterator[tuple[str, FloatArray]]:
+def courses(signal_model: SignalModel) -> Iterator[tuple[str, FloatArray]]:
     """What drifts can follow: the session's time, and the temperature where it changes.
 
     Over time evenly, or as what warms up: first fast, then slowly, at the same rate on average.
     """
-    samples = scene.samples
+    samples = signal_model.samples
     yield "rate", samples.clock
     lasts = float(samples.clock.max())
     warmed = -np.expm1(-samples.clock / (WARM_UP * lasts)) / -np.expm1(-1.0 / WARM_UP)
@@ -254,18 +254,18 @@ def courses(scene: Scene) -> Iterator[tuple[str, FloatArray]]:
             yield "per_kelvin", told - told[0]
 
 
-def expected(scene: Scene, channel: int, right: BoolArray) -> FloatArray:
+def expected(signal_model: SignalModel, channel: int, right: BoolArray) -> FloatArray:
     """(T,) what one cell should feel by the others [N].
 
     Plates and weight tie a shoe's channels to each other: each follows from the others by a linear
     law, whatever gains and offsets are. It is that of the samples (T,) in which the cell is taken
     to be right.
     """
-    others = np.delete(scene.outputs, channel, axis=1)
+    others = np.delete(signal_model.outputs, channel, axis=1)
     spread = np.maximum(others.std(axis=0), LEAST_SPREAD)
     matrix = np.column_stack((np.ones(len(others)), (others - others.mean(axis=0)) / spread))
     rows = matrix[right]
     normal = rows.T @ rows + RIDGE * max(len(rows), 1) * np.eye(matrix.shape[1])
-    law = np.linalg.solve(normal, rows.T @ scene.outputs[right, channel])
+    law = np.linalg.solve(normal, rows.T @ signal_model.outputs[right, channel])
     found: FloatArray = matrix @ law
     return found

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.error_sources.base import ALL, Place
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.sensing.shoe import FEET, Shoe
 
 IntArray = NDArray[np.int64]
@@ -52,53 +52,53 @@ def vertical(shoe: Shoe) -> IntArray:
     return np.flatnonzero(shoe.vertical)
 
 
-def each_cell(scene: Scene) -> Iterator[Place]:
+def each_cell(signal_model: SignalModel) -> Iterator[Place]:
     """Every channel of vertical force by itself."""
-    shoe = scene.samples.shoe
+    shoe = signal_model.samples.shoe
     for index in vertical(shoe):
         yield (shoe.names[index],)
 
 
-def each_foot(_scene: Scene) -> Iterator[Place]:
+def each_foot(_signal_model: SignalModel) -> Iterator[Place]:
     """Left and right."""
     for foot in FEET:
         yield (foot,)
 
 
-def feet_and_all(scene: Scene) -> Iterator[Place]:
+def feet_and_all(signal_model: SignalModel) -> Iterator[Place]:
     """Left, right, both."""
-    yield from each_foot(scene)
+    yield from each_foot(signal_model)
     yield (ALL,)
 
 
-def cells_and_feet(scene: Scene) -> Iterator[Place]:
+def cells_and_feet(signal_model: SignalModel) -> Iterator[Place]:
     """Every cell, and each foot's together."""
-    yield from each_cell(scene)
-    yield from each_foot(scene)
+    yield from each_cell(signal_model)
+    yield from each_foot(signal_model)
 
 
-def cells_feet_and_all(scene: Scene) -> Iterator[Place]:
+def cells_feet_and_all(signal_model: SignalModel) -> Iterator[Place]:
     """Every cell, each foot's together, all."""
-    yield from cells_and_feet(scene)
+    yield from cells_and_feet(signal_model)
     yield (ALL,)
 
 
-def each_joint(scene: Scene) -> Iterator[Place]:
+def each_joint(signal_model: SignalModel) -> Iterator[Place]:
     """Every joint of the legs."""
-    robot = scene.samples.robot
+    robot = signal_model.samples.robot
     for joint in sorted(robot.moved.tolist()):
         yield (robot.joint_names[joint],)
 
 
-def joints_and_all(scene: Scene) -> Iterator[Place]:
+def joints_and_all(signal_model: SignalModel) -> Iterator[Place]:
     """Every joint of the legs, and all of them alike."""
-    yield from each_joint(scene)
+    yield from each_joint(signal_model)
     yield (ALL,)
 
 
-def channels_at(scene: Scene, place: Place) -> IntArray:
+def channels_at(signal_model: SignalModel, place: Place) -> IntArray:
     """Channels of vertical force at a place: a cell, a foot, or all."""
-    shoe = scene.samples.shoe
+    shoe = signal_model.samples.shoe
     (name,) = place
     chosen = vertical(shoe)
     if name in shoe.names:
@@ -109,16 +109,16 @@ def channels_at(scene: Scene, place: Place) -> IntArray:
     return chosen
 
 
-def all_channels_at(scene: Scene, place: Place) -> IntArray:
+def all_channels_at(signal_model: SignalModel, place: Place) -> IntArray:
     """Channels of any kind of a foot, or all."""
-    shoe = scene.samples.shoe
+    shoe = signal_model.samples.shoe
     (name,) = place
     channels = shoe.of_foot(FEET.index(name)) if name in FEET else range(len(shoe.channels))
     return np.array(channels, dtype=np.int64)
 
 
-def joints_at(scene: Scene, place: Place) -> Sequence[int]:
+def joints_at(signal_model: SignalModel, place: Place) -> Sequence[int]:
     """Joints at a place."""
-    robot = scene.samples.robot
+    robot = signal_model.samples.robot
     (name,) = place
     return sorted(robot.moved.tolist()) if name == ALL else [robot.joint(name)]

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from shoecal_core.error_sources.base import Component, Place, Shape
 from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.effects.load_cell import shown
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.samples.filters import slope
 from shoecal_core.samples.samples import Track
 
@@ -28,21 +28,24 @@ class Latency:
     identifier, group = "latency", "timing"
     components = (Component("delay", "s", 0.04, 0.0, form=1.5, blur=STAMPS),)
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Each foot, or both alike."""
-        return places.feet_and_all(scene)
+        return places.feet_and_all(signal_model)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """What was read, less what comes a delay later, for several delays (to second order)."""
-        channels = places.all_channels_at(scene, place)
+        channels = places.all_channels_at(signal_model, place)
         for delay in (0.02, 0.1):
 
             def work(track: Track, delay: float = delay) -> FloatArray:
-                force = scene.parameters.outputs(track.readings)[:, channels]
+                force = signal_model.parameters.outputs(track.readings)[:, channels]
                 rate = slope(force, track.time)
                 return -rate - 0.5 * delay * slope(rate, track.time)
 
-            yield Shape(("delay",), shown(scene, channels, scene.samples.decimated(work))[None])
+            yield Shape(
+                ("delay",),
+                shown(signal_model, channels, signal_model.samples.decimated(work))[None],
+            )
 
 
 class LowPass:
@@ -51,17 +54,21 @@ class LowPass:
     identifier, group = "low_pass", "timing"
     components = (Component("time", "s", 0.08, 0.0, form=1.5, blur=STAMPS),)
 
-    def places(self, scene: Scene) -> Iterator[Place]:
+    def places(self, signal_model: SignalModel) -> Iterator[Place]:
         """Each foot, or both alike."""
-        return places.feet_and_all(scene)
+        return places.feet_and_all(signal_model)
 
-    def shapes(self, scene: Scene, place: Place) -> Iterator[Shape]:
+    def shapes(self, signal_model: SignalModel, place: Place) -> Iterator[Shape]:
         """One lag, for which the force is reading + time x rate; or two, of half the time each."""
-        channels = places.all_channels_at(scene, place)
+        channels = places.all_channels_at(signal_model, place)
         for second in (0.0, 0.25 * TYPICAL_LAG):
 
             def work(track: Track, second: float = second) -> FloatArray:
-                rate = slope(scene.parameters.outputs(track.readings)[:, channels], track.time)
+                rate = slope(
+                    signal_model.parameters.outputs(track.readings)[:, channels], track.time
+                )
                 return -rate - second * slope(rate, track.time)
 
-            yield Shape(("time",), shown(scene, channels, scene.samples.decimated(work))[None])
+            yield Shape(
+                ("time",), shown(signal_model, channels, signal_model.samples.decimated(work))[None]
+            )

@@ -1,6 +1,6 @@
-"""Quadratic programmes whose active rows are nearly known.
+"""Quadratic programs whose active rows are nearly known.
 
-From one programme of a horizon to the next hardly a row becomes active or ceases to be. So the
+From one program of a horizon to the next hardly a row becomes active or ceases to be. So the
 rows that were active are taken as equations, and exchanged by the signs of slacks and multipliers
 until those are right (Hintermüller, Ito and Kunisch, "The primal-dual active set strategy as a
 semismooth Newton method", 2002): mostly one or two small linear systems. That need not end, so
@@ -32,7 +32,7 @@ def active_set_solution(
     Args:
         hessian: (n, n) positive definite.
         gradient: (n,).
-        matrix: (n, m) A, a column for each row of the programme.
+        matrix: (n, m) A, a column for each row of the program.
         low, high: (m,), infinite where there is no bound.
         active: (m,) 1 where a row is thought to be at its upper bound, -1 at its lower, else 0.
         tolerance: largest violation of a row.

@@ -1,7 +1,7 @@
-"""The quadratic programme of one step, in the directions that the feet leave free.
+"""The quadratic program of one step, in the directions that the feet leave free.
 
 The foot transform leaves each state few of them (5 of 11 for a robot with a shared hip motor).
-So the programme is small and dense: 50 unknowns for ten states.
+So the program is small and dense: 50 unknowns for ten states.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from shoecal_core.planning.horizon.problem import FOOT_ROWS, HorizonProblem
 FloatArray = NDArray[np.float64]
 
 _FEASIBLE = 1e-9
-"""Largest violation of a row by a programme's solution."""
+"""Largest violation of a row by a program's solution."""
 _TOUCHED = 1e-7
 """A row nearer to its bound at the guess is thought to be active."""
 
@@ -57,7 +57,7 @@ class Feet:
 
 @dataclass(frozen=True)
 class Step:
-    """What a programme proposes.
+    """What a program proposes.
 
     Attributes:
         change: (N, k) of the states [rad].
@@ -75,9 +75,9 @@ class Step:
 
 
 class QuadraticProgram:
-    """Solves programmes of one shape, one after another: memory is used again.
+    """Solves programs of one shape, one after another: memory is used again.
 
-    Where the active rows cannot be told from those before, DAQP finds them. On the programmes of a
+    Where the active rows cannot be told from those before, DAQP finds them. On the programs of a
     NAO's motions (50 unknowns, 460 rows, processor time, medians) it took 0.4 ms, qpOASES 1.9,
     ProxQP 5.5, PIQP 12 and OSQP 90; the last two failed in a tenth of them.
 
@@ -111,7 +111,7 @@ class QuadraticProgram:
         self._before = np.einsum("iaib->iab", matrix[:-1, :, 1:])[..., -size:]
         self._found, self._prices = np.zeros((count, free)), np.zeros((count, rows))
         self._solver = ca.conic(
-            "programme",
+            "program",
             "daqp",
             {
                 "h": ca.Sparsity.dense(unknowns, unknowns),
@@ -142,7 +142,7 @@ class QuadraticProgram:
         before: Step | None = None,
         curvature: FloatArray | None = None,
     ) -> Step | None:
-        """The step from states that `linear` describes; None where the programme has none.
+        """The step from states that `linear` describes; None where the program has none.
 
         Args:
             problem: whose cost.
@@ -217,7 +217,7 @@ class QuadraticProgram:
         self._gradient += ((weights * away)[:, None] @ slope).ravel()
 
     def _add(self, curvature: FloatArray, feet: Feet) -> None:
-        """Curvature as it is; without what is negative where the programme were not convex."""
+        """Curvature as it is; without what is negative where the program were not convex."""
         turned = feet.basis.swapaxes(1, 2)
         blocks = turned @ curvature @ feet.basis
         self._gradient += (turned @ (curvature @ feet.fixed[..., None])).ravel()

@@ -1,7 +1,7 @@
-"""The fast solver: sequential quadratic programmes.
+"""The fast solver: sequential quadratic programs.
 
 Their second derivatives are Gauss-Newton's at first, then the Lagrangian's (Nocedal and Wright,
-"Numerical optimization", chapter 18). From a near guess a few programmes are enough, and full
+"Numerical optimization", chapter 18). From a near guess a few programs are enough, and full
 steps nearly always do; a filter (Fletcher and Leyffer, "Nonlinear programming without a penalty
 function", 2002) refuses the others. Where this solver fails, another has to step in.
 """
@@ -50,7 +50,7 @@ _PROJECTED = 1e-10
 
 
 class SqpSolver:
-    """Solves a horizon's problem from a near guess in a few small quadratic programmes.
+    """Solves a horizon's problem from a near guess in a few small quadratic programs.
 
     To an optimum, or nearly where it lies at a kink (status `Solved_Nearly`). One at a time:
     memory is used again.

@@ -21,7 +21,7 @@ from core.error_sources.shows import assert_shows, shape, told
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources import body
 from shoecal_core.error_sources.effects.contact import FloorTilt, FootPlacement, Slip, SoftGround
-from shoecal_core.error_sources.scene import Scene, make_scene
+from shoecal_core.error_sources.signal_model import SignalModel, make_signal_model
 from shoecal_core.error_sources.signals import CLOSURE, COP
 from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.samples.samples import Samples
@@ -33,52 +33,58 @@ FloatArray = NDArray[np.float64]
 
 @pytest.mark.parametrize("foot", FEET)
 @pytest.mark.parametrize("axis", range(3))
-def test_foot_placement(scene: Scene, foot: str, axis: int) -> None:
+def test_foot_placement(signal_model: SignalModel, foot: str, axis: int) -> None:
     """What was recorded is true; the model's soles then sit elsewhere by the inverse."""
     size = (0.003, 0.003, 0.01)[axis] * np.eye(3)[axis]
-    robot = askew(scene.samples.robot, FEET.index(foot), *(-size))
-    found = shape(scene, FootPlacement(), foot)
-    assert_shows(scene, with_robot(scene, robot), told(found, *size))
+    robot = askew(signal_model.samples.robot, FEET.index(foot), *(-size))
+    found = shape(signal_model, FootPlacement(), foot)
+    assert_shows(signal_model, with_robot(signal_model, robot), told(found, *size))
 
 
-def test_foot_placement_of_a_robot_that_walks(scene: Scene) -> None:
+def test_foot_placement_of_a_robot_that_walks(signal_model: SignalModel) -> None:
     """The CoP is the zero-moment point, not below the CoM: the sole moves as below that."""
-    samples = scene.samples
+    samples = signal_model.samples
     walks = replace(samples, cop=samples.cop + np.array([0.05, -0.03]))
-    walking = make_scene(walks, scene.parameters, DiagnosisSettings())
-    told = (scene.mask & walking.mask)[:, COP]
-    one, other = (shape(there, FootPlacement(), "left").columns for there in (scene, walking))
+    walking = make_signal_model(walks, signal_model.parameters, DiagnosisSettings())
+    told = (signal_model.mask & walking.mask)[:, COP]
+    one, other = (
+        shape(there, FootPlacement(), "left").columns for there in (signal_model, walking)
+    )
     np.testing.assert_allclose(other[:, :, COP][:, told], one[:, :, COP][:, told], atol=0.1)
 
 
 @pytest.mark.parametrize(("about_x", "about_y"), [(0.004, 0.0), (0.0, 0.004), (-0.002, 0.003)])
-def test_floor_tilt(scene: Scene, about_x: float, about_y: float) -> None:
+def test_floor_tilt(signal_model: SignalModel, about_x: float, about_y: float) -> None:
     """Gravity turned against the floor, below a body that stands on it as before."""
-    samples = scene.samples
+    samples = signal_model.samples
     (floor,) = turning(np.array([[about_x, about_y, 0.0]]))
     upwards = np.tile(floor.T @ [0.0, 0.0, 1.0], (len(samples.run), 1))
     flat = np.tile([0.0, 0.0, 1.0], (len(samples.run), 1))
-    before, after = (leaning(scene, up, upwards_in_right=None) for up in (flat, upwards))
-    assert_shows(before, after, told(shape(scene, FloorTilt()), about_x, about_y), 0.05)
+    before, after = (leaning(signal_model, up, upwards_in_right=None) for up in (flat, upwards))
+    assert_shows(before, after, told(shape(signal_model, FloorTilt()), about_x, about_y), 0.05)
 
 
-def test_a_floor_that_rises_to_the_left_takes_the_cop_to_the_right(scene: Scene) -> None:
-    columns = shape(scene, FloorTilt()).columns
-    height = scene.samples.states.com[:, 0, 2]
-    both = scene.samples.both
-    one, other = (both & scene.mask[:, signal] for signal in (2, 1))
+def test_a_floor_that_rises_to_the_left_takes_the_cop_to_the_right(
+    signal_model: SignalModel,
+) -> None:
+    columns = shape(signal_model, FloorTilt()).columns
+    height = signal_model.samples.states.com[:, 0, 2]
+    both = signal_model.samples.both
+    one, other = (both & signal_model.mask[:, signal] for signal in (2, 1))
     np.testing.assert_allclose(columns[0][one, 2], -height[one])
     np.testing.assert_allclose(columns[1][other, 1], height[other])
 
 
-def leaning(scene: Scene, upwards: FloatArray, upwards_in_right: FloatArray | None) -> Scene:
+def leaning(
+    signal_model: SignalModel, upwards: FloatArray, upwards_in_right: FloatArray | None
+) -> SignalModel:
     """Soles that lean: the CoP lies below the CoM along upwards (T, 3), and an IMU feels it.
 
     Args:
         upwards: in the left sole's frame. upwards_in_right: in the right one's, where it does
             not follow from the joints.
     """
-    samples = scene.samples
+    samples = signal_model.samples
     right = upwards_in_right
     if right is None:
         right = np.einsum("tji,tj->ti", samples.states.rotation, upwards)
@@ -89,21 +95,21 @@ def leaning(scene: Scene, upwards: FloatArray, upwards_in_right: FloatArray | No
         np.einsum("tij,tj->ti", samples.states.rotation, right),
     )
     up = np.einsum("tij,tj->ti", samples.states.left_rotation, seen)
-    moved = bearing(scene, below(stance_com(samples), stance))
+    moved = bearing(signal_model, below(stance_com(samples), stance))
     return replace(moved, samples=replace(moved.samples, up=up))
 
 
-def level(scene: Scene) -> Scene:
+def level(signal_model: SignalModel) -> SignalModel:
     """With upwards along both soles' z axes."""
-    flat = np.tile([0.0, 0.0, 1.0], (len(scene.samples.run), 1))
-    return leaning(scene, flat, flat)
+    flat = np.tile([0.0, 0.0, 1.0], (len(signal_model.samples.run), 1))
+    return leaning(signal_model, flat, flat)
 
 
 @pytest.mark.parametrize("place", [*FEET, "all"])
-def test_soft_ground(scene: Scene, place: str) -> None:
+def test_soft_ground(signal_model: SignalModel, place: str) -> None:
     """Each shoe sinks at the side on which it presses, about the middle of its outline."""
-    samples, compliance = scene.samples, 1e-3
-    before = level(bearing(scene, samples.cop))
+    samples, compliance = signal_model.samples, 1e-3
+    before = level(bearing(signal_model, samples.cop))
     turn = np.zeros((len(samples.run), 2, 3))
     for foot in (0, 1):
         if place not in (FEET[foot], "all"):
@@ -127,15 +133,17 @@ def test_soft_ground(scene: Scene, place: str) -> None:
 @pytest.mark.parametrize("foot", FEET)
 @pytest.mark.parametrize("axis", range(3))
 @pytest.mark.parametrize("share", [0.2, 0.8])
-def test_slip(scene: Scene, foot: str, axis: int, share: float) -> None:
+def test_slip(signal_model: SignalModel, foot: str, axis: int, share: float) -> None:
     """After a while the joints tell that a foot stands elsewhere, and weight is shared anew."""
-    samples = scene.samples
+    samples = signal_model.samples
     here = samples.run == 1
     onset = float(np.quantile(samples.time[here], share))
     size = (0.004, 0.004, 0.04)[axis]
-    moved = slipped(scene, foot, size * np.eye(3)[axis], here & (samples.time > onset))
-    before = bearing(scene, samples.cop)
-    after = bearing(replace(scene, samples=moved), moved.cop, true_columns(scene, moved))
+    moved = slipped(signal_model, foot, size * np.eye(3)[axis], here & (samples.time > onset))
+    before = bearing(signal_model, samples.cop)
+    after = bearing(
+        replace(signal_model, samples=moved), moved.cop, true_columns(signal_model, moved)
+    )
     (found,) = (one for one in Slip().shapes(after, (foot,)) if nearly(one.onset, onset, one.run))
     assert found.fixed == {"time": found.onset}
     foretold = told(found, *(size * np.eye(3)[axis]))
@@ -150,9 +158,11 @@ def nearly(found: float | None, onset: float, run: int | None) -> bool:
     return run == 1 and found is not None and abs(found - onset) < 0.3
 
 
-def slipped(scene: Scene, foot: str, move: FloatArray, later: NDArray[np.bool_]) -> Samples:
+def slipped(
+    signal_model: SignalModel, foot: str, move: FloatArray, later: NDArray[np.bool_]
+) -> Samples:
     """The legs follow a foot that moves by (3,) dx, dy, dtheta in its own frame."""
-    samples = scene.samples
+    samples = signal_model.samples
     states = samples.states
     step = turning(np.array([[0.0, 0.0, move[2]]]))[0]
     far = np.array([move[0], move[1], 0.0])
@@ -167,20 +177,22 @@ def slipped(scene: Scene, foot: str, move: FloatArray, later: NDArray[np.bool_])
     angles, found = samples.angles, states
     for _ in range(3):
         missing = wanted - body.closure(found)
-        angles = angles + np.einsum("tmi,ti->tm", np.linalg.pinv(scene.answers.closure), missing)
+        angles = angles + np.einsum(
+            "tmi,ti->tm", np.linalg.pinv(signal_model.jacobians.closure), missing
+        )
         found = body_states(samples.robot, angles)
     np.testing.assert_allclose(body.closure(found), wanted, atol=1e-5)
     cop = np.where(samples.frame[:, None] == 0, found.com[:, 0, :2], found.com[:, 1, :2])
     return replace(samples, angles=angles, states=found, cop=cop)
 
 
-def true_columns(scene: Scene, moved: Samples) -> FloatArray:
+def true_columns(signal_model: SignalModel, moved: Samples) -> FloatArray:
     """(T, n, 3) of all channels in the stance's frame, the right foot where it stands by then."""
-    columns = scene.per_sample.copy()
-    right = scene.wiring.foot == 1
+    columns = signal_model.per_sample.copy()
+    right = signal_model.wiring.foot == 1
     states = moved.states
     for index in np.flatnonzero(moved.both):
         dx, dy, _ = map(float, states.translation[index])
         stands = DoubleSupport(dx, dy, float(states.yaw[index]))
-        columns[index, right] = scene.wiring.columns[right] @ to_left(stands).T
+        columns[index, right] = signal_model.wiring.columns[right] @ to_left(stands).T
     return columns

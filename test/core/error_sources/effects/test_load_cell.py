@@ -12,7 +12,7 @@ from core.error_sources.altered import Work, with_forces
 from core.error_sources.shows import assert_shows, shape, told
 from shoecal_core.error_sources.effects import load_cell
 from shoecal_core.error_sources.effects.places import channels_at
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.samples.samples import Track
 from shoecal_core.sensing.wrench import ChannelParameters
 
@@ -20,47 +20,49 @@ FloatArray = NDArray[np.float64]
 CELLS = ("left/front_left", "right/rear_right")
 
 
-def at(scene: Scene, place: str, work: Work) -> Scene:
+def at(signal_model: SignalModel, place: str, work: Work) -> SignalModel:
     """With what only some channels show changed."""
-    channels = channels_at(scene, (place,))
+    channels = channels_at(signal_model, (place,))
 
     def changed(track: Track, force: FloatArray) -> FloatArray:
         whole = force.copy()
         whole[:, channels] = work(track, force[:, channels])
         return whole
 
-    return with_forces(scene, changed)
+    return with_forces(signal_model, changed)
 
 
 @pytest.mark.parametrize("cell", CELLS)
-def test_nonlinearity(scene: Scene, cell: str) -> None:
+def test_nonlinearity(signal_model: SignalModel, cell: str) -> None:
     quadratic, cubic = 1e-3, 3e-5
-    zero = load_cell.unloaded(scene, int(channels_at(scene, (cell,))[0]))
-    after = at(scene, cell, lambda _, f: f + quadratic * (f - zero) ** 2 + cubic * (f - zero) ** 3)
-    found = shape(scene, load_cell.Nonlinearity(), cell)
-    assert_shows(scene, after, told(found, quadratic, cubic))
+    zero = load_cell.unloaded(signal_model, int(channels_at(signal_model, (cell,))[0]))
+    after = at(
+        signal_model, cell, lambda _, f: f + quadratic * (f - zero) ** 2 + cubic * (f - zero) ** 3
+    )
+    found = shape(signal_model, load_cell.Nonlinearity(), cell)
+    assert_shows(signal_model, after, told(found, quadratic, cubic))
 
 
 @pytest.mark.parametrize("cell", CELLS)
-def test_a_saturated_cell_misses_what_the_others_tell(scene: Scene, cell: str) -> None:
-    (channel,) = channels_at(scene, (cell,))
-    force = scene.outputs[:, channel]
+def test_a_saturated_cell_misses_what_the_others_tell(signal_model: SignalModel, cell: str) -> None:
+    (channel,) = channels_at(signal_model, (cell,))
+    force = signal_model.outputs[:, channel]
     level = float(force.max() - 0.3 * np.ptp(force))
-    after = at(scene, cell, lambda _, f: np.minimum(f, level))
+    after = at(signal_model, cell, lambda _, f: np.minimum(f, level))
     shapes = list(load_cell.Saturation().shapes(after, (cell,)))
     zero = load_cell.unloaded(after, int(channel))
     best = min(shapes, key=lambda one: abs(one.fixed["level"] + zero - level))
     assert best.fixed["level"] + zero == pytest.approx(level, abs=0.02 * np.ptp(force))
     assert best.free == ("share",)
-    assert_shows(scene, after, told(best, 1.0), within=0.15)
+    assert_shows(signal_model, after, told(best, 1.0), within=0.15)
 
 
-def test_saturation_is_seen_whatever_gains_were_fitted(scene: Scene) -> None:
+def test_saturation_is_seen_whatever_gains_were_fitted(signal_model: SignalModel) -> None:
     """A cell that ends early bends all gains; how cells follow from each other it does not."""
     cell = CELLS[0]
-    (channel,) = channels_at(scene, (cell,))
-    force = scene.outputs[:, channel]
-    after = at(scene, cell, lambda _, f: np.minimum(f, force.max() - 0.3 * np.ptp(force)))
+    (channel,) = channels_at(signal_model, (cell,))
+    force = signal_model.outputs[:, channel]
+    after = at(signal_model, cell, lambda _, f: np.minimum(f, force.max() - 0.3 * np.ptp(force)))
     gain = after.parameters.gain * np.array([0.6, 1.4, 1.2, 0.7, 1.0, 1.3, 0.8, 1.1])
     bent = after.with_parameters(ChannelParameters(gain, after.parameters.offset))
     assert list(load_cell.Saturation().shapes(bent, (cell,)))
@@ -69,9 +71,9 @@ def test_saturation_is_seen_whatever_gains_were_fitted(scene: Scene) -> None:
     np.testing.assert_allclose(at_top, force, atol=0.05 * np.ptp(force))
 
 
-def test_a_cell_that_moves_freely_is_not_saturated(scene: Scene) -> None:
-    for (cell,) in load_cell.Saturation().places(scene):
-        assert not list(load_cell.Saturation().shapes(scene, (cell,)))
+def test_a_cell_that_moves_freely_is_not_saturated(signal_model: SignalModel) -> None:
+    for (cell,) in load_cell.Saturation().places(signal_model):
+        assert not list(load_cell.Saturation().shapes(signal_model, (cell,)))
 
 
 def play(force: FloatArray, width: FloatArray) -> FloatArray:
@@ -84,38 +86,40 @@ def play(force: FloatArray, width: FloatArray) -> FloatArray:
 
 
 @pytest.mark.parametrize("place", ["left/front_left", "right"])
-def test_hysteresis(scene: Scene, place: str) -> None:
+def test_hysteresis(signal_model: SignalModel, place: str) -> None:
     fraction = 0.1
-    span = scene.usual_range[channels_at(scene, (place,))]
-    after = at(scene, place, lambda _, f: play(f, fraction * span))
-    found = shape(scene, load_cell.Hysteresis(), place)
-    assert_shows(scene, after, told(found, fraction), within=0.06)
+    span = signal_model.usual_range[channels_at(signal_model, (place,))]
+    after = at(signal_model, place, lambda _, f: play(f, fraction * span))
+    found = shape(signal_model, load_cell.Hysteresis(), place)
+    assert_shows(signal_model, after, told(found, fraction), within=0.06)
 
 
-def test_what_a_cell_shows_in_the_air_is_its_zero(scene: Scene) -> None:
+def test_what_a_cell_shows_in_the_air_is_its_zero(signal_model: SignalModel) -> None:
     """However the offsets of a foot's cells are shifted against each other."""
-    parameters = scene.parameters
+    parameters = signal_model.parameters
     shift = np.array([1.0, -1.0, 1.0, -1.0, 2.0, -2.0, 2.0, -2.0])
-    other = scene.with_parameters(ChannelParameters(parameters.gain, parameters.offset + shift))
+    other = signal_model.with_parameters(
+        ChannelParameters(parameters.gain, parameters.offset + shift)
+    )
     for channel in range(8):
-        moved = load_cell.unloaded(other, channel) - load_cell.unloaded(scene, channel)
-        hanging = ~scene.samples.loaded[:, scene.samples.shoe.foot[channel]]
+        moved = load_cell.unloaded(other, channel) - load_cell.unloaded(signal_model, channel)
+        hanging = ~signal_model.samples.loaded[:, signal_model.samples.shoe.foot[channel]]
         known = np.count_nonzero(hanging) >= load_cell.LEAST_HANGING
         assert moved == pytest.approx(shift[channel] if known else 0.0)
 
 
-def test_the_loop_s_whole_width_is_the_fraction_of_the_range(scene: Scene) -> None:
-    for loop in scene.loops[:2]:
-        height = np.ptp(loop, axis=0) / scene.usual_range
+def test_the_loop_s_whole_width_is_the_fraction_of_the_range(signal_model: SignalModel) -> None:
+    for loop in signal_model.loops[:2]:
+        height = np.ptp(loop, axis=0) / signal_model.usual_range
         np.testing.assert_allclose(height, 1.0, atol=0.1)
     # What lags shows too little where the force comes up, and too much where it goes down.
-    rate = np.gradient(scene.outputs, axis=0)
-    assert (np.sum(rate * scene.loops[0], axis=0) < 0.0).all()
+    rate = np.gradient(signal_model.outputs, axis=0)
+    assert (np.sum(rate * signal_model.loops[0], axis=0) < 0.0).all()
 
 
 @pytest.mark.parametrize(("place", "form"), [("left/front_left", 1), ("right", 3)])
-def test_creep(scene: Scene, place: str, form: int) -> None:
-    found = shape(scene, load_cell.Creep(), place, form=form)
+def test_creep(signal_model: SignalModel, place: str, form: int) -> None:
+    found = shape(signal_model, load_cell.Creep(), place, form=form)
     fraction, constant = 0.05, found.fixed["time"]
 
     def work(track: Track, force: FloatArray) -> FloatArray:
@@ -124,45 +128,47 @@ def test_creep(scene: Scene, place: str, form: int) -> None:
             crept.append(crept[-1] + (1.0 - np.exp(-step / constant)) * (one - crept[-1]))
         return force + fraction * np.array(crept)
 
-    assert_shows(scene, at(scene, place, work), told(found, fraction))
+    assert_shows(signal_model, at(signal_model, place, work), told(found, fraction))
 
 
 @pytest.mark.parametrize("place", [*CELLS, "left", "all"])
 @pytest.mark.parametrize("run", [2, 8])
-def test_zeros_of_one_run(scene: Scene, place: str, run: int) -> None:
+def test_zeros_of_one_run(signal_model: SignalModel, place: str, run: int) -> None:
     offset = 0.02
-    after = at(scene, place, lambda track, f: f + offset * (track.run == run))
-    forms = {one.run: one for one in load_cell.ZeroOffset().shapes(scene, (place,))}
-    assert_shows(scene, after, told(forms[run], offset))
-    assert not forms[run].columns[:, scene.samples.run != run].any()
+    after = at(signal_model, place, lambda track, f: f + offset * (track.run == run))
+    forms = {one.run: one for one in load_cell.ZeroOffset().shapes(signal_model, (place,))}
+    assert_shows(signal_model, after, told(forms[run], offset))
+    assert not forms[run].columns[:, signal_model.samples.run != run].any()
 
 
-def test_zeros_may_be_off_in_every_run_and_at_every_vertical_force(scene: Scene) -> None:
+def test_zeros_may_be_off_in_every_run_and_at_every_vertical_force(
+    signal_model: SignalModel,
+) -> None:
     effect = load_cell.ZeroOffset()
-    names = scene.samples.shoe.names
-    assert {place for (place,) in effect.places(scene)} == {*names, "left", "right", "all"}
-    runs = [one.run for one in effect.shapes(scene, ("all",))]
-    assert runs == list(scene.samples.runs)
+    names = signal_model.samples.shoe.names
+    assert {place for (place,) in effect.places(signal_model)} == {*names, "left", "right", "all"}
+    runs = [one.run for one in effect.shapes(signal_model, ("all",))]
+    assert runs == list(signal_model.samples.runs)
 
 
 @pytest.mark.parametrize("place", [*CELLS, "left", "all"])
-def test_drifts_in_time(scene: Scene, place: str) -> None:
+def test_drifts_in_time(signal_model: SignalModel, place: str) -> None:
     def age(track: Track) -> FloatArray:
         return np.asarray(track.start + track.time)[:, None]
 
-    zero = at(scene, place, lambda track, f: f + 3e-4 * age(track))
-    assert_shows(scene, zero, told(shape(scene, load_cell.ZeroDrift(), place), 3e-4))
-    span = at(scene, place, lambda track, f: f * (1.0 + 2e-5 * age(track)))
-    assert_shows(scene, span, told(shape(scene, load_cell.SpanDrift(), place), 2e-5))
+    zero = at(signal_model, place, lambda track, f: f + 3e-4 * age(track))
+    assert_shows(signal_model, zero, told(shape(signal_model, load_cell.ZeroDrift(), place), 3e-4))
+    span = at(signal_model, place, lambda track, f: f * (1.0 + 2e-5 * age(track)))
+    assert_shows(signal_model, span, told(shape(signal_model, load_cell.SpanDrift(), place), 2e-5))
 
 
-def test_drifts_with_temperature(scene: Scene) -> None:
-    samples = scene.samples
+def test_drifts_with_temperature(signal_model: SignalModel) -> None:
+    samples = signal_model.samples
     tracks = tuple(
         replace(track, temperature=25.0 + 4.0 * (1.0 - np.exp(-(track.start + track.time) / 200.0)))
         for track in samples.tracks
     )
-    warm = replace(scene, samples=replace(samples, tracks=tracks))
+    warm = replace(signal_model, samples=replace(samples, tracks=tracks))
     first = warm.samples.decimated(lambda track: np.asarray(track.temperature)[:, None])[0, 0]
 
     def warmer(track: Track) -> FloatArray:
@@ -174,29 +180,33 @@ def test_drifts_with_temperature(scene: Scene) -> None:
     assert_shows(warm, after, told(shape(warm, zero, "left", form=4), 0.1))
     after = at(warm, "left", lambda track, f: f * (1.0 + 0.003 * warmer(track)))
     assert_shows(warm, after, told(shape(warm, span, "left", form=4), 0.003))
-    assert len(list(zero.shapes(scene, ("left",)))) == 4
+    assert len(list(zero.shapes(signal_model, ("left",)))) == 4
 
 
 @pytest.mark.parametrize("place", ["right", "all"])
-def test_channels_of_one_place_drift_each_at_a_rate_of_its_own(scene: Scene, place: str) -> None:
+def test_channels_of_one_place_drift_each_at_a_rate_of_its_own(
+    signal_model: SignalModel, place: str
+) -> None:
     """Whatever their signs: what they share is the warmth."""
-    channels = channels_at(scene, (place,))
+    channels = channels_at(signal_model, (place,))
     rates = 2e-5 * np.random.default_rng(4).choice([-1.0, 0.5, 1.5], len(channels))
 
     def drifted(track: Track, force: FloatArray) -> FloatArray:
         age = np.asarray(track.start + track.time)[:, None]
         return np.asarray(force * (1.0 + rates * age))
 
-    found = shape(scene, load_cell.SpanDrift(), place, form=1)
-    names = [scene.samples.shoe.names[at] for at in channels]
+    found = shape(signal_model, load_cell.SpanDrift(), place, form=1)
+    names = [signal_model.samples.shoe.names[at] for at in channels]
     assert found.free == tuple(f"rate {name}" for name in names)
-    assert_shows(scene, at(scene, place, drifted), told(found, *rates))
+    assert_shows(signal_model, at(signal_model, place, drifted), told(found, *rates))
 
 
-def test_drifts_as_what_warms_up_does(scene: Scene) -> None:
+def test_drifts_as_what_warms_up_does(signal_model: SignalModel) -> None:
     """Fast at first: as far by the session's end as an even drift of the same rate."""
-    even, warming = (shape(scene, load_cell.ZeroDrift(), "left", form=form) for form in (0, 2))
-    clock = scene.samples.clock
+    even, warming = (
+        shape(signal_model, load_cell.ZeroDrift(), "left", form=form) for form in (0, 2)
+    )
+    clock = signal_model.samples.clock
     course = 1.0 - np.exp(-clock / (0.3 * clock.max()))
     size = 0.5 / course.max()
 
@@ -204,19 +214,26 @@ def test_drifts_as_what_warms_up_does(scene: Scene) -> None:
         grown = 1.0 - np.exp(-(track.start + track.time) / (0.3 * clock.max()))
         return np.asarray(force + size * grown[:, None])
 
-    assert_shows(scene, at(scene, "left", warmer), told(warming, 0.5 / clock.max()), within=0.05)
+    assert_shows(
+        signal_model,
+        at(signal_model, "left", warmer),
+        told(warming, 0.5 / clock.max()),
+        within=0.05,
+    )
     last = int(np.argmax(clock))
     np.testing.assert_allclose(warming.columns[0, last], even.columns[0, last])
 
 
 @pytest.mark.parametrize("cell", CELLS)
-def test_a_stuck_cell(scene: Scene, cell: str) -> None:
-    start = scene.samples.tracks[2].start
-    (channel,) = channels_at(scene, (cell,))
-    late = scene.samples.clock >= start
-    level = float(scene.outputs[np.argmax(late), channel])
-    after = at(scene, cell, lambda track, f: np.full_like(f, level) if track.start >= start else f)
+def test_a_stuck_cell(signal_model: SignalModel, cell: str) -> None:
+    start = signal_model.samples.tracks[2].start
+    (channel,) = channels_at(signal_model, (cell,))
+    late = signal_model.samples.clock >= start
+    level = float(signal_model.outputs[np.argmax(late), channel])
+    after = at(
+        signal_model, cell, lambda track, f: np.full_like(f, level) if track.start >= start else f
+    )
     found = {one.fixed["time"]: one for one in load_cell.StuckCell().shapes(after, (cell,))}
     assert min(found) == start
-    assert_shows(scene, after, told(found[start], 1.0), within=0.2)
-    assert not list(load_cell.StuckCell().shapes(scene, (cell,)))
+    assert_shows(signal_model, after, told(found[start], 1.0), within=0.2)
+    assert not list(load_cell.StuckCell().shapes(signal_model, (cell,)))

@@ -10,7 +10,7 @@ from core.error_sources.altered import with_forces
 from core.error_sources.shows import assert_shows, shape, told
 from shoecal_core.error_sources.effects.places import all_channels_at
 from shoecal_core.error_sources.effects.timing import Latency, LowPass
-from shoecal_core.error_sources.scene import Scene
+from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.samples.samples import Track
 
 FloatArray = NDArray[np.float64]
@@ -18,9 +18,9 @@ PLACES = ("left", "right", "all")
 
 
 @pytest.mark.parametrize("place", PLACES)
-def test_latency(scene: Scene, place: str) -> None:
+def test_latency(signal_model: SignalModel, place: str) -> None:
     delay = 0.06
-    channels = all_channels_at(scene, (place,))
+    channels = all_channels_at(signal_model, (place,))
 
     def work(track: Track, force: FloatArray) -> FloatArray:
         late = force.copy()
@@ -28,14 +28,16 @@ def test_latency(scene: Scene, place: str) -> None:
             late[:, channel] = np.interp(track.time - delay, track.time, force[:, channel])
         return late
 
-    after = with_forces(scene, work)
-    assert_shows(scene, after, told(shape(scene, Latency(), place), delay), within=0.15)
+    after = with_forces(signal_model, work)
+    assert_shows(
+        signal_model, after, told(shape(signal_model, Latency(), place), delay), within=0.15
+    )
 
 
 @pytest.mark.parametrize("place", PLACES)
-def test_low_pass(scene: Scene, place: str) -> None:
+def test_low_pass(signal_model: SignalModel, place: str) -> None:
     constant = 0.08
-    channels = all_channels_at(scene, (place,))
+    channels = all_channels_at(signal_model, (place,))
 
     def work(track: Track, force: FloatArray) -> FloatArray:
         lagging = force.copy()
@@ -45,16 +47,21 @@ def test_low_pass(scene: Scene, place: str) -> None:
             lagging[index, channels] = share * before + (1.0 - share) * now
         return lagging
 
-    after = with_forces(scene, work)
-    assert_shows(scene, after, told(shape(scene, LowPass(), place), constant), within=0.15)
+    after = with_forces(signal_model, work)
+    assert_shows(
+        signal_model, after, told(shape(signal_model, LowPass(), place), constant), within=0.15
+    )
 
 
-def test_a_late_reading_lacks_what_has_come_since(scene: Scene) -> None:
+def test_a_late_reading_lacks_what_has_come_since(signal_model: SignalModel) -> None:
     """While the load rises, old readings are too small."""
-    track = scene.samples.tracks[0]
-    force = scene.outputs[track.samples]
-    rising = np.gradient(force[:, 0], scene.samples.time[track.samples])
-    parity = shape(scene, Latency(), "left").columns[0][track.samples]
-    per_force = scene.planes[0] @ np.gradient(force, scene.samples.time[track.samples], axis=0).T
+    track = signal_model.samples.tracks[0]
+    force = signal_model.outputs[track.samples]
+    rising = np.gradient(force[:, 0], signal_model.samples.time[track.samples])
+    parity = shape(signal_model, Latency(), "left").columns[0][track.samples]
+    per_force = (
+        signal_model.planes[0]
+        @ np.gradient(force, signal_model.samples.time[track.samples], axis=0).T
+    )
     assert np.abs(rising).max() > 1.0
     assert parity[:, 12] @ per_force <= 0.0

@@ -1,4 +1,4 @@
-"""Small programmes against a method that needs no guess."""
+"""Small programs against a method that needs no guess."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Drawn = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray]
 
 
 def drawn(seed: int) -> Drawn:
-    """A convex programme that zero satisfies; some rows have one bound, some none."""
+    """A convex program that zero satisfies; some rows have one bound, some none."""
     rng = np.random.default_rng(seed)
     factor = rng.normal(size=(SIZE, SIZE))
     matrix = rng.normal(size=(SIZE, ROWS))
@@ -24,8 +24,8 @@ def drawn(seed: int) -> Drawn:
     return factor @ factor.T + np.eye(SIZE), 5.0 * rng.normal(size=SIZE), matrix, low, high
 
 
-def known(programme: Drawn) -> tuple[FloatArray, FloatArray]:
-    hessian, gradient, matrix, low, high = programme
+def known(program: Drawn) -> tuple[FloatArray, FloatArray]:
+    hessian, gradient, matrix, low, high = program
     shapes = {"h": ca.Sparsity.dense(SIZE, SIZE), "a": ca.Sparsity.dense(ROWS, SIZE)}
     solver = ca.conic("known", "daqp", shapes)
     found = solver(h=hessian, g=gradient, a=matrix.T, lba=low, uba=high)
@@ -34,9 +34,9 @@ def known(programme: Drawn) -> tuple[FloatArray, FloatArray]:
 
 @pytest.mark.parametrize("seed", range(10))
 def test_the_right_guess_is_confirmed(seed: int) -> None:
-    programme = drawn(seed)
-    expected, prices = known(programme)
-    solution = active_set_solution(*programme, np.sign(prices), 1e-9)
+    program = drawn(seed)
+    expected, prices = known(program)
+    solution = active_set_solution(*program, np.sign(prices), 1e-9)
     assert solution is not None
     np.testing.assert_allclose(solution[0], expected, atol=1e-9)
     np.testing.assert_allclose(solution[1], prices, atol=1e-8)
@@ -45,11 +45,11 @@ def test_the_right_guess_is_confirmed(seed: int) -> None:
 def test_wrong_guesses_are_put_right_or_given_up() -> None:
     rng, settled = np.random.default_rng(1), 0
     for seed in range(40):
-        programme = drawn(seed)
-        expected, prices = known(programme)
+        program = drawn(seed)
+        expected, prices = known(program)
         active = np.sign(prices)
         active[rng.integers(7, ROWS)] = rng.integers(-1, 2)
-        solution = active_set_solution(*programme, active, 1e-9)
+        solution = active_set_solution(*program, active, 1e-9)
         if solution is not None:
             settled += 1
             np.testing.assert_allclose(solution[0], expected, atol=1e-8)

@@ -1,4 +1,4 @@
-"""Steps of one programme against its own constraints and a second method."""
+"""Steps of one program against its own constraints and a second method."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ FloatArray = NDArray[np.float64]
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    """A problem of a few states, and where its programme begins."""
+    """A problem of a few states, and where its program begins."""
 
     problem: HorizonProblem
     linear: Linearised
     inequalities: Inequalities
-    programme: QuadraticProgram
+    program: QuadraticProgram
 
 
 def case_of(body: Body, count: int = 3) -> Case:
@@ -80,18 +80,18 @@ def kept(case: Case, change: FloatArray) -> float:
 
 def test_steps_keep_everything_to_first_order(body: Body) -> None:
     case = case_of(body)
-    step = case.programme.solve(case.problem, case.linear, case.inequalities)
+    step = case.program.solve(case.problem, case.linear, case.inequalities)
     assert step is not None
     assert kept(case, step.change) < 1e-8
-    nearest = case.programme.nearest(case.linear, case.inequalities)
+    nearest = case.program.nearest(case.linear, case.inequalities)
     assert kept(case, nearest) < 1e-8
     assert np.linalg.norm(nearest) <= np.linalg.norm(step.change)
 
 
 def test_a_step_is_the_best(nao: Body) -> None:
-    """Against a general method on the same programme, in all directions and two states."""
+    """Against a general method on the same program, in all directions and two states."""
     case = case_of(nao, 2)
-    step = case.programme.solve(case.problem, case.linear, case.inequalities)
+    step = case.program.solve(case.problem, case.linear, case.inequalities)
     assert step is not None
     shape, linear, inequalities = step.change.shape, case.linear, case.inequalities
     bounded_low, bounded_high = np.isfinite(inequalities.low), np.isfinite(inequalities.high)
@@ -122,10 +122,10 @@ def test_a_step_is_the_best(nao: Body) -> None:
 def test_prices_balance_the_gradient(body: Body) -> None:
     """Across the free directions the feet bear what is left (the Lagrangian's gradient is zero)."""
     case = case_of(body)
-    step = case.programme.solve(case.problem, case.linear, case.inequalities)
+    step = case.program.solve(case.problem, case.linear, case.inequalities)
     assert step is not None
     prices, size = step.prices, step.change.shape[1]
-    borne = case.programme.multipliers(case.problem, case.inequalities, step)[:, 5:]
+    borne = case.program.multipliers(case.problem, case.inequalities, step)[:, 5:]
 
     def lagrangian(flat: FloatArray) -> float:
         change = flat.reshape(step.change.shape)
@@ -143,9 +143,9 @@ def test_prices_balance_the_gradient(body: Body) -> None:
 def test_an_impossible_programme_is_none(nao: Body) -> None:
     case = case_of(nao)
     case.inequalities.low[1, -1], case.inequalities.high[1, -1] = 1.0, 1.1
-    assert case.programme.solve(case.problem, case.linear, case.inequalities) is None
+    assert case.program.solve(case.problem, case.linear, case.inequalities) is None
     # The feet at least.
-    change = case.programme.nearest(case.linear, case.inequalities)
+    change = case.program.nearest(case.linear, case.inequalities)
     feet = case.linear.values.foot_error + np.einsum("nrk,nk->nr", case.linear.foot, change)
     np.testing.assert_allclose(feet, 0.0, atol=1e-12)
 
@@ -153,9 +153,9 @@ def test_an_impossible_programme_is_none(nao: Body) -> None:
 def test_curvature_that_is_not_convex_is_left_out(nao: Body) -> None:
     case = case_of(nao)
     count, size = case.linear.states.shape
-    plain = case.programme.solve(case.problem, case.linear, case.inequalities)
+    plain = case.program.solve(case.problem, case.linear, case.inequalities)
     concave = np.tile(-1e7 * np.eye(size), (count, 1, 1))
-    left_out = case.programme.solve(case.problem, case.linear, case.inequalities, None, concave)
+    left_out = case.program.solve(case.problem, case.linear, case.inequalities, None, concave)
     assert plain is not None
     assert left_out is not None
     assert kept(case, left_out.change) < 1e-8

@@ -61,7 +61,7 @@ class Nuisance:
 
 
 @dataclass(frozen=True)
-class Scene(Responses):
+class SignalModel(Responses):
     """All signals at T samples under one set of channel parameters.
 
     Attributes:
@@ -153,7 +153,7 @@ class Scene(Responses):
     @cached_property
     def zero_errors(self) -> FloatArray:
         """(3,) of height, roll and pitch between the soles, by what joints' zeros are off."""
-        answer = self.answers.closure[:, FLAT_OF_CLOSURE]
+        answer = self.jacobians.closure[:, FLAT_OF_CLOSURE]
         spread: FloatArray = np.sqrt(np.mean(np.sum(answer**2, axis=2), axis=0))
         return self.zero_std * spread
 
@@ -174,39 +174,39 @@ class Scene(Responses):
         found = np.zeros(len(SIGNALS))
         found[0] = BRACED_SHARE * float(self.samples.force.mean())
         for part, answer, least in (
-            (COP, self.answers.cop, LEAST_STANDING_M),
-            (TILT, self.answers.tilt, LEAST_STANDING_RAD),
-            (FLAT, self.answers.closure[:, FLAT_OF_CLOSURE], np.array(LEAST_FLAT)),
+            (COP, self.jacobians.cop, LEAST_STANDING_M),
+            (TILT, self.jacobians.tilt, LEAST_STANDING_RAD),
+            (FLAT, self.jacobians.closure[:, FLAT_OF_CLOSURE], np.array(LEAST_FLAT)),
         ):
             spread = np.sqrt(np.mean(np.sum((answer * step) ** 2, axis=2), axis=0))
             found[part] = np.maximum(spread, least)
         return found
 
-    def with_parameters(self, parameters: ChannelParameters) -> Scene:
+    def with_parameters(self, parameters: ChannelParameters) -> SignalModel:
         """Under other gains and offsets."""
         return replace(self, parameters=parameters)
 
-    def leaving_out(self, outliers: BoolArray) -> Scene:
+    def leaving_out(self, outliers: BoolArray) -> SignalModel:
         """Without values (T, s) that nothing explains, and those left out before."""
         return replace(self, outliers=self.outliers | outliers)
 
-    def with_planes(self, settings: SignalSettings) -> Scene:
+    def with_planes(self, settings: SignalSettings) -> SignalModel:
         """With the planes of the cells as the outputs now show them."""
         return replace(self, planes=cell_planes(self.samples, self.parameters, settings))
 
 
-def make_scene(
+def make_signal_model(
     samples: Samples,
     parameters: ChannelParameters,
     settings: SignalSettings,
     without: frozenset[str] = frozenset(),
-) -> Scene:
-    """The scene under first parameters; planes are found from the readings."""
+) -> SignalModel:
+    """The signal_model under first parameters; planes are found from the readings."""
     shoe = samples.shoe
-    return Scene(
+    return SignalModel(
         samples=samples,
         parameters=parameters,
-        answers=body.answers(samples),
+        jacobians=body.joint_jacobians(samples),
         planes=cell_planes(samples, parameters, settings),
         without=without,
         wiring=Wiring(shoe.columns, shoe.foot),
