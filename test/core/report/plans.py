@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 from core.planning.bodies import NAMES
@@ -28,8 +29,9 @@ def reaching() -> PlannedMotion:
 
 
 def missing() -> PlannedMotion:
-    """The second robot where one landmark is out of reach."""
-    return planned(SECOND, support=1)
+    """The second robot where the CoP shall come so near that one landmark is out of reach."""
+    near = replace(SETTINGS, landmark_radius=0.0028)
+    return replace(planned(SECOND, support=0), settings=near)
 
 
 def stepping() -> PlannedMotion:

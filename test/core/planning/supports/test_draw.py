@@ -136,6 +136,6 @@ def test_others_are_usable_few_and_the_same_for_a_seed(nao: Body) -> None:
 
 
 def test_where_there_are_no_others_the_search_ends(nao: Body) -> None:
-    place = (0.08, -0.16, 0.416)
+    place = (0.08, -0.16, -0.52)
     tight = narrowed(nao.robot, lower=place, upper=place)
     assert list(other_supports(tight, SETTINGS, (), 1)) == []

@@ -92,7 +92,7 @@ def test_an_addition_mends_what_is_open(nao: Body) -> None:
 
 
 def test_none_is_added_where_the_robot_cannot_stand(nao: Body) -> None:
-    place = np.array((0.08, -0.16, 0.416))
+    place = np.array((0.08, -0.16, -0.52))
     span = dataclasses.replace(nao.robot.support_range, lower=place, upper=place)
     stiff = dataclasses.replace(nao.robot, support_range=span)
     assert best_addition(stiff, nao.shoe, known(nao, STRAIGHT), SETTINGS) is None
