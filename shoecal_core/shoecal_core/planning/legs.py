@@ -32,6 +32,7 @@ BALANCE_NAMES = (
     "tilt of the torso",
 )  # fmt: skip
 """What LegExpressions.balance lists, for people."""
+BALANCE = len(BALANCE_NAMES)
 BALANCE_EDGES = slice(4, 12)
 """Of it: what keeps the feet flat."""
 _LEAST_JOINTS = 8

@@ -73,7 +73,8 @@ class LoadSharing:
         jacobian = _relative_jacobian(robot, body)
         # Any way to stand in balance will do: the internal wrench corrects it.
         on_left = (share[0] + share[1]) / 2.0
-        rigid = _torques(robot, body, _forces(robot, foot_pose, on_left, cop))
+        forces = _forces(robot, foot_pose, on_left, cop)
+        rigid = _torques(robot, body, forces)
         compliant = jacobian @ ca.diag(1.0 / limit)
         wrench = both * _solve(compliant @ jacobian.T, compliant @ rigid)
         self.relative_jacobian = jacobian
@@ -82,7 +83,7 @@ class LoadSharing:
         self.loads = ca.vertcat(on_left * weight - wrench[2], (1.0 - on_left) * weight + wrench[2])
         sideways = ca.sqrt(ca.sumsqr(wrench[:2]) + (_SMOOTHING * weight) ** 2)
         self.grips = FRICTION_USED * robot.friction * self.loads - both * sideways
-        self.edges = _edges(robot, foot_pose, on_left, cop, wrench)
+        self.edges = _edges(robot, foot_pose, forces, self.loads, wrench)
 
 
 @dataclass(frozen=True)
@@ -155,7 +156,13 @@ def _forces(
     ]
 
 
-def _edges(robot: Robot, foot_pose: ca.SX, on_left: ca.SX, cop: ca.SX, wrench: ca.SX) -> ca.SX:
+def _edges(
+    robot: Robot,
+    foot_pose: ca.SX,
+    forces: list[tuple[ca.SX, ca.SX]],
+    loads: ca.SX,
+    wrench: ca.SX,
+) -> ca.SX:
     """(8, 1) see LoadSharing.edges: the part of the contact wrench cone of a flat foot that is of
     its moments along the floor (Caron, Pham, Nakamura, "Stability of surface contacts for humanoid
     robots", 2015).
@@ -165,9 +172,8 @@ def _edges(robot: Robot, foot_pose: ca.SX, on_left: ca.SX, cop: ca.SX, wrench: c
     # Acts at the right sole's origin; the left foot gives it back there.
     moved = ca.vertcat(-wrench[4], wrench[3]) + wrench[2] * translation[:2]
     margins = []
-    for side, (part, place) in enumerate(_forces(robot, foot_pose, on_left, cop)):
-        sign = (-1.0, 1.0)[side]
-        load = part * robot.weight + sign * wrench[2]
+    for side, (part, place) in enumerate(forces):
+        load, sign = loads[side], (-1.0, 1.0)[side]
         # Load times the way of the foot's own CoP from the sole's origin.
         about_origin = part * robot.weight * place[:2] + sign * moved - load * origins[side]
         moment = turns[side].T @ about_origin

@@ -322,11 +322,11 @@ def _loads(
     if span.phase.support_phase is not SupportPhase.BOTH or not feet:
         return ()
     names, at = tuple(FEET[index] for index in feet), time[span.samples]
-    margin = MARGIN_KEPT * body.spread.load[span.samples, None]
-    loads = body.loads[span.samples][:, feet] - margin
+    loads = body.loads[span.samples][:, feet]
+    sure = loads - MARGIN_KEPT * body.spread.load[span.samples, None]
     usable = FRICTION_USED * robot.friction
     grip = MARGIN_KEPT * body.spread.grip(usable)[span.samples, None] / usable
-    pressed = body.loads[span.samples][:, feet] - grip
+    pressed = loads - grip
     ratio = body.sideways[span.samples, None] / np.maximum(pressed, _NO_LOAD)
     slip = np.full(len(feet), usable)
     if span.first:
@@ -334,10 +334,10 @@ def _loads(
     low, high = np.array([robot.feet[index].box for index in feet]).swapaxes(0, 1)
     cop = body.foot_cop[span.samples][:, feet]
     inside = np.minimum(cop - low, high - cop).min(axis=-1)
-    lever = inside * body.loads[span.samples][:, feet] / robot.weight
+    lever = inside * loads / robot.weight
     least = settings.load_share * robot.weight
     return (
-        at_least("load of a foot that stands", "N", loads, least, at, names, from_begin=span.first),
+        at_least("load of a foot that stands", "N", sure, least, at, names, from_begin=span.first),
         at_least(
             "lever of the weight from the edge of a sole",
             "m",

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from shoecal_core.model.symbolic import evaluate
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.problem import (
-    BALANCE,
     FOOT_ROWS,
     TASKS,
     HorizonProblem,
@@ -19,6 +18,7 @@ from shoecal_core.planning.horizon.problem import (
     Scene,
     StateValues,
 )
+from shoecal_core.planning.legs import BALANCE
 
 FloatArray = NDArray[np.float64]
 

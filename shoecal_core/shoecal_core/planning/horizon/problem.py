@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from shoecal_core.planning.legs import FootPose
+from shoecal_core.planning.legs import BALANCE, FootPose
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.settings import SettingError
 
@@ -21,8 +21,6 @@ TASKS = 5
 """What is pursued: CoP forward and sideways, lean forward and sideways, height."""
 FOOT_ROWS = 6
 """Of the foot transform: way and turn."""
-BALANCE = 13
-"""Loads and grips of left and right, and the torso's tilt; see LegExpressions."""
 
 
 @dataclass(frozen=True)
@@ -123,7 +121,7 @@ class Aim:
     """What the states of one optimisation pursue.
 
     Attributes:
-        targets: (n, 13) CoP in the left sole's frame [m], lean, and height of the base above the
+        targets: (n, 5) CoP in the left sole's frame [m], lean, and height of the base above the
             left sole [m]; n is 1 where all states pursue the same.
         weights: (5,) of their squared distances; zero for what is not pursued.
     """
@@ -181,7 +179,7 @@ class StateValues:
     """What the constraints say of n states.
 
     Attributes:
-        tasks: (n, 13) CoP [m], lean, height [m], as in Aim.
+        tasks: (n, 5) CoP [m], lean, height [m], as in Aim.
         foot_error: (n, 6) way [m] and turn [rad] from T0.
         distances: (n, p) of the capsule pairs [m].
         balance: (n, 13) as LegExpressions.balance.

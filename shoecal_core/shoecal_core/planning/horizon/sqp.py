@@ -20,8 +20,9 @@ from shoecal_core.planning.horizon.linearisation import (
     Linearisation,
     Linearised,
 )
-from shoecal_core.planning.horizon.problem import BALANCE, TASKS, HorizonProblem, Solution
+from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, Solution
 from shoecal_core.planning.horizon.quadratic_program import QuadraticProgram, Step
+from shoecal_core.planning.legs import BALANCE
 
 FloatArray = NDArray[np.float64]
 

@@ -14,8 +14,9 @@ from core.planning.horizons import problems
 from core.planning.motions import SETTINGS
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.linearisation import Inequalities, Linearisation, Linearised
-from shoecal_core.planning.horizon.problem import BALANCE, HorizonProblem
+from shoecal_core.planning.horizon.problem import HorizonProblem
 from shoecal_core.planning.horizon.quadratic_program import QuadraticProgram
+from shoecal_core.planning.legs import BALANCE
 
 FloatArray = NDArray[np.float64]
 
