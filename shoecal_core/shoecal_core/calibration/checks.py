@@ -30,6 +30,8 @@ MAX_TIME_OFFSET_S = 0.05
 """Clocks of joints and readings that are further apart need mending."""
 MOST_TOLD = 5
 """Reasons in one message; a calibration holds them all."""
+MOST_DIRECTIONS_TOLD = 3
+"""Directions without data in one reason; the report draws them all."""
 
 
 @dataclass(frozen=True)
@@ -191,7 +193,7 @@ def check_directions(told: Identifiability, add: DoubleSupport | None) -> list[F
     if not told.weak or told.rank >= told.possible:
         return []
     cure = _addition(add, "record more double supports with other yaws between the feet")
-    listed = "; ".join(weak.words for weak in told.weak)
+    listed = tell_reasons([weak.words for weak in told.weak], MOST_DIRECTIONS_TOLD)
     return [
         Finding(
             "WARN",

@@ -155,6 +155,9 @@ def test_missing_directions() -> None:
     (finding,) = check_directions(told, DoubleSupport(0.0, -0.12, 0.4))
     assert "dy -0.12 m, yaw 0.4 rad" in finding.reason
     assert check_directions(dataclasses.replace(told, weak=()), None) == []
+    many = tuple(WeakDirection(f"direction {number}", np.inf) for number in range(9))
+    (finding,) = check_directions(dataclasses.replace(told, weak=many), None)
+    assert "but not: direction 0; direction 1; direction 2; and 6 more; " in finding.reason
 
 
 def test_an_expected_cop_error_is_judged_by_the_width_of_the_polygon() -> None:
