@@ -19,7 +19,7 @@ from accuracy_results import UNRECORDED, Result, measure
 from accuracy_sessions import MOTIONS, REALITIES, cases, make
 from accuracy_tables import tables
 from pages import TRUST, markdown, record, write_section
-from shoecal_core.commands.many_jobs import over_cores
+from shoecal_core.workflows.many_jobs import over_cores
 
 
 def main() -> None:

@@ -13,15 +13,15 @@ from accuracy_sessions import Case
 from held import Held, hold
 from held_budget import hold_budget
 from population import nao
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.evaluate import Errors
-from shoecal_core.calibration.evaluation import MEASURED, TRUTH, compare_runs
-from shoecal_core.calibration.manual.calibrate import calibrate_manually
-from shoecal_core.calibration.pipeline import calibrate_session
-from shoecal_core.calibration.run_errors import errors_by_set
-from shoecal_core.commands.simulated_manual import simulate_manual
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.run_errors import errors_by_set
+from shoecal_core.estimation.series import Errors
+from shoecal_core.manual.calibrate import calibrate_manually
 from shoecal_core.recording.session import Session
+from shoecal_core.workflows.calibrate import calibrate_session
+from shoecal_core.workflows.evaluation import MEASURED, TRUTH, compare_runs
+from shoecal_core.workflows.simulated_manual import simulate_manual
 from true_sources import read_drawn
 
 FloatArray = NDArray[np.float64]

@@ -18,16 +18,16 @@ import numpy as np
 import yaml
 
 from population import ROOT, SUPPORTS, TRAIN, make_session, nao, paper_runs
-from shoecal_core.commands.many_jobs import over_cores
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write, sha256
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import STANDARD_SUPPORTS, standard_runs
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.workflows.many_jobs import over_cores
 from shoecal_core.workspace import config_dir
 
 OUT = ROOT / "out" / "accuracy"

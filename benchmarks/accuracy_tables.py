@@ -15,8 +15,8 @@ from accuracy_results import Result
 from accuracy_sessions import PAPER
 from held import WHAT, Held
 from pages import Row
-from shoecal_core.calibration.assessment import NORMAL_95
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.estimation.assessment import NORMAL_95
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 ERRORS = {

@@ -27,14 +27,16 @@ from fault_physics import PHYSICS
 from fault_tables import alarms, caught
 from pages import ROOT, TRUST, markdown, record, write_section
 from population import Member, different_robots, nao, sessions
-from shoecal_core.calibration.evaluate import errors, measured_series, truth_series
-from shoecal_core.calibration.pipeline import Outcome, calibrate_session, load_data
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.series import errors, measured_series, truth_series
+from shoecal_core.estimation.session_data import load_data
 from shoecal_core.files import atomic_write
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
-from shoecal_core.sensing.sensing import Sensing
+from shoecal_core.shoe.sensing import Sensing
+from shoecal_core.workflows.calibrate import calibrate_session
 
 OUT = ROOT / "out" / "trust" / "faults"
 FAULTS = {**CABLES, **PHYSICS}

@@ -23,13 +23,13 @@ import numpy as np
 from blind.intervals import clopper_pearson
 from blind.world import draw_sections, write_reality
 from pages import EVIDENCE, Row, markdown, record, write_section
-from shoecal_core.commands.simulated_session import SimulationPlan, simulate_session
 from shoecal_core.diagnosis.diagnose import diagnose
-from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.planning.supports.draw import draw_supports
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.workflows.simulated_session import SimulationPlan, simulate_session
 from shoecal_core.workspace import config_dir
 
 MOTIONS = (

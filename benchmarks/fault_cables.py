@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fault_draws import Draw, Expected, Injected, NoFaultError
-from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.recording.run import Run
+from shoecal_core.screening.faults import Fault
 
 FloatArray = NDArray[np.float64]
 

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from population import Member
-from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.screening.faults import Fault
+from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 

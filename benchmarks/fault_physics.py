@@ -12,16 +12,16 @@ from scipy.ndimage import median_filter
 
 from fault_draws import Draw, Expected, Injected, NoFaultError
 from population import RATE_HZ, nao
-from shoecal_core.calibration.screening.faults import Fault
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.screening.faults import Fault
+from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.disturbances import Disturbance, Push
 from shoecal_core.simulation.drawn import draw as draw_robot
 from shoecal_core.simulation.effects.effect import Effect

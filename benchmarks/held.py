@@ -8,12 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.evaluate import truth_series
-from shoecal_core.calibration.pipeline import Outcome, load_data
-from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.series import truth_series
+from shoecal_core.estimation.session_data import load_data
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
-from shoecal_core.sensing.sensing import Sensing
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.sensing import Sensing
 
 FloatArray = NDArray[np.float64]
 STEP = 100

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.pipeline import Outcome
 from shoecal_core.estimation.budget import NOISE, SUPPORT, mean_squares, unknowns
 from shoecal_core.estimation.joint_fit import FittedDeviation, JointFit
+from shoecal_core.estimation.outcome import Outcome
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.reality import Reality
 from true_sources import Source, read_drawn, true_sources
 

@@ -9,9 +9,7 @@ import numpy as np
 
 from paper_reproduction import GUESS, Difference, Paper, Reproduction, shoe_and_robot
 from paper_targets import ALPHA
-from shoecal_core.calibration.evaluation import MEASURED, MODELLED, REFERENCE
-from shoecal_core.calibration.run_errors import ComparedRun, errors_by_set
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.estimation.run_errors import ComparedRun, errors_by_set
 from shoecal_core.report import palette
 from shoecal_core.report.figures.bars import Bar, Mark, mae_bars
 from shoecal_core.report.figures.loads import KnownLoads, cop_under_loads, forces_under_loads
@@ -21,7 +19,9 @@ from shoecal_core.report.figures.series import Line, grf_in_time
 from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import mean_error
 from shoecal_core.report.sheet import Part, write_sheet
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.shoe.shoe import FEET
+from shoecal_core.workflows.evaluation import MEASURED, MODELLED, REFERENCE
 
 SNAPSHOTS = 5
 LOOKS = {

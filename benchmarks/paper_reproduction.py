@@ -10,20 +10,22 @@ from numpy.typing import NDArray
 from scipy.stats import wilcoxon
 
 from population import Member
-from shoecal_core.calibration.evaluate import Errors
-from shoecal_core.calibration.evaluation import MEASURED, MODELLED, REFERENCE, compare_data
-from shoecal_core.calibration.fit import self_calibrate
-from shoecal_core.calibration.manual.calibrate import ManualCalibration, calibrate_manually
-from shoecal_core.calibration.pipeline import Outcome, SessionData, calibrate_session, load_data
-from shoecal_core.calibration.run_errors import SETS, ComparedRun, errors_of
-from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.commands.simulated_manual import simulate_manual
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.robot_file import load_robot
+from shoecal_core.estimation.fit import self_calibrate
+from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.run_errors import SETS, ComparedRun, errors_of
+from shoecal_core.estimation.series import Errors
+from shoecal_core.estimation.session_data import SessionData, load_data
+from shoecal_core.manual.calibrate import ManualCalibration, calibrate_manually
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.sensing import Sensing
-from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.sensing import Sensing
+from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.workflows.calibrate import calibrate_session
+from shoecal_core.workflows.evaluation import MEASURED, MODELLED, REFERENCE, compare_data
+from shoecal_core.workflows.simulated_manual import simulate_manual
 from shoecal_core.workspace import config_dir
 
 GUESS, LEAST_SQUARES, CORRECTED = "guess", "least squares", "CoP correction"

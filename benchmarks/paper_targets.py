@@ -11,9 +11,9 @@ from pages import Row
 from paper_published import CALIBRATED, MANUAL
 from paper_published import GUESS as PUBLISHED_GUESS
 from paper_reproduction import GUESS, Paper, Reproduction
-from shoecal_core.calibration.evaluation import MEASURED, REFERENCE
-from shoecal_core.calibration.run_errors import errors_by_set, errors_of
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.estimation.run_errors import errors_by_set, errors_of
+from shoecal_core.shoe.shoe import FEET
+from shoecal_core.workflows.evaluation import MEASURED, REFERENCE
 
 ALPHA = 0.05
 

@@ -27,23 +27,23 @@ from numpy.typing import NDArray
 
 import pages
 from pages import ROOT
-from shoecal_core.commands.simulated_walk import take
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.feasible import Feasible
-from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.workflows.simulated_walk import take
 from shoecal_core.workspace import config_dir
 
 FloatArray = NDArray[np.float64]

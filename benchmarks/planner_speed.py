@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 import pages
 from planner_problems import Posed, Timed, compiled_ipopt, judge, posed_in_closed_loop, race
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.problem import Solver
@@ -29,7 +28,8 @@ from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.planning.supports.feasible import Feasible
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.workspace import config_dir
 
 FloatArray = NDArray[np.float64]

@@ -19,16 +19,16 @@ from pathlib import Path
 
 import numpy as np
 
-from shoecal_core.commands.simulated_session import SimulationPlan, simulate_session
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import PlannedRun, listed_runs
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.workflows.simulated_session import SimulationPlan, simulate_session
 from shoecal_core.workspace import config_dir
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -18,13 +18,14 @@ import numpy as np
 import real_diagnosis
 import real_trials
 from pages import EVIDENCE, ROOT, Row, markdown, write_section
-from shoecal_core.calibration.evaluate import Errors, errors, measured_series, modelled_series
-from shoecal_core.calibration.pipeline import Outcome, calibrate_session
-from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.series import Errors, errors, measured_series, modelled_series
 from shoecal_core.recording.csv_import import import_csv
-from shoecal_core.sensing.sensing import Sensing
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.settings import load_settings
+from shoecal_core.shoe.sensing import Sensing
+from shoecal_core.shoe.wrench import ChannelParameters
+from shoecal_core.workflows.calibrate import calibrate_session
 
 IMPORTS = ROOT / "config" / "imports"
 SPLITS = (((1, 2), 3), ((1, 3), 2), ((2, 3), 1))

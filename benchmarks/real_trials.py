@@ -9,13 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from pages import Row
-from shoecal_core.calibration.axes import SIDEWAYS, sideways_axes
-from shoecal_core.calibration.pipeline import Outcome, calibrate_session
-from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.estimation.axes import SIDEWAYS, sideways_axes
+from shoecal_core.estimation.outcome import Outcome
 from shoecal_core.estimation.weight import weigh
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.zeros import NORMAL_95, data_sheet
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.shoe import FEET
+from shoecal_core.workflows.calibrate import calibrate_session
 
 NUMBERS = (1, 3, 4)
 """Trials that gains are fitted to, besides all."""

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from pages import TRUST, Row, markdown, record, write_section
 from population import Member, one_robot, sessions
-from shoecal_core.calibration.assessment import NORMAL_95
-from shoecal_core.calibration.pipeline import calibrate_session
+from shoecal_core.estimation.assessment import NORMAL_95
 from shoecal_core.recording.session import Session
+from shoecal_core.workflows.calibrate import calibrate_session
 
 FloatArray = NDArray[np.float64]
 

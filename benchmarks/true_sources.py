@@ -12,10 +12,10 @@ from typing import Any
 import mujoco
 import yaml
 
-from shoecal_core.model.robot import GRAVITY
-from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import Shoe
 
 Source = tuple[str, tuple[str, ...], str]
 """Effect, location, component."""

@@ -18,12 +18,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Arc
 
-from shoecal_core.calibration.pipeline import calibrate_session
-from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.files import atomic_write
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot_file import load_robot, shoe_file_of
 from shoecal_core.recording.session import Session
 from shoecal_core.report.assessment_figures import error_pictures
 from shoecal_core.report.calibration_content import CalibrationReport
@@ -34,7 +30,11 @@ from shoecal_core.report.palette import BLUE, INK, RED
 from shoecal_core.report.session_report import session_content
 from shoecal_core.report.sheet import Part, sheet, write_sheet
 from shoecal_core.report.svg import SMALL, canvas
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot_file import load_robot, shoe_file_of
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.workflows.calibrate import calibrate_session
 
 ROOT = Path(__file__).resolve().parents[1]
 ROBOT = ROOT / "config/robots/nao.yaml"

@@ -13,7 +13,6 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from shoecal_core.model.robot_file import load_robot, shoe_file_of
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
@@ -22,7 +21,8 @@ from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_strip import instant_of
 from shoecal_core.report.scene.offscreen import draw
 from shoecal_core.report.scene.stills import Instant, views
-from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.robot.robot_file import load_robot, shoe_file_of
+from shoecal_core.shoe.shoe import Shoe, load_shoe
 
 HERE = Path(__file__).resolve().parent.parent
 ROBOT = HERE / "config" / "robots" / "nao.yaml"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from blind.layout import UNIT_SIZES
 from population import nao
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 Size = dict[str, float]

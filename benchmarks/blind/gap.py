@@ -16,15 +16,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.evaluate import errors, measured_series, modelled_series
-from shoecal_core.calibration.fit import fit_parameters
-from shoecal_core.calibration.pipeline import load_data, split_runs
-from shoecal_core.calibration.residuals import unpack
-from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.estimation.fit import fit_parameters
 from shoecal_core.estimation.initial_guess import initial_guess
+from shoecal_core.estimation.residuals import unpack
+from shoecal_core.estimation.series import errors, measured_series, modelled_series
+from shoecal_core.estimation.session_data import load_data
 from shoecal_core.recording.session import Session
+from shoecal_core.recording.train_test import split_runs
 from shoecal_core.samples.stance import Stance
-from shoecal_core.sensing.sensing import Sensing
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.sensing import Sensing
 
 FloatArray = NDArray[np.float64]
 

@@ -17,12 +17,12 @@ from blind.processes import over
 from population import nao
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import STANDARD_SUPPORTS, PlannedRun, standard_runs
 from shoecal_core.planning.supports.draw import draw_supports
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 
 
 @dataclass(frozen=True)

@@ -13,12 +13,12 @@ from blind.answers import Answer
 from blind.motions import PlannedMotion
 from blind.unknowns import Unknown
 from population import RATE_HZ, nao
-from shoecal_core.commands.simulated_recording import record_run
 from shoecal_core.recording.session import TRUTH, Session
 from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import run
+from shoecal_core.workflows.simulated_recording import record_run
 
 HOLD_S = 1.0
 """Standing still before and after a motion."""

@@ -12,8 +12,8 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.robot import GRAVITY, Robot
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.disturbances import Disturbance
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.robot import SimulatedRobot

@@ -8,13 +8,13 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.robot_file import load_robot
+from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.planning.posture import stance
-from shoecal_core.sensing.shoe import Shoe, load_shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.workspace import config_dir
 
 FloatArray = NDArray[np.float64]

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 
 from live import bodies
 from live.line import Line
-from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.end_with_parent import ending_with_parent
+from shoecal_core.estimation.calibration import save_calibration
 from shoecal_core.workspace import ros_environment
 from shoecal_ros.demonstration.domain import reserve_domain
 from shoecal_ros.serial.config import load_driver_config

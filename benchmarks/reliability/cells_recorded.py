@@ -13,9 +13,9 @@ from fault_cables import saturated, spikes, stuck, with_values
 from fault_draws import Draw, Expected, FaultySession, Injected, NoFaultError
 from population import different_robots, nao, sessions
 from reliability.tries import BrokenError
-from shoecal_core.calibration.pipeline import calibrate_session
 from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.run import Run
+from shoecal_core.workflows.calibrate import calibrate_session
 
 FloatArray = NDArray[np.float64]
 

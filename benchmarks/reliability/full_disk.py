@@ -33,8 +33,8 @@ from reliability.recovered import recovered_samples
 from reliability.row import Progress, Result, Row
 from reliability.small_disk import SmallDisk, hide_mounts
 from reliability.tries import BrokenError, run_tries
-from shoecal_core.calibration.calibration import save_calibration
 from shoecal_core.errors import FileError, ShoecalError, error_code
+from shoecal_core.estimation.calibration import save_calibration
 from shoecal_ros.calibrator.calibration_store import NEXT, CalibrationStore
 from shoecal_ros.common.codes import Code
 from shoecal_ros.serial.raw_log import RawLog

@@ -24,8 +24,8 @@ from reliability.child import Child, Steps
 from reliability.row import Progress, Result, Row
 from reliability.same import same
 from reliability.tries import BrokenError, run_tries
-from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.estimation.calibration import Calibration, load_calibration, save_calibration
+from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
 
 MOST_STEPS = 6

@@ -13,14 +13,14 @@ from reliability import originals
 from reliability.loading import Draw, Load, WrongLoadError
 from reliability.mutations import Rng, mutate_yaml, pick
 from reliability.same import same
-from shoecal_core.calibration.calibration import load_calibration, save_calibration
-from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.errors import FieldError, FileError
-from shoecal_core.model.robot_file import load_robot
-from shoecal_core.model.urdf import UrdfError, read_urdf
+from shoecal_core.estimation.calibration import load_calibration, save_calibration
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.robot.urdf import UrdfError, read_urdf
+from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.settings import load_settings
+from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_ros.serial.config import load_driver_config
 

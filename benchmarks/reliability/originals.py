@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.robot_file import load_robot
+from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.writer import RunWriter
-from shoecal_core.sensing.correction import POLYNOMIAL, CopCorrection
-from shoecal_core.sensing.shoe import Shoe, load_shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.correction import POLYNOMIAL, CopCorrection
+from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 
 CONFIG = Path(__file__).parents[2] / "config"
 ROBOT = CONFIG / "robots/nao.yaml"

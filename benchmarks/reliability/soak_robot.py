@@ -18,10 +18,10 @@ from reliability.live_robots import PERIOD_NS, SUPPORT, start_calibrator
 from reliability.live_world import World
 from reliability.tries import BrokenError
 from ros.bodies import nao, nao_shoe, parameters, readings
-from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.posture import stance
-from shoecal_core.sensing.load_cases import double_support_outputs
-from shoecal_core.sensing.sensing import Sensing
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.shoe.load_cases import double_support_outputs
+from shoecal_core.shoe.sensing import Sensing
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import JointSample, joints_to_ros, time_from_ros, time_to_ros
 from shoecal_ros.common.realtime_executor import BATCH, drained

@@ -29,7 +29,7 @@ from reliability.row import Row
 from reliability.tries import BrokenError
 from ros.bodies import nao
 from ros.standing_robot import StandingRobot
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import time_from_ros
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import shoecal_core
 from reference.markdown import code, fenced, page, table
-from shoecal_core.commands.parsers import COMMANDS
+from shoecal_core.cli.parsers import COMMANDS
 from shoecal_core.errors import FileError, ShoecalError, error_code
 
 _LEAD = (
@@ -43,7 +43,7 @@ def commands_page() -> str:
 def command_parser(name: str) -> argparse.ArgumentParser:
     """What reads the arguments of one command."""
     parser = argparse.ArgumentParser(prog=f"shoecal {name}")
-    importlib.import_module(f"shoecal_core.commands.{name}_command").add_arguments(parser)
+    importlib.import_module(f"shoecal_core.cli.{name}_command").add_arguments(parser)
     parser.add_argument("--json", metavar="FILE", help="also write the figures as JSON")
     return parser
 

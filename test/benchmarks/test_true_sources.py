@@ -11,8 +11,8 @@ import pytest
 
 from core.simulation.worlds import DEFAULT, REALITIES, load_world
 from shoecal_core.files import write_yaml
-from shoecal_core.model.robot import GRAVITY
 from shoecal_core.recording.session import Session
+from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.simulation import robot_physics
 from shoecal_core.simulation.drawn import DrawnReality, draw
 from shoecal_core.simulation.reality_file import load_reality

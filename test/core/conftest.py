@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.calibration import synthetic
 from core.diagnosis.drawn import Urn
-from core.sensing import shoes
+from core.estimation import synthetic
+from core.shoe import shoes
 from shoecal_core import cli
 from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.settings import DiagnosisSettings
@@ -19,8 +19,8 @@ from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.sampling import load_samples
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
 CLEAN = """format: 1

@@ -14,9 +14,9 @@ import pytest
 
 from core.limits import file_size_limit, ordinary_user
 from core.recording import samples
-from shoecal_core.calibration.calibration import load_calibration
 from shoecal_core.error_sources.effects.known import effects_from
 from shoecal_core.errors import ShoecalError, error_code
+from shoecal_core.estimation.calibration import load_calibration
 from shoecal_core.files import (
     MAX_YAML_BYTES,
     atomic_write,
@@ -26,13 +26,13 @@ from shoecal_core.files import (
     sha256,
     system_error,
 )
-from shoecal_core.model.robot_file import load_robot
-from shoecal_core.model.urdf import read_urdf
 from shoecal_core.recording.container import read_info
 from shoecal_core.recording.csv_table import Layout, Table
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.writer import RunWriter
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.robot.urdf import read_urdf
+from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.workspace import config_dir
 
 SOURCES = Path(__file__).parents[2]

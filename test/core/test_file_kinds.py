@@ -7,18 +7,18 @@ from pathlib import Path
 import pytest
 
 from core.recording import samples
-from core.sensing.shoes import FILES, ROOT
-from shoecal_core.calibration.calibration import load_calibration
+from core.shoe.shoes import FILES, ROOT
 from shoecal_core.errors import FileError
+from shoecal_core.estimation.calibration import load_calibration
 from shoecal_core.files import Fields, read_yaml
-from shoecal_core.model.robot_file import load_robot
-from shoecal_core.model.urdf import read_urdf
 from shoecal_core.recording.bag_mapping import load_bag_mapping
 from shoecal_core.recording.container import read_container
 from shoecal_core.recording.csv_mapping import load_mapping
 from shoecal_core.recording.recover import recover
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.robot.urdf import read_urdf
+from shoecal_core.shoe.shoe import load_shoe
 
 ROBOT = ROOT / "config/robots/nao.yaml"
 SHOE = FILES["nao_shoe"]

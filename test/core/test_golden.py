@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 from shoecal_core import cli
-from shoecal_core.calibration.calibration import load_calibration
+from shoecal_core.estimation.calibration import load_calibration
 
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = ROOT / "config"

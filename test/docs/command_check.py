@@ -14,7 +14,7 @@ import yaml
 from docs.pages import ROOT, blocks, words
 from reference.commands import command_parser
 from reference.launch_files import arguments
-from shoecal_core.commands.parsers import COMMANDS, command_line
+from shoecal_core.cli.parsers import COMMANDS, command_line
 
 ROS_CALLS = ("echo", "list", "info", "hz", "show", "prefix", "executables", "play")
 

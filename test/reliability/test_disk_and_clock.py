@@ -9,8 +9,8 @@ import pytest
 from reliability import clock_jumps, full_disk, other_robot
 from reliability.row import Row
 from reliability.small_disk import SmallDisk
-from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.calibration import Calibration
 from shoecal_ros.calibrator.calibration_store import CalibrationStore
 from shoecal_ros.serial.clock import DeviceClock
 

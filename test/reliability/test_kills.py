@@ -10,7 +10,7 @@ import pytest
 
 from reliability import killed_recording, killed_saving, recovered
 from reliability.row import Row
-from shoecal_core.calibration.calibration import Calibration, save_calibration
+from shoecal_core.estimation.calibration import Calibration, save_calibration
 
 
 @pytest.mark.parametrize(("row", "count"), [(killed_recording.ROW, 20), (killed_saving.ROW, 20)])

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.robot_file import load_robot
-from shoecal_core.sensing.shoe import Shoe, load_shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 ROOT = Path(__file__).parents[2]

@@ -10,9 +10,9 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 from ros.bodies import nao
 from ros.standing_robot import StandingRobot
 from ros.world import World
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.shoe.shoe import FEET
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import header_to_ros, trajectory_from_ros
 

@@ -13,11 +13,11 @@ from shoecal_msgs.msg import ShoeVoltages
 
 from ros.bodies import nao, nao_shoe, parameters, readings
 from ros.world import World
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.posture import stance
-from shoecal_core.sensing.load_cases import double_support_outputs
-from shoecal_core.sensing.wrench import at_cop, weight_below
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.shoe.load_cases import double_support_outputs
+from shoecal_core.shoe.wrench import at_cop, weight_below
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import JointSample, VoltageFrame, joints_to_ros, voltages_to_ros
 

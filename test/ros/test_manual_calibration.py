@@ -14,18 +14,18 @@ from rclpy.serialization import deserialize_message, serialize_message
 from shoecal_msgs.msg import ShoeCalibration, ShoeVoltages
 from shoecal_msgs.srv import GetCalibration, SetCalibration
 
-from core.commands.terminal import Terminal
-from core.sensing import mutations
+from core.cli.terminal import Terminal
+from core.shoe import mutations
 from ros.bodies import ROOT, nao_shoe
 from ros.world import World
 from shoecal_core import cli
-from shoecal_core.calibration.calibration import Calibration, load_calibration
-from shoecal_core.calibration.manual.loads import CELLS, Load
-from shoecal_core.calibration.manual.measurements_file import load_measurements
-from shoecal_core.commands.simulated_manual import rig_readings
+from shoecal_core.estimation.calibration import Calibration, load_calibration
+from shoecal_core.manual.loads import CELLS, Load
+from shoecal_core.manual.measurements_file import load_measurements
 from shoecal_core.simulation.drawn import draw_shoes
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.rig import LoadingRig
+from shoecal_core.workflows.simulated_manual import rig_readings
 from shoecal_ros.common.conversions import (
     VoltageFrame,
     calibration_from_ros,

@@ -21,9 +21,9 @@ from shoecal_msgs.msg import ShoeVoltages
 
 from ros.bodies import NAO_SHOE, nao_shoe
 from ros.world import END_S, World
-from shoecal_core.commands.manual_guide_frames import Frame, Problem
-from shoecal_core.commands.manual_guide_streams import FrameStream, driver_stream
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.cli.manual_guide_frames import Frame, Problem
+from shoecal_core.cli.manual_guide_streams import FrameStream, driver_stream
+from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.workspace import ros_environment
 from shoecal_ros.common.conversions import VoltageFrame, voltages_to_ros
 

@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from rosbags.highlevel import AnyReader
 
-from shoecal_core.calibration.calibration import load_calibration
-from shoecal_core.calibration.pipeline import calibrate_session
+from shoecal_core.estimation.calibration import load_calibration
 from shoecal_core.files import read_yaml
 from shoecal_core.recording.session import Session
+from shoecal_core.workflows.calibrate import calibrate_session
 
 ROOT = Path(__file__).resolve().parents[2]
 ROBOT = ROOT / "test" / "data" / "robots" / "odd_biped.yaml"

@@ -17,7 +17,7 @@ from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.estimation.priors import parameter_std
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.stance import Stance
-from shoecal_core.sensing.wrench import ChannelParameters, columns_in_left, combined, weight_below
+from shoecal_core.shoe.wrench import ChannelParameters, columns_in_left, combined, weight_below
 
 FloatArray = NDArray[np.float64]
 HANGING_LEVERS_M = (0.1, 0.1)

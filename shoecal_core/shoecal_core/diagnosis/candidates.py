@@ -6,9 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from shoecal_core.error_sources.effects.contact import TURNED
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.planning.supports.named import named_support
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.known_weight import KNOWN_MASS, WEIGHTED
 
 WARM, YAWED = "warm_up", "yawed_stance"

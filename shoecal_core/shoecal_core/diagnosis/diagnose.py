@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
-from shoecal_core.calibration.pipeline import split_runs
 from shoecal_core.diagnosis.action import action
 from shoecal_core.diagnosis.answer import answer, borne_out, causes_of
 from shoecal_core.diagnosis.baseline import first_parameters
@@ -31,6 +30,7 @@ from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
+from shoecal_core.recording.train_test import split_runs
 from shoecal_core.samples.sampling import read_runs, samples_of
 
 Progress = Callable[[str, float], None]

@@ -11,8 +11,8 @@ from shoecal_core.diagnosis.result import Candidate, Evidence, Fitted
 from shoecal_core.diagnosis.scoring import Scored
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import SIGNALS
-from shoecal_core.sensing.sensing import MINIMUM_FORCE
-from shoecal_core.sensing.wrench import cop
+from shoecal_core.shoe.sensing import MINIMUM_FORCE
+from shoecal_core.shoe.wrench import cop
 
 FloatArray = NDArray[np.float64]
 RIVALS = 4

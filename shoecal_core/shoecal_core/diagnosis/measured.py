@@ -13,8 +13,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.extract import zeros_of
-from shoecal_core.calibration.walking_fit import common_zeros, zero_shifts
 from shoecal_core.diagnosis.result import Cause, Shrink, Size
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import shrink
@@ -22,15 +20,17 @@ from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.base import ALL
 from shoecal_core.error_sources.effects import places
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.walking_fit import common_zeros, zero_shifts
 from shoecal_core.estimation.weight import Weighed, weigh
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.samples import Samples
 from shoecal_core.samples.sampling import Read
 from shoecal_core.samples.zeros import NORMAL_95, Zero, data_sheet
-from shoecal_core.sensing.shoe import FEET
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.screening.extract import zeros_of
+from shoecal_core.shoe.shoe import FEET
+from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 SURE_STDS = 4.0

@@ -8,7 +8,7 @@ from shoecal_core.diagnosis.candidates import WARM, YAWED
 from shoecal_core.diagnosis.result import Candidate, NextMotion
 from shoecal_core.error_sources.effects.contact import TURNED
 from shoecal_core.samples.known_weight import WEIGHTED
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 UNLOADED = "unload_"
 """With the foot that one of the two is at: in the air it shows its zeros, and no more."""

@@ -22,7 +22,7 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.tempering import needed
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import COP
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 

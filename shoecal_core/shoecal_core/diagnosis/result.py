@@ -15,7 +15,7 @@ FloatArray = NDArray[np.float64]
 FORMAT = 1
 
 Verdict = Literal["no_gap", "explained", "ambiguous", "partly_explained", "unknown"]
-VERDICTS: Mapping[Verdict, str] = {
+VERDICT_TEXTS: Mapping[Verdict, str] = {
     "no_gap": "model and reality agree within what the sensors can tell",
     "explained": "one explanation accounts for the gap",
     "ambiguous": "several explanations account for the gap alike",
@@ -258,7 +258,7 @@ class Diagnosis:
     """The whole answer.
 
     Attributes:
-        verdict: see VERDICTS.
+        verdict: see VERDICT_TEXTS.
         gap: on the test runs.
         where: the largest shares first.
         causes: the explanation chosen, largest share first; empty for no_gap and unknown.

@@ -16,7 +16,7 @@ from shoecal_core.diagnosis.workspace import Workspace, make_workspace
 from shoecal_core.error_sources.base import Effect, Place
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.wiring import Wiring
-from shoecal_core.sensing.wrench import at_cop, combined, weight_below
+from shoecal_core.shoe.wrench import at_cop, combined, weight_below
 
 FloatArray = NDArray[np.float64]
 CLEARLY = 0.5

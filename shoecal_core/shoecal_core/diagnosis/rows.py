@@ -17,7 +17,7 @@ from shoecal_core.error_sources.regression import Whitening, covariance_of
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, CLOSURE, COP, GRF, PARITY, TILT
 from shoecal_core.error_sources.spectrum import BANDS, frequencies_of, signals_of
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

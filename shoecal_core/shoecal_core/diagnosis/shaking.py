@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from shoecal_core.calibration.screening.noise import noise
-from shoecal_core.calibration.screening.spikes import find_leaps
-from shoecal_core.calibration.screening.standing import LEAST_LEAP_STDS
-from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.error_sources.signal_model import SignalModel
+from shoecal_core.screening.noise import noise
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.spikes import find_leaps
+from shoecal_core.screening.standing import LEAST_LEAP_STDS
 
 MUCH = 0.1
 """Share of the samples from which it is told."""

@@ -19,16 +19,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.screening.blocks import reading_blocks
-from shoecal_core.calibration.screening.saturated import ended
-from shoecal_core.calibration.screening.stretches import Stretch
-from shoecal_core.calibration.screening.unresponsive import away, dead, halted
 from shoecal_core.diagnosis.result import Cause, Size
 from shoecal_core.diagnosis.shrink import shrink
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.effects import places
 from shoecal_core.samples.samples import Samples
-from shoecal_core.sensing.wrench import at_cop, columns_in_left, combined, weight_below
+from shoecal_core.screening.blocks import reading_blocks
+from shoecal_core.screening.saturated import ended
+from shoecal_core.screening.stretches import Stretch
+from shoecal_core.screening.unresponsive import away, dead, halted
+from shoecal_core.shoe.wrench import at_cop, columns_in_left, combined, weight_below
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -11,7 +11,7 @@ from shoecal_core.diagnosis.shrink import judged
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.error_sources.signals import AIR, CLOSURE, PARITY, TILT
 from shoecal_core.error_sources.steps import closure_steps
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 PLACES: tuple[tuple[str, str | None, slice], ...] = (

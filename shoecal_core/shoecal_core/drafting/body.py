@@ -16,9 +16,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.files import read_bytes
-from shoecal_core.model.native_output import caught_stderr
-from shoecal_core.model.symbolic import joint_axis
-from shoecal_core.model.urdf import ROOT_JOINTS, Mimic, UrdfError, read_urdf
+from shoecal_core.robot.native_output import caught_stderr
+from shoecal_core.robot.symbolic import joint_axis
+from shoecal_core.robot.urdf import ROOT_JOINTS, Mimic, UrdfError, read_urdf
 
 FloatArray = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import Legs
 from shoecal_core.drafting.soles import Sole
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 

@@ -36,10 +36,10 @@ from shoecal_core.drafting.soles import (
 )
 from shoecal_core.drafting.support_range import DraftRange, find_range
 from shoecal_core.errors import FileError
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.robot_file import load_robot
-from shoecal_core.model.urdf import UrdfError
-from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.robot.urdf import UrdfError
+from shoecal_core.shoe.shoe import Shoe, load_shoe
 
 FloatArray = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.drafting.body import Body, own_joints
-from shoecal_core.model.urdf import UrdfError
+from shoecal_core.robot.urdf import UrdfError
 
 FloatArray = NDArray[np.float64]
 

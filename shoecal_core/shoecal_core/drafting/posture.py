@@ -12,7 +12,7 @@ from scipy.optimize import brentq
 from shoecal_core.drafting.body import Body, own_joints
 from shoecal_core.drafting.legs import UP, Legs
 from shoecal_core.drafting.soles import Sole
-from shoecal_core.model.urdf import UrdfError
+from shoecal_core.robot.urdf import UrdfError
 
 FloatArray = NDArray[np.float64]
 

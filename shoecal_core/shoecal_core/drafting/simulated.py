@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import JointDeflection, Robot
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot import JointDeflection, Robot
+from shoecal_core.shoe.shoe import Shoe
 
 USUAL_KG, USUAL_COM_HEIGHT_M = 5.3, 0.3
 """Of a NAO, and of its CoM above the soles: the default reality is one of this size."""

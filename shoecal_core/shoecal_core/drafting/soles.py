@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.legs import UP
-from shoecal_core.model.urdf import UrdfError
+from shoecal_core.robot.urdf import UrdfError
 
 FloatArray = NDArray[np.float64]
 

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 from shoecal_core.drafting.draft import Draft
 from shoecal_core.drafting.notes import Note, robot_notes, shoe_notes
 from shoecal_core.drafting.simulated import LARGE_DEFLECTION, LARGE_KG
-from shoecal_core.model.robot import Robot
-from shoecal_core.sensing.shoe import AXES, FEET
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import AXES, FEET
 
 ROBOT_TITLE = "Draft of {} by `shoecal new robot`. Lengths in m, angles in rad, masses in kg."
 SHOE_TITLE = (

@@ -17,8 +17,8 @@ from shoecal_core.error_sources.effects import body, contact, geometry, places
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.sensing.shoe import FEET, Shoe
-from shoecal_core.sensing.wrench import to_left
+from shoecal_core.shoe.shoe import FEET, Shoe
+from shoecal_core.shoe.wrench import to_left
 
 FloatArray = NDArray[np.float64]
 AXES = ("x", "y")

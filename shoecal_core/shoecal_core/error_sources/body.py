@@ -8,8 +8,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from shoecal_core.model.kinematics import BodyStates, Kinematics
-from shoecal_core.model.robot import Robot, first_link
+from shoecal_core.robot.kinematics import BodyStates, Kinematics
+from shoecal_core.robot.robot import Robot, first_link
 from shoecal_core.samples.momentum import base_in_stance
 from shoecal_core.samples.samples import Samples
 

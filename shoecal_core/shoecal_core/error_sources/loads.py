@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from shoecal_core.error_sources import body
 from shoecal_core.error_sources.wiring import Wiring
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.filters import play
 from shoecal_core.samples.samples import Samples, Track
-from shoecal_core.sensing.wrench import ChannelParameters, combined, weight_below
+from shoecal_core.shoe.wrench import ChannelParameters, combined, weight_below
 
 FloatArray = NDArray[np.float64]
 

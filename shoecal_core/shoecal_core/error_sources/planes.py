@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.samples.samples import Samples
-from shoecal_core.sensing.shoe import FEET
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.shoe import FEET
+from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

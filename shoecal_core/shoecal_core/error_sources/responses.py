@@ -20,7 +20,7 @@ from shoecal_core.error_sources.signals import (
     SIGNALS,
     TILT,
 )
-from shoecal_core.model.robot import GRAVITY
+from shoecal_core.robot.robot import GRAVITY
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

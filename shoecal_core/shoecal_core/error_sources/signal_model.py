@@ -27,7 +27,7 @@ from shoecal_core.error_sources.signals import (
 )
 from shoecal_core.error_sources.wiring import Wiring
 from shoecal_core.samples.samples import Samples
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.wrench import ChannelParameters
 
 if TYPE_CHECKING:
     from shoecal_core.error_sources.base import Deviation

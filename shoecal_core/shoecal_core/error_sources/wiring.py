@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.sensing.wrench import to_left
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.shoe.wrench import to_left
 
 FloatArray = NDArray[np.float64]
 

@@ -17,15 +17,15 @@ from numpy.typing import NDArray
 from scipy.special import ellipe
 
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.supports.polygon_error import places_over
-from shoecal_core.sensing.expected_error import wrench_slopes
-from shoecal_core.sensing.load_cases import double_support_outputs, single_support_outputs
-from shoecal_core.sensing.sensing import MINIMUM_FORCE
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import (
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.shoe.expected_error import wrench_slopes
+from shoecal_core.shoe.load_cases import double_support_outputs, single_support_outputs
+from shoecal_core.shoe.sensing import MINIMUM_FORCE
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import (
     ChannelParameters,
     columns_in_left,
     combined,

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.chunks import chunks
 from shoecal_core.samples.stance import Stance
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters, at_cop
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters, at_cop
 
 FloatArray = NDArray[np.float64]
 

@@ -34,8 +34,8 @@ from shoecal_core.estimation.known_zeros import KnownZeros
 from shoecal_core.estimation.linear_system import LinearSystem
 from shoecal_core.estimation.priors import parameter_std
 from shoecal_core.samples.samples import Samples, Track
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 

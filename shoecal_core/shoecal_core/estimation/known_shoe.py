@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.error_sources.base import Deviation
-from shoecal_core.sensing.load_cases import single_support_outputs
-from shoecal_core.sensing.sensing import Sensing
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters, cop, foot_wrenches
+from shoecal_core.shoe.load_cases import single_support_outputs
+from shoecal_core.shoe.sensing import Sensing
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
 
 FloatArray = NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.samples.zeros import Zero
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters, weight_below
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters, weight_below
 
 FloatArray = NDArray[np.float64]
 EXACT = 1e-4

@@ -16,7 +16,7 @@ from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.known_shoe import KnownShoe
 from shoecal_core.estimation.known_zeros import KnownZeros
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 

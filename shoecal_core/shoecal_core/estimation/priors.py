@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.error_sources.base import USUAL_WEIGHT
 from shoecal_core.error_sources.settings import SignalSettings
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 TORQUE_LEVER_M = 0.1

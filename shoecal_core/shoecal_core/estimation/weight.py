@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import stdtrit
 
-from shoecal_core.model.robot import GRAVITY
+from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.zeros import Zero, data_sheet
-from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]
 

@@ -14,10 +14,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.standing import feet_gap
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.standing import feet_gap
 
 FloatArray = NDArray[np.float64]
 

@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
 
 FloatArray = NDArray[np.float64]
 

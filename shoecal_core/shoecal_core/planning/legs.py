@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import Foot, Robot
-from shoecal_core.model.symbolic import SymbolicKinematics
 from shoecal_core.planning.capsules import segment_distance_squared
 from shoecal_core.planning.load_sharing import FRICTION_USED, LoadSharing, SharingSpread
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot import Foot, Robot
+from shoecal_core.robot.symbolic import SymbolicKinematics
 from shoecal_core.settings import SettingError
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 

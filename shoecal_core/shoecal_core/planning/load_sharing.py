@@ -29,8 +29,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
-from shoecal_core.model.robot import GRAVITY, Robot
-from shoecal_core.model.symbolic import SymbolicKinematics, joint_axis
+from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.symbolic import SymbolicKinematics, joint_axis
 
 FloatArray = NDArray[np.float64]
 

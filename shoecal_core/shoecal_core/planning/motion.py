@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.horizon.rolling import Path
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.timing import GRID, Profile, Rates, fastest
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import GRAVITY
 
 FloatArray = NDArray[np.float64]
 

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import NameNotFoundError
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.posture import middle
@@ -25,6 +24,7 @@ from shoecal_core.planning.swing import (
     swing_segment,
     vertical_states,
 )
+from shoecal_core.robot.robot import Robot
 
 FloatArray = NDArray[np.float64]
 

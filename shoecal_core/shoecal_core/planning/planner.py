@@ -11,8 +11,6 @@ import shapely
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.checking.findings import Report
@@ -30,6 +28,8 @@ from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.swing import lifted, stance_foot
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
 
 FloatArray = NDArray[np.float64]
 

@@ -11,9 +11,6 @@ import shapely
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.standing import feet_gap
 from shoecal_core.planning.legs import (
     BALANCE_EDGES,
     BALANCE_NAMES,
@@ -25,6 +22,9 @@ from shoecal_core.planning.legs import (
 from shoecal_core.planning.load_sharing import SharingSpread
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.standing import feet_gap
 
 FloatArray = NDArray[np.float64]
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.motion_catalogue import motion_kind
+from shoecal_core.robot.double_support import DoubleSupport
 
 TRAIN, TEST = "train", "test"
 UNLOADING = ("unload_left", "unload_right")

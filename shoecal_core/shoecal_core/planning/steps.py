@@ -11,7 +11,6 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.checking.findings import CheckFailedError
 from shoecal_core.planning.horizon.rolling import PlanningError, Progress
 from shoecal_core.planning.legs import FootPose
@@ -23,6 +22,7 @@ from shoecal_core.planning.segment import in_standing
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.swing import NoSwingPathError, swing_path, swing_segment
 from shoecal_core.planning.timing import TimingError
+from shoecal_core.robot.double_support import DoubleSupport
 
 FloatArray = NDArray[np.float64]
 

@@ -8,10 +8,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.robot.robot import Robot
 
 FloatArray = NDArray[np.float64]
 

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.robot.robot import Robot
 
 FloatArray = NDArray[np.float64]
 

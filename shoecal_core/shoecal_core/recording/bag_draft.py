@@ -11,8 +11,6 @@ from pathlib import Path
 import numpy as np
 import yaml
 
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.recording.bag import Bag
 from shoecal_core.recording.bag_import import WRENCH
 from shoecal_core.recording.bag_mapping import CHOOSE, FORMAT
@@ -31,7 +29,9 @@ from shoecal_core.recording.container import MAX_RECORDS
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import ANGLE_UNIT
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
-from shoecal_core.sensing.shoe import AXES, FEET, Shoe
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import AXES, FEET, Shoe
 
 MAX_CLOCK_OFFSET_S = 0.25
 """Between the stamps of two topics of one clock, by when their messages were received."""

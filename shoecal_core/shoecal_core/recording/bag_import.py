@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from shoecal_core.errors import FieldError
-from shoecal_core.model.urdf import ROOT_JOINTS, Outline, read_outline, read_urdf
 from shoecal_core.recording import foreign, messages, schemas
 from shoecal_core.recording.bag import Bag, BagMessage
 from shoecal_core.recording.bag_mapping import BagMapping, BagTrial, load_bag_mapping
@@ -24,7 +23,8 @@ from shoecal_core.recording.join import in_order, tell_two_orders, two_orders
 from shoecal_core.recording.names import without_prefix
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.robot.urdf import ROOT_JOINTS, Outline, read_outline, read_urdf
+from shoecal_core.shoe.shoe import Shoe, load_shoe
 
 JOINT_STATE = "sensor_msgs/msg/JointState"
 WRENCH = "geometry_msgs/msg/WrenchStamped"

@@ -22,7 +22,7 @@ from shoecal_core.recording.foreign import (
     read_run_to_import,
     read_span,
 )
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 FORMAT = 1
 CHOOSE = "choose"

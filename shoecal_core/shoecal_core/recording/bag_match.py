@@ -12,14 +12,14 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.urdf import ROOT_JOINTS
 from shoecal_core.recording.bag import Bag
 from shoecal_core.recording.bag_import import IMU, JOINT_STATE, POSE_TYPES, WRENCH, stamp_ns
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.names import matched_names, without_prefix
 from shoecal_core.recording.schemas import SHOE_VOLTAGES_TYPE
-from shoecal_core.sensing.shoe import AXES, FEET, Shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.urdf import ROOT_JOINTS
+from shoecal_core.shoe.shoe import AXES, FEET, Shoe
 
 SAMPLE = 200
 """Messages of a topic that are looked at."""

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import JointsMissingError, Robot
 from shoecal_core.recording.bag import Bag
 from shoecal_core.recording.bag_match import Match
 from shoecal_core.recording.limits import in_degrees
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot import JointsMissingError, Robot
 
 SAMPLES = 200
 """Joint angles of a bag that are looked at, evenly over its messages."""

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from shoecal_core.errors import FieldError
-from shoecal_core.model.urdf import Outline, read_outline
 from shoecal_core.recording import foreign, messages
 from shoecal_core.recording.csv_mapping import (
     CsvMapping,
@@ -32,7 +31,8 @@ from shoecal_core.recording.imported_angles import (
 )
 from shoecal_core.recording.join import in_order
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.robot.urdf import Outline, read_outline
+from shoecal_core.shoe.shoe import Shoe, load_shoe
 
 MAX_ODD_ROWS = 5
 MAX_ODD_ROWS_SHARE = 0.02

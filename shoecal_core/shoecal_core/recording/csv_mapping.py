@@ -21,7 +21,7 @@ from shoecal_core.recording.foreign import (
     read_run_to_import,
     read_span,
 )
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 FORMAT = 1
 UNITS_NS = {"s": 1_000_000_000, "ms": 1_000_000, "us": 1_000, "ns": 1}

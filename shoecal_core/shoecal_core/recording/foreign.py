@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import FieldError, FileTooLargeError
 from shoecal_core.files import Fields
-from shoecal_core.model.double_support import DoubleSupport, read_support
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.container import MAX_RECORDS
 from shoecal_core.recording.errors import RecordingError
@@ -20,7 +19,8 @@ from shoecal_core.recording.info import HANGING
 from shoecal_core.recording.listing import HINTS
 from shoecal_core.recording.messages import series
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import AXES, FEET, Shoe
+from shoecal_core.robot.double_support import DoubleSupport, read_support
+from shoecal_core.shoe.shoe import AXES, FEET, Shoe
 
 Floats = NDArray[np.float64]
 Stamps = NDArray[np.int64]

@@ -12,17 +12,17 @@ import numpy as np
 
 from shoecal_core.errors import FieldError, FileError
 from shoecal_core.files import read_yaml
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import JointsMissingError
-from shoecal_core.model.robot_file import load_robot
-from shoecal_core.model.urdf import read_outline
 from shoecal_core.recording import schemas
 from shoecal_core.recording.columns import decode_columns
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.foreign import Floats, ImportedRun, MappedFiles
 from shoecal_core.recording.limits import beyond_limits, in_degrees
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot import JointsMissingError
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.robot.urdf import read_outline
+from shoecal_core.shoe.shoe import load_shoe
 
 APART = {"dx": (0.05, "m"), "dy": (0.05, "m"), "dtheta": (0.2, "rad")}
 """Supports by a tape measure and by joint angles differ by less; of opposite signs, by half."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from shoecal_core.errors import ShoecalError, VersionError
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.recording.errors import DamagedError, RecordingError
+from shoecal_core.robot.double_support import DoubleSupport
 
 FORMAT = 1
 RECORD = "shoecal"

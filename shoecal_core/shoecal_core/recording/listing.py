@@ -6,8 +6,8 @@ import re
 from dataclasses import dataclass
 
 from shoecal_core.files import Fields
-from shoecal_core.model.double_support import DoubleSupport, read_support
 from shoecal_core.recording.writer import PART
+from shoecal_core.robot.double_support import DoubleSupport, read_support
 
 HINTS = ("", "train", "test")
 """What a run may be meant for."""

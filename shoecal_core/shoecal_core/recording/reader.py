@@ -27,7 +27,7 @@ from shoecal_core.recording.run import (
     TemperatureSamples,
 )
 from shoecal_core.recording.source import Source
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe
 
 _UNIT_TOLERANCE = 0.1
 _QUATERNION = tuple(f"orientation.{axis}" for axis in "xyzw")

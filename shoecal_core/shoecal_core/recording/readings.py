@@ -11,7 +11,7 @@ from shoecal_core.recording.held import held
 from shoecal_core.recording.join import Piece, at_common_instants, sampled_apart
 from shoecal_core.recording.run import Floats, Readings
 from shoecal_core.recording.source import Source
-from shoecal_core.sensing.shoe import AXES, FEET, Shoe
+from shoecal_core.shoe.shoe import AXES, FEET, Shoe
 
 _QUANTITIES = ("value", "status", "sequence", "temperature")
 LARGEST = 1e9

@@ -10,7 +10,7 @@ import yaml
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 JOINT_STATES = "/joint_states"
 JOINT_TRAJECTORY = "/joint_trajectory"

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import secrets
 import shutil
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
+from typing import Generic, TypeVar
 
 from shoecal_core.errors import (
     FileMissingError,
@@ -23,7 +24,6 @@ from shoecal_core.files import (
     system_error,
     write_yaml,
 )
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.recording.container import read_info
 from shoecal_core.recording.errors import HashMismatchError, RecordingError, SessionError
 from shoecal_core.recording.info import RunInfo
@@ -32,12 +32,15 @@ from shoecal_core.recording.reader import read_run
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.truth import TruthWriter
 from shoecal_core.recording.writer import RunWriter
-from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.shoe.shoe import Shoe, load_shoe
 
 FORMAT = 1
 FILE = "session.yaml"
 ROBOT, URDF, SHOE = "robot.yaml", "robot.urdf", "shoe.yaml"
 TRUTH = "truth"
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -60,6 +63,26 @@ class RunEntry:
 def _recorded(info: RunInfo) -> dict[str, str]:
     """SHA-256 of the files that a run was recorded with."""
     return {ROBOT: info.robot_hash, URDF: info.urdf_hash, SHOE: info.shoe_hash}
+
+
+class _Kept(Generic[T]):
+    """What files hold, each read again only when it has changed."""
+
+    def __init__(self, read: Callable[[Path], T]) -> None:
+        self._read = read
+        self._known: dict[Path, tuple[tuple[int, int, int], T]] = {}
+
+    def of(self, path: Path) -> T:
+        """What one of them holds; errors are those of reading it."""
+        try:
+            status = path.stat()
+        except OSError:
+            return self._read(path)  # which names the cure
+        version = (status.st_ino, status.st_size, status.st_mtime_ns)
+        known = self._known.get(path)
+        if known is None or known[0] != version:
+            known = self._known[path] = (version, self._read(path))
+        return known[1]
 
 
 class Session:
@@ -88,6 +111,8 @@ class Session:
         self.seed = seed
         self.forced = forced
         self._listed = listed
+        self._infos: _Kept[RunInfo] = _Kept(read_info)
+        self._read: _Kept[Run] = _Kept(self._read_file)
 
     @classmethod
     def create(
@@ -187,7 +212,7 @@ class Session:
         hints = {item.run: item.hint for item in self._listed}
         entries = []
         for run, path in self._files(finished=True):
-            info = read_info(path)
+            info = self._infos.of(path)
             if info.run != run:
                 raise RecordingError(path, f"holds run {info.run}; give it its own name back")
             entries.append(RunEntry(run, path, info, hints.get(run, "")))
@@ -265,7 +290,7 @@ class Session:
         self._save(self.folder)
 
     def read(self, run: int) -> Run:
-        """Read one run, checked against the session's files unless forced.
+        """One run, checked against the session's files unless forced; its file is read once.
 
         Raises:
             NameNotFoundError: no such run.
@@ -277,8 +302,11 @@ class Session:
             if entry.run == run:
                 if not self.forced:
                     self._check(entry)
-                return read_run(entry.path, self.shoe)
+                return self._read.of(entry.path)
         raise NameNotFoundError("run", str(run), [str(entry.run) for entry in entries])
+
+    def _read_file(self, path: Path) -> Run:
+        return read_run(path, self.shoe)
 
     def check_hashes(self) -> None:
         """Check every run against the session's robot and shoe files.

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.assessment import Assessment
-from shoecal_core.calibration.pipeline import Outcome
-from shoecal_core.calibration.screening.result import Screening
-from shoecal_core.calibration.settings import CalibrationSettings
+from shoecal_core.estimation.assessment import Assessment
+from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.screening.result import Screening
+from shoecal_core.screening.settings import CalibrationSettings
 
 FloatArray = NDArray[np.float64]
 

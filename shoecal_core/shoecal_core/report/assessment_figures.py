@@ -6,9 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.estimation.expected import Spread
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.error_source_names import source_name
@@ -20,7 +18,9 @@ from shoecal_core.report.figures.spans import spans
 from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.page import Picture
 from shoecal_core.report.quantities import channel_units, number, size
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.screening.result import Screening
+from shoecal_core.shoe.shoe import FEET
 
 SHOWN_SOURCES = 8
 

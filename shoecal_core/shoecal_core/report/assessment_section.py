@@ -22,7 +22,7 @@ from shoecal_core.report.assessment_tables import (
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.page import Group, KeyFigure, Section, Table
 from shoecal_core.report.quantities import uncertain
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 
 def assessment_section(content: CalibrationReport, told: Told) -> Section:

@@ -7,15 +7,15 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from shoecal_core.calibration.screening.faults import Fault
-from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.planning.supports.identifiability import WeakDirection
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.assessment_figures import cause_name, rms
 from shoecal_core.report.error_source_names import cure, source_name
 from shoecal_core.report.page import Table
 from shoecal_core.report.quantities import UNKNOWN, number, size
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.result import Screening
+from shoecal_core.shoe.shoe import FEET
 
 LISTED_SOURCES, LEAST_WIN = 6, 0.005
 

@@ -9,17 +9,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.assessment import NORMAL_95
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.comparison import Comparison, stage_errors
-from shoecal_core.calibration.evaluate import Errors, Series, errors
-from shoecal_core.calibration.fit import SelfCalibration
 from shoecal_core.errors import ShapeError, ShoecalError
-from shoecal_core.model.robot import Robot
+from shoecal_core.estimation.assessment import NORMAL_95
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.comparison import Comparison, stage_errors
+from shoecal_core.estimation.fit import SelfCalibration
+from shoecal_core.estimation.series import Errors, Series, errors
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.figures.series import joined
+from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.zeros import ZeroFigures
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.evaluate import Series
+from shoecal_core.estimation.series import Series
 from shoecal_core.report import palette
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.figures.bars import Bar, mae_bars
@@ -17,7 +17,7 @@ from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.page import Picture
 from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import channel_units, mean_error
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 

@@ -5,9 +5,8 @@ from __future__ import annotations
 from datetime import UTC, datetime
 from pathlib import Path
 
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.checks import split_reason
-from shoecal_core.calibration.evaluate import Errors
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.series import Errors
 from shoecal_core.report.assessment_section import (
     assessment_section,
     expected_keys,
@@ -37,7 +36,8 @@ from shoecal_core.report.quantities import mean_error, uncertain
 from shoecal_core.report.run_strip import run_strip
 from shoecal_core.report.scene.offscreen import tried
 from shoecal_core.report.zeros_section import zeros_section
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.screening.verdict import split_reason
+from shoecal_core.shoe.shoe import FEET
 
 MEANING = {
     "PASS": "This calibration may be used.",

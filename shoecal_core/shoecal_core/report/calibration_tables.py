@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.fit import SelfCalibration
-from shoecal_core.calibration.metrics import Mae
-from shoecal_core.model.robot import Robot
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.fit import SelfCalibration
+from shoecal_core.estimation.metrics import Mae
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_figures import set_name
 from shoecal_core.report.page import Table
@@ -18,7 +17,8 @@ from shoecal_core.report.quantities import (
     size,
     uncertain,
 )
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import FEET
 
 STAGES = {
     "initial_guess": "initial guess",

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from shoecal_core.calibration.screening.result import Screening
 from shoecal_core.estimation.weight import Weighed
-from shoecal_core.model.robot import Robot
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
+from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.zeros import ZeroFigures
+from shoecal_core.screening.result import Screening
 
 
 @dataclass(frozen=True)

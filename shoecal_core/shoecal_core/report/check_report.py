@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from shoecal_core.estimation.weight import Weighed
-from shoecal_core.model.robot import GRAVITY
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.session import RunEntry
 from shoecal_core.report.assessment_figures import left_out_spans
@@ -27,6 +26,7 @@ from shoecal_core.report.page import (
 from shoecal_core.report.quantities import UNKNOWN, double_support_text, quantity, uncertain
 from shoecal_core.report.scene.offscreen import tried
 from shoecal_core.report.zeros_section import zeros_section
+from shoecal_core.robot.robot import GRAVITY
 
 MEANING = {
     "PASS": "This session is fit for a calibration.",

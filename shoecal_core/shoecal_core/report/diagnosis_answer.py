@@ -7,10 +7,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from shoecal_core.calibration.metrics import cop_mae, grf_mae
-from shoecal_core.diagnosis.result import VERDICTS, Cause, Diagnosis, Shrink
+from shoecal_core.diagnosis.result import VERDICT_TEXTS, Cause, Diagnosis, Shrink
 from shoecal_core.diagnosis.result import Verdict as Finding
 from shoecal_core.error_sources.signals import COP, GRF
+from shoecal_core.estimation.metrics import cop_mae, grf_mae
 from shoecal_core.report.diagnosis_words import (
     candidate_text,
     effect_text,
@@ -49,7 +49,7 @@ MOST_CAUSES = 2
 def verdict_of(diagnosis: Diagnosis) -> Verdict:
     """The first thing to read: what, where, how big, how far it shrinks, what remains."""
     found = f"{finding_text(diagnosis.causes[0])}. " if diagnosis.causes else ""
-    meaning = VERDICTS[diagnosis.verdict]
+    meaning = VERDICT_TEXTS[diagnosis.verdict]
     return Verdict(
         level=LEVELS[diagnosis.verdict],
         label=diagnosis.verdict.replace("_", " ").capitalize(),

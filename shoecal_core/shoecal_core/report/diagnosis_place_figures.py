@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Diagnosis, Evidence, Fitted
-from shoecal_core.model.robot import Robot
 from shoecal_core.report import palette
 from shoecal_core.report.diagnosis_looks import AFTER, BEFORE
 from shoecal_core.report.diagnosis_places import (
@@ -31,7 +30,8 @@ from shoecal_core.report.figures.residual_field import (
 from shoecal_core.report.figures.shares import percent
 from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.page import Picture
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 

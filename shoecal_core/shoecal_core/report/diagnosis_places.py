@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.diagnosis.result import Evidence, Fitted
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.robot.double_support import DoubleSupport
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

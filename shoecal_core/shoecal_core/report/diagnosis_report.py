@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from shoecal_core.diagnosis.result import Diagnosis
-from shoecal_core.model.robot import Robot
 from shoecal_core.report.diagnosis_answer import key_figures, run_text, verdict_of
 from shoecal_core.report.diagnosis_cause_figures import (
     candidate_pictures,
@@ -36,7 +35,8 @@ from shoecal_core.report.diagnosis_words import label_text, listed, motion_text,
 from shoecal_core.report.html import write_page
 from shoecal_core.report.page import Group, Page, Picture, Section, Table
 from shoecal_core.report.quantities import size
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import Shoe
 
 
 def write_diagnosis_report(

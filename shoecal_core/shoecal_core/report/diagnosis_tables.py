@@ -6,7 +6,6 @@ import re
 from collections.abc import Callable, Sequence
 
 from shoecal_core.diagnosis.result import Candidate, Diagnosis, Shrink, SimulatedShrink
-from shoecal_core.model.robot import Robot
 from shoecal_core.report.diagnosis_answer import (
     interval_text,
     millimetres,
@@ -29,7 +28,8 @@ from shoecal_core.report.figures.shares import percent
 from shoecal_core.report.origin import robot_text, shoe_text
 from shoecal_core.report.page import Table
 from shoecal_core.report.quantities import SPACE, UNKNOWN
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import Shoe
 
 MOST_OF_SET = 6
 """Candidates of one set that are spelt out."""

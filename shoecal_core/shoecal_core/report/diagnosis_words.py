@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from shoecal_core.diagnosis.result import Candidate, Cause, Size, Where
 from shoecal_core.report.quantities import SPACE, UNKNOWN, number
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 EFFECTS: Mapping[str, str] = {
     "nonlinearity": "readings that bend with the load",

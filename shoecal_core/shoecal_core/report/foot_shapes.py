@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.report.figures.plane import FootShape
-from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import FEET, Shoe
 
 
 def foot_shape(

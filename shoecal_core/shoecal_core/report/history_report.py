@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from shoecal_core.calibration.history import Entry
+from shoecal_core.estimation.history import Entry
 from shoecal_core.report.figures.history import ChannelTrack, history_figure
 from shoecal_core.report.html import write_page
 from shoecal_core.report.page import Group, Page, Picture, Reason, Section, Table, Verdict
 from shoecal_core.report.quantities import UNKNOWN, quantity
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 DAY_NS = 86_400 * 10**9
 MEANING = "Verdict of the latest calibration."

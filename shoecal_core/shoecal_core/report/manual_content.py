@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.manual.calibrate import FootResult
-from shoecal_core.calibration.manual.cells import CellFit
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.robot import Robot
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.manual.calibrate import FootResult
+from shoecal_core.manual.cells import CellFit
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import Shoe
 
 
 @dataclass(frozen=True)

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from shoecal_core.calibration.assessment import NORMAL_95
-from shoecal_core.calibration.manual.calibrate import FootResult
+from shoecal_core.estimation.assessment import NORMAL_95
+from shoecal_core.manual.calibrate import FootResult
 from shoecal_core.report.figures.cells import CellLine, cell_residuals
 from shoecal_core.report.figures.intervals import Column, intervals
 from shoecal_core.report.figures.loads import KnownLoads, cop_under_loads, forces_under_loads
@@ -13,7 +13,7 @@ from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.manual_content import ManualReport
 from shoecal_core.report.page import Picture
 from shoecal_core.report.quantities import channel_units, mean_error
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 LEAST_LOADS = 3
 """Two loads lie on every line."""

@@ -14,7 +14,7 @@ from shoecal_core.report.manual_figures import cell_pictures, shoe_pictures
 from shoecal_core.report.manual_tables import cells_table, corrections_table, loads_table
 from shoecal_core.report.page import Group, KeyFigure, Page, Section
 from shoecal_core.report.quantities import mean_error, size
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 
 def manual_report(path: Path, content: ManualReport) -> None:

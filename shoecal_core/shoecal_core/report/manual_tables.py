@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from shoecal_core.calibration.assessment import NORMAL_95
+from shoecal_core.estimation.assessment import NORMAL_95
 from shoecal_core.report.manual_content import ManualReport
 from shoecal_core.report.page import Table
 from shoecal_core.report.quantities import (
@@ -17,7 +17,7 @@ from shoecal_core.report.quantities import (
     size,
     uncertain,
 )
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 
 def loads_table(content: ManualReport) -> Table:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from shoecal_core.model.robot import Robot
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import Shoe
 
 SHORT = 12
 """Digits of a hash that a page tells."""

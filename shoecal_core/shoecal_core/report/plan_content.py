@@ -8,14 +8,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.checking.body_track import BodyTrack, track
 from shoecal_core.planning.checking.findings import Report
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.report.plan_targets import Mark, Target, marks_of
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 

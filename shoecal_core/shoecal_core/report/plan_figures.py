@@ -6,7 +6,6 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from shoecal_core.model.symbolic import joint_axis
 from shoecal_core.report.figures.cop_plan import Arrival, Carried, cop_plan
 from shoecal_core.report.figures.margins import margins
 from shoecal_core.report.figures.motion import SIDES, snapshots
@@ -18,7 +17,8 @@ from shoecal_core.report.palette import Look
 from shoecal_core.report.plan_body import moved
 from shoecal_core.report.plan_content import BOTH, PlannedMotion, Stand
 from shoecal_core.report.quantities import quantity
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.symbolic import joint_axis
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 

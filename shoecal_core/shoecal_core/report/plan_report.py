@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.supports.identifiability import Identifiability
 from shoecal_core.report.assessment_tables import weak_table
 from shoecal_core.report.figures.margins import told
@@ -32,7 +30,9 @@ from shoecal_core.report.quantities import double_support_text, quantity
 from shoecal_core.report.scene.offscreen import tried
 from shoecal_core.report.sheet import Part, write_sheet
 from shoecal_core.report.svg import readable
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import Shoe
 
 PAGE = "plan.html"
 NOTE = "A plan, computed from the robot’s model; nothing was measured."

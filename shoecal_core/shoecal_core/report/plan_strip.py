@@ -10,7 +10,7 @@ import pinocchio as pin
 from shoecal_core.report.page import Strip
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.scene.stills import Instant, instant, stills
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe
 
 COUNT = 6
 """Instants shown."""

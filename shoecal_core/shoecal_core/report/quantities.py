@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 import re
 
-from shoecal_core.calibration.metrics import Mae
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.estimation.metrics import Mae
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.shoe.shoe import Shoe
 
 UNKNOWN = "–"
 SPACE = "\N{NO-BREAK SPACE}"

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from shoecal_core.model.robot import Robot
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.page import Strip
 from shoecal_core.report.scene.stills import Instant, instant, stills
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import FEET
 
 
 def run_strip(content: CalibrationReport) -> Strip | None:

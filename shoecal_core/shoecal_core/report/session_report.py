@@ -7,17 +7,17 @@ from pathlib import Path
 
 import numpy as np
 
-from shoecal_core.calibration.comparison import Comparison, compare
-from shoecal_core.calibration.pipeline import Outcome
-from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.estimation.comparison import Comparison, compare
+from shoecal_core.estimation.outcome import Outcome
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import Truth
 from shoecal_core.report.assessment_content import told_by
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_report import calibration_report
 from shoecal_core.report.origin import origin
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.samples.aligned import align
+from shoecal_core.screening.settings import CalibrationSettings
 
 SNAPSHOTS = 6
 

@@ -7,14 +7,14 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.kinematics import BodyStates, Kinematics
-from shoecal_core.model.robot import Robot
 from shoecal_core.recording.align import interpolate_joints
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.limits import beyond_limits, in_degrees
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.schemas import GOOD, JOINT_STATES
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.kinematics import BodyStates, Kinematics
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 MAX_JOINT_GAP_S = 0.1

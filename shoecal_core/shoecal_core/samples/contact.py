@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.kinematics import BodyStates
-from shoecal_core.model.robot import Robot
+from shoecal_core.robot.kinematics import BodyStates
+from shoecal_core.robot.robot import Robot
 
 FloatArray = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import count_distinct
+from shoecal_core.robot.double_support import count_distinct
 from shoecal_core.samples.samples import Samples
 
 MOVES_M = 0.003

@@ -10,9 +10,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from shoecal_core.model.kinematics import BodyStates, Kinematics
-from shoecal_core.model.robot import Robot
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.kinematics import BodyStates, Kinematics
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 

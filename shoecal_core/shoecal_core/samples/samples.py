@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import BodyStates
-from shoecal_core.model.robot import Robot
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import BodyStates
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from shoecal_core.errors import FileError, ShoecalError
-from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import GRAVITY, Robot
-from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.aligned import Aligned, align
 from shoecal_core.samples.clocks import check_clocks
 from shoecal_core.samples.contact import at_least_load, moves
@@ -28,7 +28,7 @@ from shoecal_core.samples.samples import Samples, Track
 from shoecal_core.samples.settings import SampleSettings
 from shoecal_core.samples.side_channels import efforts, temperature, upwards
 from shoecal_core.samples.walking_samples import Walk, find_walk, pieces
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

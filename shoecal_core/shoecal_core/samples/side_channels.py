@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.robot import Robot
 from shoecal_core.recording.run import Run
+from shoecal_core.robot.robot import Robot
 
 FloatArray = NDArray[np.float64]
 LEAST_KNOWN = 0.5

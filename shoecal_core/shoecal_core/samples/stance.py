@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError, ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import at_cop, columns_in_left, combined, weight_below
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import at_cop, columns_in_left, combined, weight_below
 
 FloatArray = NDArray[np.float64]
 

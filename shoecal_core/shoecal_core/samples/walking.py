@@ -17,14 +17,14 @@ from scipy.signal import savgol_filter
 from scipy.spatial.transform import Rotation, Slerp
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.recording.run import PoseSamples
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.contact import Contact, find_contact
 from shoecal_core.samples.even import evenly, typical_period
 from shoecal_core.samples.stance import Stance, make_stance
-from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -14,8 +14,8 @@ from typing import NotRequired, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.sensing.shoe import FEET, Shoe
-from shoecal_core.sensing.wrench import ChannelParameters, weight_below
+from shoecal_core.shoe.shoe import FEET, Shoe
+from shoecal_core.shoe.wrench import ChannelParameters, weight_below
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.reality import Reality
 

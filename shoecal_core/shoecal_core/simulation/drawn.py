@@ -11,9 +11,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from shoecal_core.model.robot import GRAVITY, Robot
-from shoecal_core.sensing.shoe import FEET, Channel, Shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.shoe.shoe import FEET, Channel, Shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.simulation.reality import ALL, BASE, Reality, Table
 from shoecal_core.simulation.stage import AnyStage
 from shoecal_core.simulation.temperature import WarmUp

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.robot import Robot
+from shoecal_core.robot.robot import Robot
 from shoecal_core.simulation.faults import SupportNotReachedError
 from shoecal_core.simulation.robot_physics import RobotPhysics
 from shoecal_core.simulation.shoe_physics import SoleReader

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError, ShoecalError
-from shoecal_core.model.robot import GRAVITY
-from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.simulation.converter import Converter, Readings
 from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.reality import Reality

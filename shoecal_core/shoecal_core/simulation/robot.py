@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
-from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.model.robot import Robot
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation import robot_physics
 from shoecal_core.simulation.converter import Converter, Readings
 from shoecal_core.simulation.drawn import DrawnReality

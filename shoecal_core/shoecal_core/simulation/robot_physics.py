@@ -10,9 +10,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.files import read_bytes
-from shoecal_core.model.robot import GRAVITY, Robot
-from shoecal_core.model.urdf import ROOT_JOINTS, UrdfError, with_locked_fixed
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.robot.urdf import ROOT_JOINTS, UrdfError, with_locked_fixed
+from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation.drawn import DrawnReality
 from shoecal_core.simulation.joint_friction import add_bristle
 from shoecal_core.simulation.shoe_physics import ShoeBuilder, add_floor

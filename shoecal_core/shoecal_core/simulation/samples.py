@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.converter import Readings
 from shoecal_core.simulation.disturbances import Disturbance
 from shoecal_core.simulation.floor import FloorTruth

@@ -13,7 +13,7 @@ from sensor_msgs.msg import JointState
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.adapters.controller import FOUND_S
 from shoecal_ros.adapters.unwatched import Unwatched
 from shoecal_ros.common import qos

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 
 FloatArray = NDArray[np.float64]
 

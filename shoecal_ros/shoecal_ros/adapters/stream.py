@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.model.robot import Robot
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.robot.robot import Robot
 from shoecal_ros.adapters.deceleration_profile import DecelerationProfile
 
 FloatArray = NDArray[np.float64]

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from rclpy.publisher import Publisher
 
-from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.adapters.adapter import Adapter, FloatArray
 from shoecal_ros.adapters.stream import Stream
 

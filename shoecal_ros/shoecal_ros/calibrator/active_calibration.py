@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.checks import split_reason, tell_reasons
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.screening.verdict import split_reason, tell_reasons
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.origin import Origin

@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 from shoecal_msgs.action import Calibrate
 
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.planning.standard import TEST, TRAIN, PlannedRun, standard_runs
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.calibrator import solving_work
 from shoecal_ros.calibrator.job import Job, JobContext
 from shoecal_ros.calibrator.job_settings import STANDARD_SET

@@ -12,13 +12,13 @@ from shoecal_msgs.msg import ShoeCalibration
 from shoecal_msgs.srv import Apply, GetCalibration, SetCalibration
 from std_srvs.srv import Trigger
 
-from shoecal_core.calibration.calibration import (
+from shoecal_core.errors import FileError, FileMissingError, ShoecalError
+from shoecal_core.estimation.calibration import (
     Calibration,
     WrongShoeError,
     load_calibration,
 )
-from shoecal_core.calibration.checks import tell_reasons
-from shoecal_core.errors import FileError, FileMissingError, ShoecalError
+from shoecal_core.screening.verdict import tell_reasons
 from shoecal_ros.calibrator.active_calibration import UNCALIBRATED, ActiveCalibration
 from shoecal_ros.calibrator.calibration_store import CalibrationStore, NotApplicableError
 from shoecal_ros.calibrator.force_samples import ForceSamples

@@ -12,13 +12,13 @@ import contextlib
 from collections.abc import Mapping
 from pathlib import Path
 
-from shoecal_core.calibration.calibration import Calibration, load_calibration, save_calibration
-from shoecal_core.calibration.checks import tell_reasons
-from shoecal_core.calibration.plausible import check_plausible
 from shoecal_core.errors import FileError, ShoecalError, error_code
+from shoecal_core.estimation.calibration import Calibration, load_calibration, save_calibration
+from shoecal_core.estimation.plausible import check_plausible
 from shoecal_core.files import make_folder, read_error, sha256, sync_folder, system_error
-from shoecal_core.model.robot import Robot
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.screening.verdict import tell_reasons
+from shoecal_core.shoe.shoe import Shoe
 from shoecal_ros.calibrator.calibration_record import Entry, read_record, write_record
 from shoecal_ros.common.codes import Problem, joined
 from shoecal_ros.common.origin import Origin

@@ -11,7 +11,6 @@ from shoecal_core.diagnosis.candidates import stance
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.files import atomic_write
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import (
     STANDARD_SUPPORTS,
@@ -24,6 +23,7 @@ from shoecal_core.planning.standard import (
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.recording.session import RunEntry, Session
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.calibrator.proposals import planned_as, proposal
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link
@@ -100,7 +100,7 @@ def diagnose_session(
 ) -> Diagnosed:
     """Diagnose a session; JSON and report are kept in its folder."""
     # Simulator and pictures come along: the node itself stays lean.
-    from shoecal_core.commands.diagnosis_job import DiagnosisJob, do  # noqa: PLC0415
+    from shoecal_core.workflows.diagnose import DiagnosisJob, do  # noqa: PLC0415
 
     job = DiagnosisJob(folder, settings, tolerances, report=folder / REPORT)
     done = do(job, lambda doing, share: link.progress((doing, share)))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.drift import UnloadedError, check_drift
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.drift import UnloadedError, check_drift
 from shoecal_ros.calibrator.drift_watch import DriftWatch
 from shoecal_ros.common.health import Level
 from shoecal_ros.inputs.standstill import UNREST_N, Standstill

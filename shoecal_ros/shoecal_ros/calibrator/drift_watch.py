@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from shoecal_core.calibration.drift import Drift
+from shoecal_core.estimation.drift import Drift
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.inputs.joining import Joined

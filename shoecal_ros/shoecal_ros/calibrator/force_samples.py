@@ -19,12 +19,12 @@ from geometry_msgs.msg import Point, Vector3, Wrench
 from numpy.typing import NDArray
 from shoecal_msgs.msg import FootForce, ShoeForces
 
-from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.expected import sideways_moment
-from shoecal_core.model.kinematics import BodyStates
-from shoecal_core.model.robot import GRAVITY, Robot
-from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.robot.kinematics import BodyStates
+from shoecal_core.robot.robot import GRAVITY, Robot
+from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_ros.calibrator.live import FootFlags, Live, wrench_of
 from shoecal_ros.calibrator.load import LEFT, RIGHT
 from shoecal_ros.common.conversions import header_to_ros

@@ -11,7 +11,7 @@ from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from trajectory_msgs.msg import JointTrajectory
 
-from shoecal_core.model.robot import Robot
+from shoecal_core.robot.robot import Robot
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.health import Level

@@ -13,14 +13,14 @@ from typing import Any, Protocol, TypeVar
 from rclpy.action import ActionClient
 from shoecal_msgs.action import Calibrate
 
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.robot import Robot
+from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.shoe import Shoe
 from shoecal_ros.calibrator.job_settings import JobSettings
 from shoecal_ros.calibrator.recorder import Recorder
 from shoecal_ros.common.actions import NotSentError, do_action

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.recording.schemas import GOOD
-from shoecal_core.sensing.instant import FootInstant, InstantSensing, Place
-from shoecal_core.sensing.sensing import Sensing
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.shoe.instant import FootInstant, InstantSensing, Place
+from shoecal_core.shoe.sensing import Sensing
 from shoecal_ros.calibrator.load import LEFT, RIGHT, LoadSwitch
 from shoecal_ros.inputs.joining import NO_DATA, Joined
 

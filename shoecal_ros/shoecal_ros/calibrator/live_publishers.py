@@ -14,8 +14,8 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from shoecal_msgs.msg import FootState, ShoeForces, ShoeState
 
-from shoecal_core.model.kinematics import BodyStates
-from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.robot.kinematics import BodyStates
+from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_ros.calibrator.force_samples import ForceSamples, no_forces
 from shoecal_ros.calibrator.live import FootFlags, Live, wrench_of
 from shoecal_ros.common import qos

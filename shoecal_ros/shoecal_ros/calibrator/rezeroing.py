@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from rclpy.callback_groups import ReentrantCallbackGroup
 from shoecal_msgs.srv import Rezero
 
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.rezero import Rezeroed, rezero
 from shoecal_core.errors import FileError, ShoecalError
+from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.planning.supports.polygon_error import PolygonError, polygon_error
+from shoecal_core.workflows.rezero import Rezeroed, rezero
 from shoecal_ros.common.refusal import RefusedError, faults_refused
 from shoecal_ros.common.waiting import aside, until
 from shoecal_ros.inputs.joining import Joined

@@ -11,9 +11,9 @@ from shoecal_msgs.action import Plan, ReachSupport
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import system_error
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.standard import PlannedRun
 from shoecal_core.recording.session import Session
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.calibrator.job import Codes, Job, JobContext
 from shoecal_ros.calibrator.proposals import planned_as
 from shoecal_ros.common.conversions import support_to_ros

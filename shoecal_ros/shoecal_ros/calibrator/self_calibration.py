@@ -11,7 +11,7 @@ from rclpy.action.server import ServerGoalHandle
 from shoecal_msgs.action import Calibrate
 from shoecal_msgs.srv import SelfCalibrate
 
-from shoecal_core.calibration.checks import tell_reasons
+from shoecal_core.screening.verdict import tell_reasons
 from shoecal_ros.calibrator.calibration_job import CalibrationJob, Request
 from shoecal_ros.calibrator.job import new_run_id
 from shoecal_ros.calibrator.job_settings import MOST_SUPPORTS

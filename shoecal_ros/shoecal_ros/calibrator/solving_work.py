@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from shoecal_core.calibration.calibration import Calibration, save_calibration
-from shoecal_core.calibration.pipeline import calibrate_session
-from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.estimation.calibration import Calibration, save_calibration
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.workflows.calibrate import calibrate_session
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link
 

@@ -18,13 +18,13 @@ from std_msgs.msg import Header
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 from trajectory_msgs.msg import JointTrajectoryPoint
 
-from shoecal_core.calibration.calibration import Calibration
 from shoecal_core.errors import NameNotFoundError, ShapeError, ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.sensing.correction import POLYNOMIAL, CopCorrection
-from shoecal_core.sensing.shoe import FEET
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.shoe.correction import POLYNOMIAL, CopCorrection
+from shoecal_core.shoe.shoe import FEET
+from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_ros.common.names import short_name
 from shoecal_ros.common.origin import EPOCH_NS, Origin
 

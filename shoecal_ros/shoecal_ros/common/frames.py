@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 import pinocchio as pin
 
-from shoecal_core.model.robot import Robot
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.robot import Robot
 from shoecal_core.settings import SettingError, Settings, setting
+from shoecal_core.shoe.shoe import FEET
 from shoecal_ros.common.conversions import SOLES
 
 SAME_PLACE = 1e-3

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.model.robot import Robot
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.robot.robot import Robot
 
 STOP_TIME_S = 0.5
 """In which a robot comes to rest that nobody plans for."""

@@ -6,7 +6,7 @@ import socket
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from shoecal_core.calibration.calibration import Calibration
+from shoecal_core.estimation.calibration import Calibration
 
 EPOCH_NS = 946_684_800 * 10**9
 """Year 2000: simulated clocks start at zero and never get there."""

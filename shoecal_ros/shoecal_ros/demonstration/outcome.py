@@ -8,18 +8,19 @@ from dataclasses import dataclass
 
 from rich.console import Console
 
-from shoecal_core.calibration.calibration import load_calibration
-from shoecal_core.calibration.comparison import Comparison, compare, read_truths, stage_errors
-from shoecal_core.calibration.evaluate import Errors, errors
-from shoecal_core.calibration.pipeline import Outcome, calibrate_session
-from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.commands.tables import errors_table, reason_lines, stages_rows
+from shoecal_core.cli.tables import errors_table, reason_lines, stages_rows
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.calibration import load_calibration
+from shoecal_core.estimation.comparison import Comparison, compare, read_truths, stage_errors
+from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.series import Errors, errors
 from shoecal_core.files import atomic_write, read_bytes
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import Truth, read_truth
 from shoecal_core.report.session_report import write_session_report
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.workflows.calibrate import calibrate_session
 from shoecal_ros.demonstration.options import Folder, Options
 
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 from shoecal_msgs.msg import ShoeVoltages
 
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.inputs.joining import NEVER_NS, Joined

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.robot import GRAVITY, Robot
+from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.inputs.arrival_monitor import ArrivalMonitor
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.robot import Robot
+from shoecal_core.robot.robot import Robot
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.inputs.arrival_monitor import SILENT_S, ArrivalMonitor

@@ -7,7 +7,7 @@ from collections import deque
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.robot import Robot
+from shoecal_core.robot.robot import Robot
 from shoecal_ros.inputs.stamps import CLOCK_SET_NS
 
 FloatArray = NDArray[np.float64]

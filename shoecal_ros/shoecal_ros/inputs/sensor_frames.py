@@ -9,7 +9,7 @@ import numpy as np
 from geometry_msgs.msg import WrenchStamped
 
 from shoecal_core.recording import schemas
-from shoecal_core.sensing.shoe import AXES, FEET, Shoe
+from shoecal_core.shoe.shoe import AXES, FEET, Shoe
 from shoecal_ros.common.conversions import VoltageFrame, time_from_ros, voltages_from_ros
 
 

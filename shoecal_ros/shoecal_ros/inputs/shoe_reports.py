@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from shoecal_msgs.msg import ShoeState
 
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 from shoecal_ros.inputs.arrival_monitor import ArrivalMonitor
 
 BEATS, BEAT_S = 5, 0.5

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.recording.schemas import GOOD
-from shoecal_core.sensing.sensing import Sensing
+from shoecal_core.shoe.sensing import Sensing
 from shoecal_ros.inputs.joining import Joined
 from shoecal_ros.inputs.joints import JointBatch
 

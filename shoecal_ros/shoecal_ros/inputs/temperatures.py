@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from shoecal_core.model.robot import Robot
+from shoecal_core.robot.robot import Robot
 
 KEEP_S = 30.0
 """Wall-clock time for which a temperature counts: motors warm up in minutes."""

@@ -17,9 +17,9 @@ from rclpy.subscription import Subscription
 from shoecal_msgs.msg import ShoeState
 from visualization_msgs.msg import MarkerArray
 
-from shoecal_core.model.robot import Robot
 from shoecal_core.recording.schemas import GOOD
-from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import point_from_ros
 from shoecal_ros.inputs.joints import JointBatch

@@ -15,19 +15,19 @@ from sensor_msgs.msg import JointState
 from shoecal_msgs.action import Plan, ReachSupport
 from shoecal_msgs.msg import ShoeState
 
-from shoecal_core.calibration.calibration import Calibration, WrongShoeError, load_calibration
-from shoecal_core.calibration.drift import FALSE_ALARM
-from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.calibration.standstill import ModelTolerance
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import FieldError
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import BodyStates, Kinematics
+from shoecal_core.estimation.calibration import Calibration, WrongShoeError, load_calibration
+from shoecal_core.estimation.drift import FALSE_ALARM
+from shoecal_core.estimation.standstill import ModelTolerance
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording import schemas
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import BodyStates, Kinematics
+from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.settings import load_settings, setting
+from shoecal_core.shoe.shoe import FEET
 from shoecal_core.workspace import config_dir
 from shoecal_ros.calibrator.active_calibration import UNCALIBRATED
 from shoecal_ros.calibrator.calibration_server import CalibrationServer

@@ -9,7 +9,7 @@ import rclpy
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.settings import Settings, setting
 from shoecal_ros.adapters.action_controller import ActionController
 from shoecal_ros.adapters.adapter import Adapter, FloatArray

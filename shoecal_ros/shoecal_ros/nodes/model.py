@@ -9,7 +9,7 @@ from geometry_msgs.msg import PointStamped, TransformStamped
 from scipy.spatial.transform import Rotation
 from sensor_msgs.msg import JointState
 
-from shoecal_core.model.kinematics import BodyStates, Kinematics
+from shoecal_core.robot.kinematics import BodyStates, Kinematics
 from shoecal_core.settings import Settings, setting
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import header_to_ros, point_to_ros

@@ -16,9 +16,9 @@ from std_msgs.msg import Bool
 from std_srvs.srv import SetBool
 from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
-from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.common import qos
 from shoecal_ros.common.actions import finish
 from shoecal_ros.common.codes import Code, Problem

@@ -16,12 +16,12 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.files import write_yaml
-from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.legs import Legs
 from shoecal_core.planning.posture import StanceSolver
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.truth import TruthWriter
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.settings import Settings, setting
 from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.reality_file import load_reality

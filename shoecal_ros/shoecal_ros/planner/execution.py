@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from shoecal_msgs.action import Plan
 
 from shoecal_core.errors import NameNotFoundError, ShoecalError
-from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.checking.findings import CheckFailedError
 from shoecal_core.planning.horizon.rolling import PlanningCanceledError, PlanningError, Progress
 from shoecal_core.planning.legs import FootPose
@@ -20,6 +19,7 @@ from shoecal_core.planning.motion_catalogue import PUT_DOWN
 from shoecal_core.planning.posture import UnreachableError
 from shoecal_core.planning.swing import stance_foot
 from shoecal_core.planning.timing import TimingError
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.common.actions import FEEDBACK_S
 from shoecal_ros.common.hold import hold
 from shoecal_ros.common.refusal import RefusedError

@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
-from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot import Robot
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Worker
 from shoecal_ros.inputs.joints import JointInput

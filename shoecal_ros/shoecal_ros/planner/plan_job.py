@@ -10,8 +10,8 @@ from rclpy.action.server import ServerGoalHandle
 from shoecal_msgs.action import Plan
 
 from shoecal_core.errors import NameNotFoundError
-from shoecal_core.model.joint_trajectory import JointTrajectory
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS, motion_kind
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.common.actions import Pacing
 from shoecal_ros.common.conversions import trajectory_to_ros
 from shoecal_ros.common.names import short_name

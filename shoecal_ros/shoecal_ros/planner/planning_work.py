@@ -9,7 +9,6 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.horizon.rolling import PlanningError
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.motion_catalogue import PUT_DOWN, motion_kind
@@ -18,6 +17,7 @@ from shoecal_core.planning.segment import cop_segment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.steps import Stepper
 from shoecal_core.planning.swing import stance_foot
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link
 

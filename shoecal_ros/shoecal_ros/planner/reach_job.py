@@ -10,8 +10,8 @@ from rclpy.action.server import ServerGoalHandle
 from shoecal_msgs.action import Plan, ReachSupport
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.steps import StepError, require_steps_left
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.common.actions import FEEDBACK_S
 from shoecal_ros.common.conversions import support_from_ros
 from shoecal_ros.common.refusal import RefusedError

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.kinematics import BodyStates
+from shoecal_core.robot.kinematics import BodyStates
 
 FloatArray = NDArray[np.float64]
 

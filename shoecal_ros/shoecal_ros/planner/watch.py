@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from shoecal_msgs.action import Plan
 
-from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.shoe_reports import ShoeReports
 from shoecal_ros.inputs.temperatures import TemperatureInput

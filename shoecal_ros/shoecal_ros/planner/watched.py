@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.planner import heat

@@ -5,7 +5,7 @@ from __future__ import annotations
 from rclpy.node import Node
 from sensor_msgs.msg import Imu, JointState, Temperature
 
-from shoecal_core.model.robot import Robot
+from shoecal_core.robot.robot import Robot
 from shoecal_core.simulation.reality import Reality
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import joined

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from shoecal_core.files import write_yaml
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe
 
 ALARM_S = 5.0
 """Simulated data are late on a busy machine, not stale."""

@@ -17,9 +17,9 @@ from blind.generate import make_sets
 from blind.layout import ROOT, Round
 from blind.score import score
 from blind.submit import Submission, submit
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.standard import STANDARD, TEST, PlannedRun, standard_runs
 from shoecal_core.recording.session import TRUTH, Session
+from shoecal_core.robot.double_support import DoubleSupport
 
 MOTIONS = 1
 SHORT = (0, 1, 2, 5)

@@ -16,8 +16,8 @@ from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.sampling import Read, read_runs, samples_of
 from shoecal_core.samples.zeros import Zero
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 SETTINGS = DiagnosisSettings(rate_hz=2.0)

@@ -14,8 +14,8 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.effects import places
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.session import ROBOT, SHOE, URDF, Session
-from shoecal_core.sensing.shoe import FEET, load_shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.shoe import FEET, load_shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 
 AXES = ("fz", "mx", "my")
 TRAIN, TEST = (1, 2, 3, 4, 5, 6), (7, 8)

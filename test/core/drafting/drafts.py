@@ -6,7 +6,7 @@ import re
 from functools import cache
 from pathlib import Path
 
-from core.sensing.shoes import ROOT
+from core.shoe.shoes import ROOT
 from shoecal_core.drafting.draft import Draft, draft_robot
 
 ROBOTS = ROOT / "config/robots"

@@ -18,8 +18,8 @@ from shoecal_core.drafting.notes import robot_notes, shoe_notes
 from shoecal_core.drafting.soles import SoleSize
 from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileError
-from shoecal_core.model.robot_file import load_robot
-from shoecal_core.model.urdf import read_urdf, with_locked_fixed
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.robot.urdf import read_urdf, with_locked_fixed
 
 FINGER = """<link name="{0}"><inertial><mass value="1e-6"/><inertia ixx="1e-9" ixy="0" ixz="0"
     iyy="1e-9" iyz="0" izz="1e-9"/></inertial></link>

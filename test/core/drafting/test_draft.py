@@ -10,15 +10,15 @@ import pytest
 import shapely
 
 from core.drafting.drafts import ROBOTS, draft, edited
-from core.model import robots
+from core.robot import robots
 from shoecal_core.drafting.draft import draft_robot, prove
 from shoecal_core.drafting.notes import robot_notes, shoe_notes
 from shoecal_core.drafting.text import robot_text, shoe_text
 from shoecal_core.errors import FileError
-from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.robot_file import load_robot
-from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import Shoe, load_shoe
 
 NAMES = ("nao", "wren")
 MILLIMETRE = 1e-3

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from shoecal_core.error_sources.signal_model import SignalModel
-from shoecal_core.model.kinematics import BodyStates
-from shoecal_core.model.robot import Robot
+from shoecal_core.robot.kinematics import BodyStates
+from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.samples import Samples, Track
-from shoecal_core.sensing.wrench import at_cop
+from shoecal_core.shoe.wrench import at_cop
 
 FloatArray = NDArray[np.float64]
 Work = Callable[[Track, FloatArray], FloatArray]

@@ -9,19 +9,19 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from core.calibration import synthetic
 from core.error_sources import world
 from core.error_sources.altered import shifted
 from core.error_sources.shows import ALIKE, LEAST
+from core.estimation import synthetic
 from shoecal_core.error_sources.as_built import as_built, plates_column
 from shoecal_core.error_sources.base import ALL, Deviation
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signal_model import SignalModel, make_signal_model
 from shoecal_core.error_sources.signals import SIGNALS
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.model.robot import Robot
-from shoecal_core.sensing.shoe import FEET, Shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import FEET, Shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 SEEDS = (1, 2, 3)

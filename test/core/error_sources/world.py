@@ -16,14 +16,14 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from core.error_sources.altered import body_states
-from core.model import robots
-from core.sensing import shoes
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import BodyStates
-from shoecal_core.model.robot import Robot
+from core.robot import robots
+from core.shoe import shoes
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import BodyStates
+from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.samples import Samples, Track
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters, at_cop, to_left, weight_below
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters, at_cop, to_left, weight_below
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -9,17 +9,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from core.calibration import synthetic
 from core.error_sources import world
 from core.error_sources.altered import shifted
+from core.estimation import synthetic
 from shoecal_core.error_sources.as_built import of_body, of_shoes
 from shoecal_core.error_sources.base import ALL, Deviation
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.joint_fit import RATE_HZ, JointFit, fit_jointly
-from shoecal_core.model.robot import Robot
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 TOLERANCES = Tolerances(sole_compliance_rad_per_nm=0.0)

@@ -13,8 +13,8 @@ from core.estimation.drawn import TOLERANCES, Drawn
 from shoecal_core.error_sources.body import closure, driven_together
 from shoecal_core.estimation.expected import ErrorModel, Spread
 from shoecal_core.estimation.support_error import support_covariance
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.sensing.wrench import ChannelParameters, combined, cop, foot_wrenches
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.shoe.wrench import ChannelParameters, combined, cop, foot_wrenches
 
 FloatArray = NDArray[np.float64]
 SMALL = 0.05

@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
 
-from core.calibration import synthetic
-from core.sensing import shoes
+from core.estimation import synthetic
+from core.shoe import shoes
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation import chunks
 from shoecal_core.estimation.initial_guess import initial_guess
 from shoecal_core.samples.stance import Stance
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 
 
 def without_polarity(shoe: Shoe) -> Shoe:

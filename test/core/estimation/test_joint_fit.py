@@ -13,7 +13,7 @@ from core.estimation.drawn import SETTINGS, TOLERANCES, Drawn, drawn
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.joint_fit import SETTLED, fit_jointly
 from shoecal_core.samples.samples import Samples
-from shoecal_core.sensing.wrench import cop, foot_wrenches
+from shoecal_core.shoe.wrench import cop, foot_wrenches
 
 FloatArray = NDArray[np.float64]
 NORMAL_95 = 1.96

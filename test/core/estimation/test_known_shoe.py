@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from shoecal_core.error_sources.as_built import plates_column
 from shoecal_core.error_sources.base import Deviation
 from shoecal_core.estimation.known_shoe import KnownShoe, known_shoe
-from shoecal_core.sensing.correction import CopCorrection
-from shoecal_core.sensing.sensing import Sensing
-from shoecal_core.sensing.shoe import FEET, Shoe, load_shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.correction import CopCorrection
+from shoecal_core.shoe.sensing import Sensing
+from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.workspace import config_dir
 
 FloatArray = NDArray[np.float64]

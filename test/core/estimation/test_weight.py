@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from core.sensing import shoes
+from core.shoe import shoes
 from shoecal_core.estimation.weight import weigh
-from shoecal_core.model.robot import GRAVITY
+from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.zeros import Zero, zeros_of_run
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.shoe.shoe import load_shoe
 
 FloatArray = NDArray[np.float64]
 ANKLES = load_shoe(shoes.ROOT / "config/shoes/reemc.yaml")

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.robot_file import load_robot
 from shoecal_core.planning.legs import Legs
-from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import Shoe, load_shoe
 
 ROOT = Path(__file__).parents[3]
 

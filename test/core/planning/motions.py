@@ -5,12 +5,12 @@ from __future__ import annotations
 from functools import cache
 
 from core.planning.bodies import load_body
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.steps import Stepper
 from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.robot.double_support import DoubleSupport
 
 SETTINGS = PlannerSettings()
 SUPPORTS = (

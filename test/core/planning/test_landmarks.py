@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.planning.bodies import Body
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.landmarks import Contour, foot_landmarks, sensing_hull
+from shoecal_core.robot.double_support import DoubleSupport
 
 
 def test_rectangle() -> None:

@@ -7,9 +7,9 @@ import pinocchio as pin
 import pytest
 
 from core.planning.bodies import Body
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.legs import FootPose, Legs, LegsError
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
 
 
 def test_shared_motors_keep_to_both_joints_limits(nao: Body) -> None:

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import motion_of
 from shoecal_core.errors import ShapeError
-from shoecal_core.model.robot import JointDeflection, Robot
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.legs import LegExpressions
 from shoecal_core.planning.load_sharing import SharingSpread
 from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.robot.robot import JointDeflection, Robot
 
 FloatArray = NDArray[np.float64]
 

@@ -16,8 +16,6 @@ from numpy.typing import NDArray
 from core.planning.bodies import load_body
 from core.planning.motions import SETTINGS, planner_of
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import MARGIN_KEPT, check_motion
 from shoecal_core.planning.horizon.problem import HorizonProblem, Solution, Solver
@@ -30,6 +28,8 @@ from shoecal_core.planning.planner import Planner, StartError
 from shoecal_core.planning.posture import StanceSolver, UnreachableError
 from shoecal_core.planning.segment import MotionSegment, cop_segment
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
 from shoecal_core.settings import SettingError
 
 FloatArray = NDArray[np.float64]

@@ -8,8 +8,6 @@ import pinocchio as pin
 import pytest
 
 from core.planning.bodies import Body, load_body
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.standing import feet_gap
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.legs import Legs
 from shoecal_core.planning.posture import (
@@ -20,6 +18,8 @@ from shoecal_core.planning.posture import (
     stance,
 )
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.standing import feet_gap
 from shoecal_core.settings import SettingError
 
 SETTINGS = PlannerSettings()

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from core.planning.motions import SETTINGS, planner_of
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.legs import FootPose
@@ -21,6 +20,7 @@ from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.steps import Stepper
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.swing import stance_foot, swing_height
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.settings import SettingError
 
 FloatArray = NDArray[np.float64]

@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shoecal_core.errors import NameNotFoundError, ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.motion_catalogue import MOTION_KINDS
 from shoecal_core.planning.standard import (
     STANDARD,
@@ -18,6 +17,7 @@ from shoecal_core.planning.standard import (
     listed_runs,
     standard_runs,
 )
+from shoecal_core.robot.double_support import DoubleSupport
 
 yaws = st.lists(st.floats(-0.4, 0.4), min_size=1, max_size=9, unique=True)
 

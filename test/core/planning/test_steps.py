@@ -10,7 +10,6 @@ import shapely
 
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS, SUPPORTS, planner_of, step_of
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.deflection import deflected
@@ -20,6 +19,7 @@ from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.steps import STEPS_MAX, StepError, Stepper, require_steps_left
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.swing import swing_path
+from shoecal_core.robot.double_support import DoubleSupport
 
 HERE, THERE = SUPPORTS[0], SUPPORTS[1]
 FEET = (SupportPhase.LEFT, SupportPhase.RIGHT)

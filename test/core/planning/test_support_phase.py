@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.planning.bodies import NAMES, load_body
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.landmarks import sensing_hull
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.robot.double_support import DoubleSupport
 
 supports = st.builds(
     DoubleSupport, st.floats(-0.1, 0.1), st.floats(-0.2, -0.08), st.floats(-0.6, 0.6)

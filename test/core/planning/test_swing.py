@@ -15,8 +15,6 @@ from scipy.spatial.transform import Rotation
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS
 from core.planning.test_support_phase import supports
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning import swing
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.support_phase import SupportPhase
@@ -28,6 +26,8 @@ from shoecal_core.planning.swing import (
     swing_path,
     vertical_states,
 )
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
 
 FloatArray = NDArray[np.float64]
 

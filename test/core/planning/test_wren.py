@@ -8,10 +8,10 @@ import pytest
 
 from core.planning.bodies import load_body
 from core.planning.motions import SETTINGS
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.posture import StanceSolver
 from shoecal_core.planning.supports.feasible import Feasible
+from shoecal_core.robot.double_support import DoubleSupport
 
 
 def test_the_urdf_weighs_about_what_the_robot_file_says() -> None:

@@ -15,7 +15,7 @@ from rosbags.typesys import Stores, get_typestore
 from rosbags.typesys.store import Typestore
 
 from core.recording import samples
-from core.sensing.shoes import ROOT
+from core.shoe.shoes import ROOT
 
 FORMATS = ("ros1", "mcap", "sqlite3")
 START_S = 1_700_000_000.0

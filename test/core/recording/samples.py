@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.writer import RunWriter
+from shoecal_core.robot.double_support import DoubleSupport
 
 FloatArray = NDArray[np.float64]
 

@@ -13,14 +13,14 @@ from rosbags.typesys import get_types_from_msg
 from core.recording import bags, samples
 from shoecal_core.errors import FileError, FileTooLargeError
 from shoecal_core.files import read_yaml, write_yaml
-from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording import foreign, schemas
 from shoecal_core.recording.bag_draft import draft_mapping, mapping_text
 from shoecal_core.recording.bag_import import import_bags
 from shoecal_core.recording.errors import reason_of
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import load_shoe
 
 PREFIX = "wren/"
 

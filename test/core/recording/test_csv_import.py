@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 from core.recording import samples
 from shoecal_core.errors import FileError
 from shoecal_core.files import write_yaml
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.recording.csv_import import import_csv
 from shoecal_core.recording.session import Session
+from shoecal_core.robot.double_support import DoubleSupport
 
 CHECKOUT = Path(__file__).parents[3]
 Yaml = dict[str, object]

@@ -7,10 +7,10 @@ import pytest
 
 from core.recording import samples
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.recording import info
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.info import RunInfo
+from shoecal_core.robot.double_support import DoubleSupport
 
 PATH = Path("run_001.mcap")
 

@@ -18,7 +18,7 @@ from shoecal_core.recording.errors import DamagedError, RecordingError
 from shoecal_core.recording.reader import read_run
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.writer import RunWriter
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe
 
 Message = tuple[str, bytes]
 

@@ -22,7 +22,7 @@ from shoecal_core.recording.reader import read_run
 from shoecal_core.recording.recover import RecoveryReport, recover, recovered_path
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.truth import TruthWriter, read_truth
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe
 
 COUNT = 250
 ZSTD = re.escape(struct.pack("<I", 4) + b"zstd")

@@ -19,11 +19,11 @@ from shoecal_core.errors import (
     VersionError,
 )
 from shoecal_core.files import sha256
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.recording.errors import HashMismatchError, RecordingError, SessionError
 from shoecal_core.recording.recover import recover, recovered_path
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import read_truth
+from shoecal_core.robot.double_support import DoubleSupport
 
 COUNT = 20
 
@@ -227,3 +227,18 @@ def test_truth_stands_apart(session: Session) -> None:
     assert session.truth_path(1) == session.folder / "truth" / "run_001.mcap"
     assert read_truth(session.truth_path(1)).grf.tolist() == [3.0]
     assert [entry.path.parent for entry in session.runs] == [session.folder]
+
+
+def test_a_run_is_read_once_until_its_file_changes(session: Session) -> None:
+    path, other = record(session), record(session, motion="unload_left")
+    run = session.read(1)
+    assert session.read(1) is run
+    # A copy in its place, as an editor or a backup puts it there, is another file.
+    changed = path.with_name("changed")
+    changed.write_bytes(path.read_bytes())
+    changed.replace(path)
+    assert session.read(1) is not run
+    assert session.read(1).info == run.info
+    other.unlink()
+    with pytest.raises(NameNotFoundError):
+        session.read(2)

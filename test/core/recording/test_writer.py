@@ -17,7 +17,7 @@ from shoecal_core.recording.container import read_info
 from shoecal_core.recording.errors import RecordingError
 from shoecal_core.recording.recover import recover
 from shoecal_core.recording.writer import SYNC_NS, RunWriter
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe
 
 
 def test_rosbags_reads_a_run(tmp_path: Path, shoe: Shoe) -> None:

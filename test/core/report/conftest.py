@@ -5,12 +5,13 @@ import pytest
 from core.report import samples
 from core.report.pages import read
 from core.report.sessions import swaying_session
-from core.sensing import shoes
-from shoecal_core.calibration.pipeline import Outcome, calibrate_session
+from core.shoe import shoes
+from shoecal_core.estimation.outcome import Outcome
 from shoecal_core.recording.session import Session
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_report import calibration_page
 from shoecal_core.report.html import render
+from shoecal_core.workflows.calibrate import calibrate_session
 
 
 @pytest.fixture(scope="session")

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.calibration import synthetic
-from core.sensing import shoes
+from core.estimation import synthetic
+from core.shoe import shoes
 from shoecal_core.diagnosis.result import (
     Action,
     BudgetShare,
@@ -24,9 +24,9 @@ from shoecal_core.diagnosis.result import (
     Size,
     Where,
 )
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import (
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import (
     at_cop,
     columns_in_left,
     cop,

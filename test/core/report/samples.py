@@ -8,30 +8,30 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from core.calibration import synthetic
-from core.model import robots
-from core.sensing import shoes
-from shoecal_core.calibration.assessment import Assessment
-from shoecal_core.calibration.calibration import Calibration
-from shoecal_core.calibration.comparison import Comparison
-from shoecal_core.calibration.evaluate import Series, measured_series, modelled_series
-from shoecal_core.calibration.fit import SelfCalibration, self_calibrate
-from shoecal_core.calibration.screening.result import Screening
-from shoecal_core.calibration.settings import CalibrationSettings
+from core.estimation import synthetic
+from core.robot import robots
+from core.shoe import shoes
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation.assessment import Assessment
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.comparison import Comparison
 from shoecal_core.estimation.expected import ErrorModel
+from shoecal_core.estimation.fit import SelfCalibration, self_calibrate
+from shoecal_core.estimation.series import Series, measured_series, modelled_series
 from shoecal_core.estimation.support_error import support_covariance
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.identifiability import identifiability
 from shoecal_core.planning.supports.observability import relative_information
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
 from shoecal_core.samples.stance import Stance
-from shoecal_core.sensing.sensing import Sensing
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.screening.result import Screening
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.sensing import Sensing
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 

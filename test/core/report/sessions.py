@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from core.calibration import synthetic
-from core.model import robots
-from core.sensing import shoes
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import BodyStates
+from core.estimation import synthetic
+from core.robot import robots
+from core.shoe import shoes
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import at_cop, columns_in_left, combined, weight_below
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import BodyStates
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import at_cop, columns_in_left, combined, weight_below
 
 FloatArray = NDArray[np.float64]
 

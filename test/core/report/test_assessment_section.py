@@ -8,11 +8,8 @@ import numpy as np
 import pytest
 
 from core.report import samples
-from shoecal_core.calibration.assessment import NORMAL_95
-from shoecal_core.calibration.checks import Finding
-from shoecal_core.calibration.pipeline import Outcome
-from shoecal_core.calibration.screening.faults import Fault
-from shoecal_core.calibration.screening.result import LeftOut, Screening
+from shoecal_core.estimation.assessment import NORMAL_95
+from shoecal_core.estimation.outcome import Outcome
 from shoecal_core.planning.supports.identifiability import describe_support
 from shoecal_core.recording.session import Session
 from shoecal_core.report.assessment_content import Told
@@ -24,6 +21,9 @@ from shoecal_core.report.error_source_names import cure, source_name
 from shoecal_core.report.page import Group, Section
 from shoecal_core.report.quantities import size
 from shoecal_core.report.session_report import session_content
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.result import LeftOut, Screening
+from shoecal_core.screening.verdict import Finding
 
 
 @pytest.fixture(scope="module")

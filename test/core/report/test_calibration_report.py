@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.model import robots
 from core.report import samples
 from core.report.pages import read
-from core.sensing import shoes
+from core.robot import robots
+from core.shoe import shoes
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.calibration_report import (

@@ -11,15 +11,15 @@ import pytest
 from core.report.pages import read
 from core.report.sessions import swaying_session
 from shoecal_core import cli
-from shoecal_core.calibration.screening.faults import Fault
-from shoecal_core.calibration.screening.result import LeftOut, Screening
-from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session
 from shoecal_core.report.check_content import CheckReport
 from shoecal_core.report.check_report import check_page, check_report
 from shoecal_core.report.html import key_columns, render
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.samples.aligned import align
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.result import LeftOut, Screening
 
 HOSTILE = "<script>alert(1)</script>"
 

@@ -3,9 +3,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from core.model import robots
 from core.report.pages import read_svg
-from core.sensing import shoes
+from core.robot import robots
+from core.shoe import shoes
 from shoecal_core.report.diagnosis_looks import AFTER, BEFORE, unit_of
 from shoecal_core.report.figures.added_variable import Added, added_variables, slope
 from shoecal_core.report.figures.lever_map import LeverMap, box, lever_map

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from core.report import diagnoses
-from core.sensing import shoes
+from core.shoe import shoes
 from shoecal_core.diagnosis.result import Evidence, Fitted
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.report.diagnosis_places import (
     CELL_M,
     accounted_for,
@@ -21,6 +20,7 @@ from shoecal_core.report.diagnosis_places import (
     signal,
     stands,
 )
+from shoecal_core.robot.double_support import DoubleSupport
 
 
 @pytest.fixture(scope="module")

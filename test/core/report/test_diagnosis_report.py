@@ -8,10 +8,10 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from core.model import robots
 from core.report import diagnoses
 from core.report.pages import read
-from core.sensing import shoes
+from core.robot import robots
+from core.shoe import shoes
 from shoecal_core.diagnosis import result
 from shoecal_core.diagnosis.result import Candidate, Diagnosis, Evidence, Fitted, Size, Where
 from shoecal_core.errors import FileError
@@ -104,7 +104,7 @@ def test_every_verdict_without_samples(verdict: result.Verdict) -> None:
     causes = () if verdict in {"no_gap", "unknown"} else diagnoses.diagnosis().causes
     text = text_of(diagnoses.diagnosis(None, verdict, causes=causes))
     assert verdict.replace("_", " ").capitalize() in text
-    assert result.VERDICTS[verdict][1:] in text
+    assert result.VERDICT_TEXTS[verdict][1:] in text
     assert ("Before and after" in text) == bool(causes)
 
 

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from core.model import robots
 from core.report.pages import read_svg
-from core.sensing import shoes
+from core.robot import robots
+from core.shoe import shoes
 from shoecal_core.errors import ShapeError
 from shoecal_core.planning.supports.polygon_error import places_over
 from shoecal_core.report.figures.error_map import ErrorMap, common_levels, error_map

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from core.model import robots
 from core.report import samples
 from core.report.pages import read_svg
-from core.sensing import shoes
-from shoecal_core.calibration.evaluate import Series
-from shoecal_core.calibration.metrics import Mae
+from core.robot import robots
+from core.shoe import shoes
 from shoecal_core.errors import ShapeError
+from shoecal_core.estimation.metrics import Mae
+from shoecal_core.estimation.series import Series
 from shoecal_core.report import palette
 from shoecal_core.report.calibration_figures import (
     accuracy_pictures,

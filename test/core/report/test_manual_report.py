@@ -9,17 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from core.model import robots
 from core.report.pages import read, read_svg
-from core.sensing import shoes
-from shoecal_core.calibration.manual.calibrate import (
+from core.robot import robots
+from core.shoe import shoes
+from shoecal_core.errors import ShoecalError
+from shoecal_core.manual.calibrate import (
     CellsCalibration,
     ManualCalibration,
     calibrate_cells,
     calibrate_shoe,
 )
-from shoecal_core.commands.simulated_manual import simulate_manual
-from shoecal_core.errors import ShoecalError
 from shoecal_core.report.figures.cells import CellLine, cell_residuals
 from shoecal_core.report.html import render
 from shoecal_core.report.manual_content import ManualReport
@@ -27,6 +26,7 @@ from shoecal_core.report.manual_figures import known_loads
 from shoecal_core.report.manual_report import manual_page, manual_report
 from shoecal_core.report.quantities import mean_error
 from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.workflows.simulated_manual import simulate_manual
 from shoecal_core.workspace import config_dir
 
 

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from core.report import plans
 from core.report.pages import Document, read
 from shoecal_core.errors import FileError, ShapeError
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.checking.findings import Report
 from shoecal_core.report.html import render
 from shoecal_core.report.page import Player
@@ -26,6 +25,7 @@ from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_figures import motion_pictures
 from shoecal_core.report.plan_report import Unplanned, plan_page, verdict, write_plan
 from shoecal_core.report.player import Frames, View
+from shoecal_core.robot.double_support import DoubleSupport
 
 FloatArray = NDArray[np.float64]
 

@@ -3,8 +3,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from core.report.pages import read
-from shoecal_core.calibration.comparison import read_truths
-from shoecal_core.calibration.pipeline import Outcome
+from shoecal_core.estimation.comparison import read_truths
+from shoecal_core.estimation.outcome import Outcome
 from shoecal_core.recording.session import Session
 from shoecal_core.report.calibration_report import calibration_page
 from shoecal_core.report.page import Strip

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from core.sensing import shoes
+from core.shoe import shoes
 from shoecal_core.errors import ShoecalError
 from shoecal_core.samples.contact import find_contact
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.shoe.shoe import load_shoe
 
 FloatArray = NDArray[np.float64]
 CELLS, ANKLES = shoes.shoe("nao_shoe"), load_shoe(shoes.ROOT / "config/shoes/reemc.yaml")

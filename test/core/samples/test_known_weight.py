@@ -9,10 +9,10 @@ import numpy as np
 
 from core.diagnosis.rewritten import resampled, rewritten
 from shoecal_core.diagnosis.settings import DiagnosisSettings
-from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import GRAVITY
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.known_weight import KNOWN_MASS, WEIGHTED
 from shoecal_core.samples.sampling import load_samples
 

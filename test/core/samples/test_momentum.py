@@ -7,8 +7,8 @@ import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
-from core.model import robots
-from shoecal_core.model.robot import GRAVITY, Robot
+from core.robot import robots
+from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.momentum import angular_momentum, base_in_stance, standing_spin
 
 FloatArray = NDArray[np.float64]

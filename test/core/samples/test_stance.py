@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from core.calibration import synthetic
+from core.estimation import synthetic
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.samples.stance import Stance, make_stance
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters, combined, foot_wrenches, weight_below
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters, combined, foot_wrenches, weight_below
 
 FloatArray = NDArray[np.float64]
 SUPPORT = synthetic.SUPPORTS[1]

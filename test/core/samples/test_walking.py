@@ -10,11 +10,11 @@ import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
-from core.model import robots
-from core.sensing import shoes
+from core.robot import robots
+from core.shoe import shoes
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.robot import GRAVITY
 from shoecal_core.recording.run import PoseSamples
+from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.walking import (
     EDGE_S,

@@ -6,9 +6,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from core.model import robots
-from shoecal_core.model.robot import GRAVITY
+from core.robot import robots
 from shoecal_core.recording.run import PoseSamples
+from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.samples.walking import in_world
 from shoecal_core.samples.walking_samples import pieces, spin

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from core.sensing import shoes
-from shoecal_core.model.robot import GRAVITY
+from core.shoe import shoes
+from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.samples.zeros import (
     EDGE_S,
     data_sheet,
@@ -15,8 +15,8 @@ from shoecal_core.samples.zeros import (
     zeros_json,
     zeros_of_run,
 )
-from shoecal_core.sensing.shoe import load_shoe
-from shoecal_core.sensing.wrench import ChannelParameters, foot_wrenches
+from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.shoe.wrench import ChannelParameters, foot_wrenches
 
 FloatArray = NDArray[np.float64]
 CELLS, ANKLES = shoes.shoe("nao_shoe"), load_shoe(shoes.ROOT / "config/shoes/reemc.yaml")

@@ -7,7 +7,7 @@ import pytest
 
 from core.simulation.worlds import PERFECT, World
 from shoecal_core.errors import NameNotFoundError
-from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.disturbances import Push
 from shoecal_core.simulation.drawn import link_names
 from shoecal_core.simulation.robot import SimulatedRobot

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from core.simulation.worlds import PERFECT, World, changed
-from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.joint_friction import JointFriction, add_bristle
 from shoecal_core.simulation.robot import SimulatedRobot

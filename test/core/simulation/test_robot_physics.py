@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from core.simulation.worlds import DEFAULT, PERFECT, ROOT, World, changed, load_world
 from shoecal_core.errors import FileError, ShoecalError
-from shoecal_core.model.robot_file import load_robot
-from shoecal_core.sensing import wrench
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe import wrench
+from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.simulation import robot_physics
 from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader

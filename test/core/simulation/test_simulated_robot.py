@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed
 from shoecal_core.errors import ShapeError, ShoecalError
-from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.model.robot import GRAVITY
-from shoecal_core.sensing import wrench
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.shoe import wrench
 from shoecal_core.simulation.effects.contact import FloorTilt
 from shoecal_core.simulation.effects.timing import Latency
 from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from shoecal_core.model.kinematics import Kinematics
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.robot_file import load_robot
-from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.reality import Reality, Table

@@ -12,7 +12,7 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.adapters.driver_messages import SCRIPT, NoMessagesError, messages_of
 from ros.world import World
-from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.adapters.adapter import NOT_HEARD
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_to_ros

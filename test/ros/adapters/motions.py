@@ -9,7 +9,7 @@ from sensor_msgs.msg import JointState
 from ros.adapters.conftest import Adapted
 from ros.bodies import nao
 from ros.world import Received
-from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.common import qos
 
 FloatArray = NDArray[np.float64]

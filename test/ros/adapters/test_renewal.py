@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.adapters.renewal import GOAL_S, PERIOD_S, Renewal
 
 NAMES = ("hip", "knee")

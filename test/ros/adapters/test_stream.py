@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ros.bodies import nao
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.adapters.foreign import PackageMissingError, foreign
 from shoecal_ros.adapters.lola import NUMBERS, numbered
 from shoecal_ros.adapters.stream import REPEATED_S, STOP_S, Stream

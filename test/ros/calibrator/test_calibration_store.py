@@ -11,12 +11,12 @@ import pytest
 
 from reliability.broken_disk import BrokenDisk
 from ros.bodies import calibration, nao, nao_shoe
-from shoecal_core.calibration.calibration import (
+from shoecal_core.errors import FileError
+from shoecal_core.estimation.calibration import (
     Calibration,
     WrongShoeError,
     save_calibration,
 )
-from shoecal_core.errors import FileError
 from shoecal_core.files import read_yaml, write_yaml
 from shoecal_ros.calibrator.calibration_store import (
     BEFORE,

@@ -3,10 +3,10 @@ from __future__ import annotations
 import pytest
 
 from ros.bodies import ROOT
-from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.files import Fields, read_yaml
+from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.settings import Settings, describe
 from shoecal_ros.calibrator.job_settings import JobSettings
 from shoecal_ros.common.frames import FrameSettings

@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from ros.bodies import NAO, NAO_SHOE, nao
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.standard import STANDARD, PlannedRun
 from shoecal_core.recording.session import Session
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.calibrator import diagnosis_work
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link

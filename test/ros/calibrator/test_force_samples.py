@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from ros.bodies import ROOT, calibration, nao, nao_shoe
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.expected import ErrorModel
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import BodyStates, Kinematics
 from shoecal_core.planning.posture import stance
-from shoecal_core.sensing.instant import InstantSensing
-from shoecal_core.sensing.shoe import Shoe, load_shoe
-from shoecal_core.sensing.wrench import ChannelParameters, at_cop, to_left, weight_below
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import BodyStates, Kinematics
+from shoecal_core.shoe.instant import InstantSensing
+from shoecal_core.shoe.shoe import Shoe, load_shoe
+from shoecal_core.shoe.wrench import ChannelParameters, at_cop, to_left, weight_below
 from shoecal_ros.calibrator.force_samples import STANCE, ForceSamples
 from shoecal_ros.calibrator.live import FootFlags, Live, LiveSensing, LowPass
 from shoecal_ros.calibrator.load import LoadSwitch

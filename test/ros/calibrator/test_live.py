@@ -9,9 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ros.bodies import nao_shoe, parameters, readings
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.sensing.sensing import Sensing
-from shoecal_core.sensing.wrench import at_cop, weight_below
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.shoe.sensing import Sensing
+from shoecal_core.shoe.wrench import at_cop, weight_below
 from shoecal_ros.calibrator.live import Live, LiveSensing, LowPass, wrench_of
 from shoecal_ros.calibrator.load import LoadSwitch
 from shoecal_ros.inputs.joining import NO_DATA, Joined

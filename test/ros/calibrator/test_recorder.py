@@ -11,10 +11,10 @@ from shoecal_msgs.msg import ShoeVoltages
 
 from ros.bodies import NAO, NAO_SHOE, nao, nao_shoe
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.recording import messages, schemas
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.writer import RunWriter
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.calibrator.recorder import Recorder
 from shoecal_ros.common.conversions import JointSample, header_to_ros, joints_to_ros
 

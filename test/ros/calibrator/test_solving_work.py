@@ -10,9 +10,9 @@ import pytest
 
 from ros.bodies import NAO, NAO_SHOE
 from shoecal_core import cli
-from shoecal_core.calibration.calibration import load_calibration
-from shoecal_core.calibration.settings import CalibrationSettings
 from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation.calibration import load_calibration
+from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_ros.calibrator import solving_work
 from shoecal_ros.common.worker import Link
 

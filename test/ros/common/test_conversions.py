@@ -16,9 +16,9 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.bodies import calibration, nao, nao_shoe
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import FARTHEST_M, DoubleSupport
-from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.sensing.correction import CopCorrection
+from shoecal_core.robot.double_support import FARTHEST_M, DoubleSupport
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.shoe.correction import CopCorrection
 from shoecal_ros.common import conversions
 from shoecal_ros.common.conversions import JointSample, MessageError, VoltageFrame
 from shoecal_ros.common.origin import Origin

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ros.bodies import nao
-from shoecal_core.model.robot import Robot
+from shoecal_core.robot.robot import Robot
 from shoecal_ros.common.hold import HOLD_WAY, LONGEST_S, STOP_TIME_S, hold
 
 

@@ -12,7 +12,7 @@ from typing import Self
 
 import pytest
 
-from core.sensing.shoes import ROOT
+from core.shoe.shoes import ROOT
 from shoecal_ros.serial.channel_map import Channel, Converter
 from shoecal_ros.serial.config import DriverConfig, Mode
 from shoecal_ros.serial.text_protocol import TextTime

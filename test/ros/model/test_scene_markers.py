@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from visualization_msgs.msg import Marker, MarkerArray
 
-from core.sensing import shoes
+from core.shoe import shoes
 from ros.bodies import nao
-from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.report.scene.body import CELL
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.model.scene_markers import BAD, FORCE_HEIGHT, FootSeen, SceneMarkers, Seen
 
 ROBOT, SHOE = nao(), shoes.shoe("nao_shoe")

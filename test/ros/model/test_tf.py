@@ -13,7 +13,7 @@ from sensor_msgs.msg import JointState
 from ros.adapters.driver_messages import NoMessagesError, messages_of
 from ros.bodies import ROOT, nao, nao_shoe
 from ros.world import World
-from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.common.conversions import JointSample, joints_to_ros
 
 LISTENER = Path(__file__).with_name("tf_listener.py")

@@ -11,7 +11,7 @@ from shoecal_msgs.srv import Rezero, SelfCalibrate, SetCalibration
 from ros.bodies import calibration, nao, nao_shoe
 from ros.standing_robot import StandingRobot
 from ros.world import World
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.common.conversions import calibration_to_ros
 
 FAULTY = Path(__file__).with_name("faulty_calibrator.py")

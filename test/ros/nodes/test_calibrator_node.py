@@ -22,12 +22,12 @@ from ros.obliging_robot import ObligingRobot
 from ros.standing_robot import StandingRobot
 from ros.waiting_supports import WaitingSupports
 from ros.world import Goal, Received, World
-from shoecal_core.calibration.calibration import load_calibration, save_calibration
-from shoecal_core.calibration.checks import tell_reasons
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.estimation.calibration import load_calibration, save_calibration
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.screening.verdict import tell_reasons
+from shoecal_core.shoe.shoe import FEET
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import (

@@ -12,10 +12,10 @@ from ros.bodies import ODD, ODD_SHOE
 from ros.standing_robot import StandingRobot
 from ros.waiting_supports import WaitingSupports
 from ros.world import Goal, World
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot_file import load_robot
 from shoecal_core.recording.session import Session
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import load_shoe
 
 CODES = Diagnose.Result
 SUPPORT = DoubleSupport(0.0, -0.112, 0.0)

@@ -14,7 +14,7 @@ from trajectory_msgs.msg import JointTrajectory
 from ros.bodies import nao_shoe
 from ros.rest import until_still
 from ros.world import Goal, World
-from shoecal_core.diagnosis.result import VERDICTS
+from shoecal_core.diagnosis.result import VERDICT_TEXTS
 from shoecal_core.recording.session import Session
 from shoecal_ros.calibrator.proposals import by_hand
 from shoecal_ros.common import qos
@@ -99,7 +99,7 @@ def test_motions_are_recorded_and_diagnosed(whole: Goal) -> None:
     assert progress == sorted(progress)
     assert 0.0 <= progress[0] < 0.1
     assert progress[-1] <= 1.0
-    assert result.verdict in VERDICTS
+    assert result.verdict in VERDICT_TEXTS
     found = json.loads(result.json)
     assert found["verdict"] == result.verdict
     folder = Path(result.session)

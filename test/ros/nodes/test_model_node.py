@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 
 from ros.bodies import ODD, ODD_SHOE, nao
 from ros.world import Received, World
-from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import JointSample, joints_to_ros, point_from_ros
 

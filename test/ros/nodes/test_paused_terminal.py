@@ -11,7 +11,7 @@ import pytest
 from ros.bodies import NAO, NAO_SHOE
 from ros.standing_robot import StandingRobot
 from ros.world import World
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.robot.double_support import DoubleSupport
 
 
 def fill(pipe: int) -> None:

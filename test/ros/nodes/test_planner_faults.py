@@ -13,7 +13,7 @@ from ros.bodies import nao
 from ros.following_robot import FollowingRobot
 from ros.nodes.test_planner_watch import PATIENT
 from ros.world import World
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_from_ros
 

@@ -14,8 +14,8 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 from ros.bodies import nao
 from ros.rest import until_still
 from ros.world import Goal, Received, World
-from shoecal_core.model.double_support import DoubleSupport as Support
 from shoecal_core.planning.posture import stance
+from shoecal_core.robot.double_support import DoubleSupport as Support
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import (
     JointSample,

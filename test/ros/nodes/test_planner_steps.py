@@ -12,8 +12,8 @@ from std_srvs.srv import SetBool
 
 from ros.bodies import nao
 from ros.world import Goal, Received, World
-from shoecal_core.model.double_support import DoubleSupport as Support
-from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.robot.double_support import DoubleSupport as Support
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import time_from_ros
 from shoecal_ros.common.health import Level

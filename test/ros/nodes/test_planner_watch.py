@@ -14,8 +14,8 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 from ros.bodies import nao
 from ros.following_robot import FollowingRobot
 from ros.world import Goal, Received, World
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import trajectory_from_ros
 

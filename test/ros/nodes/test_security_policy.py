@@ -8,7 +8,7 @@ from pathlib import Path
 from xml.etree import ElementTree as ET
 
 import shoecal_ros
-from core.sensing.shoes import ROOT
+from core.shoe.shoes import ROOT
 from ros.policy import POLICY, Rights, allowed, policy, used
 from ros.world import World
 from shoecal_core.recording import schemas

@@ -19,7 +19,7 @@ from shoecal_msgs.msg import ShoeVoltages
 
 from ros.bodies import nao_shoe
 from ros.world import Received, World
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import time_from_ros, time_to_ros
 from shoecal_ros.serial.device import SimulatedDevice

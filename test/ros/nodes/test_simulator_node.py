@@ -18,10 +18,10 @@ from trajectory_msgs.msg import JointTrajectory as JointTrajectoryMsg
 
 from ros.bodies import ODD, ODD_SHOE, nao, nao_shoe
 from ros.world import Goal, World
-from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.recording.truth import read_truth
-from shoecal_core.sensing.shoe import load_shoe
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.robot.kinematics import Kinematics
+from shoecal_core.shoe.shoe import load_shoe
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import time_from_ros, trajectory_to_ros

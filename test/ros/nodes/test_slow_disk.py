@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger
 from ros.bodies import calibration, nao, nao_shoe
 from ros.standing_robot import StandingRobot
 from ros.world import World
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import calibration_to_ros
 

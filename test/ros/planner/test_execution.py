@@ -10,15 +10,15 @@ from shoecal_msgs.action import Plan
 
 from ros.bodies import nao
 from ros.clock import Clock
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.horizon.rolling import Path
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.posture import stance
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.inputs.imu import ImuInput

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ros.bodies import nao
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.planner.foot_load import UNEVEN, LoadWatch, least_shares, needed_shares
 
 LEFT, RIGHT = (foot.outline for foot in nao().feet)

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from ros.bodies import nao
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.horizon.rolling import PlanningError
 from shoecal_core.planning.planner import Planner
 from shoecal_core.planning.posture import stance
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_ros.common.robot_files import RobotFiles
 from shoecal_ros.common.worker import Link
 from shoecal_ros.planner import planning_work

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from ros.bodies import nao
-from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.planner.tilt import Tilt, angle_between, upward
 
 FloatArray = NDArray[np.float64]

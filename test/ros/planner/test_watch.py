@@ -10,12 +10,12 @@ from shoecal_msgs.msg import FootState, ShoeState, ShoeVoltages
 
 from ros.bodies import nao
 from ros.clock import Clock
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.planning.horizon.rolling import Path
 from shoecal_core.planning.legs import FootPose
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.common.conversions import header_to_ros
 from shoecal_ros.inputs.imu import ImuInput
 from shoecal_ros.inputs.shoe_reports import ShoeReports

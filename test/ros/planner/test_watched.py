@@ -6,7 +6,7 @@ from shoecal_msgs.msg import ShoeVoltages
 
 from ros.bodies import nao
 from ros.clock import Clock
-from shoecal_core.model.kinematics import Kinematics
+from shoecal_core.robot.kinematics import Kinematics
 from shoecal_ros.common.codes import Code
 from shoecal_ros.common.conversions import header_to_ros
 from shoecal_ros.common.health import Condition, Level

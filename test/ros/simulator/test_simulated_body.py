@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ros.bodies import ROOT, nao, nao_shoe
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.posture import stance
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot

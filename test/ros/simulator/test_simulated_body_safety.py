@@ -5,7 +5,7 @@ import pytest
 
 from ros.bodies import nao
 from shoecal_core.errors import NameNotFoundError
-from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_ros.common.hold import HOLD_WAY, is_hold
 
 

@@ -12,7 +12,7 @@ from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import CLOSURE, COP, ROLL_PITCH
 from shoecal_core.error_sources.steps import step_times
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 MOVES = (Component("dx", "m", 0.004), Component("dy", "m", 0.004), Component("dtheta", "rad", 0.03))

@@ -15,7 +15,7 @@ from shoecal_core.error_sources.effects.load_cell import shown
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, PARITY
 from shoecal_core.error_sources.wiring import Wiring
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from shoecal_core.error_sources.effects import places
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.samples.filters import low_passed
 from shoecal_core.samples.samples import Track
-from shoecal_core.sensing.wrench import weight_below
+from shoecal_core.shoe.wrench import weight_below
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.error_sources.base import ALL, Place
 from shoecal_core.error_sources.signal_model import SignalModel
-from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.shoe.shoe import FEET, Shoe
 
 IntArray = NDArray[np.int64]
 

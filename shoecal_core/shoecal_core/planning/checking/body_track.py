@@ -8,9 +8,9 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from shoecal_core.model.robot import GRAVITY, Robot
 from shoecal_core.planning.capsules import segment_distance
 from shoecal_core.planning.load_sharing import SharingSpread
+from shoecal_core.robot.robot import GRAVITY, Robot
 
 FloatArray = NDArray[np.float64]
 

@@ -11,7 +11,6 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from shoecal_core.model.robot import GRAVITY
 from shoecal_core.planning.checking.body_track import BodyTrack, track
 from shoecal_core.planning.checking.findings import Finding, Report, at_least, at_most, worst
 from shoecal_core.planning.deflection import deflected
@@ -20,7 +19,8 @@ from shoecal_core.planning.load_sharing import FRICTION_USED
 from shoecal_core.planning.motion import Motion, Phase
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.shoe.shoe import FEET
 
 FloatArray = NDArray[np.float64]
 
@@ -30,8 +30,8 @@ _TORQUE_SLACK = 1.02
 """Between planned states torques may exceed the planned ones by this factor."""
 _TILT_SLACK = 1.02
 """Between planned states the torso may lean more than the planned ones by this factor."""
-_LEVER_SLACK = 0.0005
-"""m; the lever of the weight beyond an edge may be longer by as much between planned states."""
+_LEVER_SLACK = 0.01
+"""Of a sole's width; by so much the weight's lever may pass an edge between planned states."""
 _NO_LOAD = 1e-3
 """N; a foot with less cannot take any sideways force."""
 _DRAGGED = 0.006
@@ -335,6 +335,7 @@ def _loads(
     cop = body.foot_cop[span.samples][:, feet]
     inside = np.minimum(cop - low, high - cop).min(axis=-1)
     lever = inside * loads / robot.weight
+    beyond = -_LEVER_SLACK * (high - low).min(axis=1)
     least = settings.load_share * robot.weight
     return (
         at_least("load of a foot that stands", "N", sure, least, at, names, from_begin=span.first),
@@ -342,7 +343,7 @@ def _loads(
             "lever of the weight from the edge of a sole",
             "m",
             lever,
-            -_LEVER_SLACK,
+            beyond,
             at,
             names,
             from_begin=span.first,

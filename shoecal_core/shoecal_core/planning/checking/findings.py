@@ -118,7 +118,7 @@ def at_least(
     constraint: str,
     unit: str,
     values: FloatArray,
-    limit: float,
+    limit: float | FloatArray,
     time: FloatArray,
     names: tuple[str, ...] = ("",),
     *,

@@ -28,7 +28,6 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.symbolic import evaluate
 from shoecal_core.planning.horizon.problem import (
     HorizonProblem,
     Limits,
@@ -39,6 +38,7 @@ from shoecal_core.planning.horizon.problem import (
 from shoecal_core.planning.legs import BALANCE_NAMES, LegExpressions, Legs, least_balance
 from shoecal_core.planning.load_sharing import SharingSpread
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.robot.symbolic import evaluate
 
 FloatArray = NDArray[np.float64]
 RECOVERY = 0.25

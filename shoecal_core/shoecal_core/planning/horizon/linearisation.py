@@ -8,7 +8,6 @@ import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.symbolic import evaluate
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.problem import (
     FOOT_ROWS,
@@ -19,6 +18,7 @@ from shoecal_core.planning.horizon.problem import (
     StateValues,
 )
 from shoecal_core.planning.legs import BALANCE
+from shoecal_core.robot.symbolic import evaluate
 
 FloatArray = NDArray[np.float64]
 

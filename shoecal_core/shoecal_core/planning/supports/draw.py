@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.feasible import Feasible, SupportRangeError, feet_distance
 from shoecal_core.planning.supports.observability import Visit, best_rank, information, rank
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 

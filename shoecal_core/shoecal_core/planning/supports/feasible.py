@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
-from shoecal_core.model.standing import feet_gap
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.posture import StanceSolver, UnreachableError, middle
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.standing import feet_gap
 
 FloatArray = NDArray[np.float64]
 

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.planning.supports.observability import (
@@ -20,8 +18,10 @@ from shoecal_core.planning.supports.observability import (
     rank,
     reference_information,
 )
-from shoecal_core.sensing.directions import describe_direction
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.directions import describe_direction
+from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 CANDIDATES = 200

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from shoecal_core.errors import NameNotFoundError
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.supports.feasible import Feasible, SupportRangeError, feet_distance
+from shoecal_core.robot.double_support import DoubleSupport
 
 
 @dataclass(frozen=True)

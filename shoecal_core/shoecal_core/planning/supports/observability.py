@@ -22,15 +22,15 @@ import shapely
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
-from shoecal_core.sensing.expected_error import wrench_slopes
-from shoecal_core.sensing.load_cases import double_support_outputs
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters, at_cop, columns_in_left
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.expected_error import wrench_slopes
+from shoecal_core.shoe.load_cases import double_support_outputs
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters, at_cop, columns_in_left
 
 FloatArray = NDArray[np.float64]
 

@@ -8,13 +8,13 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.landmarks import sensing_hull
-from shoecal_core.sensing.expected_error import expected_error
-from shoecal_core.sensing.load_cases import double_support_outputs, single_support_outputs
-from shoecal_core.sensing.shoe import FEET, Shoe
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.expected_error import expected_error
+from shoecal_core.shoe.load_cases import double_support_outputs, single_support_outputs
+from shoecal_core.shoe.shoe import FEET, Shoe
+from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 SPACING = 0.01

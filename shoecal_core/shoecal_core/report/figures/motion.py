@@ -12,9 +12,9 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
-from shoecal_core.model.robot import Robot
 from shoecal_core.report.palette import BLUE, MUTED, RED, RULE, SLATE, Colour
 from shoecal_core.report.svg import SMALL, WIDTH, canvas
+from shoecal_core.robot.robot import Robot
 
 FloatArray = NDArray[np.float64]
 

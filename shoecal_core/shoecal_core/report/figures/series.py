@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from shoecal_core.calibration.evaluate import Series
+from shoecal_core.estimation.series import Series
 from shoecal_core.report.palette import INK, MUTED, Look
 from shoecal_core.report.svg import canvas, draw_line, line_key, readable
 

@@ -14,9 +14,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
-from shoecal_core.model.robot import Robot
 from shoecal_core.report.scene.shapes import Rgba, Shape, disc, prism
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 

@@ -11,7 +11,6 @@ import pinocchio as pin
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
-from shoecal_core.model.robot import Robot
 from shoecal_core.report.page import Still
 from shoecal_core.report.scene.body import Joints, body_shapes, joints_at
 from shoecal_core.report.scene.offscreen import View, draw, framed
@@ -25,7 +24,8 @@ from shoecal_core.report.scene.shapes import (
     path,
     prism,
 )
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import Shoe
 
 FloatArray = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import FieldError
 from shoecal_core.files import Fields
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.drawn import DrawnBody
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import Parts, read_feet, read_shift

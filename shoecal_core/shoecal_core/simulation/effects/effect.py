@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import mujoco
 
-from shoecal_core.model.robot import Robot
+from shoecal_core.robot.robot import Robot
 from shoecal_core.simulation.drawn import DrawnBody, DrawnShoes
 
 if TYPE_CHECKING:

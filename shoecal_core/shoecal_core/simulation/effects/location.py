@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import FieldError
 from shoecal_core.files import Fields
-from shoecal_core.model.robot import Robot
-from shoecal_core.sensing.shoe import FEET, Shoe
+from shoecal_core.robot.robot import Robot
+from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.simulation.drawn import link_names
 from shoecal_core.simulation.reality import ALL, BASE
 

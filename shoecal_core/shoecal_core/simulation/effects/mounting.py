@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.files import Fields
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import Channels, read_feet

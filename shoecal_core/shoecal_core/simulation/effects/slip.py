@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.files import Fields
-from shoecal_core.sensing.shoe import FEET
+from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.disturbances import Disturbance
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import read_feet, read_shift

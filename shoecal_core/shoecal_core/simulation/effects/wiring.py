@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.files import Fields
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.wrench import ChannelParameters
 from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.effects.location import Channels, IntArray
 from shoecal_core.simulation.effects.sensor_effect import SensorEffect

@@ -30,7 +30,7 @@ from shoecal_core.error_sources.effects.body import (
 from shoecal_core.error_sources.effects.dynamics import Inertia
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.signals import AIR, COP, GRF, SIGNALS
-from shoecal_core.model.robot import GRAVITY, Robot
+from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.samples.known_weight import KNOWN_MASS, WEIGHTED
 
 FloatArray = NDArray[np.float64]

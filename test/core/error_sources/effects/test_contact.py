@@ -23,10 +23,10 @@ from shoecal_core.error_sources import body
 from shoecal_core.error_sources.effects.contact import FloorTilt, FootPlacement, Slip, SoftGround
 from shoecal_core.error_sources.signal_model import SignalModel, make_signal_model
 from shoecal_core.error_sources.signals import CLOSURE, COP
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.samples import Samples
-from shoecal_core.sensing.shoe import FEET
-from shoecal_core.sensing.wrench import to_left
+from shoecal_core.shoe.shoe import FEET
+from shoecal_core.shoe.wrench import to_left
 
 FloatArray = NDArray[np.float64]
 

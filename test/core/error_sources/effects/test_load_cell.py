@@ -14,7 +14,7 @@ from shoecal_core.error_sources.effects import load_cell
 from shoecal_core.error_sources.effects.places import channels_at
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.samples.samples import Track
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.wrench import ChannelParameters
 
 FloatArray = NDArray[np.float64]
 CELLS = ("left/front_left", "right/rear_right")

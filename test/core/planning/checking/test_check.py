@@ -10,7 +10,6 @@ import pytest
 
 from core.planning.bodies import NAMES, load_body
 from core.planning.motions import SETTINGS, motion_of, planner_of, step_of
-from shoecal_core.model.standing import feet_gap
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import check_motion
 from shoecal_core.planning.checking.findings import CheckFailedError, Report
@@ -19,6 +18,7 @@ from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
+from shoecal_core.robot.standing import feet_gap
 
 BODY = load_body("nao")
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from scipy.optimize import NonlinearConstraint, minimize
 
 from core.planning.bodies import Body
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.horizon.collocation import RECOVERY, Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver
@@ -20,6 +19,7 @@ from shoecal_core.planning.landmarks import Contour, sensing_hull
 from shoecal_core.planning.legs import FootPose, LegExpressions, Legs
 from shoecal_core.planning.posture import StanceSolver, middle
 from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.settings import SettingError
 
 SETTINGS = PlannerSettings()

@@ -7,7 +7,6 @@ import pytest
 from numpy.typing import NDArray
 
 from core.planning.bodies import Body
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver
 from shoecal_core.planning.horizon.problem import HorizonProblem, Scene, Solution
@@ -26,6 +25,7 @@ from shoecal_core.planning.segment import MotionSegment, cop_segment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
 from shoecal_core.planning.swing import interpolated_poses, lifted
+from shoecal_core.robot.double_support import DoubleSupport
 
 FloatArray = NDArray[np.float64]
 SETTINGS = PlannerSettings(

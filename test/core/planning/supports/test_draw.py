@@ -10,14 +10,14 @@ import shapely
 
 from core.planning.bodies import Body, load_body
 from shoecal_core.errors import ShoecalError
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.robot import Robot
 from shoecal_core.planning.landmarks import Contour
 from shoecal_core.planning.posture import StanceSolver, UnreachableError, middle
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.draw import UnobservableError, draw_supports, other_supports
 from shoecal_core.planning.supports.feasible import Feasible, SupportRangeError
 from shoecal_core.planning.supports.observability import Visit, best_rank, information, rank
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
 
 SETTINGS = PlannerSettings()
 QUICK = PlannerSettings(support_pool=6, landmarks_in_reach=0)

@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.planning.bodies import Body
-from shoecal_core.model.double_support import DoubleSupport
-from shoecal_core.model.standing import feet_gap
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.feasible import Feasible, feet_distance, support_grid
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.standing import feet_gap
 
 SETTINGS = PlannerSettings()
 

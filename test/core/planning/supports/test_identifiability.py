@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from core.planning.bodies import Body
-from shoecal_core.model.double_support import DoubleSupport
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports.feasible import Feasible
 from shoecal_core.planning.supports.identifiability import (
@@ -17,6 +16,7 @@ from shoecal_core.planning.supports.identifiability import (
     total_information,
 )
 from shoecal_core.planning.supports.observability import Visit
+from shoecal_core.robot.double_support import DoubleSupport
 
 SETTINGS = PlannerSettings()
 YAWED = (

@@ -9,9 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from core.planning.bodies import Body
-from shoecal_core.calibration.residuals import Weights, pack, rows_of
-from shoecal_core.calibration.settings import CalibrationSettings
-from shoecal_core.model.double_support import DoubleSupport
+from shoecal_core.estimation.residuals import Weights, pack, rows_of
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports import observability
 from shoecal_core.planning.supports.observability import (
@@ -32,11 +30,13 @@ from shoecal_core.planning.supports.observability import (
     uncertainties,
     uneven_share,
 )
+from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.stance import make_stance
-from shoecal_core.sensing.load_cases import double_support_outputs
-from shoecal_core.sensing.sensing import Sensing
-from shoecal_core.sensing.shoe import Shoe
-from shoecal_core.sensing.wrench import ChannelParameters, columns_in_left
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.load_cases import double_support_outputs
+from shoecal_core.shoe.sensing import Sensing
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters, columns_in_left
 
 SETTINGS = PlannerSettings()
 TURNED = DoubleSupport(0.04, -0.13, 0.35)

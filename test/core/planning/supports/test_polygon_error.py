@@ -6,7 +6,7 @@ import shapely
 
 from core.planning.bodies import Body
 from shoecal_core.planning.supports.polygon_error import places_over, polygon_error
-from shoecal_core.sensing.wrench import ChannelParameters
+from shoecal_core.shoe.wrench import ChannelParameters
 
 
 def test_an_offset_in_every_cell_shifts_the_force_by_their_number(nao: Body) -> None:

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from core.model import robots
-from core.sensing import shoes
+from core.robot import robots
+from core.shoe import shoes
 from shoecal_core.errors import ShapeError, ShoecalError
-from shoecal_core.model.kinematics import Kinematics
 from shoecal_core.report.page import Still
 from shoecal_core.report.scene import offscreen
 from shoecal_core.report.scene.body import BODY, CELL, LEFT, RIGHT, body_shapes, joints_at
@@ -27,6 +26,7 @@ from shoecal_core.report.scene.offscreen import (
 )
 from shoecal_core.report.scene.shapes import Shape, arrow, dashes, disc, path, prism
 from shoecal_core.report.scene.stills import HEIGHT, WIDTH, instant, stills
+from shoecal_core.robot.kinematics import Kinematics
 
 RED = (1.0, 0.0, 0.0, 1.0)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.simulation.worlds import PERFECT, ROOT, changed, load_world
 from shoecal_core.files import Fields
-from shoecal_core.sensing.shoe import Shoe, load_shoe
+from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.simulation.drawn import DrawnShoes, draw_shoes
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.registry import read_effect

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from core.simulation.effects.chains import item
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed
 from shoecal_core.errors import FileError
-from shoecal_core.model.robot import GRAVITY
-from shoecal_core.sensing import wrench
+from shoecal_core.robot.robot import GRAVITY
+from shoecal_core.shoe import wrench
 from shoecal_core.simulation.drawn import draw_body
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.robot import SimulatedRobot

@@ -12,8 +12,8 @@ from core.simulation.effects.chains import item
 from core.simulation.test_robot_physics import six_axis_world
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed
 from shoecal_core.errors import FileError
-from shoecal_core.model.joint_trajectory import JointTrajectory
-from shoecal_core.sensing import wrench
+from shoecal_core.robot.joint_trajectory import JointTrajectory
+from shoecal_core.shoe import wrench
 from shoecal_core.simulation.drawn import draw_shoes
 from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.robot import SimulatedRobot

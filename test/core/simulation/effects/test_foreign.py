@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.simulation.test_disturbances import standing_still
 from core.simulation.worlds import PERFECT, World, changed
-from shoecal_core.model.robot import GRAVITY, Robot
+from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.simulation.disturbances import Disturbance
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.robot import SimulatedRobot

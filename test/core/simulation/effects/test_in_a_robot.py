@@ -10,7 +10,7 @@ import pytest
 
 from core.simulation.effects.chains import FloatArray, item
 from core.simulation.worlds import DEFAULT, World, changed, load_world
-from shoecal_core.model.joint_trajectory import JointTrajectory
+from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import Samples, run

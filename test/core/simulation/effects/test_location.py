@@ -9,7 +9,7 @@ import pytest
 from core.simulation.effects.chains import SIX_AXIS, item, shoes_with
 from core.simulation.worlds import REALITIES
 from shoecal_core.errors import FileError
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation.drawn import draw_shoes
 from shoecal_core.simulation.reality_file import load_reality
 

@@ -5,7 +5,7 @@ import pytest
 
 from core.simulation.effects.chains import NAO, SIX_AXIS, item, shoes_with, through
 from core.simulation.worlds import PERFECT, World, changed
-from shoecal_core.sensing import wrench
+from shoecal_core.shoe import wrench
 
 SIDEWAYS = np.array([[1.0, -2.0], [3.0, 0.5]])
 """N; on left, right along x, y."""

@@ -7,7 +7,7 @@ from core.simulation.effects.chains import NAO, SIX_AXIS, item, shoes_with
 from core.simulation.test_disturbances import standing_still
 from core.simulation.worlds import PERFECT, World, changed
 from shoecal_core.errors import FileError
-from shoecal_core.sensing.shoe import Shoe
+from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.samples import run
 from shoecal_core.simulation.sensor_chain import SensorChain

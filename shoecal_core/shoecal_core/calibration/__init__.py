@@ -1,1 +1,0 @@
-"""From recorded runs to a calibration: initial guess, least squares, CoP correction, checks."""

@@ -1,0 +1,8 @@
+"""`python -m shoecal_core.cli`, beside the installed `shoecal`."""
+
+import sys
+
+from shoecal_core.cli.program import main
+
+if __name__ == "__main__":
+    sys.exit(main())

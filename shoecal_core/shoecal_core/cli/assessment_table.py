@@ -1,0 +1,74 @@
+"""How far a calibration can be trusted, for a terminal."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from rich.table import Table
+
+from shoecal_core.cli.tables import new_table
+from shoecal_core.cli.weak_lines import weak_lines
+from shoecal_core.estimation.assessment import Assessment
+from shoecal_core.estimation.budget import Budget
+from shoecal_core.screening.result import Screening
+from shoecal_core.shoe.shoe import FEET
+
+FloatArray = NDArray[np.float64]
+LISTED = 3
+"""Error sources that are named."""
+
+
+def expected_table(assessment: Assessment) -> Table:
+    """Expected GRF error (standard deviation) and CoP MAE over the sensing polygons.
+
+    Both feet stand in the neutral double support; a single foot bears half the weight.
+    """
+    carried = assessment.budget is not None
+    table = new_table("Expected errors" if carried else "Known part of the errors")
+    table.add_column("", no_wrap=True)
+    for name in ("GRF (N)", "CoP MAE (mm)", "at worst (mm)"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for label, spread in zip(
+        ("both feet", *(f"{side} foot" for side in FEET)),
+        (assessment.both, *assessment.feet),
+        strict=True,
+    ):
+        lengths = 1e3 * spread.cop_mean[np.isfinite(spread.cop_mean)]
+        table.add_row(
+            label,
+            f"{_rms(spread.grf):.2f}",
+            f"{lengths.mean():.1f}" if len(lengths) else "-",
+            f"{lengths.max():.1f}" if len(lengths) else "-",
+        )
+    return table
+
+
+def trust_lines(assessment: Assessment, screening: Screening) -> list[str]:
+    """What was identified, what was not, what was left out."""
+    told = assessment.told
+    lines = []
+    if assessment.budget is None:
+        lines.append("the model's own errors come on top: for walking they are not known")
+    possible = max(told.possible, told.rank)
+    lines += [f"the data identify {told.rank} of {possible} directions", *weak_lines(told)]
+    if assessment.budget is not None:
+        lines.append(f"largest sources of the expected CoP error: {budget_text(assessment.budget)}")
+    count = sum(screening.samples.values())
+    lost = sum(one.samples for one in screening.left_out)
+    if lost:
+        causes = dict.fromkeys(one.fault.value.replace("_", " ") for one in screening.left_out)
+        lines.append(
+            f"left out before the fit: {lost} of {count} samples ({lost / count:.1%}): "
+            + ", ".join(causes)
+        )
+    return lines
+
+
+def budget_text(budget: Budget) -> str:
+    """The largest sources of the CoP error of both feet, with their shares."""
+    largest = sorted(budget.sources, key=lambda one: float(one.share[0]), reverse=True)[:LISTED]
+    return ", ".join(f"{one.effect} {one.share[0]:.0%}" for one in largest)
+
+
+def _rms(values: FloatArray) -> float:
+    return float(np.sqrt(np.mean(values**2)))

@@ -1,0 +1,215 @@
+"""`shoecal calibrate SESSION`: find gains and offsets from a recorded session."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from collections.abc import Mapping
+from pathlib import Path
+
+from rich.console import Console
+
+from shoecal_core.cli.arguments import (
+    add_force,
+    add_rezero,
+    add_sets,
+    add_settings,
+    add_weight,
+    require_folder,
+    settings_of,
+)
+from shoecal_core.cli.assessment_table import expected_table, trust_lines
+from shoecal_core.cli.screening_table import screening_table
+from shoecal_core.cli.tables import errors_table, new_table, reason_lines, stages_rows
+from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.errors import PartialError
+from shoecal_core.estimation.calibration import load_calibration, save_calibration
+from shoecal_core.estimation.initial_guess import InitialGuess
+from shoecal_core.estimation.joint_fit import JointFit
+from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.recording.session import Session
+from shoecal_core.report.quantities import channel_units, uncertain
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.verdict import tell_reasons
+from shoecal_core.workflows.calibrate import calibrate_session
+
+SURE = 3.0
+"""Standard deviations from which on a deviation is listed as significant."""
+
+
+class CalibrationFailedError(PartialError):
+    """A calibration was found that must not be used."""
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare its arguments."""
+    parser.add_argument("session", type=Path, help="folder of the recorded session")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", required=True, help="calibration file to write"
+    )
+    parser.add_argument("--report", type=Path, metavar="FILE", help="also write an HTML report")
+    add_settings(parser, "weights and tolerances")
+    parser.add_argument(
+        "--manual",
+        type=Path,
+        metavar="FILE",
+        help="calibration of these shoes by `shoecal manual shoe`: where cells and plates carry, "
+        "and the gains, are then known beforehand",
+    )
+    add_weight(parser)
+    add_rezero(parser)
+    add_sets(parser)
+    add_force(parser)
+
+
+def _against(outcome: Outcome) -> str:
+    """What errors are counted against: no other command has the model as the fit corrects it."""
+    fitted = " as the fit corrects it" if outcome.joint is not None else ""
+    return f"Measured against the model{fitted}"
+
+
+def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
+    """Calibrate; a calibration with the verdict FAIL is not written."""
+    settings = settings_of(CalibrationSettings, args.settings, "calibration")
+    tolerances = settings_of(Tolerances, args.settings, "tolerances")
+    for path in filter(None, (args.out, args.report, args.json)):
+        require_folder(path)
+    session = Session.open(args.session, force=args.force)
+    manual = None if args.manual is None else load_calibration(args.manual)
+    outcome = calibrate_session(
+        session, args.train, args.test, settings, tolerances,
+        manual=manual, weight_kg=args.weight_kg, rezero=args.rezero,
+    )  # fmt: skip
+    console.print(weight_line(outcome.data.weighed, outcome.data.robot), soft_wrap=True)
+    console.print(errors_table(_against(outcome), stages_rows(outcome.modelled)))
+    _print_channels(outcome, console)
+    if zeros := outcome.zeros:
+        console.print(zeros_table(zeros))
+    _print_deviations(outcome, console)
+    _print_trust(outcome, console)
+    calibration = outcome.calibration
+    if calibration.verdict != "FAIL":
+        save_calibration(calibration, args.out)
+    if args.report is not None:
+        # Matplotlib takes a second to load, which most calls need not wait for.
+        from shoecal_core.report.session_report import write_session_report  # noqa: PLC0415
+
+        write_session_report(args.report, session, outcome, settings=settings)
+    for line in reason_lines(calibration):
+        console.print(line, soft_wrap=True)
+    if calibration.verdict == "FAIL":
+        told = tell_reasons(calibration.reasons, 1)
+        raise CalibrationFailedError(f"no calibration written: {told}", to_json(outcome))
+    console.print(f"{args.out}")
+    return to_json(outcome)
+
+
+def to_json(outcome: Outcome) -> dict[str, object]:
+    """Figures of a calibration for machines."""
+    calibration, fit = outcome.calibration, outcome.stages.fit
+    return {
+        "format": 1,
+        "verdict": calibration.verdict,
+        "reasons": list(calibration.reasons),
+        "train": list(outcome.train),
+        "test": list(outcome.test),
+        "against_model": {
+            stage: {name: found.to_json() for name, found in sets.items()}
+            for stage, sets in outcome.modelled.items()
+        },
+        "channels": {
+            name: {"gain": float(gain), "offset_n": float(offset)}
+            for name, gain, offset in zip(
+                calibration.channels,
+                calibration.parameters.gain,
+                calibration.parameters.offset,
+                strict=True,
+            )
+        },
+        "assessment": outcome.assessment.to_json(outcome.data.shoe),
+        "weight": weight_json(outcome.data.weighed, outcome.data.robot),
+        "zeros": outcome.zeros,
+        "model_limit": {name: limit.to_json() for name, limit in outcome.limits.items()},
+        "screening": outcome.screening.to_json(),
+        "time_offset_s": calibration.time_offset,
+        "deviations": [] if outcome.joint is None else deviations_json(outcome.joint),
+        "initial_guess": {
+            "cop_rows": _guess(outcome.stages.guess),
+            "cop_and_weight_rows": _guess(outcome.stages.guess_with_weight),
+        },
+        "rank": fit.rank,
+        "singular_values": fit.singular_values.tolist(),
+        "cost": fit.cost,
+        "gradient_norm": fit.gradient_norm,
+    }
+
+
+def _guess(guess: InitialGuess) -> dict[str, float | None]:
+    """Its common gain and offset; null where each channel has its own."""
+    return {
+        name: value if math.isfinite(value) else None
+        for name, value in (("gain", guess.gain), ("offset_n", guess.offset))
+    }
+
+
+def deviations_json(joint: JointFit) -> list[dict[str, object]]:
+    """Every deviation of robot and shoes as it was fitted, SI units."""
+    return [
+        {
+            "effect": one.deviation.effect,
+            "location": list(one.deviation.location),
+            "component": one.deviation.component,
+            "run": one.deviation.run,
+            "unit": one.deviation.unit,
+            "value": one.value,
+            "std": one.std,
+            "as_built_std": one.deviation.std,
+        }
+        for one in joint.deviations
+    ]
+
+
+def _print_deviations(outcome: Outcome, console: Console) -> None:
+    """Deviations of robot and shoes that are significant."""
+    if outcome.joint is None:
+        return
+    sure = [
+        f"{one.deviation.effect} {' '.join(one.deviation.location)} {one.deviation.component} "
+        f"{one.value:.2g} ± {one.std:.2g} {one.deviation.unit}".rstrip()
+        for one in outcome.joint.deviations
+        if one.deviation.run is None and abs(one.value) > SURE * one.std
+    ]
+    listed = "; ".join(sure) or "none"
+    console.print(f"  differs from the files (significant): {listed}", markup=False, soft_wrap=True)
+
+
+def _print_trust(outcome: Outcome, console: Console) -> None:
+    console.print()
+    console.print(expected_table(outcome.assessment))
+    for line in trust_lines(outcome.assessment, outcome.screening):
+        console.print(f"  {line}", markup=False)
+    if outcome.screening.left_out and outcome.screening.findings:
+        console.print()
+        console.print(screening_table(outcome.screening))
+
+
+def _print_channels(outcome: Outcome, console: Console) -> None:
+    """Gains and offsets; ± is half of the 95 % interval, as in the report."""
+    calibration, shoe = outcome.calibration, outcome.data.shoe
+    parameters, half = calibration.parameters, outcome.assessment.interval()
+    count = len(shoe.names)
+    table = new_table("Channels (± half of the 95 % interval)")
+    table.add_column("", no_wrap=True)
+    for name in ("gain", "offset"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for index, name in enumerate(shoe.names):
+        unit, gain_unit = channel_units(shoe, torque=bool(shoe.torque[index]))
+        table.add_row(
+            name,
+            uncertain(parameters.gain[index], half[index], gain_unit),
+            uncertain(parameters.offset[index], half[count + index], unit),
+        )
+    console.print(table)
+    late = uncertain(1e3 * calibration.time_offset, 1e3 * half[-1], "ms")
+    console.print(f"  time offset (joints after readings) {late}")

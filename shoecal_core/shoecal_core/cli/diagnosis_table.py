@@ -1,0 +1,139 @@
+"""A diagnosis on a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from rich.console import Console
+from rich.table import Table
+
+from shoecal_core.cli.tables import new_table
+from shoecal_core.diagnosis.budget import LEAST_SHARE
+from shoecal_core.diagnosis.result import VERDICT_TEXTS, Cause, Diagnosis, Size
+from shoecal_core.report.diagnosis_words import finding_text
+from shoecal_core.workflows.diagnose import CalibratedGap, Diagnosed
+
+SHOWN = 3
+"""Places of the gap that are named."""
+SMALL: Mapping[str, tuple[float, str]] = {
+    "m": (1e3, "mm"),
+    "rad": (1e3, "mrad"),
+    "s": (1e3, "ms"),
+    "rad/(N m)": (1e3, "mrad/(N m)"),
+    "1/s": (1e6, "1e-6/s"),
+    "1/N": (1e3, "1e-3/N"),
+    "1/N^2": (1e6, "1e-6/N^2"),
+}
+"""Units of sizes that are told in smaller ones."""
+
+
+def print_diagnosis(
+    diagnosis: Diagnosis, calibrated: CalibratedGap | None, console: Console
+) -> None:
+    """Verdict, gap, causes, what stays open, and what to do next."""
+    for line in _answer(diagnosis):
+        console.print(line, markup=False, soft_wrap=True)
+    for line in diagnosis.dissent:
+        console.print(f"but: {line}", markup=False, soft_wrap=True)
+    for line in _gap(diagnosis, calibrated):
+        console.print(f"  {line}", markup=False)
+    if diagnosis.causes:
+        console.print()
+        console.print(causes_table(diagnosis.causes))
+    if len(diagnosis.ambiguity) > 1:
+        alike = "; ".join(f"{one.label} {one.probability:.0%}" for one in diagnosis.ambiguity)
+        console.print(f"not separable: {alike}", markup=False, soft_wrap=True)
+    if made_of := [one for one in diagnosis.budget if abs(one.cop_share) >= LEAST_SHARE]:
+        shares = ", ".join(f"{one.label} {one.cop_share:.0%}" for one in made_of)
+        console.print(f"the CoP's gap is made of: {shares}", markup=False, soft_wrap=True)
+    lines = [("could not be seen here", ", ".join(diagnosis.cannot_detect))]
+    if diagnosis.next_motion is not None:
+        motion = diagnosis.next_motion
+        lines.append(("next motion", f"{motion.motion}, separates {', '.join(motion.separates)}"))
+    lines += [("note", note) for note in diagnosis.notes]
+    for name, text in lines:
+        if text:
+            console.print(f"{name}: {text}", markup=False, soft_wrap=True)
+
+
+def causes_table(causes: Sequence[Cause]) -> Table:
+    """A line a cause; a component of its size below each other."""
+    table = new_table("What explains it")
+    for name, justify in (
+        ("cause", "left"), ("probability", "right"), ("size (95 %)", "left"),
+        ("gap shrinks by", "right"), ("simulated", "right"), ("hidden CoP (mm)", "right"),
+    ):  # fmt: skip
+        table.add_column(name, justify=justify)  # type: ignore[arg-type]
+    for cause in causes:
+        low, high = cause.shrink.ci95
+        where = "" if cause.run is None else f", run {cause.run}"
+        table.add_row(
+            f"{cause.label}{where}",
+            f"{cause.probability:.0%}",
+            "\n".join(f"{name} {told(size)}" for name, size in cause.size.items()),
+            f"{cause.shrink.fraction:.0%} ({low:.0%} to {high:.0%})",
+            "-" if cause.simulated is None else f"{cause.simulated.fraction:.0%}",
+            f"{cause.hidden_cop_mm:.2f}",
+        )
+    return table
+
+
+def sessions_table(found: Sequence[Diagnosed]) -> Table:
+    """A line a session."""
+    table = new_table("Sessions")
+    for name in ("session", "verdict", "first cause", "gap shrinks by"):
+        table.add_column(name)
+    for one in found:
+        diagnosis = one.diagnosis
+        if diagnosis is None:
+            table.add_row(str(one.session), "failed", one.error, "-")
+            continue
+        first = diagnosis.causes[0] if diagnosis.causes else None
+        table.add_row(
+            str(one.session),
+            diagnosis.verdict,
+            "-" if first is None else first.label,
+            "-" if first is None else f"{first.shrink.fraction:.0%}",
+        )
+    return table
+
+
+def told(size: Size) -> str:
+    """A component with its interval, for a person."""
+    scale, unit = SMALL.get(size.unit, (1.0, size.unit))
+    value, low, high = (scale * number for number in (size.value, *size.ci95))
+    return f"{value:.3g} ({low:.3g} to {high:.3g}) {unit}".rstrip()
+
+
+def _answer(diagnosis: Diagnosis) -> Iterator[str]:
+    """What to do at which place, then what the verdict means and what the cure is to win."""
+    action, won = diagnosis.action, ""
+    if action is not None:
+        before, after = action.expected_cop_mm
+        found = f"{finding_text(diagnosis.causes[0])}: " if diagnosis.causes else ""
+        yield f"{found}{action.do}"
+        won = f"; expected CoP error {before:.2f} -> {after:.2f} mm" if after < before else ""
+    yield f"{diagnosis.verdict}: {VERDICT_TEXTS[diagnosis.verdict]}{won}"
+
+
+def _gap(diagnosis: Diagnosis, calibrated: CalibratedGap | None) -> Iterator[str]:
+    gap = diagnosis.gap
+    runs = ", ".join(map(str, diagnosis.test)) or "none"
+    yield (
+        f"gap on test runs ({runs}): CoP {gap.cop_mae_mm:.2f} mm (floor {gap.cop_floor_mm:.2f}), "
+        f"GRF {gap.grf_mae_n:.3f} N (floor {gap.grf_floor_n:.3f})"
+    )
+    if calibrated is not None:
+        yield (
+            f"under calibration '{calibrated.id}': CoP {calibrated.cop_mae_mm:.2f} mm, "
+            f"GRF {calibrated.grf_mae_n:.3f} N"
+        )
+    for place in diagnosis.where[:SHOWN]:
+        at = [place.foot, place.cell, place.joint, place.phase]
+        named = [one for one in at if one]
+        if place.run is not None:
+            named.append(f"run {place.run}")
+        if place.onset_s is not None:
+            named.append(f"from {place.onset_s:.1f} s")
+        where = f" ({', '.join(named)})" if named else ""
+        yield f"{place.share:.0%} in {place.signal}{where}"

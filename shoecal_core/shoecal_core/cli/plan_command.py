@@ -1,0 +1,192 @@
+"""`shoecal plan ROBOT.yaml`: plan the motions of a self-calibration and check them."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Mapping
+from pathlib import Path
+
+from rich.console import Console
+
+from shoecal_core.cli.arguments import (
+    add_planning,
+    add_shoe,
+    chosen_supports,
+    planner_settings,
+    shoe_file,
+)
+from shoecal_core.cli.plan_folder import PlanFolder
+from shoecal_core.cli.progress import shown_progress
+from shoecal_core.cli.weak_lines import weak_lines
+from shoecal_core.errors import PartialError, ShoecalError
+from shoecal_core.files import atomic_write
+from shoecal_core.planning.checking.check import check_motion
+from shoecal_core.planning.motion import Motion
+from shoecal_core.planning.planner import Planner
+from shoecal_core.planning.settings import PlannerSettings
+from shoecal_core.planning.supports.identifiability import (
+    Identifiability,
+    identifiability,
+    total_information,
+)
+from shoecal_core.planning.supports.observability import Visit
+from shoecal_core.report.plan_content import PlannedMotion
+from shoecal_core.report.plan_report import PAGE, Unplanned, picture_name, write_plan
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import Shoe, load_shoe
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare its arguments."""
+    parser.add_argument("robot", type=Path, help="robot file")
+    add_shoe(parser)
+    parser.add_argument(
+        "--out", type=Path, metavar="DIR", required=True, help="folder for the motions"
+    )
+    add_planning(parser)
+
+
+def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
+    """Plan each motion, check it by an independent computation, write and draw it."""
+    settings = planner_settings(args)
+    file = shoe_file(args, args.robot)
+    shoe = load_shoe(file)
+    robot = load_robot(args.robot, shoe)
+    console.print(f"{args.robot} with {file}", markup=False, soft_wrap=True)
+    with shown_progress() as progress:
+        supports = chosen_supports(args, robot, shoe, settings, progress)
+        planner = Planner(robot, settings)
+        earlier = PlanFolder(args.out)
+        plan = _Plan(args, console)
+        for index, support in enumerate(supports):
+            progress(f"planning {index + 1} of {len(supports)}", index / len(supports))
+            plan.add(planner, support, index + 1)
+        told: dict[str, object] | None = None
+        if plan.motions:
+            known = _known(robot, shoe, plan, settings, console)
+            told = {"all": known.to_json()}
+            progress("drawing what was planned", 1.0)
+            write_plan(args.out, plan.motions, plan.unplanned, shoe, known)
+    if plan.motions:
+        console.print(f"{args.out / PAGE}: pictures and animations of all motions")
+    figures: dict[str, object] = {
+        "robot": robot.name,
+        "shoe": shoe.name,
+        "seed": args.seed,
+        "page": PAGE if plan.motions else None,
+        "motions": plan.rows,
+        "unplanned": [_unplanned_row(one) for one in plan.unplanned],
+        "forecast": told,
+    }
+    earlier.replace(figures)
+    if plan.unplanned:
+        raise PartialError(
+            f"{len(plan.unplanned)} of {len(supports)} double supports could not be planned; all "
+            f"else stands in {args.out}",
+            figures,
+        )
+    return figures
+
+
+class _Plan:
+    """Motions as they are planned, written and told, and those that could not be.
+
+    Attributes:
+        motions, numbers, rows: of each that was planned.
+        unplanned: the others.
+    """
+
+    def __init__(self, args: argparse.Namespace, console: Console) -> None:
+        self.motions: list[PlannedMotion] = []
+        self.numbers: list[int] = []
+        self.unplanned: list[Unplanned] = []
+        self.rows: list[dict[str, object]] = []
+        self._kind, self._folder, self._console = args.motion, args.out, console
+
+    def add(self, planner: Planner, support: DoubleSupport, number: int) -> None:
+        """Plan one more; what is in its way is told, and no obstacle to the others."""
+        legs, settings, label = planner.legs, planner.settings, f"motion_{number:03d}"
+        begin = time.perf_counter()
+        try:
+            motion = planner.plan(support, self._kind)
+        except ShoecalError as error:
+            self.unplanned.append(Unplanned(label, support, str(error)))
+            self._say(f"{label}: not planned: {error}")
+            return
+        seconds = time.perf_counter() - begin
+        report = check_motion(legs, motion, settings)
+        planned = PlannedMotion(label, legs.robot, motion, report, settings)
+        file = self._folder / f"{label}.csv"
+        atomic_write(file, _csv(motion))
+        self.motions.append(planned)
+        self.numbers.append(number)
+        self.rows.append(_row(planned, file, seconds))
+        self._say(_line(planned, file, seconds))
+
+    def _say(self, line: str) -> None:
+        self._console.print(line, markup=False, soft_wrap=True)
+
+
+def _unplanned_row(one: Unplanned) -> dict[str, object]:
+    support = one.support
+    place = [support.dx, support.dy, support.dtheta]
+    return {"label": one.label, "support": place, "reason": one.reason}
+
+
+def _line(planned: PlannedMotion, file: Path, seconds: float) -> str:
+    """What the terminal tells of one motion."""
+    reached = sum(target.reached for target in planned.targets)
+    missed = [
+        f"{target.number}: {target.off(planned.settings.landmark_radius)}"
+        for target in planned.targets
+        if not target.reached
+    ]
+    without = f" ({', '.join(missed)})" if missed else ""
+    return (
+        f"{file}: {planned.motion.duration:.1f} s, {reached} of {len(planned.targets)} landmarks "
+        f"reached{without}, planned in {seconds:.1f} s"
+    )
+
+
+def _row(planned: PlannedMotion, file: Path, seconds: float) -> dict[str, object]:
+    motion = planned.motion
+    support = motion.support
+    return {
+        "file": file.name,
+        "picture": picture_name(planned),
+        "support": [support.dx, support.dy, support.dtheta],
+        "duration_s": motion.duration,
+        "planning_s": seconds,
+        "landmark_distance_mm": [
+            1e3 * target.nearest if target.pursued else None for target in planned.targets
+        ],
+        "worst": {
+            found.constraint: {"value": found.value, "limit": found.limit, "unit": found.unit}
+            for found in planned.report.findings
+        },
+    }
+
+
+def _known(
+    robot: Robot, shoe: Shoe, plan: _Plan, settings: PlannerSettings, console: Console
+) -> Identifiability:
+    """Print and return what a calibration from the planned motions would identify."""
+    visits = [Visit.of(planned.motion) for planned in plan.motions]
+    known = identifiability(robot, shoe, total_information(robot, shoe, visits), settings)
+    console.print(
+        f"a calibration from them would identify {known.rank} of {known.possible} directions"
+    )
+    for line in weak_lines(known):
+        console.print(line, soft_wrap=True)
+    return known
+
+
+def _csv(motion: Motion) -> str:
+    """Time [s] and every joint angle [rad], a line a point."""
+    lines = [",".join(("time_s", *motion.joint_names))]
+    for moment, angles in zip(motion.time, motion.positions, strict=True):
+        lines.append(",".join((f"{moment:.3f}", *(f"{angle:.6f}" for angle in angles))))
+    return "\n".join(lines) + "\n"

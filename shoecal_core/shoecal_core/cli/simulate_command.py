@@ -1,0 +1,105 @@
+"""`shoecal simulate ROBOT.yaml SHOE.yaml`: a session of the simulated robot, without ROS."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from rich.console import Console
+
+from shoecal_core.cli.arguments import (
+    STANDARD_SET,
+    add_planning,
+    chosen_supports,
+    motion_names,
+    planner_settings,
+    rate_hz,
+    seed_number,
+)
+from shoecal_core.cli.progress import shown_progress
+from shoecal_core.planning.standard import PlannedRun, listed_runs, standard_runs
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.robot.robot import Robot
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.shoe.shoe import load_shoe
+from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.workflows.simulated_session import SimulationPlan, simulate_session
+from shoecal_core.workspace import config_dir
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare its arguments."""
+    parser.add_argument("robot", type=Path, help="robot file")
+    parser.add_argument("shoe", type=Path, help="shoe file")
+    parser.add_argument(
+        "--reality", type=Path, metavar="FILE", help="changes to the default simulated reality"
+    )
+    parser.add_argument(
+        "--own-steps",
+        action="store_true",
+        help="walk from one double support to the next instead of being placed there",
+    )
+    parser.add_argument("--rate", type=rate_hz, default=100.0, help="samples a second (Hz)")
+    parser.add_argument(
+        "--robot-seed",
+        type=seed_number,
+        help="draws robot and cells (default: the seed): the same robot again under another seed",
+    )
+    parser.add_argument(
+        "--motions",
+        type=motion_names,
+        metavar="M,…",
+        help=f"one run of each motion, in the double supports in turn (instead of --motion); "
+        f"'{STANDARD_SET}': the standard set of a diagnosis, marked to train and to test",
+    )
+    parser.add_argument("--out", type=Path, metavar="DIR", required=True, help="session to make")
+    add_planning(parser)
+
+
+def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
+    """Simulate and record."""
+    settings = planner_settings(args)
+    shoe = load_shoe(args.shoe)
+    robot = load_robot(args.robot, shoe)
+    reality = load_reality(config_dir() / "realities" / "default.yaml", args.reality)
+    with shown_progress() as progress:
+        plan = SimulationPlan(
+            robot=robot,
+            shoe=shoe,
+            reality=reality,
+            settings=settings,
+            runs=_runs(args, robot, chosen_supports(args, robot, shoe, settings, progress)),
+            rate=args.rate,
+            seed=args.seed,
+            robot_seed=args.seed if args.robot_seed is None else args.robot_seed,
+            own_steps=args.own_steps,
+            drawn=args.stance is None,
+        )
+        session = simulate_session(plan, args.out, progress)
+    runs = [
+        {
+            "run": entry.run,
+            "support": [support.dx, support.dy, support.dtheta],
+            "motion": entry.info.motion,
+            "set": entry.hint,
+        }
+        for entry in session.runs
+        if (support := entry.info.support) is not None
+    ]
+    console.print(f"{args.out}: {len(runs)} simulated runs")
+    return {
+        "session": str(args.out),
+        "seed": plan.seed,
+        "robot_seed": plan.robot_seed,
+        "runs": runs,
+    }
+
+
+def _runs(
+    args: argparse.Namespace, robot: Robot, supports: Sequence[DoubleSupport]
+) -> Sequence[PlannedRun]:
+    """What to do where: `--motions`, else the one motion in each double support."""
+    if args.motions == (STANDARD_SET,):
+        return standard_runs(supports, DoubleSupport(*map(float, robot.support_range.neutral)))
+    return listed_runs(supports, args.motions or [args.motion] * len(supports))

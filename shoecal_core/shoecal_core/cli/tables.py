@@ -1,0 +1,90 @@
+"""Small tables for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from rich.box import SIMPLE_HEAD
+from rich.table import Table
+from rich.text import Text
+
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.metrics import Mae
+from shoecal_core.estimation.series import Errors
+from shoecal_core.screening.verdict import split_reason
+from shoecal_core.shoe.shoe import FEET
+
+LEVELS = {"PASS": "bold green", "WARN": "bold yellow", "FAIL": "bold red"}
+"""How verdicts look on a terminal."""
+WRITTEN = {"grf": ("GRF", "N", 3), "cop": ("CoP", "mm", 2)}
+"""Quantities, their units and decimals of a small difference, by their names in result files."""
+
+
+def verdict_line(verdict: str, text: str) -> Text:
+    """A verdict and what it is for; on a terminal in the colour of its kind."""
+    return Text.assemble((verdict, LEVELS[verdict]), f": {text}")
+
+
+def reason_lines(calibration: Calibration) -> list[Text]:
+    """Why its verdict is what it is, a line a reason, each with its own level."""
+    told = (split_reason(one, calibration.verdict) for one in calibration.reasons)
+    return [verdict_line(level, text) for level, text in told]
+
+
+def new_table(title: str) -> Table:
+    """An empty table in the one style of all commands."""
+    return Table(title=title, title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+
+
+def errors_table(title: str, rows: Sequence[tuple[str, Errors]]) -> Table:
+    """GRF and CoP errors: MAE and its standard deviation; each foot below both together.
+
+    A foot that nothing is known of has no line.
+    """
+    table = new_table(title)
+    table.add_column("", no_wrap=True)
+    for name in WRITTEN:
+        table.add_column(_heading(name), justify="right", no_wrap=True)
+    for label, found in rows:
+        table.add_row(label, _mae(found.grf, 1.0), _mae(found.cop, 1e3))
+        for foot, grf, cop in zip(FEET, found.foot_grf, found.foot_cop, strict=True):
+            if grf.count or cop.count:
+                table.add_row(f"  {foot} foot", _mae(grf, 1.0), _mae(cop, 1e3), style="dim")
+    return table
+
+
+def left_out_lines(rows: Sequence[tuple[str, Errors]], *, feet: bool = True) -> list[str]:
+    """Where samples had to be left out of a figure, so that nobody takes it for the whole.
+
+    Args:
+        rows: of a table of errors.
+        feet: of each foot's figures, too; a model knows these at times only.
+    """
+    return [
+        f"{label}: {_heading(name)} counts {mae.count} of {mae.count + mae.left_out} samples; in "
+        "the others the foot was not loaded, or nothing is known of it"
+        for label, found in rows
+        for name, (mae, _, _) in found.figures().items()
+        if mae.count and mae.left_out and (feet or name in WRITTEN)
+    ]
+
+
+def _heading(name: str) -> str:
+    foot, _, what = name.rpartition("_")
+    quantity, unit, _ = WRITTEN[what]
+    return f"{foot} {quantity} ({unit})".strip()
+
+
+def stages_rows(stages: Mapping[str, Mapping[str, Errors]]) -> list[tuple[str, Errors]]:
+    """Rows `stage, set` of nested errors."""
+    return [
+        (f"{stage.replace('_', ' ')}, {name}", found)
+        for stage, sets in stages.items()
+        for name, found in sets.items()
+    ]
+
+
+def _mae(mae: Mae, scale: float) -> str:
+    if not mae.count:
+        return "-"
+    return f"{mae.mean * scale:.2f} ± {mae.std * scale:.2f}"

@@ -1,0 +1,165 @@
+"""May this calibration be used? PASS, WARN or FAIL, with the reasons and the cures."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.estimation.initial_guess import InitialGuess
+from shoecal_core.planning.supports.identifiability import Identifiability, describe_support
+from shoecal_core.robot.double_support import DoubleSupport
+from shoecal_core.samples.zeros import Zero
+from shoecal_core.screening.verdict import MOST_TOLD, Finding, tell_reasons
+from shoecal_core.shoe.shoe import FEET, Shoe
+from shoecal_core.shoe.wrench import ChannelParameters
+
+FloatArray = NDArray[np.float64]
+
+GAIN_RATIO = 5.0
+"""Cells of one kind differ by less than this factor in gain."""
+ZERO_WARN, ZERO_FAIL = 0.02, 0.05
+"""What both feet show in the air, over the weight."""
+MOST_WIDTHS = 0.5
+"""Expected CoP error, in half widths of the sensing polygon."""
+MOST_DIRECTIONS_TOLD = 3
+"""Directions without data in one reason; the report draws them all."""
+
+
+def check_gains(shoe: Shoe, guess: InitialGuess, parameters: ChannelParameters) -> list[Finding]:
+    """Gains of the wrong sign or of a size unlike the others'."""
+    findings = []
+    for torque in (False, True):
+        kind = np.flatnonzero(shoe.torque == torque)
+        if not len(kind):
+            continue
+        typical = float(np.median(np.abs(parameters.gain[kind])))
+        for index in kind:
+            gain, name = float(parameters.gain[index]), shoe.names[index]
+            if np.sign(gain) != guess.polarity[index]:
+                findings.append(
+                    Finding(
+                        "FAIL",
+                        f"{name} came out with the wrong sign ({gain:g}): check its wiring and "
+                        "its polarity in the shoe file",
+                    )
+                )
+            elif not typical / GAIN_RATIO < abs(gain) < typical * GAIN_RATIO:
+                findings.append(
+                    Finding(
+                        "FAIL",
+                        f"{name} has gain {gain:g}, the others about {typical:g}: check that it "
+                        "carries load",
+                    )
+                )
+    return findings
+
+
+def check_zeros(
+    shoe: Shoe, zeros: Sequence[Zero], parameters: ChannelParameters, weight: float, *, own: bool
+) -> list[Finding]:
+    """Runs whose feet show a force in the air, by the calibration.
+
+    Args:
+        shoe: with the columns of the calibration.
+        zeros: of the runs.
+        parameters: of the calibration.
+        weight: of robot and shoes [N].
+        own: every run is judged with its own zeros.
+    """
+    shown: dict[int, dict[str, float]] = {}
+    for zero in zeros:
+        force, _ = zero.force(shoe, parameters)
+        shown.setdefault(zero.run, {})[FEET[zero.foot]] = force
+    off = {run: sum(map(abs, feet.values())) for run, feet in shown.items()}
+    far = {run: feet for run, feet in shown.items() if off[run] > ZERO_WARN * weight}
+    if not far:
+        return []
+    listed = "; ".join(
+        f"run {run}: {', '.join(f'{foot} {force:+.0f} N' for foot, force in feet.items())}"
+        for run, feet in list(far.items())[:MOST_TOLD]
+    )
+    worst = max(off[run] for run in far) / weight
+    told = f"feet in the air do not read zero ({listed}; up to {worst:.0%} of the weight)"
+    if own:
+        return [
+            Finding(
+                "WARN",
+                f"{told} unless each run's own zeros are used, as here: apply this calibration "
+                "with them (evaluate --rezero, /shoe/rezero)",
+            )
+        ]
+    return [
+        Finding(
+            "FAIL" if worst > ZERO_FAIL else "WARN",
+            f"{told}: their zeros have changed between runs; use each run's own (--rezero, live "
+            "/shoe/rezero)",
+        )
+    ]
+
+
+def check_missing(runs: Sequence[int]) -> list[Finding]:
+    """Runs that were begun and are gone."""
+    return [Finding("WARN", missing_text(runs))] if runs else []
+
+
+def missing_text(runs: Sequence[int]) -> str:
+    """Runs that were begun and are gone, in words."""
+    if len(runs) == 1:
+        return f"run {runs[0]} was begun but its file is gone: put it back"
+    return f"runs {', '.join(map(str, runs))} were begun but their files are gone: put them back"
+
+
+def check_changed(files: Sequence[str]) -> list[Finding]:
+    """Robot or shoe files that are others than the runs were recorded with, which was forced."""
+    return [
+        Finding("WARN", f"{file} was changed since the runs were recorded, and reading them forced")
+        for file in files
+    ]
+
+
+def check_directions(told: Identifiability, add: DoubleSupport | None) -> list[Finding]:
+    """Directions that only the prior has fixed though other supports could fix them."""
+    if not told.weak or told.rank >= told.possible:
+        return []
+    cure = _addition(add, "record more double supports with other yaws between the feet")
+    listed = tell_reasons([weak.words for weak in told.weak], MOST_DIRECTIONS_TOLD)
+    return [
+        Finding(
+            "WARN",
+            f"the data identify {told.rank} of {told.possible} directions, but not: {listed}; "
+            f"{cure}",
+        )
+    ]
+
+
+def _addition(add: DoubleSupport | None, otherwise: str) -> str:
+    """The double support to add in words, or what else to do where none is known."""
+    return otherwise if add is None else f"add a double support: {describe_support(add)}"
+
+
+def check_expected(
+    half_width: float, both: float, feet: Mapping[str, float], add: DoubleSupport | None
+) -> list[Finding]:
+    """A CoP that is expected to be far off tells little about where in the foot it is.
+
+    Args:
+        half_width: from the middle to the nearer edge of the narrower sensing polygon [m].
+        both: expected CoP error of both feet together [m].
+        feet: expected CoP error of each foot, by its name [m].
+        add: double support that would help; None: none is known.
+    """
+    errors = {"both feet": both, **{f"the {name} foot": error for name, error in feet.items()}}
+    large = {name: error for name, error in errors.items() if error > MOST_WIDTHS * half_width}
+    if not large:
+        return []
+    told = ", ".join(f"{1e3 * error:.0f} mm ({name})" for name, error in large.items())
+    cure = _addition(add, "record more double supports")
+    return [
+        Finding(
+            "FAIL",
+            f"the CoP is expected to be off by {told}, in a sensing polygon "
+            f"{2e3 * half_width:.0f} mm wide: {cure}",
+        )
+    ]

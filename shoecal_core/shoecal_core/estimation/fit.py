@@ -1,0 +1,117 @@
+"""The paper's self-calibration (VI): initial guess, nonlinear least squares, CoP correction.
+
+For a robot that stands, a calibration fits gains and offsets together with all that robot and shoes
+may have wrong (`joint`), from the same initial guess. This chain is the paper's own; it is what a
+walk is calibrated by.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.estimation.correction_fit import fit_corrections
+from shoecal_core.estimation.initial_guess import InitialGuess, initial_guess
+from shoecal_core.estimation.least_squares import Fit, Prior, minimise
+from shoecal_core.estimation.residuals import Weights, pack, rows_of, thinned, unpack
+from shoecal_core.estimation.walking_fit import CommonZeros, fit_walk
+from shoecal_core.samples.stance import Stance
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.correction import CopCorrection
+from shoecal_core.shoe.sensing import Sensing
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters
+
+FloatArray = NDArray[np.float64]
+MOST_SAMPLES = 20_000
+"""Of a least squares: errors of the model stay alike for seconds, so more samples tell no more."""
+
+
+@dataclass(frozen=True)
+class SelfCalibration:
+    """All stages of one self-calibration.
+
+    Attributes:
+        shoe: whose channels these are.
+        guess: the initial guess from the CoP alone, as in the paper.
+        guess_with_weight: the same with the weight's row, for comparison.
+        fit: the nonlinear least squares; its vector holds gains, offsets, time offset.
+        corrections: CoP corrections of the feet for which they help.
+    """
+
+    shoe: Shoe
+    guess: InitialGuess
+    guess_with_weight: InitialGuess
+    fit: Fit
+    corrections: tuple[CopCorrection, ...]
+
+    @property
+    def parameters(self) -> ChannelParameters:
+        """Gains and offsets."""
+        return unpack(self.fit.vector)[0]
+
+    @property
+    def time_offset(self) -> float:
+        """Joints are late by this much against the readings [s]."""
+        return unpack(self.fit.vector)[1]
+
+    @property
+    def sensing(self) -> Sensing:
+        """The measuring side with everything fitted."""
+        return Sensing(self.shoe, self.parameters, self.corrections)
+
+
+def self_calibrate(
+    shoe: Shoe,
+    stances: Sequence[Stance],
+    settings: CalibrationSettings,
+    zeros: CommonZeros | None = None,
+) -> SelfCalibration:
+    """Initial guess, nonlinear least squares, CoP correction.
+
+    Args:
+        shoe, stances, settings: of the fit.
+        zeros: of a walk, that its stances were brought to; None: of a robot that moves slowly.
+
+    Raises:
+        ShoecalError: when the samples cannot be fitted at all.
+    """
+    guess = initial_guess(shoe, stances, weight_row=False)
+    if zeros is None:
+        fit = fit_parameters(shoe, stances, guess, settings)
+    else:
+        fit = fit_walk(shoe, stances, prior_of(shoe, guess, settings), zeros, settings)
+    parameters, time_offset = unpack(fit.vector)
+    return SelfCalibration(
+        shoe=shoe,
+        guess=guess,
+        guess_with_weight=initial_guess(shoe, stances, weight_row=True),
+        fit=fit,
+        corrections=fit_corrections(shoe, parameters, time_offset, stances, settings),
+    )
+
+
+def fit_parameters(
+    shoe: Shoe, stances: Sequence[Stance], guess: InitialGuess, settings: CalibrationSettings
+) -> Fit:
+    """Nonlinear least squares over all gains, offsets and the time offset (paper, eq. 18)."""
+    rows = rows_of(thinned(stances, MOST_SAMPLES), shoe, Weights.of(settings))
+    return minimise(rows, prior_of(shoe, guess, settings))
+
+
+def prior_of(shoe: Shoe, guess: InitialGuess, settings: CalibrationSettings) -> Prior:
+    """What is believed of gains, offsets and time offset before any sample of the fit."""
+    known = np.array([channel.nominal_gain is not None for channel in shoe.channels])
+    gain_std = np.abs(guess.parameters.gain) * np.where(
+        known, settings.nominal_gain_std, settings.gain_std
+    )
+    offset_std = np.full(len(known), settings.offset_std_n)
+    # A torque's offset is expected as large as the force's at a lever of 10 cm.
+    offset_std[shoe.torque] *= 0.1
+    return Prior(
+        pack(guess.parameters, 0.0),
+        np.concatenate((gain_std, offset_std, [settings.time_offset_std_s])),
+    )

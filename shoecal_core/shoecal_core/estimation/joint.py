@@ -1,0 +1,139 @@
+"""The joint fit as a step of a calibration: what it is given, and what follows from it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.error_sources.settings import SignalSettings
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.estimation.correction_fit import fit_corrections
+from shoecal_core.estimation.fit import SelfCalibration
+from shoecal_core.estimation.initial_guess import InitialGuess
+from shoecal_core.estimation.joint_fit import RATE_HZ, JointFit, fit_jointly
+from shoecal_core.estimation.known_shoe import KnownShoe
+from shoecal_core.estimation.known_zeros import known_zeros
+from shoecal_core.estimation.least_squares import Fit
+from shoecal_core.samples.samples import Samples
+from shoecal_core.samples.settings import SampleSettings
+from shoecal_core.samples.stance import Stance
+from shoecal_core.samples.zeros import Zero
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import columns_in_left
+
+FloatArray = NDArray[np.float64]
+SAMPLING = SampleSettings(rate_hz=RATE_HZ)
+"""How a session becomes the samples of the joint fit."""
+
+
+def joint_calibration(
+    samples: Samples,
+    train: Sequence[int],
+    guess: InitialGuess,
+    settings: CalibrationSettings,
+    tolerances: Tolerances,
+    known: KnownShoe | None = None,
+    hanging: Sequence[Zero] = (),
+) -> JointFit:
+    """Fit gains, offsets and all that robot and shoes may have wrong, from the initial guess.
+
+    Args:
+        samples: of all runs.
+        train: runs to fit.
+        guess: where it begins, and what gains and offsets are believed to be about.
+        settings, tolerances: of the calibration.
+        known: of the shoe, by a manual calibration.
+        hanging: what feet read in runs in which both are in the air.
+
+    Raises:
+        ShoecalError: when it does not settle.
+    """
+    signals = SignalSettings(
+        rate_hz=RATE_HZ,
+        gain_std=settings.gain_std,
+        nominal_gain_std=settings.nominal_gain_std,
+        offset_std_n=settings.offset_std_n,
+        model_error_rad=settings.model_error_rad,
+        model_error_s=settings.correlation_s,
+    )
+    return fit_jointly(
+        samples,
+        train,
+        guess=guess.parameters,
+        settings=signals,
+        tolerances=tolerances,
+        time_offset_std_s=settings.time_offset_std_s,
+        known=known,
+        zeros=known_zeros(samples.shoe, hanging, tolerances),
+    )
+
+
+def of_joint(
+    joint: JointFit,
+    guess: InitialGuess,
+    guess_with_weight: InitialGuess,
+    stances: Sequence[Stance],
+    settings: CalibrationSettings,
+) -> SelfCalibration:
+    """The stages of a calibration that is found by the joint fit.
+
+    Args:
+        joint: the fit.
+        guess, guess_with_weight: where it began, and the same with the weight's row.
+        stances: with the corrected reference, for CoP corrections where the settings ask for them.
+        settings: of the calibration.
+    """
+    size = len(joint.vector)
+    std = joint.prior_std[:size]
+    values, vectors = np.linalg.eigh(joint.information * np.outer(std, std))
+    order = np.argsort(values)[::-1]
+    fit = Fit(
+        vector=joint.vector,
+        cost=joint.cost,
+        initial_cost=joint.initial_cost,
+        gradient_norm=joint.last_step,
+        covariance=joint.covariance[:size, :size],
+        information=joint.information,
+        singular_values=np.sqrt(np.clip(values[order], 0.0, None)),
+        directions=vectors.T[order] * std,
+        iterations=joint.steps,
+    )
+    return SelfCalibration(
+        shoe=joint.shoe,
+        guess=guess,
+        guess_with_weight=guess_with_weight,
+        fit=fit,
+        corrections=fit_corrections(
+            joint.shoe, joint.parameters, joint.time_offset, stances, settings
+        ),
+    )
+
+
+def corrected(
+    stances: Mapping[int, tuple[Stance, ...]], joint: JointFit
+) -> dict[int, tuple[Stance, ...]]:
+    """Stances with the corrected reference, and with the columns of the fitted shoe, by run."""
+    samples, shift = joint.signal_model.samples, joint.model_shift
+    found = {}
+    for run, parts in stances.items():
+        here = samples.run == run
+        found[run] = tuple(
+            _corrected(stance, joint.shoe, samples.time[here], shift[here]) for stance in parts
+        )
+    return found
+
+
+def _corrected(stance: Stance, shoe: Shoe, time: FloatArray, shift: FloatArray) -> Stance:
+    if all(stance.loaded):
+        columns = columns_in_left(shoe, stance.support)
+    else:
+        foot = stance.loaded.index(True)
+        columns = np.where((shoe.foot == foot)[:, None], shoe.columns, 0.0)
+    if not len(time):
+        return replace(stance, columns=columns)
+    moved = np.stack([np.interp(stance.time, time, axis) for axis in shift.T], axis=1)
+    return replace(stance, cop=stance.cop + moved, columns=columns)

@@ -1,0 +1,122 @@
+"""Is a calibration one that any robot could have? Asked of what comes from somebody else."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.shoe.shoe import Shoe
+
+LARGEST_OUTPUT_N = 1e9
+"""Of a channel at the ends of its range; counts with a gain of 1 N stay far below."""
+WEIGHT_FACTOR = 10.0
+"""The weight is that of robot and shoes, give or take this factor."""
+LARGEST_TIME_OFFSET_S = 10.0
+TEMPERATURES_DEGC = (-100.0, 1000.0)
+LARGEST_TERM = 1e6
+"""Of a CoP correction and of the covariance's standard deviations."""
+LONGEST_TEXT, MOST_TEXTS = 2000, 1000
+"""Letters; reasons, or runs."""
+_ROUNDING = 1e-6
+
+
+class ImplausibleError(ShoecalError):
+    """A calibration with a value that no robot has."""
+
+
+def check_plausible(calibration: Calibration, shoe: Shoe, weight: float) -> None:
+    """Refuse values that are numbers, but no calibration's.
+
+    Args:
+        calibration: of this shoe.
+        shoe: with the channels' ranges.
+        weight: of the robot with its shoes [N].
+
+    Raises:
+        ImplausibleError: names the first such value and its bound.
+    """
+    _check_texts(calibration)
+    _check_numbers(calibration, weight)
+    _check_outputs(calibration, shoe)
+    _check_covariance(calibration)
+    for correction in calibration.corrections:
+        if max(np.abs(correction.x).max(), np.abs(correction.y).max()) > LARGEST_TERM:
+            raise _refused(calibration, f"has a CoP correction with a term above {LARGEST_TERM:g}")
+        for low, high in (correction.cop_range, correction.output_range):
+            if (low > high).any() or max(-low.min(), high.max()) > LARGEST_OUTPUT_N:
+                raise _refused(calibration, "has a CoP correction with a range that is none")
+
+
+def _check_texts(calibration: Calibration) -> None:
+    lists = (calibration.reasons, calibration.fitted_runs)
+    if any(len(texts) > MOST_TEXTS for texts in lists):
+        raise _refused(calibration, f"has more than {MOST_TEXTS} reasons or runs")
+    names = {
+        "id": calibration.id,
+        "source": calibration.source,
+        "robot": calibration.robot,
+        "shoe": calibration.shoe,
+    }
+    for name, text in names.items():
+        if not text or not text.isprintable():
+            raise _refused(calibration, f"has a {name} that is empty or not one line of text")
+    hashes = (calibration.robot_hash, calibration.shoe_hash)
+    for text in (*names.values(), *hashes, *calibration.reasons, *calibration.fitted_runs):
+        if len(text) > LONGEST_TEXT:
+            raise _refused(calibration, f"has a text of more than {LONGEST_TEXT} letters")
+        if not text.isprintable():
+            raise _refused(
+                calibration, "has a reason, a run or a hash that is not one line of text"
+            )
+
+
+def _check_numbers(calibration: Calibration, weight: float) -> None:
+    lowest, highest = weight / WEIGHT_FACTOR, weight * WEIGHT_FACTOR
+    if not lowest <= calibration.weight <= highest:
+        raise _refused(
+            calibration,
+            f"is of a robot of {calibration.weight:.4g} N; robot and shoes in use weigh "
+            f"{weight:.4g} N",
+        )
+    if abs(calibration.time_offset) > LARGEST_TIME_OFFSET_S:
+        raise _refused(calibration, f"has a time offset above {LARGEST_TIME_OFFSET_S:g} s")
+    low, high = TEMPERATURES_DEGC
+    if not (np.isnan(calibration.temperature) or low <= calibration.temperature <= high):
+        raise _refused(calibration, f"was made at a temperature beyond {low:g} to {high:g} degC")
+    if calibration.made_ns < 0:
+        raise _refused(calibration, "was made before 1970")
+
+
+def _check_outputs(calibration: Calibration, shoe: Shoe) -> None:
+    ends = np.array([[channel.lowest, channel.highest] for channel in shoe.channels])
+    reach = np.abs(np.where(np.isfinite(ends), ends, 0.0)).max(axis=1)
+    law = calibration.parameters
+    with np.errstate(over="ignore"):
+        outputs = np.abs(law.gain) * np.maximum(reach, 1.0) + np.abs(law.offset)
+    worst = int(np.argmax(outputs))
+    if not outputs[worst] <= LARGEST_OUTPUT_N:
+        raise _refused(
+            calibration,
+            f"makes {outputs[worst]:.3g} N of a reading of {calibration.channels[worst]}; at most "
+            f"{LARGEST_OUTPUT_N:g}",
+        )
+
+
+def _check_covariance(calibration: Calibration) -> None:
+    covariance = calibration.covariance
+    if covariance is None:
+        return
+    scale = float(np.abs(covariance).max())
+    if scale > LARGEST_TERM**2:
+        raise _refused(calibration, f"has uncertainties above {LARGEST_TERM:g}")
+    rounding = _ROUNDING * scale
+    if np.abs(covariance - covariance.T).max() > rounding or (
+        np.linalg.eigvalsh(covariance).min() < -rounding
+    ):
+        raise _refused(calibration, "has a covariance that is none: symmetric, nothing negative")
+
+
+def _refused(calibration: Calibration, why: str) -> ImplausibleError:
+    name = calibration.id[:40] if calibration.id.isprintable() else ""
+    return ImplausibleError(f"calibration '{name}' {why}; correct its sender, or calibrate anew")

@@ -1,0 +1,109 @@
+"""May a manual calibration be used?"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.estimation.checks import GAIN_RATIO
+from shoecal_core.estimation.metrics import Mae
+from shoecal_core.manual.cells import CellFit, unlike_gains
+from shoecal_core.screening.verdict import Finding
+from shoecal_core.shoe.shoe import FEET, Shoe
+
+FloatArray = NDArray[np.float64]
+
+GRF_LIMITS = (0.15, 0.5)
+COP_LIMITS = (2e-3, 5e-3)
+"""N and m; MAE under known weights above which there is a warning, and no use."""
+LINE_LIMIT = 0.01
+"""Scatter of a cell about its line, over its largest load."""
+SHIFT_LIMIT = 5.0
+"""N; screwing a cell in seldom shifts its zero by more."""
+FULL_SHARE = 0.5
+"""Loads read, of those planned: fewer leave the correction to few of them."""
+
+
+def check_cells(shoe: Shoe, gain: FloatArray) -> list[Finding]:
+    """Gains (n,) [N/unit] of the wrong sign or of a size unlike the others'."""
+    findings = [
+        Finding(
+            "FAIL",
+            f"{name} has gain {value:g}, the others about {typical:g}: check its weight and that "
+            "nothing else bore it",
+        )
+        for name, value, typical in unlike_gains(shoe, gain, GAIN_RATIO)
+    ]
+    for name, value, polarity in zip(shoe.names, gain, shoe.polarity, strict=True):
+        if polarity and np.sign(value) != polarity:
+            findings.append(
+                Finding(
+                    "FAIL",
+                    f"{name} has the other sign than its polarity in {shoe.path.name}: correct the "
+                    "wiring or the file",
+                )
+            )
+    return findings
+
+
+def check_lines(fits: Sequence[CellFit]) -> list[Finding]:
+    """Cells whose readings do not lie on a line."""
+    return [
+        Finding(
+            "WARN",
+            f"{fit.name} scatters by {fit.residual_std:.2f} N about its line: read it again",
+        )
+        for fit in fits
+        if fit.residual_std > LINE_LIMIT * 9.81 * fit.masses.max()
+    ]
+
+
+def check_foot(foot: int, grf: Mae, cop: Mae | None, shift: FloatArray) -> list[Finding]:
+    """Errors of one shoe under its weights.
+
+    Args:
+        foot: index into FEET.
+        grf: error of the force [N].
+        cop: error of the CoP [m]; None where the channels give a force alone.
+        shift: (k,) what assembling added to the offsets [N].
+    """
+    findings = []
+    side = FEET[foot]
+    if cop is None:
+        reason = f"the channels of the {side} shoe give a force alone: it has a GRF, but no CoP"
+        findings.append(Finding("WARN", reason))
+    judged = [("GRF", grf, GRF_LIMITS, "N", 1.0)]
+    if cop is not None:
+        judged.append(("CoP", cop, COP_LIMITS, "mm", 1e3))
+    for name, mae, limits, unit, scale in judged:
+        for verdict, limit in (("FAIL", limits[1]), ("WARN", limits[0])):
+            if not mae.mean <= limit:
+                findings.append(
+                    Finding(
+                        verdict,
+                        f"{name} of the {side} shoe is {mae.mean * scale:.2f} {unit} off under "
+                        f"known weights (limit {limit * scale:.2f} {unit}): check the weights, and "
+                        "that the shoe stands flat and free",
+                    )
+                )
+                break
+    if np.abs(shift).max() > SHIFT_LIMIT:
+        findings.append(
+            Finding(
+                "WARN",
+                f"assembling shifted the {side} shoe's offsets by up to {np.abs(shift).max():.1f} "
+                "N: see that no cell is bent by its screws, or read the cells again",
+            )
+        )
+    return findings
+
+
+def check_plan(foot: int, read: int, planned: int) -> list[Finding]:
+    """Many loads that were left out."""
+    if read >= FULL_SHARE * planned:
+        return []
+    return [
+        Finding("WARN", f"{read} of {planned} loads of the {FEET[foot]} shoe read: read more holes")
+    ]

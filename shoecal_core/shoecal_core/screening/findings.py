@@ -1,0 +1,241 @@
+"""What was found, in a line for a person: the place, the size, the cure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from shoecal_core.screening.clocks import LARGEST_S
+from shoecal_core.screening.closure import Slipped
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.result import LeftOut
+from shoecal_core.screening.saturated import Saturated
+from shoecal_core.screening.stretches import told
+from shoecal_core.screening.unresponsive import Stuck
+from shoecal_core.screening.verdict import Finding
+from shoecal_core.screening.weights import WrongWeight
+from shoecal_core.screening.wiring import Wiring, of_feet
+from shoecal_core.shoe.shoe import Shoe
+
+NOTABLE: Mapping[Fault, float] = {
+    Fault.UNREADABLE: 0.2,
+    Fault.TOO_FAST: 0.02,
+    Fault.DISTURBED: 0.2,
+    Fault.LIFTED: 0.0,
+}
+"""Share of a run's samples from which their loss is a warning; less is only counted."""
+NOTABLE_SPIKES = 3
+"""Samples with spikes in one channel and run from which its cable is suspected."""
+USELESS_SHARE, USELESS_END_SHARE = 0.01, 0.2
+"""A channel that is saturated for more of the time is no use: unknown to its device, and known."""
+MAX_TIME_OFFSET_S = 0.05
+"""Clocks of joints and readings that are further apart are named."""
+
+_CURES: Mapping[Fault, tuple[str, str]] = {
+    Fault.UNREADABLE: (
+        "has no readings, bad ones, or no joint angles beside them",
+        "check the device's status and that both have stamps of one clock",
+    ),
+    Fault.TOO_FAST: ("moved too fast to be taken as standing still", "plan a slower motion"),
+    Fault.DISTURBED: (
+        "was disturbed",
+        "see that nothing touches the robot, and that its gears and floor are firm",
+    ),
+    Fault.LIFTED: (
+        "had one foot in the air or on its edge",
+        "see that nobody lifts it and that the motion keeps load on both feet",
+    ),
+}
+
+
+def of_dead(shoe: Shoe, channels: Sequence[int]) -> list[Finding]:
+    """Channels that never answer."""
+    return [
+        Finding(
+            "FAIL",
+            f"{shoe.names[channel]} does not answer to load: check its cable, then record again",
+            Fault.DEAD,
+        )
+        for channel in channels
+    ]
+
+
+def of_stuck(shoe: Shoe, found: Sequence[Stuck]) -> list[Finding]:
+    """Channels that stopped answering, each with all its stretches."""
+    findings = []
+    for channel in sorted({one.channel for one in found}):
+        own = [one for one in found if one.channel == channel]
+        places = ", ".join(f"run {one.run} from {one.start:.0f} to {one.end:.0f} s" for one in own)
+        findings.append(
+            Finding(
+                "FAIL",
+                f"{shoe.names[channel]} is stuck at {own[0].level:.4g} {shoe.unit} while its "
+                f"neighbours move ({places}): check its cable, then record again, or leave these "
+                "runs out",
+                Fault.STUCK,
+            )
+        )
+    return findings
+
+
+def of_wiring(shoe: Shoe, wiring: Wiring) -> list[Finding]:
+    """Cells upside down or at each other's place."""
+    if wiring.swapped and set(wiring.swapped) == set(of_feet(shoe)):
+        return [
+            Finding(
+                "FAIL",
+                "left and right are exchanged: what comes as one foot's fits the other; exchange "
+                "their plugs, their topics, or feet.*.link in the robot file, and record again",
+                Fault.SWAPPED,
+            )
+        ]
+    findings = [
+        Finding(
+            "FAIL",
+            f"{shoe.names[one]} and {shoe.names[other]} are swapped: what comes as one fits the "
+            "other's place; exchange their cables, or their names at the driver, and record again",
+            Fault.SWAPPED,
+        )
+        for one, other in wiring.swapped
+    ]
+    return findings + [
+        Finding(
+            "FAIL",
+            f"{shoe.names[channel]} is inverted: its sign is against the shoe file; exchange its "
+            "signal wires, or turn its 'polarity' round",
+            Fault.INVERTED,
+        )
+        for channel in wiring.inverted
+    ]
+
+
+def of_saturated(shoe: Shoe, found: Sequence[Saturated]) -> list[Finding]:
+    """Channels that reached an end."""
+    return [
+        Finding(
+            "FAIL" if one.share > USELESS_SHARE else "WARN",
+            f"{shoe.names[one.channel]} is saturated: it goes no further than {one.level:.4g} "
+            f"{shoe.unit}, where it is for {one.share:.1%} of the time"
+            f"{'' if np.isnan(one.missing) else f', with {one.missing:.1f} N missing'}: lower its "
+            "amplification",
+            Fault.SATURATED,
+        )
+        for one in found
+    ]
+
+
+def of_ends(shoe: Shoe, shares: Sequence[float]) -> list[Finding]:
+    """Channels at the end of their converter's range: told of every such reading, in use too."""
+    return [
+        Finding(
+            "FAIL" if share > USELESS_END_SHARE else "WARN",
+            f"{name} is at the end of its range in {share:.1%} of the samples: lower its "
+            "amplification or check its wiring",
+            Fault.SATURATED,
+        )
+        for name, share in zip(shoe.names, shares, strict=True)
+        if share > 0.0
+    ]
+
+
+def of_weights(found: Sequence[WrongWeight]) -> list[Finding]:
+    """Runs under another weight; the last two together when nothing tells which is right."""
+    if len(found) > 1 and found[-1].undecided:
+        one, other = found[-2:]
+        apart = (abs(one.excess) + abs(other.excess)) / 2.0
+        undecided = [
+            Finding(
+                "FAIL",
+                f"runs {one.run} and {other.run} were recorded under weights {apart:.1f} N apart "
+                "and no third tells which is right: see that the robot carries nothing and is not "
+                "held, then record again",
+                Fault.WRONG_WEIGHT,
+            )
+        ]
+        return of_weights(found[:-2]) + undecided
+    return [
+        Finding(
+            "WARN",
+            f"run {one.run} was recorded with {abs(one.excess):.1f} N "
+            f"{'more' if one.excess > 0.0 else 'less'} on the feet than the others (limit "
+            f"{one.limit:.1f} N) and is left out: see that the robot carries nothing and is not "
+            "held, then record it again",
+            Fault.WRONG_WEIGHT,
+        )
+        for one in found
+    ]
+
+
+def of_slips(slips: Mapping[int, Slipped]) -> list[Finding]:
+    """Feet that slipped."""
+    return [
+        Finding(
+            "WARN",
+            f"a foot slipped in run {run} at {slip.time:.1f} s (by what the joints tell of it, "
+            f"{1e3 * np.linalg.norm(slip.shift[:2]):.1f} mm and {np.degrees(slip.shift[2]):.1f} "
+            "deg): where it came to rest is not known, so what came after is left out; record the "
+            "run again",
+            Fault.SLIPPED,
+        )
+        for run, slip in slips.items()
+    ]
+
+
+def of_left_out(found: Sequence[LeftOut]) -> list[Finding]:
+    """Samples left out, where they are more than a good recording has."""
+    findings = []
+    for one in found:
+        times = told(one.stretches)
+        if one.fault is Fault.SPIKE and one.samples >= NOTABLE_SPIKES:
+            findings.append(
+                Finding(
+                    "WARN",
+                    f"{', '.join(one.channels)} gave spikes in run {one.run} ({times}), left "
+                    "out: check the cable and its shield",
+                    one.fault,
+                )
+            )
+        elif one.share > NOTABLE.get(one.fault, 1.0):
+            happened, cure = _CURES[one.fault]
+            findings.append(
+                Finding(
+                    "WARN",
+                    f"run {one.run} {happened} for {one.share:.0%} of its samples"
+                    f"{f' ({times})' if times else ''}, left out: {cure}",
+                    one.fault,
+                )
+            )
+        elif one.fault is Fault.TOO_LITTLE:
+            findings.append(
+                Finding(
+                    "WARN",
+                    f"run {one.run} is left out: too little of it can be used; record it again",
+                    one.fault,
+                )
+            )
+    return findings
+
+
+def of_time_offset(time_offset: float) -> list[Finding]:
+    """Joints and readings that are far apart in time; the fit is spared that."""
+    if abs(time_offset) <= MAX_TIME_OFFSET_S:
+        return []
+    if abs(time_offset) >= 0.99 * LARGEST_S:
+        return [
+            Finding(
+                "FAIL",
+                f"joints and readings are {LARGEST_S:g} s apart or more, which is not corrected: "
+                "let both be stamped when they are sampled, by one clock",
+                Fault.LATE,
+            )
+        ]
+    return [
+        Finding(
+            "WARN",
+            f"joints are {'late' if time_offset > 0.0 else 'early'} by "
+            f"{1e3 * abs(time_offset):.0f} ms against the readings, which is corrected in the fit: "
+            "let both be stamped when they are sampled, by one clock",
+            Fault.LATE,
+        )
+    ]

@@ -1,0 +1,152 @@
+"""Gains and offsets for screening: linear, robust, and without a word about signs.
+
+With the modelled wrench w on the right, F = W and (Mx, My) = W (c_y, -c_x), the equations
+    sum_i A_i (g_i S_i + d_i) = w - b
+are linear in gains and offsets. They are solved over blocks of all runs; blocks that do not fit
+count less and less. A bias of a few per cent does no harm here, one bad run or cell would.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.screening.blocks import Blocks
+from shoecal_core.screening.noise import spread
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters, at_cop
+
+FloatArray = NDArray[np.float64]
+
+ROUNDS = 5
+"""Times that the blocks are weighed anew."""
+FAR = 3.0
+"""Blocks this many of their typical deviations off count half."""
+LEAST_SPREAD = 0.2
+"""Deviations are not taken as smaller than this, in the settings' standard deviations."""
+
+
+@dataclass(frozen=True)
+class Sums:
+    """What least squares need of one run: A'WA (2n, 2n), A'Wy (2n,), y'Wy, and 3 sum W."""
+
+    product: FloatArray
+    right: FloatArray
+    square: float
+    count: float
+
+
+@dataclass(frozen=True)
+class Equations:
+    """One run's equations, every row divided by its standard deviation.
+
+    Attributes:
+        matrix: (3, B, 2n) of gains and offsets: the rows of F, Mx, My.
+        target: (3, B).
+        weight: (B,) how much of an independent block each one counts for.
+    """
+
+    matrix: FloatArray
+    target: FloatArray
+    weight: FloatArray
+
+    def off(self, vector: FloatArray) -> FloatArray:
+        """(3, B) what is left under a parameter vector (2n,)."""
+        off: FloatArray = self.matrix @ vector - self.target
+        return off
+
+    def sums(self) -> Sums:
+        """Over all blocks."""
+        flat = self.matrix.reshape(-1, self.matrix.shape[-1])
+        weighed = (self.matrix * self.weight[:, None]).reshape(flat.shape)
+        return Sums(
+            weighed.T @ flat,
+            weighed.T @ self.target.ravel(),
+            float((self.target**2 * self.weight).sum()),
+            3.0 * float(self.weight.sum()),
+        )
+
+
+@dataclass(frozen=True)
+class RoughFit:
+    """The solution.
+
+    Attributes:
+        vector: (2n,) gains, offsets.
+        covariance: (2n, 2n).
+        cost: sum of squares, prior included.
+    """
+
+    vector: FloatArray
+    covariance: FloatArray
+    cost: float
+
+    @property
+    def parameters(self) -> ChannelParameters:
+        """Gains and offsets."""
+        gain, offset = np.split(self.vector, 2)
+        return ChannelParameters(gain, offset)
+
+
+def equations(blocks: Blocks, weight: float, settings: CalibrationSettings) -> Equations:
+    """Equations of one run's blocks.
+
+    Args:
+        weight: of robot and shoes [N].
+    """
+    target = at_cop(np.full(len(blocks.time), weight), blocks.cop) - blocks.base
+    moment = settings.cop_std_m * weight
+    std = np.array([settings.force_std_n, moment, moment])
+    slopes = blocks.columns.T[:, None, :] / std[:, None, None]
+    gains = slopes * blocks.readings
+    return Equations(
+        matrix=np.concatenate((gains, np.broadcast_to(slopes, gains.shape)), axis=2),
+        target=target.T / std[:, None],
+        weight=np.full(len(blocks.time), min(1.0, blocks.period / settings.correlation_s)),
+    )
+
+
+def prior(
+    shoe: Shoe, blocks: Mapping[int, Blocks], weight: float, settings: CalibrationSettings
+) -> FloatArray:
+    """(2n,) information on gains and offsets: a channel swings by no more than the weight."""
+    swing = np.ptp(np.concatenate([one.readings for one in blocks.values()]), axis=0)
+    unit = np.where(shoe.torque, 0.1, 1.0)
+    return np.concatenate(((swing / (weight * unit)) ** 2, (settings.offset_std_n * unit) ** -2.0))
+
+
+def solve(runs: Mapping[int, Equations], information: FloatArray) -> RoughFit:
+    """Least squares over some runs, the blocks weighed as they are."""
+    return solve_sums([run.sums() for run in runs.values()], information)
+
+
+def solve_sums(runs: Sequence[Sums], information: FloatArray) -> RoughFit:
+    """The same from the runs' sums."""
+    matrix = np.diag(information) + np.sum([run.product for run in runs], axis=0)
+    right = np.sum([run.right for run in runs], axis=0)
+    # Gains are some hundred times offsets: scaled, or a cell that never moved is not seen.
+    scale = 1.0 / np.sqrt(np.maximum(np.diag(matrix), 1e-30))
+    inverse = np.linalg.pinv(matrix * np.outer(scale, scale), hermitian=True)
+    covariance = inverse * np.outer(scale, scale)
+    vector = covariance @ right
+    cost = sum(run.square for run in runs) - float(right @ vector)
+    return RoughFit(vector, covariance, cost)
+
+
+def reweighed(runs: Mapping[int, Equations], information: FloatArray) -> dict[int, Equations]:
+    """The same equations; blocks that fit badly count less."""
+    first = {number: run.weight for number, run in runs.items()}
+    runs = dict(runs)
+    for _ in range(ROUNDS):
+        fit = solve(runs, information)
+        off = {number: run.off(fit.vector) for number, run in runs.items()}
+        everything = np.concatenate(list(off.values()), axis=1)
+        typical = np.maximum(spread(everything.T), LEAST_SPREAD)[:, None]
+        for number, run in runs.items():
+            far = np.max(np.abs(off[number]) / typical, axis=0) / FAR
+            runs[number] = replace(run, weight=first[number] / (1.0 + far**2))
+    return runs

@@ -1,0 +1,127 @@
+"""Cells with flat tops, be it below the end of their converter's range.
+
+A cell that stays at its own extreme while force is missing there, in the direction in which it
+would have gone on, has reached an end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.recording.run import Readings
+from shoecal_core.recording.schemas import SATURATED
+from shoecal_core.screening.blocks import Blocks, ReadingBlocks
+from shoecal_core.screening.following import Halt
+from shoecal_core.screening.noise import spread
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.unresponsive import joined
+from shoecal_core.shoe.shoe import Shoe
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+BEYOND_SHARE = 0.2
+"""A channel at its end goes no further than this share of what it should, be the end a soft one."""
+END_SHARE = 1e-6
+"""Readings this near to an end of the range, as a share of it, are at the end."""
+AT_END_STDS = 4.0
+"""A reading is at its extreme when it is within this many standard deviations of it."""
+MISSING_STDS, TREMBLING_STDS = 0.5, 3.0
+"""Less missing force tells nothing, in the settings' standard deviations of the force, and in
+those of the force's noise."""
+SCATTER_STDS = 2.5
+"""Nor does force that may be missing by chance: in standard deviations of the force's error while
+the cell is away from its extreme, for one visit there; of several visits the mean counts."""
+LEAST_S = 0.6
+"""Time at the extreme from which missing force tells something [s]."""
+
+
+@dataclass(frozen=True)
+class Saturated:
+    """A channel that has an end.
+
+    Attributes:
+        channel: index.
+        level: the end, as it reads.
+        missing: force that is missing there at times [N].
+        share: of all blocks.
+    """
+
+    channel: int
+    level: float
+    missing: float
+    share: float
+
+
+def at_ends(shoe: Shoe, values: FloatArray) -> BoolArray:
+    """(T, n) readings (T, n) at an end of their converter's range."""
+    low, high = (
+        np.array([getattr(c, end) for c in shoe.channels]) for end in ("lowest", "highest")
+    )
+    slack = END_SHARE * (high - low)
+    ends: BoolArray = (values <= low + slack) | (values >= high - slack)
+    return ends
+
+
+def told_at_ends(shoe: Shoe, readings: Readings) -> BoolArray:
+    """(T, n) the same, and those of which the device says so."""
+    ends: BoolArray = at_ends(shoe, readings.value) | (readings.status == SATURATED)
+    return ends
+
+
+def ended(runs: Mapping[int, ReadingBlocks], found: Sequence[Halt]) -> list[Saturated]:
+    """Of channels that were stuck: those that should have gone beyond an end, and never do.
+
+    One that is stuck there by chance goes beyond at other times, or should have come back.
+    """
+    readings = joined(runs)
+    at_end = []
+    for halt in found:
+        values = readings[:, halt.channel]
+        level = float(np.median(values[halt.still]))
+        expected = halt.expected[halt.still] - level
+        side = float(np.sign(np.median(expected)))
+        if np.max(side * (values - level)) < BEYOND_SHARE * np.max(side * expected):
+            noise = max(float(blocks.noise[halt.channel]) for blocks in runs.values())
+            share = float(np.mean(np.abs(values - level) <= AT_END_STDS * noise))
+            at_end.append(Saturated(halt.channel, level, float("nan"), share))
+    return at_end
+
+
+def saturated(
+    runs: Mapping[int, Blocks],
+    force_error: Mapping[int, FloatArray],
+    gain: FloatArray,
+    settings: CalibrationSettings,
+) -> list[Saturated]:
+    """Every channel with a flat top or bottom.
+
+    Args:
+        force_error: (B,) measured less expected force of each run's blocks [N].
+        gain: (n,) of each channel, roughly.
+    """
+    readings = np.concatenate([blocks.readings for blocks in runs.values()])
+    noise = np.max([blocks.noise for blocks in runs.values()], axis=0)
+    # A run under another weight is off all the time.
+    error = np.concatenate([force_error[run] - np.median(force_error[run]) for run in runs])
+    period = float(np.median([blocks.period for blocks in runs.values()]))
+    trembling = float(np.linalg.norm(gain * noise))
+    least = max(MISSING_STDS * settings.force_std_n, TREMBLING_STDS * trembling)
+    found = []
+    for channel, values in enumerate(readings.T):
+        for side in (1.0, -1.0):
+            level = side * float(np.max(side * values))
+            there = np.abs(values - level) <= AT_END_STDS * noise[channel]
+            if there.sum() * period < LEAST_S:
+                continue
+            outwards = float(np.sign(gain[channel])) * side
+            missing = -outwards * float(np.median(error[there]))
+            scatter = 0.0 if there.all() else float(spread(error[~there]))
+            visits = 1 + int(np.count_nonzero(np.diff(np.flatnonzero(there)) > 1))
+            if missing > max(least, SCATTER_STDS * scatter / np.sqrt(visits)):
+                found.append(Saturated(channel, level, missing, float(there.mean())))
+    return found

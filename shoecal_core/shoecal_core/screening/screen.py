@@ -1,0 +1,113 @@
+"""The screening of a recording: every fault in turn, the gravest first.
+
+What is wrong with a cell or a cable spoils the whole session: it is named, and nothing else is
+looked for. What is wrong with a run or a moment of it costs that run or that moment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from shoecal_core.recording.run import Run
+from shoecal_core.samples.aligned import Aligned
+from shoecal_core.screening import findings as words
+from shoecal_core.screening.blocks import blocks
+from shoecal_core.screening.disturbed import FAST_MOTION
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.findings import of_time_offset
+from shoecal_core.screening.result import LeftOut, Screening
+from shoecal_core.screening.saturated import ended, told_at_ends
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.standing import screen_standing
+from shoecal_core.screening.stretches import JOIN_S, stretches
+from shoecal_core.screening.unloading import detect_lifted_foot
+from shoecal_core.screening.unresponsive import dead, halted, stuck
+from shoecal_core.screening.verdict import Finding
+from shoecal_core.shoe.shoe import Shoe
+
+
+def screen(
+    runs: Mapping[int, Run],
+    aligned: Mapping[int, Aligned],
+    shoe: Shoe,
+    weight: float,
+    settings: CalibrationSettings,
+    time_offset: float = 0.0,
+) -> Screening:
+    """Look for every fault.
+
+    Runs that name no double support are only searched for faults of single cells.
+
+    Args:
+        runs: by number.
+        aligned: the same with the model's values.
+        weight: of robot and shoes [N].
+        time_offset: by which the joints were late before they were aligned [s].
+    """
+    runs, aligned = dict(sorted(runs.items())), dict(sorted(aligned.items()))
+    found = Screening(
+        findings=tuple(of_time_offset(time_offset)),
+        time_offset=time_offset,
+        samples={number: len(run.readings.time) for number, run in runs.items()},
+        left_out=_lost(runs, aligned, shoe),
+    )
+    if not runs:
+        return found
+    found = found.adding(words.of_left_out(found.left_out) + _cells(runs, aligned, shoe))
+    double = {
+        number: one for number, one in aligned.items() if runs[number].info.support is not None
+    }
+    if found.fails or not double:
+        return found
+    lifting = {
+        number: detect_lifted_foot(runs[number].info.motion, one) for number, one in double.items()
+    }
+    fast = {number for number in double if runs[number].info.motion == FAST_MOTION}
+    return screen_standing(found, double, lifting, fast, shoe, weight, settings)
+
+
+def _lost(
+    runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe
+) -> tuple[LeftOut, ...]:
+    """Samples that were recorded and could not be aligned."""
+    lost = []
+    for number, run in runs.items():
+        ends = told_at_ends(shoe, run.readings)
+        gone = ~np.isin(run.readings.time, aligned[number].time)
+        for fault, marked in (
+            (Fault.SATURATED, gone & ends.any(axis=1)),
+            (Fault.UNREADABLE, gone & ~ends.any(axis=1)),
+        ):
+            count = int(marked.sum())
+            if count:
+                at_fault = np.flatnonzero(np.any(ends[marked], axis=0))
+                lost.append(
+                    LeftOut(
+                        number,
+                        fault,
+                        count,
+                        count / len(marked),
+                        stretches(marked, run.readings.time, JOIN_S),
+                        tuple(shoe.names[index] for index in at_fault),
+                    )
+                )
+    return tuple(lost)
+
+
+def _cells(runs: Mapping[int, Run], aligned: Mapping[int, Aligned], shoe: Shoe) -> list[Finding]:
+    """Faults of single cells, for which no model is needed."""
+    ends = np.concatenate([told_at_ends(shoe, run.readings) for run in runs.values()])
+    parts = {number: blocks(one, shoe) for number, one in aligned.items()}
+    silent = dead(shoe, parts)
+    found = halted(shoe, parts, silent)
+    at_end = ended(parts, found)
+    ends_of = {end.channel for end in at_end}
+    still = stuck(parts, [halt for halt in found if halt.channel not in ends_of])
+    return [
+        *words.of_dead(shoe, silent),
+        *words.of_ends(shoe, ends.mean(axis=0).tolist()),
+        *words.of_saturated(shoe, at_end),
+        *words.of_stuck(shoe, still),
+    ]

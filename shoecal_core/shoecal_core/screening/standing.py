@@ -1,0 +1,257 @@
+"""Screening of runs in double support: what statics and the model of the body tell of them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.samples.aligned import Aligned
+from shoecal_core.screening import findings as words
+from shoecal_core.screening.blocks import Blocks, blocks
+from shoecal_core.screening.closure import Feet, Slipped, feet, lifted, slips
+from shoecal_core.screening.disturbed import disturbed
+from shoecal_core.screening.faults import Fault
+from shoecal_core.screening.noise import noise
+from shoecal_core.screening.quasi_static import too_fast
+from shoecal_core.screening.result import LeftOut, Screening
+from shoecal_core.screening.rough_fit import equations, prior, reweighed, solve
+from shoecal_core.screening.saturated import (
+    AT_END_STDS,
+    Saturated,
+    at_ends,
+    saturated,
+)
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.spikes import find_leaps
+from shoecal_core.screening.stretches import JOIN_S, lasting, stretches, widened
+from shoecal_core.screening.unloading import LiftedFoot
+from shoecal_core.screening.weights import wrong_weights
+from shoecal_core.screening.wiring import check_wiring
+from shoecal_core.shoe.sensing import MINIMUM_FORCE
+from shoecal_core.shoe.shoe import Shoe
+from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+MARGIN_S = 0.15
+"""Also left out around what moved, pushed or lifted the robot: it still sways."""
+HIT_MARGIN_S = 0.03
+"""The same around a hit that is over at once."""
+LIFT_S = 0.8
+"""A foot that is off the floor for longer, margins included, is in the air: that is no step."""
+SLIP_MARGIN_S = 0.5
+"""Left out before a slip: when it began is known no better."""
+LEAST_SHARE = 0.4
+"""A run of which less is usable is left out."""
+FREE_SHARE = 0.2
+"""A foot that was lifted on purpose and carries more of the weight still touches something; the
+rough fit knows a foot's share no better."""
+LEAST_LEAP_STDS = 1.0
+"""Smaller leaps do no harm, in the settings' standard deviations of the force."""
+
+
+def screen_standing(
+    found: Screening,
+    aligned: Mapping[int, Aligned],
+    lifting: Mapping[int, LiftedFoot | None],
+    fast: Collection[int],
+    shoe: Shoe,
+    weight: float,
+    settings: CalibrationSettings,
+) -> Screening:
+    """What was found so far, and what is found in these runs.
+
+    Args:
+        aligned: runs in double support, by number.
+        lifting: of each of them, the foot that it lifts on purpose.
+        fast: those of a fast motion, which disturbs them without any fault.
+        weight: of robot and shoes [N].
+    """
+    parts = {run: blocks(one, shoe) for run, one in aligned.items()}
+    information = prior(shoe, parts, weight, settings)
+    several = len(aligned) > 1
+    if several:
+        wiring = check_wiring(shoe, parts, information, weight, settings)
+        found = found.adding(words.of_wiring(shoe, wiring))
+    if found.fails:
+        return found
+    rows = {run: equations(one, weight, settings) for run, one in parts.items()}
+    fit = solve(reweighed(rows, information), information)
+    missing = {run: settings.force_std_n * one.off(fit.vector)[0] for run, one in rows.items()}
+    ended = saturated(parts, missing, fit.parameters.gain, settings)
+    wrong = wrong_weights(rows, information, settings) if several else []
+    found = found.adding([*words.of_saturated(shoe, ended), *words.of_weights(wrong)])
+    if found.fails:
+        return found
+    fitting = {run: one for run, one in rows.items() if run not in {one.run for one in wrong}}
+    parameters = solve(reweighed(fitting, information), information).parameters
+    watch = _Watch(shoe, parameters, weight, settings, ended)
+    moments = {run: watch.moments(aligned[run], parts[run], lifting[run]) for run in fitting}
+    slipped = _slipped(moments)
+    found = found.adding(words.of_slips(slipped))
+    for run, one in aligned.items():
+        if run in moments:
+            slip = slipped.get(run)
+            found = _leaving_out(found, run, one, moments[run], slip, shoe, fast=run in fast)
+        else:
+            found = _leaving_out_all(found, run, one)
+    return found
+
+
+def _slipped(moments: Mapping[int, _Moments]) -> dict[int, Slipped]:
+    """The first slip of each run; a foot that was lifted may stand elsewhere afterwards."""
+    calm = {
+        (run, part): feet
+        for run, one in moments.items()
+        for part, feet in enumerate(one.calm)
+        if len(feet.time) > 1
+    }
+    found: dict[int, Slipped] = {}
+    for (run, _), slip in sorted(slips(calm).items()):
+        found.setdefault(run, slip)
+    return found
+
+
+@dataclass(frozen=True)
+class _Moments:
+    """What happened in one run, and when.
+
+    Attributes:
+        marked: (T,) by fault, the gravest first.
+        spikes: (T, n).
+        air: (T,) the foot that was lifted on purpose hangs free.
+        calm: samples while both feet stand, their readings without leaps; before, between and
+            after the times that a foot was in the air on purpose.
+    """
+
+    marked: Mapping[Fault, BoolArray]
+    spikes: BoolArray
+    air: BoolArray
+    calm: tuple[Feet, ...]
+
+
+@dataclass(frozen=True)
+class _Watch:
+    """Finds moments that break the assumptions."""
+
+    shoe: Shoe
+    parameters: ChannelParameters
+    weight: float
+    settings: CalibrationSettings
+    ended: Sequence[Saturated]
+
+    def moments(self, aligned: Aligned, part: Blocks, lifting: LiftedFoot | None) -> _Moments:
+        time, settings = aligned.time, self.settings
+        trembling = noise(aligned.readings)
+        least = LEAST_LEAP_STDS * settings.force_std_n
+        leaps = find_leaps(self.shoe, aligned.readings, trembling, self.parameters.gain, least)
+        wrench = self.parameters.outputs(leaps.calm) @ part.columns + part.base
+        place = cop(wrench, MINIMUM_FORCE) - aligned.states.cop[:, 0]
+        nowhere = ~np.isfinite(place).all(axis=1)
+        place[nowhere] = 0.0
+        pushed = disturbed(time, wrench[:, 0] - self.weight, place, settings) | nowhere
+        up = widened(lifted(aligned.states), time, MARGIN_S)
+        grounded = ~lasting(up, time, LIFT_S)
+        meant = air = np.zeros_like(up)
+        calm = [feet(aligned, leaps.calm, grounded)]
+        if lifting is not None and self._hangs(lifting, leaps.calm):
+            meant, air = lifting.air | lifting.moving, lifting.air
+            calm = [
+                feet(aligned, leaps.calm, stretch & grounded)
+                for stretch in lifting.stretches()
+                if not lifting.air[stretch].any()
+            ]
+        marked = {
+            Fault.SATURATED: self._at_end(aligned.readings, trembling),
+            Fault.LIFTED: up & ~meant,
+            Fault.LIFTING: meant & ~air,
+            Fault.TOO_FAST: widened(too_fast(aligned, settings), time, MARGIN_S),
+            Fault.DISTURBED: widened(pushed, time, MARGIN_S)
+            | widened(leaps.hits, time, HIT_MARGIN_S),
+        }
+        return _Moments(marked, leaps.spikes, air, tuple(calm))
+
+    def _hangs(self, lifting: LiftedFoot, readings: FloatArray) -> bool:
+        """Whether the foot that was lifted carries nothing meanwhile."""
+        if not lifting.air.any():
+            return False
+        carried = foot_wrenches(self.shoe, self.parameters.outputs(readings[lifting.air]))
+        return abs(float(np.median(carried[:, lifting.foot, 0]))) < FREE_SHARE * self.weight
+
+    def _at_end(self, readings: FloatArray, trembling: FloatArray) -> BoolArray:
+        there = at_ends(self.shoe, readings).any(axis=1)
+        for one in self.ended:
+            off = np.abs(readings[:, one.channel] - one.level)
+            there |= off <= AT_END_STDS * trembling[one.channel]
+        return np.asarray(there)
+
+
+def _leaving_out(
+    found: Screening,
+    run: int,
+    aligned: Aligned,
+    moments: _Moments,
+    slip: Slipped | None,
+    shoe: Shoe,
+    *,
+    fast: bool,
+) -> Screening:
+    """Leave out what was marked, and what came after a slip; gears that strike are only counted
+    in a fast motion.
+    """
+    time = aligned.time
+    before = time < (np.inf if slip is None else slip.time - SLIP_MARGIN_S)
+    kept, lost = np.ones(len(time), dtype=bool), list[LeftOut]()
+
+    def leave(fault: Fault, marked: BoolArray, *channels: str) -> None:
+        fresh = marked & kept
+        kept[marked] = False
+        if fresh.any():
+            lost.append(_lost(found, run, fault, fresh, time, channels))
+
+    for fault, marked in moments.marked.items():
+        leave(fault, marked)
+    for name, marked in zip(shoe.names, moments.spikes.T, strict=True):
+        leave(Fault.SPIKE, marked, name)
+    leave(Fault.SLIPPED, ~before)
+    if kept.sum() < LEAST_SHARE * found.samples[run]:
+        lost.append(_lost(found, run, Fault.TOO_LITTLE, kept, time))
+        kept = np.zeros_like(kept)
+    notable = [one for one in lost if not (fast and one.fault is Fault.DISTURBED)]
+    standing = before & ~moments.marked[Fault.LIFTED] & ~moments.marked[Fault.LIFTING]
+    return replace(
+        found.adding(words.of_left_out(notable)),
+        left_out=(*found.left_out, *lost),
+        kept={**found.kept, run: kept},
+        standing={**found.standing, run: standing},
+        air={**found.air, run: moments.air},
+    )
+
+
+def _leaving_out_all(found: Screening, run: int, aligned: Aligned) -> Screening:
+    """Leave out a run under another weight."""
+    everything = np.ones(len(aligned.time), dtype=bool)
+    lost = _lost(found, run, Fault.WRONG_WEIGHT, everything, aligned.time)
+    return replace(
+        found,
+        left_out=(*found.left_out, lost),
+        kept={**found.kept, run: ~everything},
+        standing={**found.standing, run: everything},
+    )
+
+
+def _lost(
+    found: Screening,
+    run: int,
+    fault: Fault,
+    marked: BoolArray,
+    time: FloatArray,
+    channels: tuple[str, ...] = (),
+) -> LeftOut:
+    count = int(marked.sum())
+    times = stretches(marked, time, JOIN_S)
+    return LeftOut(run, fault, count, count / found.samples[run], times, channels)

@@ -1,0 +1,109 @@
+"""Cells that do not answer: dead all the time, or stuck for some of it while others move."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.screening.blocks import ReadingBlocks
+from shoecal_core.screening.following import NOISE_RANGE, Halt, halts, neighbours
+from shoecal_core.screening.stretches import stretches
+from shoecal_core.shoe.shoe import Shoe
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+DEAD_SHARE = 0.02
+"""A channel that moves by less than this share of the others' range is dead."""
+LIVING = 0.05
+"""Part of a session in which a dead channel may have lived: no law can be told by less."""
+
+
+@dataclass(frozen=True)
+class Stuck:
+    """A channel that did not follow for some time.
+
+    Attributes:
+        run: number of the run.
+        channel: index.
+        start, end: since the run's start [s].
+        level: where it stood, as it reads.
+    """
+
+    run: int
+    channel: int
+    start: float
+    end: float
+    level: float
+
+
+def dead(shoe: Shoe, runs: Mapping[int, ReadingBlocks]) -> list[int]:
+    """Channels that hardly any time moves, though it moves the others; or that never change."""
+    moved = _ranges(runs)
+    constant = np.ptp(joined(runs), axis=0) == 0.0
+    return [
+        channel
+        for channel in range(len(moved))
+        if constant[channel] or moved[channel] < _least(shoe, moved, channel)
+    ]
+
+
+def away(shoe: Shoe, runs: Mapping[int, ReadingBlocks], channel: int) -> BoolArray:
+    """(B,) blocks in which a dead channel is not where it mostly is."""
+    values = joined(runs)[:, channel]
+    least = _least(shoe, _ranges(runs), channel) + NOISE_RANGE * _noise(runs)[channel]
+    left: BoolArray = np.abs(values - np.median(values)) > least
+    return left
+
+
+def halted(shoe: Shoe, runs: Mapping[int, ReadingBlocks], silent: Sequence[int]) -> list[Halt]:
+    """Channels that were stuck for some time, the clearest first.
+
+    Args:
+        runs: in the order in which they were recorded.
+        silent: dead channels.
+    """
+    alive = [channel for channel in range(len(shoe.names)) if channel not in silent]
+    return halts(shoe, joined(runs), _noise(runs), alive)
+
+
+def stuck(runs: Mapping[int, ReadingBlocks], found: Sequence[Halt]) -> list[Stuck]:
+    """Every stretch of each run in which one of these channels was stuck."""
+    ends = np.cumsum([len(blocks.time) for blocks in runs.values()])[:-1]
+    return [
+        Stuck(run, halt.channel, start, end, _level(blocks, halt.channel, start, end))
+        for halt in found
+        for (run, blocks), still in zip(runs.items(), np.split(halt.still, ends), strict=True)
+        for start, end in stretches(still, blocks.time)
+    ]
+
+
+def joined(runs: Mapping[int, ReadingBlocks]) -> FloatArray:
+    """(B, n) readings of all runs, one after the other."""
+    return np.concatenate([blocks.readings for blocks in runs.values()])
+
+
+def _level(blocks: ReadingBlocks, channel: int, start: float, end: float) -> float:
+    part = (blocks.time >= start) & (blocks.time <= end)
+    return float(np.median(blocks.readings[part, channel]))
+
+
+def _ranges(runs: Mapping[int, ReadingBlocks]) -> FloatArray:
+    """(n,) how far each channel moves in most of the session, beyond its noise."""
+    low, high = np.quantile(joined(runs), [LIVING, 1.0 - LIVING], axis=0)
+    moved: FloatArray = np.maximum(high - low - NOISE_RANGE * _noise(runs), 0.0)
+    return moved
+
+
+def _least(shoe: Shoe, moved: FloatArray, channel: int) -> float:
+    """How far a living channel moves, by its neighbours."""
+    return DEAD_SHARE * float(np.max(moved[neighbours(shoe, channel)], initial=0.0))
+
+
+def _noise(runs: Mapping[int, ReadingBlocks]) -> FloatArray:
+    """(n,) the largest of any run."""
+    noise: FloatArray = np.max([blocks.noise for blocks in runs.values()], axis=0)
+    return noise

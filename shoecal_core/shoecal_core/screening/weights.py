@@ -1,0 +1,76 @@
+"""Was a run recorded under another weight: with a load in the hands, or held by somebody?
+
+Each run's forces are told from gains and offsets that the other runs alone have fixed. What all
+runs have in common cannot be told from wrong gains.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.screening.rough_fit import Equations, RoughFit, reweighed, solve
+from shoecal_core.screening.settings import CalibrationSettings
+
+FloatArray = NDArray[np.float64]
+
+OFF_STDS = 4.0
+"""A run's weight is wrong when it is this many of the settings' standard deviations off, beyond
+what the other runs leave open."""
+OPEN_STDS = 3.0
+
+
+@dataclass(frozen=True)
+class WrongWeight:
+    """A run under another weight than the others.
+
+    Attributes:
+        run: its number.
+        excess: measured less expected force [N].
+        limit: up to which it could have been chance [N].
+        undecided: it is this run or the one told beside it.
+    """
+
+    run: int
+    excess: float
+    limit: float
+    undecided: bool = False
+
+
+def wrong_weights(
+    runs: Mapping[int, Equations], information: FloatArray, settings: CalibrationSettings
+) -> list[WrongWeight]:
+    """Runs that do not agree with the others, the worst first, as long as most do agree.
+
+    Two runs that do not agree are both returned: nothing tells which of them is right.
+    """
+    kept, found = dict(runs), list[WrongWeight]()
+    while len(kept) > 1:
+        excesses = [_excess(run, kept, information, settings) for run in kept]
+        worst = max(excesses, key=lambda one: abs(one.excess) / one.limit)
+        if abs(worst.excess) <= worst.limit:
+            break
+        if len(kept) == 2:
+            return found + [replace(one, undecided=True) for one in excesses]
+        found.append(worst)
+        del kept[worst.run]
+    return found
+
+
+def _excess(
+    run: int,
+    runs: Mapping[int, Equations],
+    information: FloatArray,
+    settings: CalibrationSettings,
+) -> WrongWeight:
+    others = {number: one for number, one in runs.items() if number != run}
+    fit: RoughFit = solve(reweighed(others, information), information)
+    # The rows of the force, in newtons.
+    rows = settings.force_std_n * runs[run].matrix[0]
+    excess = settings.force_std_n * float(np.median(runs[run].off(fit.vector)[0]))
+    typical = np.median(rows, axis=0)
+    left_open = float(np.sqrt(typical @ fit.covariance @ typical))
+    return WrongWeight(run, excess, OFF_STDS * settings.force_std_n + OPEN_STDS * left_open)

@@ -1,0 +1,170 @@
+"""Cables: cells that are wired upside down, and cells that are connected at each other's place.
+
+Signs come from a fit that asks for none. Exchanged cells are found by trying: for every pair the
+equations are solved again with the two at each other's place, and the one exchange that makes the
+readings fit much better than all else is named.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.screening.blocks import Blocks
+from shoecal_core.screening.rough_fit import RoughFit, equations, solve_sums
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.shoe.shoe import Shoe
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+SURE_STDS = 5.0
+"""A gain has its sign when it is this many standard deviations off zero."""
+BETTER = 25.0
+"""An exchange counts when it lowers the sum of squares by this much, in units of the mean square
+of what the best one leaves, or of the settings' where that is more."""
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """What is wrong with the cables.
+
+    Attributes:
+        inverted: channels whose sign is against the shoe file.
+        swapped: pairs of channels that are connected at each other's place.
+    """
+
+    inverted: tuple[int, ...]
+    swapped: tuple[tuple[int, int], ...]
+
+
+def check_wiring(
+    shoe: Shoe,
+    runs: Mapping[int, Blocks],
+    information: FloatArray,
+    weight: float,
+    settings: CalibrationSettings,
+) -> Wiring:
+    """Compare the cables as they should be with every exchange of two cells, or of both feet.
+
+    A single bad run may fit a wrong exchange better: what is found must hold without any one of
+    the runs, too.
+
+    Args:
+        information: (2n,) prior; see `rough_fit.prior`.
+        weight: of robot and shoes [N].
+    """
+    right = np.arange(len(shoe.names))
+    places = [right, *(_exchanged(right, pairs) for pairs in exchanges(shoe))]
+    tried = [_without_each(runs, place, information, weight, settings) for place in places]
+    best = int(np.argmin([one.fits[0].cost for one in tried]))
+    least = settings.cop_std_m
+    against, there = (
+        _inverted(shoe, places[at], tried[at], runs, weight, least) for at in (0, best)
+    )
+    # What is upside down where it should be, and is not elsewhere, belongs there.
+    turned = against.any() and not there.any()
+    if _better(tried[best], tried[0], least=0.0 if turned else BETTER):
+        against = there
+    else:
+        best = 0
+    return Wiring(
+        inverted=tuple(np.flatnonzero(against).tolist()),
+        swapped=tuple((int(k), int(places[best][k])) for k in np.flatnonzero(places[best] > right)),
+    )
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """Fits to all runs, then to all but each of them; `count` blocks that each one had."""
+
+    fits: list[RoughFit]
+    count: list[float]
+
+
+def _without_each(
+    runs: Mapping[int, Blocks],
+    place: IntArray,
+    information: FloatArray,
+    weight: float,
+    settings: CalibrationSettings,
+) -> _Tried:
+    """Fits with the channels at other places."""
+    sums = [
+        equations(replace(one, columns=one.columns[place]), weight, settings).sums()
+        for one in runs.values()
+    ]
+    subsets = [sums] + [sums[:index] + sums[index + 1 :] for index in range(len(sums))]
+    return _Tried(
+        [solve_sums(subset, information) for subset in subsets],
+        [sum(one.count for one in subset) for subset in subsets],
+    )
+
+
+def _inverted(
+    shoe: Shoe,
+    place: IntArray,
+    tried: _Tried,
+    runs: Mapping[int, Blocks],
+    weight: float,
+    least: float,
+) -> BoolArray:
+    """(n,) channels of the other sign in every fit.
+
+    One that moves the CoP of half the weight by less than the model knows it is not judged.
+
+    Args:
+        least: how well the CoP is known [m].
+    """
+    signs = [_against(shoe.polarity[place], fit) for fit in tried.fits]
+    readings = np.concatenate([one.readings for one in runs.values()])
+    moved = np.abs(tried.fits[0].parameters.gain) * readings.std(axis=0)
+    lever = np.linalg.norm(shoe.columns[place, 1:], axis=1)
+    told = shoe.vertical[place] | (2.0 * moved * lever / (0.5 * weight) > least)
+    return np.asarray(np.all(signs, axis=0) & told)
+
+
+def _better(one: _Tried, other: _Tried, least: float = BETTER) -> bool:
+    """Whether one fits better than another by so much, with and without any of the runs."""
+    return all(
+        there.cost - here.cost > least * max(1.0, here.cost / count) * count / one.count[0]
+        for here, there, count in zip(one.fits, other.fits, one.count, strict=True)
+    )
+
+
+def _exchanged(order: IntArray, pairs: list[tuple[int, int]]) -> IntArray:
+    changed = order.copy()
+    for one, other in pairs:
+        changed[[one, other]] = order[[other, one]]
+    return changed
+
+
+def _against(polarity: IntArray, fit: RoughFit) -> BoolArray:
+    """(n,) gains that surely have the other sign."""
+    gain = fit.parameters.gain
+    std = np.sqrt(np.diag(fit.covariance))[: len(gain)]
+    against: BoolArray = polarity * gain < -SURE_STDS * std
+    return against
+
+
+def exchanges(shoe: Shoe) -> list[list[tuple[int, int]]]:
+    """Pairs of one-axis cells, and all channels of both feet where these are alike."""
+    cells = [i for i, channel in enumerate(shoe.channels) if channel.column[0] == 1.0]
+    return [
+        *([pair] for pair in combinations(cells, 2)),
+        *([feet] if (feet := of_feet(shoe)) else []),
+    ]
+
+
+def of_feet(shoe: Shoe) -> list[tuple[int, int]]:
+    """Each channel of the left foot with the one of that name on the right; empty without."""
+    left, right = (
+        {name.partition("/")[2]: i for i, name in enumerate(shoe.names) if shoe.foot[i] == foot}
+        for foot in (0, 1)
+    )
+    return [(i, right[name]) for name, i in left.items()] if left.keys() == right.keys() else []

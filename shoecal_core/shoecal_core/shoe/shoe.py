@@ -1,0 +1,370 @@
+"""What is known of a pair of force-sensing shoes: its channels, plates and weights.
+
+A channel is anything that adds to the vertical force F and the floor moments Mx, My of a
+foot: a one-axis load cell or one axis of a six-axis sensor. Its column of (F, Mx, My) is
+fixed and given in the foot's sole frame: origin on the floor below the foot, x forward,
+y left, z up.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.errors import NameNotFoundError
+from shoecal_core.files import Fields, read_yaml, sha256
+from shoecal_core.shoe.holes import Holes, read_holes
+
+FORMAT = 1
+FEET = ("left", "right")
+MIN_CELL_SPREAD = 5e-3
+"""m; cells nearer to one line than this cannot tell a CoP."""
+
+MAX_DISTANCE = 1.0
+"""m; anything further away is a place given in millimetres."""
+
+AXES = ("fx", "fy", "fz", "mx", "my")
+"""Axes of a six-axis sensor that act on F, Mx, My (mz acts on none of them)."""
+
+
+@dataclass(frozen=True)
+class Channel:
+    """One source of force.
+
+    Attributes:
+        name: `foot/cell`, for example `left/front_left`.
+        foot: index into FEET.
+        column: (3,) F [1], Mx [m], My [m] for one newton of output (for a torque channel:
+            [1/m], [1], [1] for one newton metre).
+        position: (2,) place in the sole frame [m]; a sensor's axes share their sensor's.
+        torque: the output is a torque [N m], else a force [N].
+        polarity: +1 or -1 where the sign of the reading under load is known, else 0.
+        nominal_gain: output per reading by the maker's data sheet, None where nobody knows.
+        lowest, highest: readings at the ends of the converter's range.
+    """
+
+    name: str
+    foot: int
+    column: NDArray[np.float64]
+    position: NDArray[np.float64]
+    torque: bool
+    polarity: int
+    nominal_gain: float | None
+    lowest: float
+    highest: float
+
+    @property
+    def vertical(self) -> bool:
+        """Whether it feels vertical force itself: a cell, or that axis of a six-axis sensor.
+
+        Others have a small part in the force where crosstalk has been fitted.
+        """
+        return not self.torque and float(self.column[0]) > 0.5
+
+
+@dataclass(frozen=True)
+class Plates:
+    """Masses of one shoe, in the sole frame.
+
+    Attributes:
+        mass_above: carried by the channels, moves with the robot's foot [kg].
+        com_above: (3,) its centre of mass [m].
+        mass_below: between the channels and the floor [kg].
+        com_below: (3,) its centre of mass [m].
+    """
+
+    mass_above: float
+    com_above: NDArray[np.float64]
+    mass_below: float
+    com_below: NDArray[np.float64]
+
+
+NO_PLATES = Plates(0.0, np.zeros(3), 0.0, np.zeros(3))
+"""Of the foot that a single shoe's file does not have."""
+
+
+@dataclass(frozen=True)
+class Shoe:
+    """A pair of shoes (or feet) with their channels.
+
+    Attributes:
+        name: of this kind of shoe.
+        unit: of the readings, for example V.
+        height: from the shoe's floor side up to the robot's own sole [m].
+        channels: in the order used by every array of channels.
+        plates: left, right.
+        path, digest: the file it came from and its SHA-256.
+        holes: left, right: where known weights can stand; None for a shoe without such places.
+    """
+
+    name: str
+    unit: str
+    height: float
+    channels: tuple[Channel, ...]
+    plates: tuple[Plates, Plates]
+    path: Path
+    digest: str
+    holes: tuple[Holes | None, Holes | None] = (None, None)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Channel names, n of them."""
+        return tuple(channel.name for channel in self.channels)
+
+    @cached_property
+    def foot(self) -> NDArray[np.int64]:
+        """(n,) index into FEET."""
+        return np.array([channel.foot for channel in self.channels])
+
+    @cached_property
+    def columns(self) -> NDArray[np.float64]:
+        """(n, 3) F, Mx, My per unit of output, each in its own foot's sole frame."""
+        return np.array([channel.column for channel in self.channels])
+
+    @cached_property
+    def positions(self) -> NDArray[np.float64]:
+        """(n, 2) places in each foot's sole frame [m]."""
+        return np.array([channel.position for channel in self.channels])
+
+    @cached_property
+    def vertical(self) -> NDArray[np.bool_]:
+        """(n,) True for channels of vertical force."""
+        return np.array([channel.vertical for channel in self.channels])
+
+    @cached_property
+    def torque(self) -> NDArray[np.bool_]:
+        """(n,) True where the output is a torque [N m]."""
+        return np.array([channel.torque for channel in self.channels])
+
+    @cached_property
+    def polarity(self) -> NDArray[np.int64]:
+        """(n,) +1, -1, or 0 where unknown."""
+        return np.array([channel.polarity for channel in self.channels])
+
+    @cached_property
+    def feet(self) -> tuple[int, ...]:
+        """Indices into FEET of the feet that have channels: both, or that of a single shoe."""
+        return tuple(sorted(set(self.foot.tolist())))
+
+    @cached_property
+    def gives_cop(self) -> tuple[bool, bool]:
+        """Left, right: the channels give both moments; without them there is a force alone."""
+        ranks = [np.linalg.matrix_rank(self.columns[self.of_foot(i)], tol=1e-6) for i in (0, 1)]
+        return bool(ranks[0] == 3), bool(ranks[1] == 3)
+
+    def of_one_foot(self, foot: int) -> Shoe:
+        """The same with the channels of one foot only."""
+        own = tuple(channel for channel in self.channels if channel.foot == foot)
+        return replace(self, channels=own)
+
+    @property
+    def mass(self) -> float:
+        """Mass of both shoes [kg]."""
+        return sum(plates.mass_above + plates.mass_below for plates in self.plates)
+
+    def with_columns(self, columns: NDArray[np.float64]) -> Shoe:
+        """The same with other columns (n, 3)."""
+        channels = tuple(
+            replace(channel, column=column)
+            for channel, column in zip(self.channels, columns, strict=True)
+        )
+        return replace(self, channels=channels)
+
+    def index(self, name: str) -> int:
+        """Place of a channel in the arrays."""
+        try:
+            return self.names.index(name)
+        except ValueError:
+            raise NameNotFoundError("channel", name, self.names) from None
+
+    def of_foot(self, foot: int) -> NDArray[np.int64]:
+        """Indices of one foot's channels."""
+        return np.flatnonzero(self.foot == foot)
+
+
+def load_shoe(path: Path, *, partial: bool = False) -> Shoe:
+    """Read a shoe file.
+
+    Args:
+        path: of the file.
+        partial: accept a single shoe, and feet whose channels give a force but no CoP. That is
+            enough for a manual calibration; a robot that calibrates itself needs all.
+
+    Raises:
+        FileError: for anything missing, mistyped or physically impossible, and unless `partial`
+            for a missing foot, cells on one line and fewer than three channels a foot.
+    """
+    fields = read_yaml(path)
+    fields.format(FORMAT)
+    fields.only("format", "name", "unit", "height_m", "converter", "feet")
+    converter = fields.mapping("converter")
+    converter.only("lowest", "highest")
+    span = (converter.number("lowest"), converter.number("highest"))
+    if span[0] >= span[1]:
+        raise converter.error("lowest", "must be below 'highest'")
+    feet = fields.mapping("feet")
+    feet.only(*FEET)
+    channels: list[Channel] = []
+    plates: list[Plates] = []
+    holes: list[Holes | None] = []
+    for index, foot in enumerate(FEET):
+        if partial and foot not in feet and FEET[1 - index] in feet:
+            plates.append(NO_PLATES)
+            holes.append(None)
+            continue
+        if foot not in feet:
+            raise feet.error(
+                foot,
+                "is missing; add it (a single shoe can be calibrated by `shoecal manual` only)",
+            )
+        block = feet.mapping(foot)
+        block.only("plates", "cells", "six_axis", "holes")
+        plates.append(_plates(block.mapping("plates")))
+        found = _cells(block, index, span) if "cells" in block else []
+        if "six_axis" in block:
+            found += _six_axis(block.mapping("six_axis"), index, span)
+        if not partial:
+            _check_cop(block, found)
+        _check_names(block, found)
+        channels += found
+        places = np.array([channel.position for channel in found])
+        holes.append(read_holes(block, places) if "holes" in block else None)
+    return Shoe(
+        name=fields.text("name"),
+        unit=fields.text("unit"),
+        height=fields.number("height_m", minimum=0.0, maximum=MAX_DISTANCE),
+        channels=tuple(channels),
+        plates=(plates[0], plates[1]),
+        path=Path(path),
+        digest=sha256(path),
+        holes=(holes[0], holes[1]),
+    )
+
+
+def cell_column(position: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Column (1, t_y, -t_x) of a vertical load cell at `position` (2,) [m]."""
+    return np.array([1.0, position[1], -position[0]])
+
+
+def axis_column(axis: str, origin: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Column of one axis of a six-axis sensor at `origin` (3,) [m] above the floor.
+
+    Moments about the sole frame's origin: M = r x f for forces, M itself for torques.
+    """
+    x, y, h = origin
+    columns = {
+        "fx": (0.0, 0.0, h),
+        "fy": (0.0, -h, 0.0),
+        "fz": (1.0, y, -x),
+        "mx": (0.0, 1.0, 0.0),
+        "my": (0.0, 0.0, 1.0),
+    }
+    return np.array(columns[axis])
+
+
+def _plates(fields: Fields) -> Plates:
+    fields.only("mass_above_kg", "com_above_m", "mass_below_kg", "com_below_m")
+    return Plates(
+        mass_above=fields.number("mass_above_kg", minimum=0.0),
+        com_above=_place(fields, "com_above_m", 3),
+        mass_below=fields.number("mass_below_kg", minimum=0.0),
+        com_below=_place(fields, "com_below_m", 3),
+    )
+
+
+def _cells(block: Fields, foot: int, span: tuple[float, float]) -> list[Channel]:
+    channels = []
+    for cell in block.items("cells"):
+        cell.only("name", "position_m", "polarity", "nominal_gain")
+        position = _place(cell, "position_m", 2)
+        channels.append(
+            Channel(
+                name=f"{FEET[foot]}/{cell.text('name')}",
+                foot=foot,
+                column=cell_column(position),
+                position=position,
+                torque=False,
+                polarity=_polarity(cell),
+                nominal_gain=_nominal_gain(cell),
+                lowest=span[0],
+                highest=span[1],
+            )
+        )
+    return channels
+
+
+def _six_axis(block: Fields, foot: int, span: tuple[float, float]) -> list[Channel]:
+    block.only("origin_m", "axes")
+    origin = _place(block, "origin_m", 3)
+    channels = []
+    for axis in block.items("axes"):
+        axis.only("axis", "polarity", "nominal_gain")
+        name = axis.choice("axis", dict.fromkeys(AXES))
+        channels.append(
+            Channel(
+                name=f"{FEET[foot]}/{name}",
+                foot=foot,
+                column=axis_column(name, origin),
+                position=origin[:2],
+                torque=name.startswith("m"),
+                polarity=_polarity(axis),
+                nominal_gain=_nominal_gain(axis),
+                lowest=span[0],
+                highest=span[1],
+            )
+        )
+    return channels
+
+
+def _place(fields: Fields, key: str, size: int) -> NDArray[np.float64]:
+    place = fields.array(key, (size,))
+    if np.abs(place).max() > MAX_DISTANCE:
+        raise fields.error(key, f"is more than {MAX_DISTANCE:g} m from the sole; lengths are in m")
+    return place
+
+
+def _polarity(fields: Fields) -> int:
+    polarity = fields.integer("polarity", 0)
+    if polarity not in (-1, 0, 1):
+        raise fields.error("polarity", "must be 1, -1, or 0 where it is not known")
+    return polarity
+
+
+def _nominal_gain(fields: Fields) -> float | None:
+    if "nominal_gain" not in fields:
+        return None
+    gain = fields.number("nominal_gain")
+    if gain == 0.0:
+        raise fields.error("nominal_gain", "must not be zero; leave it out where it is not known")
+    return gain
+
+
+def _check_names(block: Fields, channels: list[Channel]) -> None:
+    if not channels:
+        raise block.error("cells", "is missing or empty; add cells, or a six_axis sensor")
+    names = [channel.name for channel in channels]
+    for name in names:
+        if names.count(name) > 1:
+            raise block.error("cells", f"'{name}' appears twice; every channel needs its own name")
+
+
+def _check_cop(block: Fields, channels: list[Channel]) -> None:
+    """Refuse channels that give no CoP."""
+    if len(channels) < 3:
+        raise block.error(
+            "cells",
+            f"{len(channels)} channels; a CoP needs at least three (fewer give a force alone, "
+            "which `shoecal manual` can calibrate)",
+        )
+    columns = np.array([channel.column for channel in channels])
+    # The smaller singular value tells how far the cells lie off their common line.
+    singular = np.linalg.svd(columns - columns.mean(axis=0), compute_uv=False)
+    cells_only = bool(np.all(columns[:, 0] == 1.0))
+    if cells_only and singular[1] < MIN_CELL_SPREAD:
+        raise block.error("cells", "all cells lie on one line, so no CoP follows; check position_m")
+    if np.linalg.matrix_rank(columns, tol=1e-6) < 3:
+        raise block.error("cells", "the channels do not fix force and both moments; add channels")

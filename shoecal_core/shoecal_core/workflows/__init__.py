@@ -1,0 +1,1 @@
+"""What commands and nodes both do, one module a job: calibrate, evaluate, diagnose, simulate."""

@@ -1,0 +1,349 @@
+"""From a recorded session to a calibration that has been checked."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.errors import ShoecalError
+from shoecal_core.estimation.accuracy import (
+    ModelLimit,
+    check_accuracy,
+    check_promise,
+    misfit,
+    model_limit,
+)
+from shoecal_core.estimation.assessment import Assessment, assess
+from shoecal_core.estimation.axes import check_axes
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.checks import (
+    check_changed,
+    check_directions,
+    check_expected,
+    check_gains,
+    check_missing,
+    check_zeros,
+)
+from shoecal_core.estimation.data_sheets import (
+    check_conflict,
+    check_data_sheets,
+    check_weight,
+    contradicts,
+)
+from shoecal_core.estimation.fit import SelfCalibration, prior_of, self_calibrate
+from shoecal_core.estimation.initial_guess import initial_guess
+from shoecal_core.estimation.joint import corrected, joint_calibration, of_joint
+from shoecal_core.estimation.joint_fit import JointFit
+from shoecal_core.estimation.known_shoe import known_shoe
+from shoecal_core.estimation.lagging import check_lags, lags
+from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.residuals import Weights
+from shoecal_core.estimation.series import (
+    Errors,
+    Series,
+    errors,
+    measured_series,
+    modelled_series,
+)
+from shoecal_core.estimation.session_data import SessionData, load_data
+from shoecal_core.estimation.walking_fit import (
+    at_common_zeros,
+    check_stances,
+    common_zeros,
+    stances_found,
+    walks,
+)
+from shoecal_core.files import sha256
+from shoecal_core.recording.errors import SessionError
+from shoecal_core.recording.session import Session
+from shoecal_core.recording.train_test import split_runs
+from shoecal_core.robot.double_support import count_distinct
+from shoecal_core.samples.stance import Stance
+from shoecal_core.samples.zeros import with_own_zeros
+from shoecal_core.screening.clocks import LEFT_STD_S
+from shoecal_core.screening.findings import of_time_offset
+from shoecal_core.screening.result import Screening
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.screening.verdict import Finding, Verdict, judge
+from shoecal_core.shoe.sensing import Sensing
+from shoecal_core.shoe.wrench import ChannelParameters
+
+FloatArray = NDArray[np.float64]
+DISTINCT_SUPPORTS = 2
+"""Gains and offsets of two feet cannot be told apart in fewer double supports."""
+
+
+def calibrate_session(
+    session: Session,
+    train: Sequence[int] = (),
+    test: Sequence[int] = (),
+    settings: CalibrationSettings | None = None,
+    tolerances: Tolerances | None = None,
+    *,
+    source: str = "self",
+    made_ns: int = 0,
+    manual: Calibration | None = None,
+    weight_kg: float | None = None,
+    rezero: bool = False,
+    sheets: bool = True,
+) -> Outcome:
+    """Self-calibration from a recording: by the joint fit, a walk by the least squares alone.
+
+    Args:
+        session: recorded.
+        train, test: runs; see `split_runs`.
+        settings: weights of the fit.
+        tolerances: of what the files of robot and shoes say.
+        source: kept in the calibration.
+        made_ns: time stamp of the calibration [ns since the epoch]; 0: that of the last run.
+        manual: calibration of these shoes with known weights, as a prior.
+        weight_kg: of robot and shoes, in place of the robot file's [kg].
+        rezero: judge every run with its own zeros, where a foot hangs in it.
+        sheets: whether to believe the data sheets of the sensors.
+
+    Raises:
+        ShoecalError: when no calibration can be had from the session at all. A calibration
+            that was found but must not be used comes back with the verdict FAIL.
+    """
+    settings = CalibrationSettings() if settings is None else settings
+    tolerances = Tolerances() if tolerances is None else tolerances
+    train, test = split_runs(session, train, test)
+    data = load_data(session, (*train, *test), settings, weight_kg=weight_kg, sheets=sheets)
+    found = [*data.screening.findings, *check_missing(session.missing)]
+    found += check_changed(session.changed_files if session.forced else ())
+    if data.screening.fails:
+        raise SessionError(session.folder, "; ".join(finding.reason for finding in found))
+    data = replace(data, hanging=data.hanging.intersection(train))
+    train, test = (tuple(run for run in runs if data.stances[run]) for runs in (train, test))
+    _require_supports(session, data.of(train), found)
+    fitting = _fitting(settings, data.screening)
+    alone = None
+    try:
+        data, training, stages, joint = _fitted(data, train, fitting, tolerances, manual)
+        contradicted = contradicts(data.shoe, stages.parameters, settings.nominal_gain_std)
+    except ShoecalError as error:
+        # Data sheets that are far off can keep a fit from settling at all.
+        if sheets:
+            alone = _without_sheets(session, train, settings, tolerances, weight_kg)
+        conflict = check_conflict(data.shoe, alone, alone, settings.nominal_gain_std)
+        if not conflict:
+            raise
+        raise SessionError(session.folder, conflict[0].reason) from error
+    if contradicted:
+        alone = _without_sheets(session, train, settings, tolerances, weight_kg)
+    found += _lagging(data, stages, training, settings)
+    assessment = assess(data.robot, stages, joint, training, settings, tolerances)
+    if rezero:
+        data = replace(data, stances=rezeroed(data, stages.parameters))
+    training, testing = data.of(train), data.of(test)
+    guessed = Sensing(data.shoe, stages.guess.parameters)
+    sets = {name: part for name, part in (("train", training), ("test", testing)) if part}
+    compared = {
+        stage: {name: _against_model(sensing, part) for name, part in sets.items()}
+        for stage, sensing in (("initial_guess", guessed), ("self_calibration", stages.sensing))
+    }
+    modelled = {
+        stage: {name: errors(pairs) for name, pairs in sets_of.items()}
+        for stage, sets_of in compared.items()
+    }
+    found += check_stances(training)
+    found += check_axes(data.shoe, training)
+    found += check_zeros(data.shoe, data.zeros, stages.parameters, data.robot.weight, own=rezero)
+    limits = {name: model_limit(pairs) for name, pairs in compared["self_calibration"].items()}
+    if joint is not None:
+        left = misfit(compared["self_calibration"]["train"])
+        found += check_promise(left, assessment.promised)
+        assessment = assessment.not_below(left)
+    found = _of_sheets(data, stages, settings, assessment, alone) + found
+    verdict = _verdict(data, stages, modelled["self_calibration"], limits, found, assessment)
+    return Outcome(
+        calibration=replace(
+            _calibration(data, stages, assessment, verdict, source, made_ns),
+            fitted_runs=tuple(sha256(entry.path) for entry in session.runs if entry.run in train),
+        ),
+        stages=stages,
+        data=data,
+        assessment=assessment,
+        train=train,
+        test=test,
+        modelled=modelled,
+        joint=joint,
+        limits={name: limit for name, limit in limits.items() if limit is not None},
+    )
+
+
+def _without_sheets(
+    session: Session,
+    train: Sequence[int],
+    settings: CalibrationSettings,
+    tolerances: Tolerances,
+    weight_kg: float | None,
+) -> ChannelParameters | None:
+    """Gains and offsets by the data alone; None where these do not fix them."""
+    with suppress(ShoecalError):
+        return calibrate_session(
+            session, train, (), settings, tolerances, weight_kg=weight_kg, sheets=False
+        ).calibration.parameters
+    return None
+
+
+def _fitted(
+    data: SessionData,
+    train: Sequence[int],
+    fitting: CalibrationSettings,
+    tolerances: Tolerances,
+    manual: Calibration | None,
+) -> tuple[SessionData, list[Stance], SelfCalibration, JointFit | None]:
+    """The data with what the fit puts right, the stances that were fitted, and the fit.
+
+    Of a walk by the least squares alone.
+    """
+    training = data.of(train)
+    if data.samples is None:
+        common = None
+        if walks(training):
+            common = common_zeros(data.shoe, data.zeros, train)
+            training = at_common_zeros(data.shoe, training, data.zeros, common)
+        return data, training, self_calibrate(data.shoe, training, fitting, common), None
+    known = None
+    if manual is not None:
+        sensing = manual.sensing(data.shoe)
+        known = known_shoe(data.shoe, sensing, manual.covariance, data.robot.weight)
+    guess, guess_with_weight = (
+        initial_guess(data.shoe, training, weight_row=row) for row in (False, True)
+    )
+    hanging = [zero for zero in data.zeros if zero.run in data.hanging]
+    joint = joint_calibration(data.samples, train, guess, fitting, tolerances, known, hanging)
+    data = replace(data, shoe=joint.shoe, stances=corrected(data.stances, joint))
+    training = data.of(train)
+    stages = of_joint(joint, guess, guess_with_weight, training, fitting)
+    return data, training, stages, joint
+
+
+def rezeroed(data: SessionData, parameters: ChannelParameters) -> dict[int, tuple[Stance, ...]]:
+    """Stances with readings as if each run's zeros were those of the parameters, by run."""
+    found = {}
+    for run, stances in data.stances.items():
+        own = [zero for zero in data.zeros if zero.run == run]
+        change = with_own_zeros(data.shoe, parameters, own).offset - parameters.offset
+        shift = change / parameters.gain
+        found[run] = tuple(replace(one, readings=one.readings + shift) for one in stances)
+    return found
+
+
+def _fitting(settings: CalibrationSettings, screening: Screening) -> CalibrationSettings:
+    """Settings of the fit: of a time offset that is corrected already, little is left."""
+    if screening.time_offset == 0.0:
+        return settings
+    left = min(settings.time_offset_std_s, LEFT_STD_S)
+    return replace(settings, time_offset_std_s=left)
+
+
+def _require_supports(
+    session: Session, stances: Sequence[Stance], found: Sequence[Finding]
+) -> None:
+    """Refuse what cannot fix the parameters whatever the noise."""
+    double = [stance for stance in stances if all(stance.loaded)]
+    if len({stance.hanging for stance in stances} - {None}) == 2:
+        return  # each foot stood alone
+    distinct = count_distinct(stance.support for stance in double)
+    if distinct < DISTINCT_SUPPORTS:
+        told = "".join(f"; {finding.reason}" for finding in found)
+        if walks(stances):
+            told = f"; {stances_found(stances)}{told}"
+        raise SessionError(
+            session.folder,
+            f"{distinct} double support{'' if distinct == 1 else 's'} among the training runs; "
+            f"record at least {DISTINCT_SUPPORTS} that differ in yaw (3 or more are better){told}",
+        )
+
+
+def _against_model(sensing: Sensing, stances: Sequence[Stance]) -> list[tuple[Series, Series]]:
+    return [(measured_series(sensing, stance), modelled_series(stance)) for stance in stances]
+
+
+def _lagging(
+    data: SessionData,
+    stages: SelfCalibration,
+    stances: Sequence[Stance],
+    settings: CalibrationSettings,
+) -> list[Finding]:
+    fitting = _fitting(settings, data.screening)
+    prior = prior_of(data.shoe, stages.guess, fitting)
+    return check_lags(data.shoe, lags(stages.fit.vector, prior, stances, Weights.of(fitting)))
+
+
+def _of_sheets(
+    data: SessionData,
+    stages: SelfCalibration,
+    settings: CalibrationSettings,
+    assessment: Assessment,
+    alone: ChannelParameters | None,
+) -> list[Finding]:
+    """What data sheets and the weight say. It comes first: what they are wrong by is in all gains.
+
+    Args:
+        alone: gains and offsets without the data sheets, where these contradict the data.
+    """
+    shoe, gains = data.shoe, stages.parameters
+    if conflict := check_conflict(shoe, gains, alone, settings.nominal_gain_std):
+        return conflict
+    gain_std = np.sqrt(np.diag(assessment.covariance)[: len(shoe.names)])
+    found = check_weight(shoe, gains, gain_std, data.weighed, data.robot)
+    return found + check_data_sheets(shoe, gains, gain_std)
+
+
+def _verdict(
+    data: SessionData,
+    stages: SelfCalibration,
+    modelled: dict[str, Errors],
+    limits: dict[str, ModelLimit | None],
+    findings: list[Finding],
+    assessment: Assessment,
+) -> Verdict:
+    findings = findings + check_gains(data.shoe, stages.guess, stages.parameters)
+    findings += of_time_offset(stages.time_offset)
+    for name, error in modelled.items():
+        findings += check_accuracy(name, error, data.robot, limits[name])
+    findings += check_directions(assessment.told, assessment.support_to_add)
+    width = min(foot.half_width for foot in data.robot.feet)
+    findings += check_expected(width, *assessment.expected_cop(), assessment.support_to_add)
+    return judge(findings)
+
+
+def _calibration(
+    data: SessionData,
+    stages: SelfCalibration,
+    assessment: Assessment,
+    verdict: Verdict,
+    source: str,
+    made_ns: int,
+) -> Calibration:
+    count = len(data.shoe.names)
+    stamp = made_ns or data.end_ns
+    digest = hashlib.sha256(stages.fit.vector.tobytes() + str(stamp).encode()).hexdigest()
+    return Calibration(
+        id=f"{source}-{digest[:12]}",
+        source=source,
+        made_ns=stamp,
+        robot=data.robot.name,
+        shoe=data.shoe.name,
+        robot_hash=data.robot.digest,
+        shoe_hash=data.shoe.digest,
+        channels=data.shoe.names,
+        parameters=stages.parameters,
+        covariance=assessment.covariance[: 2 * count, : 2 * count],
+        corrections=stages.corrections,
+        weight=data.robot.weight,
+        time_offset=data.screening.time_offset + stages.time_offset,
+        temperature=data.temperature,
+        verdict=verdict.verdict,
+        reasons=verdict.reasons,
+        columns=data.shoe.columns,
+    )

@@ -1,0 +1,191 @@
+"""The diagnosis of one session as a job that another process can do."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from shoecal_core.diagnosis.diagnose import diagnose
+from shoecal_core.diagnosis.dissent import after_replay
+from shoecal_core.diagnosis.result import Diagnosis
+from shoecal_core.diagnosis.settings import DiagnosisSettings
+from shoecal_core.error_sources.base import Effect
+from shoecal_core.error_sources.effects.known import EFFECTS, effects_from
+from shoecal_core.error_sources.tolerances import Tolerances
+from shoecal_core.errors import NameNotFoundError, ShoecalError
+from shoecal_core.estimation.calibration import Calibration
+from shoecal_core.estimation.series import errors, measured_series, modelled_series
+from shoecal_core.estimation.session_data import load_data
+from shoecal_core.recording.session import Session
+from shoecal_core.report.origin import origin
+from shoecal_core.robot.robot_file import load_robot
+from shoecal_core.samples.zeros import ZeroFigures, zeros_json
+from shoecal_core.screening.settings import CalibrationSettings
+from shoecal_core.workflows.evaluation import load_calibration_of
+from shoecal_core.workflows.simulated_shrink import with_simulated_shrink
+
+Progress = Callable[[str, float], None]
+SIMULATED_FROM = 0.7
+"""Share of the work after which the found effects are simulated."""
+
+
+@dataclass(frozen=True)
+class DiagnosisJob:
+    """What to diagnose, and how.
+
+    Attributes:
+        session: its folder.
+        settings, tolerances: of the diagnosis.
+        calibration: file of one whose own gap is told beside it; None: none.
+        weight_kg: of robot and shoes, in place of the robot file's; None: that.
+        rezero: whether each run is taken with its own zeros.
+        train, test: runs; empty: as the session marks them.
+        without: signals that are not used: closure, parity, tilt, air.
+        only: effects that are looked for, each with the place it is looked for at (empty: at
+            all of its places); nothing: all.
+        effects_from: a Python file with more effects.
+        simulate: whether the found effects are simulated.
+        force: read runs though robot or shoe file was changed since.
+        report: HTML file to write.
+    """
+
+    session: Path
+    settings: DiagnosisSettings = field(default_factory=DiagnosisSettings)
+    tolerances: Tolerances = field(default_factory=Tolerances)
+    calibration: Path | None = None
+    weight_kg: float | None = None
+    rezero: bool = False
+    train: tuple[int, ...] = ()
+    test: tuple[int, ...] = ()
+    without: frozenset[str] = frozenset()
+    only: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    effects_from: Path | None = None
+    simulate: bool = True
+    force: bool = False
+    report: Path | None = None
+
+    def wanted(self, effect: str, place: tuple[str, ...]) -> bool:
+        """Whether an effect is looked for at a place."""
+        return any(effect == name and where in ((), place) for name, where in self.only)
+
+
+@dataclass(frozen=True)
+class CalibratedGap:
+    """What a calibration leaves between measurement and model on the test runs.
+
+    Attributes:
+        id: of the calibration.
+        cop_mae_mm, grf_mae_n: mean errors.
+    """
+
+    id: str
+    cop_mae_mm: float
+    grf_mae_n: float
+
+
+@dataclass(frozen=True)
+class Diagnosed:
+    """What came of a job: a diagnosis, or the error that stopped it.
+
+    Attributes:
+        session: folder.
+        diagnosis: without its evidence, which the report has used up.
+        calibrated: of the calibration that was named.
+        error: in words; empty where there is a diagnosis.
+        zeros: what each foot reads in the air, run by run.
+    """
+
+    session: Path
+    diagnosis: Diagnosis | None = None
+    calibrated: CalibratedGap | None = None
+    error: str = ""
+    zeros: list[ZeroFigures] = field(default_factory=list)
+
+    def to_json(self) -> dict[str, object]:
+        """The diagnosis as it is told to programs, or the error in its place."""
+        if self.diagnosis is None:
+            return {"session": str(self.session), "error": self.error}
+        told = {"session": str(self.session), **self.diagnosis.to_json(), "zeros": self.zeros}
+        if self.calibrated is not None:
+            told["calibration"] = vars(self.calibrated).copy()
+        return told
+
+
+def do(job: DiagnosisJob, progress: Progress | None = None) -> Diagnosed:
+    """Diagnose, simulate what was found, and write the report.
+
+    Raises:
+        ShoecalError: for a session, a calibration or an option that cannot be used.
+    """
+    tell = progress or (lambda _text, _share: None)
+    session = Session.open(job.session, force=job.force)
+    effects = _library(job.effects_from)
+    known = [effect.identifier for effect in effects]
+    for name, _ in job.only:
+        if name not in known:
+            raise NameNotFoundError("effect", name, known)
+    calibration = None
+    if job.calibration is not None:
+        calibration = load_calibration_of(job.calibration, session)
+    found = diagnose(
+        session,
+        job.train,
+        job.test,
+        job.settings,
+        job.tolerances,
+        weight_kg=job.weight_kg,
+        rezero=job.rezero,
+        without=job.without,
+        only=job.wanted if job.only else None,
+        effects=effects,
+        progress=lambda text, share: tell(text, SIMULATED_FROM * share),
+    )
+    if job.simulate and found.causes:
+        tell("simulating what was found", SIMULATED_FROM)
+        found = with_simulated_shrink(found, session)
+        if not job.only:
+            found = after_replay(found)
+    if job.report is not None:
+        # Matplotlib takes a second to load, which most calls need not wait for.
+        from shoecal_core.report.diagnosis_report import write_diagnosis_report  # noqa: PLC0415
+
+        robot = load_robot(session.robot_yaml, session.shoe, urdf=session.robot_urdf)
+        provenance = (
+            origin(session, (*found.train, *found.test)),
+            f"Session folder {session.folder.name}.",
+        )
+        write_diagnosis_report(
+            found, job.report, robot=robot, shoe=session.shoe, provenance=provenance
+        )
+    calibrated = None if calibration is None else _calibrated(calibration, session, found.test)
+    tell("done", 1.0)
+    parameters = None if calibration is None else calibration.parameters
+    return Diagnosed(
+        job.session,
+        replace(found, evidence=None),
+        calibrated,
+        zeros=zeros_json(session.shoe, found.zeros, parameters),
+    )
+
+
+def attempt(job: DiagnosisJob) -> Diagnosed:
+    """The same, an error in its place: one bad session does not stop the others."""
+    try:
+        return do(job)
+    except ShoecalError as error:
+        return Diagnosed(job.session, error=str(error))
+
+
+def _library(own: Path | None) -> tuple[Effect, ...]:
+    """All effects that are known, and those of a file."""
+    return EFFECTS if own is None else (*EFFECTS, *effects_from(own))
+
+
+def _calibrated(calibration: Calibration, session: Session, runs: tuple[int, ...]) -> CalibratedGap:
+    data = load_data(session, runs, CalibrationSettings())
+    sensing = calibration.sensing(data.shoe)
+    found = errors(
+        [(measured_series(sensing, stance), modelled_series(stance)) for stance in data.of(runs)]
+    )
+    return CalibratedGap(calibration.id, 1e3 * found.cop.mean, found.grf.mean)

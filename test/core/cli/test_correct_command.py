@@ -1,0 +1,66 @@
+"""Corrected files of a robot are nearer to a robot than those it was drawn from."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from core.cli.conftest import ROOT, WREN, WREN_SHOE, Run
+from shoecal_core import cli
+from shoecal_core.estimation.calibration import load_calibration
+from shoecal_core.estimation.run_errors import errors_by_set
+from shoecal_core.recording.session import Session
+from shoecal_core.workflows.evaluation import evaluate_session
+
+PERFECT = ROOT / "config" / "realities" / "perfect.yaml"
+
+
+@pytest.fixture(scope="module")
+def sessions(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """Of one robot: one to correct its files by, and one of other double supports."""
+    folder = tmp_path_factory.mktemp("correct")
+    for name, seed, supports in (("fitted", 6, 8), ("new", 96, 3)):
+        words = ["simulate", WREN, WREN_SHOE, "--supports", supports, "--seed", seed]
+        words += ["--robot-seed", 6, "--out", folder / name]
+        assert cli.main([str(word) for word in words]) == 0
+    return folder / "fitted", folder / "new"
+
+
+def test_the_corrected_model_is_nearer_to_the_truth_of_new_runs(
+    shoecal: Run, sessions: tuple[Path, Path], tmp_path: Path
+) -> None:
+    fitted, new = sessions
+    out, figures = tmp_path / "corrected", tmp_path / "figures.json"
+    code, told, _ = shoecal("correct", fitted, "--out", out, "--json", figures)
+    assert code == 0
+    assert "on runs that were not fitted" in told
+    found = json.loads(figures.read_text())
+    assert found["after"]["cop_mae_mm"] < found["before"]["cop_mae_mm"]
+    assert found["runs"] == list(range(1, 9))
+    names = {one["effect"] for one in found["changes"]}
+    assert names == {"joint_offset", "link_mass", "link_com"}
+
+    assert shoecal("calibrate", fitted, "--out", tmp_path / "c.yaml")[0] == 0
+    calibration = load_calibration(tmp_path / "c.yaml")
+    shutil.copytree(new, tmp_path / "again")
+    for file in out.iterdir():
+        shutil.copy(file, tmp_path / "again" / file.name)
+    errors = []
+    for folder in (new, tmp_path / "again"):
+        evaluated = evaluate_session(Session.open(folder, force=True), calibration)
+        (against,) = errors_by_set(evaluated.runs, "modelled", "truth").values()
+        errors.append(against.cop.mean)
+    assert errors[1] < 0.95 * errors[0]
+
+
+def test_files_that_gain_nothing_stay(shoecal: Run, tmp_path: Path) -> None:
+    session, out = tmp_path / "session", tmp_path / "out"
+    words = ["simulate", WREN, WREN_SHOE, "--supports", "4", "--reality", PERFECT]
+    assert shoecal(*words, "--out", session)[0] == 0
+    code, _, error = shoecal("correct", session, "--out", out)
+    assert code == 1
+    assert "no joint zero and no mass" in error
+    assert not out.exists()

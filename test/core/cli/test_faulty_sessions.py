@@ -1,0 +1,195 @@
+"""Recordings with a fault, through the commands: named, left out or refused, and counted."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from numpy.typing import NDArray
+
+from core.cli.conftest import Run as Command
+from shoecal_core.files import read_yaml
+from shoecal_core.recording import messages, schemas
+from shoecal_core.recording.run import Run
+from shoecal_core.recording.session import Session
+
+FloatArray = NDArray[np.float64]
+TRAIN = ("--train", "1,2,3", "--test", "4")
+
+
+def rewritten(folder: Path, out: Path, change: Callable[[Run], Run]) -> Path:
+    """A session whose runs are changed before anything reads them."""
+    old = Session.open(folder)
+    new = Session.create(out, old.robot_yaml, old.robot_urdf, old.shoe.path, seed=old.seed)
+    for entry in old.runs:
+        run = change(old.read(entry.run))
+        joints, readings = run.joints, run.readings
+        with new.new_run(entry.info.motion, entry.info.support) as writer:
+            for index, time in enumerate(joints.time):
+                stamp = run.start_ns + round(1e9 * time)
+                effort = np.full(len(joints.names), np.nan)
+                position = joints.position[index]
+                message = messages.joint_state(stamp, joints.names, position, effort)
+                writer.write(schemas.JOINT_STATES, message, stamp)
+            for index, time in enumerate(readings.time):
+                stamp = run.start_ns + round(1e9 * time)
+                message = messages.shoe_voltages(
+                    stamp, index, readings.names, readings.value[index], readings.status[index]
+                )
+                writer.write(schemas.VOLTAGES, message, stamp)
+    return out
+
+
+def with_values(run: Run, values: FloatArray) -> Run:
+    return replace(run, readings=replace(run.readings, value=values))
+
+
+def plain(text: str) -> str:
+    return " ".join(text.split())
+
+
+def figures(shoecal: Command, session: Path, tmp_path: Path) -> tuple[dict[str, Any], str]:
+    """Of a calibration that is made in spite of the fault, and what is printed."""
+    file = tmp_path / "figures.json"
+    words = ["calibrate", session, *TRAIN, "--out", tmp_path / "calibration.yaml", "--json", file]
+    code, out, error = shoecal(*words)
+    assert code == 0, error
+    found: dict[str, Any] = json.loads(file.read_text())
+    return found, plain(out)
+
+
+def spikes(found: Mapping[str, Any]) -> dict[tuple[object, ...], int]:
+    """Samples left out as spikes, by run and channels."""
+    return {
+        (one["run"], *one["channels"]): one["samples"]
+        for one in found["screening"]["left_out"]
+        if one["fault"] == "spike"
+    }
+
+
+def test_swapped_cells_are_refused_by_name(
+    shoecal: Command, simulated: Path, tmp_path: Path
+) -> None:
+    names = Session.open(simulated).shoe.names
+    order = np.arange(len(names))
+    order[[0, 4]] = 4, 0
+    session = rewritten(
+        simulated, tmp_path / "s", lambda run: with_values(run, run.readings.value[:, order])
+    )
+    told = f"{names[0]} and {names[4]} are swapped"
+    code, out, _ = shoecal("check", session)
+    assert code == 1
+    assert told in plain(out)
+    calibration = tmp_path / "calibration.yaml"
+    code, _, error = shoecal("calibrate", session, *TRAIN, "--out", calibration)
+    assert code == 1
+    assert told in plain(error)
+    assert error.count("\n") == 1
+    assert not calibration.exists()
+
+
+def test_spikes_are_left_out_named_and_counted(
+    shoecal: Command, simulated: Path, calibrated: Path, tmp_path: Path
+) -> None:
+    at = np.arange(200, 1400, 60)
+
+    def leaping(run: Run) -> Run:
+        values = run.readings.value.copy()
+        if run.info.run == 2:
+            values[at, 5] += 2.0
+        return with_values(run, values)
+
+    # What hits a foot of three cells may leap in one alone, as where it touches down.
+    usual = spikes(json.loads(calibrated.with_suffix(".json").read_text()))
+    found, out = figures(shoecal, rewritten(simulated, tmp_path / "s", leaping), tmp_path)
+    name = Session.open(simulated).shoe.names[5]
+    lost = spikes(found)
+    assert lost[2, name] >= len(at) - 2
+    assert sum(lost.values()) - lost[2, name] - sum(usual.values()) <= 2
+    assert f"{name} gave spikes in run 2" in out
+    assert "Samples left out" in out
+
+
+def test_a_run_under_another_weight_is_in_no_set(
+    shoecal: Command, simulated: Path, tmp_path: Path
+) -> None:
+    drawn = read_yaml(simulated / "truth" / "reality.yaml").mapping("gain")
+    names = Session.open(simulated).shoe.names
+    share = 5.0 / len(names) / np.array([drawn.number(name) for name in names])
+
+    def held(run: Run) -> Run:
+        return with_values(run, run.readings.value - (share if run.info.run == 4 else 0.0))
+
+    found, out = figures(shoecal, rewritten(simulated, tmp_path / "s", held), tmp_path)
+    assert (found["train"], found["test"]) == ([1, 2, 3], [])
+    assert found["screening"]["runs_left_out"] == [4]
+    assert "run 4 was recorded with 5.0 N less on the feet than the others" in out
+
+
+@pytest.mark.parametrize("late_s", [0.08, -0.06])
+def test_readings_of_another_clock_are_put_right(
+    shoecal: Command, simulated: Path, tmp_path: Path, late_s: float
+) -> None:
+    """What is stamped late makes the joints early."""
+
+    def late(run: Run) -> Run:
+        time = run.readings.time + (late_s - min(late_s, 0.0))
+        joints = replace(run.joints, time=run.joints.time - min(late_s, 0.0))
+        return replace(run, joints=joints, readings=replace(run.readings, time=time))
+
+    found, out = figures(shoecal, rewritten(simulated, tmp_path / "s", late), tmp_path)
+    assert found["time_offset_s"] == pytest.approx(-late_s, abs=0.02)
+    if late_s > 0.0:
+        assert "joints are early by" in out
+
+
+def test_a_changed_shoe_file_is_refused_unless_forced(
+    shoecal: Command, simulated: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "session"
+    shutil.copytree(simulated, folder)
+    with (folder / "shoe.yaml").open("a") as file:
+        file.write("# mended\n")
+    out = tmp_path / "calibration.yaml"
+    for words in (
+        ("check", folder),
+        ("calibrate", folder, *TRAIN, "--out", out),
+        ("diagnose", folder, "--no-simulation"),
+    ):
+        code, printed, error = shoecal(*words)
+        assert code == 1
+        assert "recorded with another shoe.yaml" in plain(printed + error)
+        assert "--force" in printed + error
+    assert not out.exists()
+    assert shoecal("check", folder, "--force")[0] == 0
+    code, printed, error = shoecal("calibrate", folder, *TRAIN, "--out", out, "--force")
+    assert code == 0, error
+    assert "WARN: shoe.yaml was changed since the runs were recorded" in plain(printed)
+    code, _, error = shoecal("evaluate", folder, "--calibration", out, "--force")
+    assert code == 0, error
+
+
+def test_data_sheets_that_contradict_the_data(
+    shoecal: Command, simulated: Path, calibrated: Path, tmp_path: Path
+) -> None:
+    """Readings in kgf under gains in N: nothing is written, and the unit is named."""
+    gains = {one["name"]: one["gain"] for one in yaml.safe_load(calibrated.read_text())["channels"]}
+    for factor, passes in ((1.0, True), (9.80665, False)):
+        session = tmp_path / f"session_{passes}"
+        shutil.copytree(simulated, session)
+        shoe = yaml.safe_load((session / "shoe.yaml").read_text())
+        for foot, of_foot in shoe["feet"].items():
+            for cell in of_foot["cells"]:
+                cell["nominal_gain"] = gains[f"{foot}/{cell['name']}"] / factor
+        (session / "shoe.yaml").write_text(yaml.safe_dump(shoe))
+        out = tmp_path / f"calibration_{passes}.yaml"
+        code, told, error = shoecal("calibrate", session, "--force", "--out", out)
+        assert out.exists() == passes == (code == 0)
+        assert ("are the readings in kgf or kg?" in told + error) != passes

@@ -1,0 +1,115 @@
+"""Channels that follow the others by a law that is known, and some that stop."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from core.shoe import shoes
+from shoecal_core.screening.following import Halt, halts, neighbours
+
+FloatArray = NDArray[np.float64]
+
+BLOCKS = 1200
+NOISE = 1e-3
+LAW = np.array([0.3, -0.5, 0.8, 0.4, -0.2, 0.1, 0.25])
+"""By which the first channel follows all others."""
+SHOE = shoes.shoe("nao_shoe")
+
+
+def session(seed: int = 0) -> FloatArray:
+    """(B, 8) channels that go their own slow ways, and a first one that follows them."""
+    rng = np.random.default_rng(seed)
+    time = 0.2 * np.arange(BLOCKS)[:, None]
+    pace = 2.0 * np.pi / rng.uniform(8.0, 30.0, (2, 7))
+    others = np.sum(np.sin(pace[:, None] * time + rng.uniform(0.0, 6.0, (2, 1, 7))), axis=0)
+    first = 0.7 + others @ LAW + NOISE * rng.standard_normal(BLOCKS)
+    return np.column_stack((first, others))
+
+
+def held(readings: FloatArray, first: int, end: int, share: float = 1.0) -> FloatArray:
+    """The first channel keeps a share of its reading from one block to before another."""
+    shown = readings.copy()
+    shown[first:end, 0] -= share * (readings[first:end, 0] - readings[first, 0])
+    return shown
+
+
+def found(readings: FloatArray) -> list[Halt]:
+    return halts(SHOE, readings, np.full(8, NOISE), range(8))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_channels_that_follow_are_not_stuck(seed: int) -> None:
+    assert found(session(seed)) == []
+
+
+@pytest.mark.parametrize("share", [0.7, 0.85, 1.0])
+@pytest.mark.parametrize(
+    ("first", "end"), [(0, 40), (0, 1100), (240, 1200), (500, 530), (600, 700), (1180, 1200)]
+)
+def test_a_stretch_is_found_with_its_share_and_its_law(first: int, end: int, share: float) -> None:
+    readings = session()
+    (halt,) = found(held(readings, first, end, share))
+    assert halt.channel == 0
+    assert halt.share == pytest.approx(share, abs=0.02)
+    still = np.flatnonzero(halt.still)
+    assert still[0] == pytest.approx(first, abs=4)
+    assert still[-1] == pytest.approx(end - 1, abs=4)
+    np.testing.assert_allclose(halt.law[2:], LAW, atol=0.02)
+    np.testing.assert_allclose(halt.expected, readings[:, 0], atol=0.05)
+
+
+def test_a_channel_may_stick_again_and_again() -> None:
+    readings = session()
+    for first in range(100, 1200, 200):
+        readings = held(readings, first, first + 120)
+    (halt,) = found(readings)
+    assert halt.channel == 0
+    assert np.count_nonzero(np.diff(halt.still.astype(int)) == 1) == 6
+    assert halt.still.sum() == pytest.approx(720, abs=40)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.5])
+def test_a_smaller_gain_is_not_stuck(share: float) -> None:
+    assert found(held(session(), 400, 800, share)) == []
+
+
+def test_a_foot_that_hangs_is_not_stuck() -> None:
+    # The other foot goes on meanwhile, and a law that holds on the floor says that this one does.
+    readings = session()
+    readings[500:530, :4] = readings[500, :4]
+    readings[[500, 529], 1:4] += 1.0
+    assert found(readings) == []
+
+
+def test_where_nothing_moves_nothing_is_stuck() -> None:
+    readings = session()
+    readings[500:700] = readings[500]
+    readings[500:700] += NOISE * np.random.default_rng(1).standard_normal((200, 8))
+    assert found(readings) == []
+
+
+def test_a_law_does_not_reach_beyond_what_it_was_fitted_to() -> None:
+    """Others move in a way they never did before: the first need not follow by the same law."""
+    readings = NOISE * np.random.default_rng(2).standard_normal((BLOCKS, 8))
+    readings[600:, 1:] += session()[600:, 1:]
+    assert found(readings) == []
+
+
+def test_a_short_recording_has_no_law() -> None:
+    assert found(session()[:20]) == []
+
+
+def test_only_like_channels_of_one_foot_are_neighbours() -> None:
+    assert neighbours(SHOE, 5).tolist() == [4, 6, 7]
+
+
+@pytest.mark.parametrize("share", [0.0, 0.2])
+def test_a_jolt_that_a_channel_does_not_follow_is_no_stuck_stretch(share: float) -> None:
+    """A single motion that is over at once: any share of it fits."""
+    readings = session()
+    readings[500:520] = readings[500] + NOISE * np.random.default_rng(3).standard_normal((20, 8))
+    readings[505:508, 1:] += 2.0
+    readings[505:508, 0] += 2.0 * share * LAW.sum()
+    assert found(readings) == []

@@ -1,0 +1,86 @@
+"""Cells upside down, and cells at each other's place."""
+
+from __future__ import annotations
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+
+from core.screening.recordings import (
+    SETTINGS,
+    WEIGHT,
+    Recording,
+    read_coarsely,
+    recording,
+)
+from core.shoe.shoes import made, six_axis
+from shoecal_core.screening.blocks import blocks
+from shoecal_core.screening.rough_fit import prior
+from shoecal_core.screening.wiring import Wiring, check_wiring, of_feet
+
+PAIRS = list(combinations(range(8), 2))
+
+
+def wiring(whole: Recording) -> Wiring:
+    cut = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
+    return check_wiring(whole.shoe, cut, prior(whole.shoe, cut, WEIGHT, SETTINGS), WEIGHT, SETTINGS)
+
+
+def exchanged(whole: Recording, *pairs: tuple[int, int]) -> Recording:
+    order = np.arange(len(whole.shoe.names))
+    for one, other in pairs:
+        order[[one, other]] = other, one
+    return whole.with_readings(lambda _, values: values[:, order])
+
+
+@pytest.mark.parametrize("shoe", ["nao_shoe", "odd_shoe"])
+@pytest.mark.parametrize("seed", [1, 2])
+def test_cables_as_they_should_be(seed: int, shoe: str) -> None:
+    whole = recording(seed, shoe=shoe)
+    assert wiring(whole) == Wiring((), ())
+    assert wiring(read_coarsely(whole, 10, 0.01)) == Wiring((), ())
+
+
+@pytest.mark.parametrize("channel", range(8))
+def test_an_inverted_cell(channel: int) -> None:
+    whole = recording(channel).with_channel(channel, lambda _, values: -values)
+    assert wiring(whole) == Wiring((channel,), ())
+
+
+@pytest.mark.parametrize("pair", PAIRS[::3])
+def test_swapped_cells(pair: tuple[int, int]) -> None:
+    """Of one foot or of both, of the same sign or not."""
+    assert wiring(exchanged(recording(sum(pair)), pair)) == Wiring((), (pair,))
+
+
+def test_the_feet_at_each_others_place() -> None:
+    pairs = tuple((k, k + 4) for k in range(4))
+    assert wiring(exchanged(recording(3), *pairs)) == Wiring((), pairs)
+
+
+def test_a_sign_that_nobody_knows_is_never_wrong() -> None:
+    whole = recording(2, shoe="odd_shoe")
+    unknown = np.flatnonzero(whole.shoe.polarity == 0)
+    for channel in unknown:
+        turned = whole.with_channel(int(channel), lambda _, values: -values)
+        assert wiring(turned) == Wiring((), ())
+
+
+def test_one_run_under_another_weight_is_no_matter_of_cables() -> None:
+    whole = recording(4)
+
+    def loaded(run: int, values: np.ndarray[tuple[int, int], np.dtype[np.float64]]):  # type: ignore[no-untyped-def]
+        return values + (1.25 / whole.parameters.gain if run == 2 else 0.0)
+
+    assert wiring(whole.with_readings(loaded)) == Wiring((), ())
+
+
+def test_six_axis_feet_at_each_others_place() -> None:
+    """Of all their channels; not as vertical forces that are upside down."""
+    shoe = made([*six_axis(0, [0.0, 0.01, 0.03]), *six_axis(1, [0.0, -0.01, 0.03])])
+    pairs = tuple((k, k + 5) for k in range(5))
+    assert of_feet(shoe) == list(pairs)
+    whole = recording(3, shoe=shoe)
+    assert wiring(whole) == Wiring((), ())
+    assert wiring(exchanged(whole, *pairs)) == Wiring((), pairs)
