@@ -28,7 +28,7 @@ from fault_tables import alarms, caught
 from pages import ROOT, TRUST, markdown, record, write_section
 from population import Member, different_robots, nao, sessions
 from shoecal_core.errors import ShoecalError
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.series import errors, measured_series, truth_series
 from shoecal_core.estimation.session_data import load_data
 from shoecal_core.files import atomic_write
@@ -155,7 +155,7 @@ def _clean(task: Task) -> dict[str, Any]:
     }
 
 
-def _calibrate(member: Member, runs: Mapping[int, Run]) -> tuple[Outcome | None, str]:
+def _calibrate(member: Member, runs: Mapping[int, Run]) -> tuple[CalibrationOutcome | None, str]:
     """The outcome, None where it is refused, and all that is told."""
     session = FaultySession.of(member.folder, runs)
     try:
@@ -166,7 +166,7 @@ def _calibrate(member: Member, runs: Mapping[int, Run]) -> tuple[Outcome | None,
     return outcome, "; ".join([*findings, *outcome.calibration.reasons])
 
 
-def _named(expected: Expected, outcome: Outcome | None, told: str) -> bool:
+def _named(expected: Expected, outcome: CalibrationOutcome | None, told: str) -> bool:
     if expected.time_offset is not None:
         if outcome is None:
             return False
@@ -185,7 +185,7 @@ def _named(expected: Expected, outcome: Outcome | None, told: str) -> bool:
     )
 
 
-def _covered(expected: Expected, outcome: Outcome, runs: Mapping[int, Run]) -> float:
+def _covered(expected: Expected, outcome: CalibrationOutcome, runs: Mapping[int, Run]) -> float:
     """Share of the spoilt samples that the fit did not see."""
     if not len(expected.times) or expected.run is None:
         return 1.0

@@ -29,7 +29,7 @@ from shoecal_core.simulation.effects.slip import DURATION, Slip
 from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
-from shoecal_core.simulation.samples import Samples, run
+from shoecal_core.simulation.samples import SimulatedSamples, run
 from shoecal_core.workspace import config_dir
 
 FloatArray = NDArray[np.float64]
@@ -149,7 +149,7 @@ def _again(
     drawn_up: tuple[int, float, float, float] | None = None,
     settled: bool = False,
     effects: Sequence[Effect] = (),
-) -> tuple[Samples, FloatArray]:
+) -> tuple[SimulatedSamples, FloatArray]:
     """The run simulated again, with what befalls it, and the modelled CoP of its joint angles."""
     robot, shoe = nao()
     recorded = draw.runs[number]
@@ -196,7 +196,7 @@ def _drawn_up(
     return fine, placed
 
 
-def _run(draw: Draw, number: int, samples: Samples) -> Run:
+def _run(draw: Draw, number: int, samples: SimulatedSamples) -> Run:
     """The recorded run with what was simulated in place of what was recorded."""
     recorded = draw.runs[number]
     time = samples.time - samples.time[0]
@@ -215,7 +215,7 @@ def _run(draw: Draw, number: int, samples: Samples) -> Run:
     return draw.converter.read(replace(recorded, joints=joints, readings=readings), draw.rng)
 
 
-def _apart(samples: Samples) -> FloatArray:
+def _apart(samples: SimulatedSamples) -> FloatArray:
     """(T, 2) from the true left to the true right sole, over the floor [m]."""
     return samples.sole_position[:, 1, :2] - samples.sole_position[:, 0, :2]
 

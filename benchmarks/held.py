@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.series import truth_series
 from shoecal_core.estimation.session_data import load_data
 from shoecal_core.recording.session import Session
@@ -37,7 +37,7 @@ class Held:
     actual: FloatArray
 
 
-def hold(judged: Session, outcome: Outcome, true_gain: FloatArray) -> Held:
+def hold(judged: Session, outcome: CalibrationOutcome, true_gain: FloatArray) -> Held:
     """Hold an outcome against the truth.
 
     Args:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.estimation.budget import NOISE, SUPPORT, mean_squares, unknowns
 from shoecal_core.estimation.joint_fit import FittedDeviation, JointFit
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.reality import Reality
@@ -20,7 +20,9 @@ BoolArray = NDArray[np.bool_]
 GEARS = ("joint_compliance", "backlash")
 
 
-def hold_budget(session: Session, outcome: Outcome, reality: Reality) -> Mapping[str, BoolArray]:
+def hold_budget(
+    session: Session, outcome: CalibrationOutcome, reality: Reality
+) -> Mapping[str, BoolArray]:
     """By source, (3,) whether its true share is inside its interval: of both feet, left, right.
 
     Where a foot stands is not recorded as truth: what the fit says of it is taken for true, and

@@ -11,14 +11,14 @@ from paper_reproduction import GUESS, Difference, Paper, Reproduction, shoe_and_
 from paper_targets import ALPHA
 from shoecal_core.estimation.run_errors import ComparedRun, errors_by_set
 from shoecal_core.report import palette
-from shoecal_core.report.figures.bars import Bar, Mark, mae_bars
+from shoecal_core.report.figures.bars import Bar, BarMark, mae_bars
 from shoecal_core.report.figures.loads import KnownLoads, cop_under_loads, forces_under_loads
 from shoecal_core.report.figures.motion import skeleton, snapshots
 from shoecal_core.report.figures.plane import CopPath, FootShape, cop_plane
 from shoecal_core.report.figures.series import Line, grf_in_time
 from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import mean_error
-from shoecal_core.report.sheet import Part, write_sheet
+from shoecal_core.report.sheet import SheetFigure, write_sheet
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.workflows.evaluation import MEASURED, MODELLED, REFERENCE
@@ -64,12 +64,12 @@ def write_figures(paper: Paper, folder: Path) -> None:
     )
 
 
-def _manual(robot: Reproduction) -> list[list[Part]]:
+def _manual(robot: Reproduction) -> list[list[SheetFigure]]:
     loads = [_loads(robot, foot) for foot in (0, 1)]
     found = robot.manual.feet
     rows = [
         [
-            Part(
+            SheetFigure(
                 f"{name.capitalize()} shoe, GRF: {mean_error(foot.grf, 'mN', 1e3)}",
                 forces_under_loads(shoe),
             )
@@ -79,7 +79,7 @@ def _manual(robot: Reproduction) -> list[list[Part]]:
     for name, foot, shoe in zip(FEET, found, loads, strict=True):
         rows.append(
             [
-                Part(
+                SheetFigure(
                     f"{name.capitalize()} shoe, CoP {label}: {mean_error(mae, 'mm', 1e3)}",
                     cop_under_loads(shoe, corrected=corrected),
                 )
@@ -109,14 +109,14 @@ def _loads(robot: Reproduction, foot: int) -> KnownLoads:
     )
 
 
-def _assumptions(robot: Reproduction) -> list[list[Part]]:
+def _assumptions(robot: Reproduction) -> list[list[SheetFigure]]:
     runs = robot.in_order
     lines = [
         Line(f"run {run.run}", look, run.sources[REFERENCE][0])
         for run, look in zip(runs, RUNS, strict=False)
     ]
     parts = [
-        Part(
+        SheetFigure(
             "GRF by the manual calibration, and the weight",
             grf_in_time(lines, robot.data.robot.weight, least=3.0),
             (
@@ -128,7 +128,7 @@ def _assumptions(robot: Reproduction) -> list[list[Part]]:
     for run in runs:
         found = robot.assumption(run)
         parts.append(
-            Part(
+            SheetFigure(
                 f"Run {run.run}: CoP {mean_error(found.cop, 'mm', 1e3)}, "
                 f"GRF {mean_error(found.grf, 'N')}",
                 _plane(robot, run, {**LOOKS, MODELLED: ("model", palette.MEASURED)},
@@ -138,7 +138,7 @@ def _assumptions(robot: Reproduction) -> list[list[Part]]:
     return [parts[start : start + 2] for start in range(0, len(parts), 2)]
 
 
-def _runs(robot: Reproduction, runs: Sequence[ComparedRun]) -> list[list[Part]]:
+def _runs(robot: Reproduction, runs: Sequence[ComparedRun]) -> list[list[SheetFigure]]:
     """A column a run: motion, CoP, GRF."""
     weight = robot.data.robot.weight
     columns = []
@@ -146,9 +146,9 @@ def _runs(robot: Reproduction, runs: Sequence[ComparedRun]) -> list[list[Part]]:
         lines = [Line(*LOOKS[name], run.sources[name][0]) for name in LOOKS]
         columns.append(
             (
-                Part(f"Run {run.run}: motion", _motion(robot, run)),
-                Part("CoP", _plane(robot, run, LOOKS, tuple(LOOKS))),
-                Part("GRF", grf_in_time(lines, weight)),
+                SheetFigure(f"Run {run.run}: motion", _motion(robot, run)),
+                SheetFigure("CoP", _plane(robot, run, LOOKS, tuple(LOOKS))),
+                SheetFigure("GRF", grf_in_time(lines, weight)),
             )
         )
     return [list(row) for row in zip(*columns, strict=True)]
@@ -181,7 +181,7 @@ def _foot(robot: Reproduction, foot: int, support: DoubleSupport | None) -> Foot
     return FootShape(FEET[foot], here(shape.outline), here(shape.sensing_polygon), here(cells))
 
 
-def _pooled(paper: Paper) -> Part:
+def _pooled(paper: Paper) -> SheetFigure:
     return _errors(
         paper.robots,
         f"All {len(paper.robots)} robots, and the test of their runs",
@@ -189,7 +189,9 @@ def _pooled(paper: Paper) -> Part:
     )
 
 
-def _errors(robots: Sequence[Reproduction], title: str, compared: dict[str, Difference]) -> Part:
+def _errors(
+    robots: Sequence[Reproduction], title: str, compared: dict[str, Difference]
+) -> SheetFigure:
     runs = [run for robot in robots for run in robot.runs]
     bars = []
     for name in (GUESS, MEASURED):
@@ -199,8 +201,8 @@ def _errors(robots: Sequence[Reproduction], title: str, compared: dict[str, Diff
             Bar(label, look, label, part == "test", found.grf, found.cop)
             for part, found in sets.items()
         ]
-    marks = [Mark(2, 3, _sign(compared["grf"]), _sign(compared["cop"]))] if compared else []
-    return Part(title, mae_bars(bars, marks))
+    marks = [BarMark(2, 3, _sign(compared["grf"]), _sign(compared["cop"]))] if compared else []
+    return SheetFigure(title, mae_bars(bars, marks))
 
 
 def _sign(found: Difference) -> str:

@@ -11,7 +11,7 @@ from scipy.stats import wilcoxon
 
 from population import Member
 from shoecal_core.estimation.fit import self_calibrate
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.run_errors import SETS, ComparedRun, errors_of
 from shoecal_core.estimation.series import Errors
 from shoecal_core.estimation.session_data import SessionData, load_data
@@ -48,7 +48,7 @@ class Reproduction:
 
     member: Member
     manual: ManualCalibration
-    outcome: Outcome
+    outcome: CalibrationOutcome
     data: SessionData
     runs: tuple[ComparedRun, ...]
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver, horizon_nlp, ipopt_options
-from shoecal_core.planning.horizon.problem import HorizonProblem, Solution, Solver
+from shoecal_core.planning.horizon.problem import HorizonProblem, HorizonSolution, Solver
 from shoecal_core.planning.horizon.rolling import RollingHorizon
 from shoecal_core.planning.motion_catalogue import motion_kind
 from shoecal_core.planning.planner import Planner
@@ -45,7 +45,7 @@ class Recorder:
         self._solver = solver
         self.posed: list[Posed] = []
 
-    def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
+    def solve(self, problem: HorizonProblem, guess: FloatArray) -> HorizonSolution:
         """See Solver."""
         self.posed.append(Posed(problem, guess))
         return self._solver.solve(problem, guess)
@@ -86,7 +86,7 @@ def judge(collocation: Collocation) -> IpoptSolver:
 class Timed:
     """What a solver made of one problem, and the processor's time [s]."""
 
-    solution: Solution
+    solution: HorizonSolution
     seconds: float
 
 

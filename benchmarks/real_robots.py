@@ -18,7 +18,7 @@ import numpy as np
 import real_diagnosis
 import real_trials
 from pages import EVIDENCE, ROOT, Row, markdown, write_section
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.series import Errors, errors, measured_series, modelled_series
 from shoecal_core.recording.csv_import import import_csv
 from shoecal_core.screening.settings import CalibrationSettings
@@ -60,7 +60,7 @@ def main() -> None:
         write_section(name, markdown(rows), args.doc)
 
 
-def _split(outcome: Outcome) -> Row:
+def _split(outcome: CalibrationOutcome) -> Row:
     """Errors of the held-out trial by the published readings as they are, and calibrated."""
     count, test = len(outcome.data.shoe.names), outcome.data.of(outcome.test)
     raw = Sensing(outcome.data.shoe, ChannelParameters(np.ones(count), np.zeros(count)))

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from pages import Row
 from shoecal_core.estimation.axes import SIDEWAYS, sideways_axes
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.weight import weigh
 from shoecal_core.recording.session import Session
 from shoecal_core.samples.zeros import NORMAL_95, data_sheet
@@ -61,7 +61,7 @@ def tables(session: Session, settings: CalibrationSettings) -> dict[str, Sequenc
 
 def _held_out(
     session: Session, settings: CalibrationSettings, run: int, runs: Sequence[int]
-) -> tuple[Outcome, Outcome]:
+) -> tuple[CalibrationOutcome, CalibrationOutcome]:
     """Judged with the mean zeros of the others, and with its own."""
     train = [other for other in runs if other != run]
     one_set, own = (
@@ -71,7 +71,9 @@ def _held_out(
     return one_set, own
 
 
-def _zeros(run: int, one_set: Outcome, everything: Outcome) -> dict[str, object]:
+def _zeros(
+    run: int, one_set: CalibrationOutcome, everything: CalibrationOutcome
+) -> dict[str, object]:
     """What each foot shows in the air, by the data sheets and by the others' zeros [N]."""
     data = everything.data
     cells: dict[str, object] = {}
@@ -89,7 +91,7 @@ def _zeros(run: int, one_set: Outcome, everything: Outcome) -> dict[str, object]
     return cells
 
 
-def _gains(name: str, fitted: Sequence[Outcome]) -> Row:
+def _gains(name: str, fitted: Sequence[CalibrationOutcome]) -> Row:
     """A channel's gain over its data sheet by the number of trials fitted."""
     cells = {"channel": name}
     for outcome in fitted:
@@ -100,7 +102,7 @@ def _gains(name: str, fitted: Sequence[Outcome]) -> Row:
     return cells
 
 
-def _errors(one_set: Outcome, own: Outcome) -> Row:
+def _errors(one_set: CalibrationOutcome, own: CalibrationOutcome) -> Row:
     first, error = (one.modelled["self_calibration"]["test"] for one in (one_set, own))
     left, right = (1e3 * one.mean for one in error.foot_cop)
     limit = own.limits["test"]
@@ -115,7 +117,7 @@ def _errors(one_set: Outcome, own: Outcome) -> Row:
     }
 
 
-def _axes(everything: Outcome, runs: Sequence[int]) -> list[Row]:
+def _axes(everything: CalibrationOutcome, runs: Sequence[int]) -> list[Row]:
     """Slopes of the sideways channels on mass times acceleration."""
     return [
         {

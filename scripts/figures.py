@@ -28,7 +28,7 @@ from shoecal_core.report.figures.plane import draw_feet
 from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.palette import BLUE, INK, RED
 from shoecal_core.report.session_report import session_content
-from shoecal_core.report.sheet import Part, sheet, write_sheet
+from shoecal_core.report.sheet import SheetFigure, sheet, write_sheet
 from shoecal_core.report.svg import SMALL, canvas
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot_file import load_robot, shoe_file_of
@@ -93,8 +93,8 @@ def write_run(path: Path, content: CalibrationReport) -> None:
     shown = {picture.title: picture for picture in run_pictures(content, run)}
     above, course = shown["CoP between the feet"], shown["CoP and GRF"]
     parts = [
-        Part("CoP between the feet", above.svg),
-        Part("CoP in the left sole's frame, and GRF", course.svg),
+        SheetFigure("CoP between the feet", above.svg),
+        SheetFigure("CoP in the left sole's frame, and GRF", course.svg),
     ]
     write_sheet(
         path,
@@ -108,7 +108,7 @@ def write_expected(path: Path, content: CalibrationReport) -> None:
     """Maps of the expected error."""
     assert content.told is not None
     pictures = error_pictures(content, content.told)
-    parts = [Part(picture.title, picture.svg) for picture in pictures]
+    parts = [SheetFigure(picture.title, picture.svg) for picture in pictures]
     write_sheet(path, [parts], "Expected error of the CoP over the sensing polygons, as a map.")
 
 
@@ -130,7 +130,9 @@ def write_conventions(path: Path) -> None:
         axes.set_ylabel("x, forward (mm)")
         alt = "Frames of both soles from above; dx, dy and dtheta lead from the left to the right."
         drawn = page.svg(alt)
-    atomic_write(path, sheet([[Part("From above: the robot looks up the page", drawn)]], alt))
+    atomic_write(
+        path, sheet([[SheetFigure("From above: the robot looks up the page", drawn)]], alt)
+    )
 
 
 def _frame(axes: Axes, origin: np.ndarray, turn: float, name: str, colour: str) -> None:

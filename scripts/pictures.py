@@ -20,7 +20,7 @@ from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_strip import instant_of
 from shoecal_core.report.scene.offscreen import draw
-from shoecal_core.report.scene.stills import Instant, views
+from shoecal_core.report.scene.stills import StillInstant, views
 from shoecal_core.robot.robot_file import load_robot, shoe_file_of
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 
@@ -46,14 +46,14 @@ def planned(robot_file: Path, seed: int) -> tuple[PlannedMotion, Shoe]:
 
 def at(
     motion: PlannedMotion, shares: np.ndarray[tuple[int], np.dtype[np.float64]]
-) -> list[Instant]:
+) -> list[StillInstant]:
     """Instants at shares of the motion's time."""
     last = len(motion.motion.time) - 1
     return [instant_of(motion, round(share * last)) for share in shares.tolist()]
 
 
 def images(
-    motion: PlannedMotion, shoe: Shoe, shown: list[Instant], size: tuple[int, int]
+    motion: PlannedMotion, shoe: Shoe, shown: list[StillInstant], size: tuple[int, int]
 ) -> list[Image.Image]:
     """Each instant as a picture on a clear ground."""
     files = draw(views(motion.robot, shoe, shown, size), "png")

@@ -13,7 +13,7 @@ from blind.cases import Case
 from blind.intervals import clopper_pearson
 from shoecal_core.report import palette
 from shoecal_core.report.palette import Look
-from shoecal_core.report.sheet import Part, write_sheet
+from shoecal_core.report.sheet import SheetFigure, write_sheet
 from shoecal_core.report.svg import WIDTH, canvas, draw_line, line_key
 
 FloatArray = NDArray[np.float64]
@@ -33,7 +33,9 @@ def write_chart(cases: Sequence[Case], file: Path) -> None:
     }
     alt = "Share of single effects found, and named right, against their gap over the floor."
     file.parent.mkdir(parents=True, exist_ok=True)
-    write_sheet(file, [[Part("Single effects, by the size of their gap", _drawn(rows, alt))]], alt)
+    write_sheet(
+        file, [[SheetFigure("Single effects, by the size of their gap", _drawn(rows, alt))]], alt
+    )
 
 
 def _shares(cases: Sequence[Case], hits: Sequence[bool]) -> FloatArray:

@@ -17,7 +17,7 @@ from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.disturbances import Disturbance
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.robot import SimulatedRobot
-from shoecal_core.simulation.samples import Samples
+from shoecal_core.simulation.samples import SimulatedSamples
 from shoecal_core.simulation.shoe_physics import sole_name
 
 FloatArray = NDArray[np.float64]
@@ -38,12 +38,14 @@ class Unknown(Effect):
     def push(self, sim: SimulatedRobot, time: float) -> None:
         """Add forces that are due at a time since the recording began [s]."""
 
-    def readings(self, sim: SimulatedRobot, samples: Samples) -> FloatArray:
+    def readings(self, sim: SimulatedRobot, samples: SimulatedSamples) -> FloatArray:
         """(T, n) what the device reads, in the shoe's unit."""
         forces = self.forces(sim, samples, _forces(sim, samples.readings.voltages))
         return _voltages(sim, forces)
 
-    def forces(self, sim: SimulatedRobot, samples: Samples, forces: FloatArray) -> FloatArray:
+    def forces(
+        self, sim: SimulatedRobot, samples: SimulatedSamples, forces: FloatArray
+    ) -> FloatArray:
         """(T, n) what the channels tell, of what they felt [N]."""
         return forces
 
@@ -169,7 +171,9 @@ class PickUp(Unknown):
         """Which shoe, and how its cells hear."""
         return cls(size, int(rng.integers(2)), rng.uniform(0.4, 1.6, 4) * rng.choice([-1, 1], 4))
 
-    def forces(self, sim: SimulatedRobot, samples: Samples, forces: FloatArray) -> FloatArray:
+    def forces(
+        self, sim: SimulatedRobot, samples: SimulatedSamples, forces: FloatArray
+    ) -> FloatArray:
         """With what is heard."""
         heard = np.abs(samples.joints.efforts).sum(axis=1)
         channels = sim.shoe.of_foot(self.foot)
@@ -205,7 +209,9 @@ class Edge(Unknown):
             float(rng.uniform(3.0, 7.0)),
         )
 
-    def forces(self, sim: SimulatedRobot, samples: Samples, forces: FloatArray) -> FloatArray:
+    def forces(
+        self, sim: SimulatedRobot, samples: SimulatedSamples, forces: FloatArray
+    ) -> FloatArray:
         """What is left to the cells."""
         channels = sim.shoe.of_foot(self.foot)
         changed = forces.copy()
@@ -245,7 +251,9 @@ class LoosePlate(Unknown):
             size, int(rng.integers(2)), float(rng.uniform(0, 2 * np.pi)), float(rng.uniform(4, 10))
         )
 
-    def forces(self, sim: SimulatedRobot, samples: Samples, forces: FloatArray) -> FloatArray:
+    def forces(
+        self, sim: SimulatedRobot, samples: SimulatedSamples, forces: FloatArray
+    ) -> FloatArray:
         """The foot's load, from where the plate lies to the cells."""
         channels = sim.shoe.of_foot(self.foot)
         changed = forces.copy()

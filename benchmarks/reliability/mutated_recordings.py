@@ -20,9 +20,9 @@ from shoecal_core.recording.reader import read_run
 from shoecal_core.recording.recover import recover
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
-from shoecal_ros.serial.channel_map import Channel, ChannelMap, Converter, Encoding
+from shoecal_ros.serial.channel_map import ChannelMap, Converter, DeviceChannel, Encoding
 from shoecal_ros.serial.cobs import stuff, unstuff
-from shoecal_ros.serial.driver import ShoeDriver
+from shoecal_ros.serial.driver import SerialDriver
 from shoecal_ros.serial.frame import Frame, Info
 from shoecal_ros.serial.protocol import BinaryDecoder, encode_frame, encode_info
 from shoecal_ros.serial.replay import ReplaySource
@@ -189,9 +189,11 @@ def _replay(
         sent: the frames that may appear; None where any may.
     """
     converter = Converter(1e-6, 24, Encoding.SIGNED)
-    cells = ChannelMap(tuple(Channel(cell, f"cell_{cell}", converter) for cell in range(CELLS)))
+    cells = ChannelMap(
+        tuple(DeviceChannel(cell, f"cell_{cell}", converter) for cell in range(CELLS))
+    )
     # The clock is far in the future: every frame is due.
-    driver = ShoeDriver(ReplaySource(path, decoder, lambda: 2**62, start_ns=10**18), cells)
+    driver = SerialDriver(ReplaySource(path, decoder, lambda: 2**62, start_ns=10**18), cells)
     last_ns, resets = 0, 0
     try:
         for _ in range(_MOST_READS):

@@ -11,10 +11,10 @@ from typing import Self
 
 from reliability.serial_bytes import CELLS, PERIOD_US
 from reliability.tries import BrokenError
-from shoecal_ros.serial.channel_map import Channel, Converter
+from shoecal_ros.serial.channel_map import Converter, DeviceChannel
 from shoecal_ros.serial.config import DriverConfig, Mode
 from shoecal_ros.serial.device import SimulatedDevice
-from shoecal_ros.serial.driver import Reading, ShoeDriver, open_driver
+from shoecal_ros.serial.driver import Reading, SerialDriver, open_driver
 from shoecal_ros.serial.frame import FaultKind, Info
 from shoecal_ros.serial.text_protocol import TextTime
 
@@ -43,7 +43,7 @@ class Line:
         self.readings: list[Reading] = []
         self.sequence = self.time_us = 0
 
-    def another_driver(self) -> ShoeDriver:
+    def another_driver(self) -> SerialDriver:
         """A driver of the same port that has not opened it yet."""
         config = DriverConfig(
             port=str(self.port),
@@ -54,7 +54,7 @@ class Line:
             latency_ns=0,
             alarm_s=2.0,
             raw_log=None,
-            channels=tuple(Channel(n, f"left/{n}", Converter(1e-6)) for n in range(CELLS)),
+            channels=tuple(DeviceChannel(n, f"left/{n}", Converter(1e-6)) for n in range(CELLS)),
         )
         return open_driver(config, time.time_ns)
 

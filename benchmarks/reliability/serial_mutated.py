@@ -21,7 +21,7 @@ import numpy as np
 from reliability.row import Progress, Result, Row
 from reliability.serial_bytes import CHECKED, check_frames, checksums_failed, feed, frame
 from reliability.tries import BrokenError, run_tries
-from shoecal_ros.serial.frame import Fault, FaultKind, Frame
+from shoecal_ros.serial.frame import FaultKind, Frame, FrameFault
 from shoecal_ros.serial.protocol import BinaryDecoder, encode_frame
 
 LONGEST = 64
@@ -56,7 +56,7 @@ def _read_damaged(decoder: BinaryDecoder, rng: np.random.Generator) -> None:
     lost = sum(
         event.count
         for event in events
-        if isinstance(event, Fault) and event.kind is FaultKind.LOST_FRAMES
+        if isinstance(event, FrameFault) and event.kind is FaultKind.LOST_FRAMES
     )
     if seen != sorted(seen) or lost != len({0, 1, 2, 3}.difference(seen)):
         raise BrokenError(f"{seen} were read of 0 to 3, and {lost} counted as lost")

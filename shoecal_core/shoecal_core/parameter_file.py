@@ -18,7 +18,7 @@ _WILD = {"*": r"/[^/]+", "**": r"(/[^/]+)*"}
 
 
 @dataclass(frozen=True)
-class Section:
+class ParameterSection:
     """Parameters that a file holds for the nodes that its key matches.
 
     Attributes:
@@ -50,7 +50,7 @@ class Section:
         yield from _names(self.fields, "")
 
 
-def read_sections(path: Path) -> list[Section]:
+def read_sections(path: Path) -> list[ParameterSection]:
     """All sections, in the order of the file.
 
     Raises:
@@ -60,7 +60,7 @@ def read_sections(path: Path) -> list[Section]:
     return [section for key in fields.keys() for section in _sections(fields, key, key)]
 
 
-def sections_of(path: Path, node: str) -> list[Section]:
+def sections_of(path: Path, node: str) -> list[ParameterSection]:
     """Sections for one node, in the order of the file: later ones go before.
 
     Args:
@@ -82,18 +82,18 @@ def sections_of(path: Path, node: str) -> list[Section]:
     return found
 
 
-def _is_for(section: Section, node: str) -> bool:
+def _is_for(section: ParameterSection, node: str) -> bool:
     if "/" in node:
         return section.matches(node)
     return section.any_node or section.last == node
 
 
-def _sections(fields: Fields, key: str, path: str) -> Iterator[Section]:
+def _sections(fields: Fields, key: str, path: str) -> Iterator[ParameterSection]:
     block = fields.mapping(key)
     inner = block.keys()
     if PARAMETERS in inner or not inner:
         block.only(PARAMETERS)
-        yield Section(path, block.mapping(PARAMETERS))
+        yield ParameterSection(path, block.mapping(PARAMETERS))
         return
     for name in inner:
         yield from _sections(block, name, f"{path}/{name}")

@@ -27,7 +27,7 @@ from shoecal_core.files import (
     system_error,
 )
 from shoecal_core.recording.container import read_info
-from shoecal_core.recording.csv_table import Layout, Table
+from shoecal_core.recording.csv_table import CsvTable, Layout
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.writer import RunWriter
 from shoecal_core.robot.robot_file import load_robot
@@ -64,7 +64,7 @@ READERS: dict[str, Read] = {
     "urdf": read_urdf,
     "calibration": load_calibration,
     "run": read_info,
-    "csv": lambda path: Table(path, Layout()),
+    "csv": lambda path: CsvTable(path, Layout()),
     "effects": effects_from,
 }
 

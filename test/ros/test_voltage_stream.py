@@ -21,7 +21,7 @@ from shoecal_msgs.msg import ShoeVoltages
 
 from ros.bodies import NAO_SHOE, nao_shoe
 from ros.world import END_S, World
-from shoecal_core.cli.manual_guide_frames import Frame, Problem
+from shoecal_core.cli.manual_guide_frames import LineFrame, LineProblem
 from shoecal_core.cli.manual_guide_streams import FrameStream, driver_stream
 from shoecal_core.shoe.shoe import load_shoe
 from shoecal_core.workspace import ros_environment
@@ -215,7 +215,7 @@ def test_a_shoe_file_that_is_none_is_one_line() -> None:
 # ---- as the guide hears it ----------------------------------------------------------------------
 
 
-def take(stream: FrameStream, found: list[Frame | Problem]) -> int:
+def take(stream: FrameStream, found: list[LineFrame | LineProblem]) -> int:
     if select.select([stream.descriptor], [], [], 0.0)[0]:
         stream.receive()
     found += stream.frames()
@@ -226,19 +226,19 @@ def test_the_guide_hears_the_driver(world: World) -> None:
     with driver_stream(nao_shoe()) as stream:
         assert stream.live
         publisher = world.publisher(ShoeVoltages, "shoe/voltages")
-        found: list[Frame | Problem] = []
+        found: list[LineFrame | LineProblem] = []
         for index, status in enumerate((0, 0, 3), start=1):
             publisher.publish(message(index, status=status))
             world.until(partial(_taken, stream, found, index))
         _, second, third = found
-        assert isinstance(second, Frame)
-        assert isinstance(third, Frame)
+        assert isinstance(second, LineFrame)
+        assert isinstance(third, LineFrame)
         np.testing.assert_allclose(second.readings, VOLTS + 2)
         assert second.stamp_ns == 1_020_000_000
         assert np.isnan(third.readings).all()
 
 
-def _taken(stream: FrameStream, found: list[Frame | Problem], wanted: int) -> bool:
+def _taken(stream: FrameStream, found: list[LineFrame | LineProblem], wanted: int) -> bool:
     if select.select([stream.descriptor], [], [], 0.0)[0]:
         stream.receive()
     found += stream.frames()

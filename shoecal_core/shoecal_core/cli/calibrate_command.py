@@ -27,7 +27,7 @@ from shoecal_core.errors import PartialError
 from shoecal_core.estimation.calibration import load_calibration, save_calibration
 from shoecal_core.estimation.initial_guess import InitialGuess
 from shoecal_core.estimation.joint_fit import JointFit
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.report.quantities import channel_units, uncertain
 from shoecal_core.screening.settings import CalibrationSettings
@@ -63,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_force(parser)
 
 
-def _against(outcome: Outcome) -> str:
+def _against(outcome: CalibrationOutcome) -> str:
     """What errors are counted against: no other command has the model as the fit corrects it."""
     fitted = " as the fit corrects it" if outcome.joint is not None else ""
     return f"Measured against the model{fitted}"
@@ -105,7 +105,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     return to_json(outcome)
 
 
-def to_json(outcome: Outcome) -> dict[str, object]:
+def to_json(outcome: CalibrationOutcome) -> dict[str, object]:
     """Figures of a calibration for machines."""
     calibration, fit = outcome.calibration, outcome.stages.fit
     return {
@@ -170,7 +170,7 @@ def deviations_json(joint: JointFit) -> list[dict[str, object]]:
     ]
 
 
-def _print_deviations(outcome: Outcome, console: Console) -> None:
+def _print_deviations(outcome: CalibrationOutcome, console: Console) -> None:
     """Deviations of robot and shoes that are significant."""
     if outcome.joint is None:
         return
@@ -184,7 +184,7 @@ def _print_deviations(outcome: Outcome, console: Console) -> None:
     console.print(f"  differs from the files (significant): {listed}", markup=False, soft_wrap=True)
 
 
-def _print_trust(outcome: Outcome, console: Console) -> None:
+def _print_trust(outcome: CalibrationOutcome, console: Console) -> None:
     console.print()
     console.print(expected_table(outcome.assessment))
     for line in trust_lines(outcome.assessment, outcome.screening):
@@ -194,7 +194,7 @@ def _print_trust(outcome: Outcome, console: Console) -> None:
         console.print(screening_table(outcome.screening))
 
 
-def _print_channels(outcome: Outcome, console: Console) -> None:
+def _print_channels(outcome: CalibrationOutcome, console: Console) -> None:
     """Gains and offsets; ± is half of the 95 % interval, as in the report."""
     calibration, shoe = outcome.calibration, outcome.data.shoe
     parameters, half = calibration.parameters, outcome.assessment.interval()

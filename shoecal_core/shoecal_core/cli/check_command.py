@@ -24,7 +24,7 @@ from shoecal_core.cli.zeros_table import weight_json, weight_line, zeros_table
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import PartialError, ShoecalError
 from shoecal_core.estimation.checks import missing_text
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.weight import weigh
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import RunEntry, Session
@@ -135,7 +135,7 @@ def _calibration(
     tolerances: Tolerances,
     weight_kg: float | None,
     problems: list[str],
-) -> Outcome | None:
+) -> CalibrationOutcome | None:
     """What `calibrate` would find; None where it would refuse, which is a problem, or there is one.
 
     Zeros that change between runs do not make a session unfit: each run is judged with its own.

@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from shoecal_core.cli.tables import LEVELS, new_table
-from shoecal_core.estimation.history import Entry, load_history
+from shoecal_core.estimation.history import HistoryEntry, load_history
 from shoecal_core.shoe.shoe import FEET
 
 
@@ -46,7 +46,7 @@ def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     }
 
 
-def _table(history: Sequence[Entry]) -> Table:
+def _table(history: Sequence[HistoryEntry]) -> Table:
     first = history[0].calibration
     table = new_table(f"{first.robot} on {first.shoe}: changes against the first (*: > 2 std)")
     for name in ("date (UTC)", "id", "verdict", "largest gain change", "largest zero change",
@@ -68,7 +68,7 @@ def _table(history: Sequence[Entry]) -> Table:
     return table
 
 
-def _figures(entry: Entry) -> dict[str, object]:
+def _figures(entry: HistoryEntry) -> dict[str, object]:
     one = entry.calibration
     return {
         "file": str(entry.path),

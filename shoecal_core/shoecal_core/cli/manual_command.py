@@ -66,7 +66,7 @@ CELLS_FILE, CALIBRATION_FILE = "cells.yaml", "calibration.yaml"
 SIMULATED = "Shoes, weights and the bench are simulated."
 
 
-class CalibrationFailedError(ShoecalError):
+class ManualCalibrationFailedError(ShoecalError):
     """A calibration was found that must not be used."""
 
 
@@ -298,7 +298,7 @@ def _write(calibration: Calibration, out: Path, console: Console) -> None:
         console.print(line, soft_wrap=True)
     if calibration.verdict == "FAIL":
         told = tell_reasons(calibration.reasons, 1)
-        raise CalibrationFailedError(f"no calibration written: {told}")
+        raise ManualCalibrationFailedError(f"no calibration written: {told}")
     save_calibration(calibration, out)
     console.print(f"{out}")
 

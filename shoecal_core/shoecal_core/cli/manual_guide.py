@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 
-from shoecal_core.cli.manual_guide_frames import Problem
+from shoecal_core.cli.manual_guide_frames import LineProblem
 from shoecal_core.cli.manual_guide_streams import FrameStream
 from shoecal_core.errors import ShoecalError
-from shoecal_core.manual.guide import Guide, Key, Phase
+from shoecal_core.manual.guide import Guide, GuidePhase, Key
 from shoecal_core.manual.loads import Load
 from shoecal_core.manual.measurements import Measurements
 from shoecal_core.shoe.shoe import FEET, Shoe
@@ -65,7 +65,7 @@ def guide_person(
     """
     with _keyboard() as keyboard:
         _Session(guide, stream, save, shown, console, keyboard).run()
-    if guide.phase is Phase.STOPPED:
+    if guide.phase is GuidePhase.STOPPED:
         raise StoppedError(
             f"stopped with {guide.pending} of {len(guide.plan)} loads left; the same command goes "
             "on from there"
@@ -104,7 +104,7 @@ class _Session:
         self._shown = shown
         self._console = console
         self._keyboard = keyboard
-        self._asked: tuple[Load, Phase] | None = None
+        self._asked: tuple[Load, GuidePhase] | None = None
         self._saved = guide.measurements
         self._count = 0
 
@@ -112,7 +112,7 @@ class _Session:
         guide = self._guide
         self._console.print(HELP, style="dim")
         self._tell()
-        while guide.phase in {Phase.ASKING, Phase.READING}:
+        while guide.phase in {GuidePhase.ASKING, GuidePhase.READING}:
             keys, lines = self._wait()
             # First the keys: what comes after one belongs to it.
             if keys:
@@ -127,11 +127,11 @@ class _Session:
     @property
     def _wanted(self) -> bool:
         """A live stream is read all the time; a file only where its readings are asked for."""
-        return self._stream.live or self._guide.phase is Phase.READING
+        return self._stream.live or self._guide.phase is GuidePhase.READING
 
     def _wait(self) -> tuple[bool, bool]:
         """Wait for a key or for readings; whether there is a key, and whether readings."""
-        typed = os.isatty(self._keyboard) or self._guide.phase is Phase.ASKING
+        typed = os.isatty(self._keyboard) or self._guide.phase is GuidePhase.ASKING
         sources = [self._keyboard] if typed else []
         # What has been received already must not wait for more.
         ready = self._wanted and self._stream.waiting
@@ -149,7 +149,7 @@ class _Session:
     def _take(self) -> None:
         guide = self._guide
         for found in self._stream.frames():
-            if isinstance(found, Problem):
+            if isinstance(found, LineProblem):
                 self._live(found.text)
                 continue
             load = guide.load
@@ -159,9 +159,9 @@ class _Session:
             self._tell()
             self._count += 1
             if self._count % EVERY == 0:
-                taken = f"{guide.gathered} samples   " if guide.phase is Phase.READING else ""
+                taken = f"{guide.gathered} samples   " if guide.phase is GuidePhase.READING else ""
                 self._live(taken + self._shown(guide.load, found.readings))
-            if not self._wanted or guide.phase is Phase.COMPLETE:
+            if not self._wanted or guide.phase is GuidePhase.COMPLETE:
                 break
 
     def _keep(self, load: Load) -> None:
@@ -177,7 +177,7 @@ class _Session:
     def _tell(self) -> None:
         """Say what is to be done, once."""
         guide = self._guide
-        if guide.phase in {Phase.COMPLETE, Phase.STOPPED}:
+        if guide.phase in {GuidePhase.COMPLETE, GuidePhase.STOPPED}:
             self._live("")
             return
         news = guide.news()
@@ -186,7 +186,7 @@ class _Session:
         before, self._asked = self._asked, (guide.load, guide.phase)
         if self._asked == before and not news:
             return
-        if guide.phase is Phase.READING:
+        if guide.phase is GuidePhase.READING:
             self._say("  reading: hold still")
             return
         what = instruction(guide.measurements.shoe, guide.load)

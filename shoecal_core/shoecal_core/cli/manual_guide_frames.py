@@ -28,7 +28,7 @@ _NOTHING_GIVEN = (2, 3)
 
 
 @dataclass(frozen=True)
-class Frame:
+class LineFrame:
     """All channels at one instant.
 
     Attributes:
@@ -41,7 +41,7 @@ class Frame:
 
 
 @dataclass(frozen=True)
-class Problem:
+class LineProblem:
     """Why no readings come."""
 
     text: str
@@ -62,7 +62,7 @@ class FrameParser:
         self._line = 0
         self._columns: list[str] | None = None
 
-    def parse(self, text: str) -> Frame | Problem | None:
+    def parse(self, text: str) -> LineFrame | LineProblem | None:
         """One line; None where it holds no readings.
 
         Raises:
@@ -83,13 +83,13 @@ class FrameParser:
             return None
         return self._csv(names, self._columns)
 
-    def _json(self, text: str) -> Frame | Problem:
+    def _json(self, text: str) -> LineFrame | LineProblem:
         try:
             value = json.loads(text)
         except (ValueError, RecursionError) as error:
             raise self._error(f"no JSON ({error}); correct its sender") from error
         if isinstance(value.get("problem"), str):
-            return Problem(value["problem"])
+            return LineProblem(value["problem"])
         cells, voltages = (value.get(key) for key in ("cells", "voltages"))
         status = value.get("status", [0] * len(cells) if isinstance(cells, list) else None)
         lists = (cells, voltages, status)
@@ -104,7 +104,7 @@ class FrameParser:
         ]
         return self._frame(pairs, stamp)
 
-    def _csv(self, parts: list[str], columns: list[str]) -> Frame:
+    def _csv(self, parts: list[str], columns: list[str]) -> LineFrame:
         if len(parts) != len(columns):
             raise self._error(f"{len(parts)} values for {len(columns)} columns")
         values = dict(zip(columns, parts, strict=True))
@@ -119,7 +119,7 @@ class FrameParser:
                 raise self._error(f"'{part}' of {name} is no number") from None
         return self._frame(pairs, int(stamp))
 
-    def _frame(self, pairs: list[tuple[str, object]], stamp_ns: int) -> Frame:
+    def _frame(self, pairs: list[tuple[str, object]], stamp_ns: int) -> LineFrame:
         readings = np.full(len(self._shoe.names), math.nan)
         for name, value in pairs:
             if isinstance(value, bool) or not isinstance(value, int | float):
@@ -128,7 +128,7 @@ class FrameParser:
             readings[self._index(name)] = float(value) if abs(value) < _HUGE else math.nan
         if stamp_ns >= 2**63:
             raise self._error(f"{STAMP} {stamp_ns} is no time")
-        return Frame(readings, stamp_ns)
+        return LineFrame(readings, stamp_ns)
 
     def _index(self, name: str) -> int:
         if name not in self._shoe.names:

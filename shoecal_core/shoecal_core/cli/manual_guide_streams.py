@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from shoecal_core.cli.manual_guide_frames import Frame, FrameParser, Problem
+from shoecal_core.cli.manual_guide_frames import FrameParser, LineFrame, LineProblem
 from shoecal_core.errors import FileUnreadableError, ShoecalError
 from shoecal_core.files import read_error
 from shoecal_core.shoe.shoe import Shoe
@@ -65,7 +65,7 @@ class FrameStream:
             if self._rest:
                 self._lines.append(self._rest)
 
-    def frames(self) -> Iterator[Frame | Problem]:
+    def frames(self) -> Iterator[LineFrame | LineProblem]:
         """Take what was received, line by line, as far as the caller likes.
 
         Raises:

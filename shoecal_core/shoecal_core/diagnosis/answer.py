@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shoecal_core.diagnosis.hidden import hidden_cop
 from shoecal_core.diagnosis.result import Candidate, Cause, Verdict
 from shoecal_core.diagnosis.scoring import Scored
-from shoecal_core.diagnosis.selection import TAKEN_FROM, Found, taken
+from shoecal_core.diagnosis.selection import TAKEN_FROM, Selection, taken
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.shrink import excess, gap, judged, shrink
 from shoecal_core.diagnosis.sizes import sizes
@@ -45,7 +45,7 @@ class Answer:
 
 
 def answer(
-    workspace: Workspace, certain: Sequence[Cause], found: Found, settings: DiagnosisSettings
+    workspace: Workspace, certain: Sequence[Cause], found: Selection, settings: DiagnosisSettings
 ) -> Answer:
     """The verdict.
 
@@ -74,8 +74,8 @@ def answer(
 
 
 def borne_out(
-    workspace: Workspace, found: Found, settings: DiagnosisSettings
-) -> tuple[Found, tuple[str, ...]]:
+    workspace: Workspace, found: Selection, settings: DiagnosisSettings
+) -> tuple[Selection, tuple[str, ...]]:
     """Without causes that runs left out do not bear out: there is no gap, or it does not go.
 
     What happened once, in a run that was fitted, others can say nothing about. Where the first one
@@ -112,7 +112,7 @@ def borne_out(
     return found, tuple(told)
 
 
-def _probable(found: Found, settings: DiagnosisSettings) -> Found:
+def _probable(found: Selection, settings: DiagnosisSettings) -> Selection:
     """Without causes in whose place there may well be nothing."""
     assert found.chosen is not None
     for index in reversed(range(len(found.chosen.parts))):
@@ -123,7 +123,7 @@ def _probable(found: Found, settings: DiagnosisSettings) -> Found:
     return found
 
 
-def causes_of(workspace: Workspace, found: Found) -> list[Cause]:
+def causes_of(workspace: Workspace, found: Selection) -> list[Cause]:
     """All parts of what was chosen, with sizes, shrink and hidden part."""
     if found.chosen is None:
         return []
@@ -133,7 +133,7 @@ def causes_of(workspace: Workspace, found: Found) -> list[Cause]:
     ]
 
 
-def probabilities(found: Found, index: int) -> tuple[Candidate, ...]:
+def probabilities(found: Selection, index: int) -> tuple[Candidate, ...]:
     """Of everything that could stand in a cause's place; what lacks is that there is none.
 
     What a cause explains beside much stronger ones may be what these have in another form.

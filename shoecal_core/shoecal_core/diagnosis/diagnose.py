@@ -11,7 +11,7 @@ from shoecal_core.diagnosis.baseline import first_parameters
 from shoecal_core.diagnosis.budget import budget
 from shoecal_core.diagnosis.dissent import lowered, worse_runs
 from shoecal_core.diagnosis.evidence import evidence
-from shoecal_core.diagnosis.measured import Measured, at_zeros, measure, zeros_in
+from shoecal_core.diagnosis.measured import MeasuredBefore, at_zeros, measure, zeros_in
 from shoecal_core.diagnosis.next_motion import propose
 from shoecal_core.diagnosis.preflight import preflight
 from shoecal_core.diagnosis.result import Diagnosis
@@ -105,7 +105,7 @@ def diagnose(
             "and these shoes, or the recording lacks what the effect needs",
         )
     tell("what this session can tell", 0.45)
-    known = Measured()
+    known = MeasuredBefore()
     if only is None:
         known = measure(
             session, read, samples, () if rezero else zeros, train,

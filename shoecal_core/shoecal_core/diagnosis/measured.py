@@ -53,7 +53,7 @@ class Moved:
 
 
 @dataclass(frozen=True)
-class Measured:
+class MeasuredBefore:
     """What was found so.
 
     Attributes:
@@ -122,7 +122,7 @@ def measure(
     settings: DiagnosisSettings,
     *,
     weighs: bool,
-) -> Measured:
+) -> MeasuredBefore:
     """Look for zeros that moved, and for another weight than the robot file's.
 
     Args:
@@ -137,11 +137,11 @@ def measure(
     weighed = weigh(read.shoe, {run.info.run: one.readings for run, one in read.runs}, zeros)
     mass = samples.robot.mass
     if weighed is None or not weighs or weighed.ci95[0] <= mass <= weighed.ci95[1]:
-        return Measured(tuple(found), taken, tuple(train))
+        return MeasuredBefore(tuple(found), taken, tuple(train))
     if abs(weighed.kg - mass) <= mass * settings.material_share:
-        return Measured(tuple(found), taken, tuple(train))
+        return MeasuredBefore(tuple(found), taken, tuple(train))
     robot = load_robot(session.robot_yaml, read.shoe, urdf=session.robot_urdf, weight_kg=weighed.kg)
-    return Measured(tuple(found), taken, tuple(train), robot, weighed)
+    return MeasuredBefore(tuple(found), taken, tuple(train), robot, weighed)
 
 
 def zeros_in(read: Read) -> tuple[Zero, ...]:

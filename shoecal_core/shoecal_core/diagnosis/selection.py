@@ -55,7 +55,7 @@ class Judged:
 
 
 @dataclass(frozen=True)
-class Found:
+class Selection:
     """What was selected.
 
     Attributes:
@@ -78,7 +78,7 @@ class Found:
             return self.chosen
         return scorer.other if self.other >= needed(settings) else scorer.nothing
 
-    def without(self, index: int) -> Found:
+    def without(self, index: int) -> Selection:
         """Without one of the causes that were chosen."""
         assert self.chosen is not None
         parts = [part for at, part in enumerate(self.chosen.parts) if at != index]
@@ -89,7 +89,7 @@ class Found:
         return replace(self, chosen=scored, alternatives=tuple(alternatives))
 
 
-def select(workspace: Workspace, settings: DiagnosisSettings) -> Found:
+def select(workspace: Workspace, settings: DiagnosisSettings) -> Selection:
     """Forward, one at a time; then what the others make superfluous goes."""
     singles = judged(workspace, None)
     chosen: Scored | None = None
@@ -158,15 +158,15 @@ def taken(
     return there, there - excess(now, after, runs), squares(now, before - after, runs)
 
 
-def asked_for(workspace: Workspace) -> Found:
+def asked_for(workspace: Workspace) -> Selection:
     """The best of what is looked at, needed or not: for who asks of one effect how it would do."""
     singles = judged(workspace, None, most=len(workspace.catalogue.hypotheses), each=None)
     return _found(workspace, singles[0].scored if singles else None, singles)
 
 
-def _found(workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged]) -> Found:
+def _found(workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged]) -> Selection:
     scorer = workspace.scorer
-    return Found(
+    return Selection(
         chosen,
         _alternatives(workspace, chosen, singles),
         tuple(one.scored for one in singles),

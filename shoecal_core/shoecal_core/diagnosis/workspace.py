@@ -17,7 +17,12 @@ from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.error_sources.as_built import as_built
 from shoecal_core.error_sources.base import Effect, Place
 from shoecal_core.error_sources.noise import jolts
-from shoecal_core.error_sources.regression import Sums, Whitening, covariance_of, make_sums
+from shoecal_core.error_sources.regression import (
+    WhitenedProducts,
+    Whitening,
+    covariance_of,
+    make_sums,
+)
 from shoecal_core.error_sources.signal_model import SignalModel
 from shoecal_core.error_sources.tolerances import Tolerances
 
@@ -48,7 +53,7 @@ class Workspace:
     noise: FloatArray
     catalogue: Catalogue
     whitening: Whitening
-    sums: Sums
+    sums: WhitenedProducts
     scorer: Scorer
     train: tuple[int, ...]
     test: tuple[int, ...]

@@ -11,7 +11,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.drafting.body import Body
-from shoecal_core.drafting.legs import Legs
+from shoecal_core.drafting.legs import LegChains
 from shoecal_core.drafting.soles import Sole
 from shoecal_core.shoe.shoe import FEET
 
@@ -44,7 +44,7 @@ class DraftCapsule:
 
 
 def find_capsules(
-    body: Body, legs: Legs, points: Mapping[int, FloatArray], soles: Sequence[Sole]
+    body: Body, legs: LegChains, points: Mapping[int, FloatArray], soles: Sequence[Sole]
 ) -> list[DraftCapsule]:
     """Thigh, shank and inner edge of each foot, as far as they have shapes.
 
@@ -64,7 +64,7 @@ def find_capsules(
 
 
 def _slim(
-    body: Body, legs: Legs, capsule: DraftCapsule, others: Sequence[DraftCapsule]
+    body: Body, legs: LegChains, capsule: DraftCapsule, others: Sequence[DraftCapsule]
 ) -> DraftCapsule:
     """The same, not wider than the room next to its counterpart."""
     if capsule.name.endswith("foot"):

@@ -17,7 +17,7 @@ from shapely.ops import nearest_points
 from shoecal_core.drafting.body import Body, Shapes, find_shapes, own_joints, read_body
 from shoecal_core.drafting.capsules import DraftCapsule, find_capsules, pairs_of
 from shoecal_core.drafting.foot_cells import FootCells, find_cells
-from shoecal_core.drafting.legs import UP, Legs, find_legs
+from shoecal_core.drafting.legs import UP, LegChains, find_legs
 from shoecal_core.drafting.posture import find_posture
 from shoecal_core.drafting.six_axis import (
     SixAxis,
@@ -71,7 +71,7 @@ class Draft:
 
     name: str
     body: Body
-    legs: Legs
+    legs: LegChains
     soles: tuple[Sole, Sole]
     posture: dict[str, float]
     capsules: list[DraftCapsule]
@@ -192,7 +192,7 @@ def draft_robot(
     )
 
 
-def _soles(body: Body, legs: Legs, shapes: Shapes, size: SoleSize | None) -> tuple[Sole, Sole]:
+def _soles(body: Body, legs: LegChains, shapes: Shapes, size: SoleSize | None) -> tuple[Sole, Sole]:
     """Left and right, measured or found."""
     found = []
     for chain, is_left in zip(legs.chains, (True, False), strict=True):

@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.drafting.body import Body
-from shoecal_core.drafting.legs import Legs
+from shoecal_core.drafting.legs import LegChains
 from shoecal_core.drafting.soles import Sole
 
 NAME = re.compile(r"fsr|load_?cell", re.IGNORECASE)
@@ -31,7 +31,7 @@ class FootCells:
     places: NDArray[np.float64]
 
 
-def find_cells(body: Body, legs: Legs, soles: tuple[Sole, Sole]) -> list[FootCells] | None:
+def find_cells(body: Body, legs: LegChains, soles: tuple[Sole, Sole]) -> list[FootCells] | None:
     """Left and right; None where a foot has fewer than three."""
     found = [
         _on_foot(body, chain[-1], sole) for chain, sole in zip(legs.chains, soles, strict=True)

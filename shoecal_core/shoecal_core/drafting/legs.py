@@ -27,7 +27,7 @@ UP = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True)
-class Legs:
+class LegChains:
     """Two legs in the zero pose.
 
     Attributes:
@@ -43,7 +43,7 @@ class Legs:
     named: bool
 
 
-def find_legs(body: Body) -> Legs:
+def find_legs(body: Body) -> LegChains:
     """The two legs of a humanoid whose base's z axis points up.
 
     Raises:
@@ -70,7 +70,7 @@ def find_legs(body: Body) -> Legs:
     if named is None and np.cross(left, UP)[0] < 0.0:
         one, other, left = other, one, -left
     left = _snapped(left)
-    return Legs((one, other), left, np.cross(left, UP), named is not None)
+    return LegChains((one, other), left, np.cross(left, UP), named is not None)
 
 
 def _ends(body: Body) -> list[tuple[int, ...]]:

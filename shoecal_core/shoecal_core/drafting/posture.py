@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from shoecal_core.drafting.body import Body, own_joints
-from shoecal_core.drafting.legs import UP, Legs
+from shoecal_core.drafting.legs import UP, LegChains
 from shoecal_core.drafting.soles import Sole
 from shoecal_core.robot.urdf import UrdfError
 
@@ -27,7 +27,7 @@ SHARES = (0.1, 0.9)
 """Part of the knees' bend that the hips take, least and most."""
 
 
-def find_posture(body: Body, legs: Legs, soles: Sequence[Sole]) -> dict[str, float]:
+def find_posture(body: Body, legs: LegChains, soles: Sequence[Sole]) -> dict[str, float]:
     """Angles by joint [rad]; joints at zero and followers of other motors are left out.
 
     Raises:
@@ -100,7 +100,7 @@ def _bent(
     body: Body,
     angles: FloatArray,
     swings: Sequence[tuple[int, int, int]],
-    legs: Legs,
+    legs: LegChains,
     soles: Sequence[Sole],
     bend: float,
     hip_bend: float,
@@ -115,7 +115,7 @@ def _bent(
             )
 
 
-def _com_ahead(body: Body, angles: FloatArray, legs: Legs, soles: Sequence[Sole]) -> float:
+def _com_ahead(body: Body, angles: FloatArray, legs: LegChains, soles: Sequence[Sole]) -> float:
     model = body.model
     data = model.createData()
     q = configuration(body, angles)

@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.drafting.body import Body
-from shoecal_core.drafting.legs import Legs
+from shoecal_core.drafting.legs import LegChains
 from shoecal_core.drafting.soles import Sole
 
 FloatArray = NDArray[np.float64]
@@ -36,7 +36,7 @@ class SixAxis:
     signs: tuple[int, int, int] | None
 
 
-def find_six_axis(body: Body, legs: Legs, soles: tuple[Sole, Sole]) -> list[SixAxis | None]:
+def find_six_axis(body: Body, legs: LegChains, soles: tuple[Sole, Sole]) -> list[SixAxis | None]:
     """Left and right: the sensor that turns with the foot, the highest of several.
 
     Those that a `<sensor type="force_torque">` declares count before those that are sensors by
@@ -50,7 +50,7 @@ def find_six_axis(body: Body, legs: Legs, soles: tuple[Sole, Sole]) -> list[SixA
     return found
 
 
-def more_on_feet(body: Body, legs: Legs, soles: tuple[Sole, Sole]) -> list[str]:
+def more_on_feet(body: Body, legs: LegChains, soles: tuple[Sole, Sole]) -> list[str]:
     """Declared sensors of feet that have several, where each carries a part of the load."""
     return sorted(
         sensor.name
@@ -60,7 +60,7 @@ def more_on_feet(body: Body, legs: Legs, soles: tuple[Sole, Sole]) -> list[str]:
     )
 
 
-def at_ankles(body: Body, legs: Legs, soles: tuple[Sole, Sole]) -> list[SixAxis | None]:
+def at_ankles(body: Body, legs: LegChains, soles: tuple[Sole, Sole]) -> list[SixAxis | None]:
     """Sensors that the URDF does not name, at the last joints, axes as the soles'."""
     return [
         SixAxis(str(body.model.names[chain[-1]]), np.array([0.0, 0.0, sole.height]), (1, 1, 1))
@@ -68,7 +68,7 @@ def at_ankles(body: Body, legs: Legs, soles: tuple[Sole, Sole]) -> list[SixAxis 
     ]
 
 
-def elsewhere(body: Body, legs: Legs) -> list[str]:
+def elsewhere(body: Body, legs: LegChains) -> list[str]:
     """Sensors of the legs that do not turn with the foot; by their names where none is declared."""
     declared = {name for name, _ in _declared(body)}
     inner = {joint for chain in legs.chains for joint in chain[:-1]}

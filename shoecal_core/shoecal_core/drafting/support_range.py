@@ -9,7 +9,7 @@ import numpy as np
 
 from shoecal_core.drafting.body import Body
 from shoecal_core.drafting.capsules import DraftCapsule
-from shoecal_core.drafting.legs import UP, Legs
+from shoecal_core.drafting.legs import UP, LegChains
 from shoecal_core.drafting.soles import Sole
 
 FORWARD, BACKWARD, ASIDE = 0.3, 0.2, 0.25
@@ -35,7 +35,7 @@ class DraftRange:
 
 
 def find_range(
-    body: Body, legs: Legs, soles: Sequence[Sole], capsules: Sequence[DraftCapsule]
+    body: Body, legs: LegChains, soles: Sequence[Sole], capsules: Sequence[DraftCapsule]
 ) -> DraftRange:
     """A range that small humanoids reach mostly; planning leaves out what is beyond reach."""
     left, right = soles
@@ -53,7 +53,7 @@ def find_range(
     )
 
 
-def _yaw(body: Body, legs: Legs) -> float:
+def _yaw(body: Body, legs: LegChains) -> float:
     """Sum over both legs of how far the foot can be turned to its less free side [rad]."""
     total = 0.0
     for chain in legs.chains:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.error_sources.spectrum import Spectrum
+from shoecal_core.error_sources.spectrum import BandTransform
 from shoecal_core.samples.samples import Samples
 
 FloatArray = NDArray[np.float64]
@@ -30,7 +30,7 @@ class Whitening:
     """
 
     def __init__(self, samples: Samples, mask: BoolArray, noise: FloatArray) -> None:
-        self.spectrum = Spectrum(samples, mask)
+        self.spectrum = BandTransform(samples, mask)
         std = np.sqrt(noise.ravel()[self.spectrum.group])
         self._scale = np.where(self.spectrum.kept, 1.0 / np.maximum(std, 1e-300), 0.0)
         self.kept = self.spectrum.kept
@@ -43,7 +43,7 @@ class Whitening:
 
 
 @dataclass(frozen=True)
-class Sums:
+class WhitenedProducts:
     """Products of whitened columns and of the residuals.
 
     The columns are the baseline's first, then those of hypotheses, then the residuals.
@@ -66,7 +66,7 @@ def make_sums(
     hypotheses: FloatArray,
     residuals: FloatArray,
     precision: FloatArray,
-) -> Sums:
+) -> WhitenedProducts:
     """Add up all products of some runs.
 
     Args:
@@ -77,11 +77,11 @@ def make_sums(
     whitened = whitening(np.concatenate((baseline, hypotheses, residuals[None])))
     kept = whitening.kept[part]
     flat = whitened[:, part][:, kept]
-    return Sums(flat @ flat.T, len(baseline), precision)
+    return WhitenedProducts(flat @ flat.T, len(baseline), precision)
 
 
 @dataclass(frozen=True)
-class Solution:
+class RegressionSolution:
     """A fit of the baseline and some more columns.
 
     Attributes:
@@ -95,7 +95,7 @@ class Solution:
     squares: float
 
 
-def solve(sums: Sums, columns: Sequence[int], std: FloatArray) -> Solution:
+def solve(sums: WhitenedProducts, columns: Sequence[int], std: FloatArray) -> RegressionSolution:
     """Least squares with priors.
 
     Args:
@@ -108,7 +108,7 @@ def solve(sums: Sums, columns: Sequence[int], std: FloatArray) -> Solution:
     covariance = covariance_of(sums.products[np.ix_(chosen, chosen)], precision)
     vector = covariance @ right
     squares = float(sums.products[-1, -1] - right @ vector)
-    return Solution(vector, covariance, squares)
+    return RegressionSolution(vector, covariance, squares)
 
 
 def covariance_of(normal: FloatArray, precision: FloatArray) -> FloatArray:

@@ -27,7 +27,7 @@ lessen its noise look right."""
 FEWEST = 2
 
 
-class Spectrum:
+class BandTransform:
     """The transform, laid out like the signals.
 
     Args:

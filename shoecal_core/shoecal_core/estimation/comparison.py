@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.series import (
     Errors,
     Series,
@@ -22,7 +22,7 @@ from shoecal_core.shoe.sensing import Sensing
 
 
 @dataclass(frozen=True)
-class Comparison:
+class StanceComparison:
     """One stance.
 
     Attributes:
@@ -56,11 +56,11 @@ def read_truths(session: Session, data: SessionData) -> dict[int, Truth]:
     }
 
 
-def compare(outcome: Outcome, truths: Mapping[int, Truth]) -> list[Comparison]:
+def compare(outcome: CalibrationOutcome, truths: Mapping[int, Truth]) -> list[StanceComparison]:
     """Every stance of every run, training runs first."""
     guessed = Sensing(outcome.data.shoe, outcome.stages.guess.parameters)
     return [
-        Comparison(
+        StanceComparison(
             set=name,
             stance=stance,
             guess=measured_series(guessed, stance),
@@ -73,7 +73,7 @@ def compare(outcome: Outcome, truths: Mapping[int, Truth]) -> list[Comparison]:
     ]
 
 
-def stage_errors(comparisons: Sequence[Comparison]) -> dict[str, dict[str, Errors]]:
+def stage_errors(comparisons: Sequence[StanceComparison]) -> dict[str, dict[str, Errors]]:
     """Errors against the reference by stage (`modelled` too, where there is a truth) and set."""
     stages = ["initial_guess", "self_calibration"]
     if all(one.truth is not None for one in comparisons):

@@ -15,7 +15,12 @@ from scipy.special import chdtri
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.standstill import Comparison, ModelTolerance, compare, hanging_feet
+from shoecal_core.estimation.standstill import (
+    ModelTolerance,
+    StandstillResiduals,
+    compare,
+    hanging_feet,
+)
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.shoe.shoe import FEET, Shoe
 
@@ -127,7 +132,7 @@ def check_drift(
 
 
 def drift_of(
-    found: Comparison,
+    found: StandstillResiduals,
     calibration: Calibration,
     readings: FloatArray,
     *,

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from shoecal_core.estimation.correction_fit import fit_corrections
 from shoecal_core.estimation.initial_guess import InitialGuess, initial_guess
 from shoecal_core.estimation.least_squares import Fit, Prior, minimise
-from shoecal_core.estimation.residuals import Weights, pack, rows_of, thinned, unpack
+from shoecal_core.estimation.residuals import ResidualWeights, pack, rows_of, thinned, unpack
 from shoecal_core.estimation.walking_fit import CommonZeros, fit_walk
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.settings import CalibrationSettings
@@ -98,7 +98,7 @@ def fit_parameters(
     shoe: Shoe, stances: Sequence[Stance], guess: InitialGuess, settings: CalibrationSettings
 ) -> Fit:
     """Nonlinear least squares over all gains, offsets and the time offset (paper, eq. 18)."""
-    rows = rows_of(thinned(stances, MOST_SAMPLES), shoe, Weights.of(settings))
+    rows = rows_of(thinned(stances, MOST_SAMPLES), shoe, ResidualWeights.of(settings))
     return minimise(rows, prior_of(shoe, guess, settings))
 
 

@@ -26,7 +26,7 @@ TORQUE_AXES = AXES[3:]
 
 
 @dataclass(frozen=True)
-class Entry:
+class HistoryEntry:
     """One calibration, compared with the first of its history; n channels.
 
     Attributes:
@@ -76,7 +76,7 @@ class Entry:
         )
 
 
-def load_history(paths: Sequence[Path]) -> list[Entry]:
+def load_history(paths: Sequence[Path]) -> list[HistoryEntry]:
     """Calibrations of one robot and one shoe, oldest first, each compared with the oldest.
 
     Raises:
@@ -107,12 +107,12 @@ def load_history(paths: Sequence[Path]) -> list[Entry]:
     return [_compared(path, one, first) for path, one in loaded]
 
 
-def _compared(path: Path, one: Calibration, first: Calibration) -> Entry:
+def _compared(path: Path, one: Calibration, first: Calibration) -> HistoryEntry:
     gain_std, offset_std = _stds(one)
     first_gain_std, first_offset_std = _stds(first)
     gain, base = one.parameters.gain, first.parameters.gain
     offset_change = one.parameters.offset - first.parameters.offset
-    return Entry(
+    return HistoryEntry(
         path,
         one,
         gain_std,

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from shoecal_core.estimation.least_squares import Prior
-from shoecal_core.estimation.residuals import Weights, residuals, unpack
+from shoecal_core.estimation.residuals import ResidualWeights, residuals, unpack
 from shoecal_core.samples.even import evenly
 from shoecal_core.samples.stance import Stance
 from shoecal_core.screening.faults import Fault
@@ -65,7 +65,7 @@ class Lag:
 
 
 def lags(
-    vector: FloatArray, prior: Prior, stances: Sequence[Stance], weights: Weights
+    vector: FloatArray, prior: Prior, stances: Sequence[Stance], weights: ResidualWeights
 ) -> tuple[Lag, ...]:
     """The lag of every cell, each as if it alone had one.
 

@@ -21,7 +21,7 @@ from shoecal_core.screening.result import Screening
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CalibrationOutcome:
     """A calibration with everything that speaks for or against it.
 
     Attributes:

@@ -28,7 +28,7 @@ weight of what hangs below the cells is known, and cells hold their zero."""
 
 
 @dataclass(frozen=True)
-class Weights:
+class ResidualWeights:
     """Standard deviations of one independent sample.
 
     Attributes:
@@ -42,7 +42,7 @@ class Weights:
     correlation: float
 
     @classmethod
-    def of(cls, settings: CalibrationSettings) -> Weights:
+    def of(cls, settings: CalibrationSettings) -> ResidualWeights:
         """As a calibration is told to weigh."""
         return cls(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
 
@@ -67,7 +67,7 @@ def unpack(vector: FloatArray) -> tuple[ChannelParameters, float]:
     )
 
 
-def errors(vector: FloatArray, stance: Stance, weights: Weights) -> FloatArray:
+def errors(vector: FloatArray, stance: Stance, weights: ResidualWeights) -> FloatArray:
     """Residuals (3T,): all r_F, then all r_Cx, then all r_Cy."""
     force, place = _measured(vector, stance)
     off = place - stance.cop - vector[-1] * stance.cop_rate
@@ -75,7 +75,7 @@ def errors(vector: FloatArray, stance: Stance, weights: Weights) -> FloatArray:
 
 
 def residuals(
-    vector: FloatArray, stance: Stance, weights: Weights
+    vector: FloatArray, stance: Stance, weights: ResidualWeights
 ) -> tuple[FloatArray, FloatArray]:
     """`errors` (3T,) and their Jacobian (3T, 2n + 1)."""
     columns = stance.columns
@@ -102,12 +102,12 @@ def _measured(vector: FloatArray, stance: Stance) -> tuple[FloatArray, FloatArra
     return force, np.stack((-my, mx), axis=1) / force[:, None]
 
 
-def hanging_weights(stance: Stance, weights: Weights) -> Weights:
+def hanging_weights(stance: Stance, weights: ResidualWeights) -> ResidualWeights:
     """Weights of a foot in the air: while the robot stands still, no error of the model matters."""
     if not stance.quasi_static or not len(stance.force):
         return weights
     weight = float(stance.force.mean())
-    return Weights(
+    return ResidualWeights(
         min(weights.force, HANGING_STD_N),
         min(weights.cop, HANGING_STD_N * HANGING_LEVER_M / weight),
         weights.correlation,
@@ -115,7 +115,7 @@ def hanging_weights(stance: Stance, weights: Weights) -> Weights:
 
 
 def hanging_residuals(
-    vector: FloatArray, stance: Stance, shoe: Shoe, weights: Weights, weight: float
+    vector: FloatArray, stance: Stance, shoe: Shoe, weights: ResidualWeights, weight: float
 ) -> tuple[FloatArray, FloatArray]:
     """Residuals (3T,) and Jacobian of a foot in the air: its wrench is zero.
 
@@ -148,7 +148,7 @@ def hanging_residuals(
 def rows_of(
     stances: Sequence[Stance],
     shoe: Shoe,
-    weights: Weights,
+    weights: ResidualWeights,
     shares: Sequence[float] | None = None,
 ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
     """All residuals of some stances, and their Jacobian, as a function of the vector.

@@ -50,7 +50,7 @@ class ModelTolerance:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class StandstillResiduals:
     """k differences of a standstill: where any foot is loaded those of GRF, CoP x and CoP y,
     then F, Mx, My of each hanging foot.
 
@@ -141,7 +141,7 @@ def compare(
     body: BodyStates,
     hanging: tuple[bool, bool],
     tolerance: ModelTolerance,
-) -> Comparison:
+) -> StandstillResiduals:
     """The differences of one standstill.
 
     Args:
@@ -158,7 +158,7 @@ def compare(
         known = np.array([tolerance.force, tolerance.cop, tolerance.cop])
         parts.insert(0, (*standing, known))
     error, slopes, stds = (np.concatenate([part[item] for part in parts]) for item in range(3))
-    return Comparison(hanging, error, slopes, stds)
+    return StandstillResiduals(hanging, error, slopes, stds)
 
 
 def _standing(

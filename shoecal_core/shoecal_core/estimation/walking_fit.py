@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.estimation.least_squares import Fit, Prior, minimise
-from shoecal_core.estimation.residuals import Weights, errors, rows_of
+from shoecal_core.estimation.residuals import ResidualWeights, errors, rows_of
 from shoecal_core.samples.stance import Stance
 from shoecal_core.samples.zeros import Zero
 from shoecal_core.screening.settings import CalibrationSettings
@@ -106,7 +106,7 @@ def fit_walk(
     std[offsets][known] = (np.abs(mean[:count]) * common.std)[known]
     kinds = Counter(stance.loaded for stance in centred if len(stance.time))
     shares = [1.0 / max(1, kinds[stance.loaded]) for stance in centred]
-    weights = Weights.of(settings)
+    weights = ResidualWeights.of(settings)
     for _ in range(REWEIGHED):
         rows = rows_of(centred, shoe, weights, shares)
         fit = minimise(rows, Prior(mean, std))
@@ -116,12 +116,12 @@ def fit_walk(
 
 def _as_large(
     vector: FloatArray, stances: Sequence[Stance], settings: CalibrationSettings
-) -> Weights:
+) -> ResidualWeights:
     """Weights of residuals that are as large as they turned out, and no smaller than set."""
-    unit = Weights(1.0, 1.0, settings.correlation_s)
+    unit = ResidualWeights(1.0, 1.0, settings.correlation_s)
     rows = [errors(vector, stance, unit).reshape(3, -1) for stance in stances]
     size = np.sqrt(np.mean(np.concatenate(rows, axis=1) ** 2, axis=1))
-    return Weights(
+    return ResidualWeights(
         max(settings.force_std_n, float(size[0])),
         max(settings.cop_std_m, float(np.sqrt(np.mean(size[1:] ** 2)))),
         settings.correlation_s,

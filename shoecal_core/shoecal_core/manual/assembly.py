@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.manual.measurements import Entry, Measurements
+from shoecal_core.manual.measurements import LoadReading, Measurements
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, foot_wrenches, weight_below
@@ -76,7 +76,7 @@ def _rows(shoe: Shoe, foot: int) -> FloatArray:
     return columns if shoe.gives_cop[foot] else columns[:1]
 
 
-def _bare(loads: Measurements, foot: int) -> Entry:
+def _bare(loads: Measurements, foot: int) -> LoadReading:
     for entry in loads.of_foot(foot):
         if not entry.load.place:
             return entry

@@ -12,17 +12,17 @@ from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.manual.calibrate import of_shoe
 from shoecal_core.manual.cells import wrong_response
 from shoecal_core.manual.loads import Load
-from shoecal_core.manual.measurements import Entry, EntryError, Measurements
+from shoecal_core.manual.measurements import EntryError, LoadReading, Measurements
 from shoecal_core.manual.settings import ManualSettings
 from shoecal_core.manual.shoe_loads import wrong_weight
-from shoecal_core.manual.still import Last, Outcome, StillReading
+from shoecal_core.manual.still import Last, StillReading, StillState
 from shoecal_core.robot.robot import GRAVITY
 
 FloatArray = NDArray[np.float64]
-Check = Callable[[Measurements, Entry], str]
+Check = Callable[[Measurements, LoadReading], str]
 
 
-class Phase(Enum):
+class GuidePhase(Enum):
     """Where the guide is."""
 
     ASKING = "asking"
@@ -75,7 +75,7 @@ class Guide:
         self._said = ""
         self._last: Last | None = None
         self._reading: StillReading | None = None
-        self.phase = Phase.ASKING
+        self.phase = GuidePhase.ASKING
         self._next()
 
     @property
@@ -105,15 +105,15 @@ class Guide:
 
     def press(self, key: Key) -> None:
         """Take what the person says; at the end nothing is heard any more."""
-        if self.phase in {Phase.COMPLETE, Phase.STOPPED}:
+        if self.phase in {GuidePhase.COMPLETE, GuidePhase.STOPPED}:
             return
         if key is Key.STOP:
-            self._reading, self.phase = None, Phase.STOPPED
+            self._reading, self.phase = None, GuidePhase.STOPPED
         elif key is Key.READ:
-            if self.phase is Phase.ASKING:
+            if self.phase is GuidePhase.ASKING:
                 shoe = self.measurements.shoe
                 self._reading = StillReading(shoe, self.load, self._settings, self._last)
-                self.phase = Phase.READING
+                self.phase = GuidePhase.READING
         elif key is Key.SKIP:
             self.skipped.add(self.load)
             self._ask("skipped")
@@ -135,20 +135,20 @@ class Guide:
         if self._reading is None:
             return
         outcome = self._reading.take(readings[self.measurements.shoe.of_foot(self.load.foot)])
-        if outcome is Outcome.UNDER_WAY:
+        if outcome is StillState.UNDER_WAY:
             return
-        if outcome is not Outcome.STILL:
+        if outcome is not StillState.STILL:
             self._ask(outcome.value)
             return
         reading = self._reading
-        entry = Entry(self.load, reading.mean, reading.std, self._settings.samples, stamp_ns)
+        entry = LoadReading(self.load, reading.mean, reading.std, self._settings.samples, stamp_ns)
         problem = self._accept(entry)
         self._ask(problem)
         if not problem:
             self._last = Last(entry.load, entry.mean)
             self._next()
 
-    def _accept(self, entry: Entry) -> str:
+    def _accept(self, entry: LoadReading) -> str:
         """Keep a reading; what is wrong with it where it is not kept."""
         try:
             fresh = self.measurements.with_entry(entry)
@@ -161,7 +161,7 @@ class Guide:
         return problem
 
     def _ask(self, said: str) -> None:
-        self._reading, self._said, self.phase = None, said, Phase.ASKING
+        self._reading, self._said, self.phase = None, said, GuidePhase.ASKING
 
     def _next(self) -> None:
         """Go on to the next load that is neither read nor skipped, behind this one if there is."""
@@ -172,10 +172,10 @@ class Guide:
             if self.plan[index] not in done:
                 self._at = index
                 return
-        self.phase = Phase.COMPLETE
+        self.phase = GuidePhase.COMPLETE
 
 
-def cell_check(before: Measurements, entry: Entry) -> str:
+def cell_check(before: Measurements, entry: LoadReading) -> str:
     """Whether another cell than the loaded one responded, or none; empty: all is well."""
     name = entry.load.place
     weights = {other.load.mass for other in before.of_cell(name) if other.load != entry.load}
@@ -191,7 +191,7 @@ def shoe_check(cells: Calibration) -> Check:
         cells: calibration of the single cells.
     """
 
-    def check(before: Measurements, entry: Entry) -> str:
+    def check(before: Measurements, entry: LoadReading) -> str:
         load = entry.load
         bare = [other for other in before.of_foot(load.foot) if not other.load.place]
         if not load.place or not bare:

@@ -38,7 +38,7 @@ class EntryError(ShoecalError):
 
 
 @dataclass(frozen=True)
-class Entry:
+class LoadReading:
     """The mean reading under one load.
 
     Attributes:
@@ -75,7 +75,7 @@ class Measurements:
 
     kind: str
     shoe: Shoe
-    entries: tuple[Entry, ...] = ()
+    entries: tuple[LoadReading, ...] = ()
     path: Path | None = None
 
     def __post_init__(self) -> None:
@@ -91,7 +91,7 @@ class Measurements:
                     index, "mass_kg", f"{entry.load}: is in entries[{first}] already; keep one"
                 )
 
-    def with_entry(self, entry: Entry) -> Measurements:
+    def with_entry(self, entry: LoadReading) -> Measurements:
         """The same with one entry more, or in the place of the one of the same load."""
         kept = tuple(entry if other.load == entry.load else other for other in self.entries)
         entries = kept if entry.load in self.loads else (*kept, entry)
@@ -107,11 +107,11 @@ class Measurements:
         """When the last one was read [ns since the epoch]; 0 where not known."""
         return max((entry.made_ns for entry in self.entries), default=0)
 
-    def of_foot(self, foot: int) -> tuple[Entry, ...]:
+    def of_foot(self, foot: int) -> tuple[LoadReading, ...]:
         """Entries of one foot."""
         return tuple(entry for entry in self.entries if entry.load.foot == foot)
 
-    def of_cell(self, name: str) -> tuple[Entry, ...]:
+    def of_cell(self, name: str) -> tuple[LoadReading, ...]:
         """Entries in which a cell bore the weight alone."""
         return tuple(entry for entry in self.entries if entry.load.place == name)
 
@@ -120,7 +120,7 @@ class Measurements:
         return ShoecalError(problem) if self.path is None else FieldError(self.path, problem)
 
 
-def stacked(entries: Sequence[Entry]) -> tuple[FloatArray, FloatArray, FloatArray]:
+def stacked(entries: Sequence[LoadReading]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Masses (N,) [kg], means (N, k) and noise of the means (N, k) of entries of one foot."""
     return (
         np.array([entry.load.mass for entry in entries]),
@@ -164,7 +164,7 @@ def _check_load(kind: str, shoe: Shoe, index: int, load: Load) -> None:
         )
 
 
-def _check_readings(shoe: Shoe, index: int, entry: Entry) -> None:
+def _check_readings(shoe: Shoe, index: int, entry: LoadReading) -> None:
     load = entry.load
     channels = shoe.of_foot(load.foot)
     for name, values in (("mean", entry.mean), ("std", entry.std)):

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import FieldError, FileError, NameNotFoundError, ShoecalError
 from shoecal_core.files import Fields, atomic_write, read_yaml
 from shoecal_core.manual.loads import CELLS, KINDS, Load
-from shoecal_core.manual.measurements import Entry, EntryError, Measurements
+from shoecal_core.manual.measurements import EntryError, LoadReading, Measurements
 from shoecal_core.shoe.shoe import FEET, Shoe
 
 FloatArray = NDArray[np.float64]
@@ -81,7 +81,7 @@ def _flow(value: object) -> str:
     return json.dumps(value, ensure_ascii=False, allow_nan=False)
 
 
-def _to_yaml(shoe: Shoe, entry: Entry) -> dict[str, object]:
+def _to_yaml(shoe: Shoe, entry: LoadReading) -> dict[str, object]:
     load = entry.load
     place: dict[str, object] = {"cell": load.place} if load.alone else {"foot": FEET[load.foot]}
     if load.place and not load.alone:
@@ -97,7 +97,7 @@ def _to_yaml(shoe: Shoe, entry: Entry) -> dict[str, object]:
     }
 
 
-def _from_yaml(kind: str, shoe: Shoe, fields: Fields) -> Entry:
+def _from_yaml(kind: str, shoe: Shoe, fields: Fields) -> LoadReading:
     place = ("cell",) if kind == CELLS else ("foot", "hole")
     fields.only(*place, "mass_kg", "count", "made_ns", "mean", "std")
     if kind == CELLS:
@@ -110,7 +110,7 @@ def _from_yaml(kind: str, shoe: Shoe, fields: Fields) -> Entry:
         foot = FEET.index(fields.choice("foot", dict.fromkeys(FEET)))
         load = Load(foot, fields.text("hole", ""), fields.number("mass_kg"))
     names = _names(shoe, load.foot)
-    return Entry(
+    return LoadReading(
         load,
         _values(fields, "mean", names),
         _values(fields, "std", names) if "std" in fields else np.full(len(names), math.nan),

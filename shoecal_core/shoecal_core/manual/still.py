@@ -19,7 +19,7 @@ CHANGED = 3.0
 """A new load changes a channel by more than this, in the largest std of a still reading."""
 
 
-class Outcome(Enum):
+class StillState(Enum):
     """How far a reading is."""
 
     UNDER_WAY = "under way"
@@ -67,7 +67,7 @@ class StillReading:
         self._limit = settings.still_fraction * span
         self._before = last.mean if last is not None and _follows(last.load, load) else None
 
-    def take(self, sample: FloatArray) -> Outcome:
+    def take(self, sample: FloatArray) -> StillState:
         """Take the foot's channels (k,) at one instant [unit]; NaN where one gave none."""
         self.taken += 1
         if np.isfinite(sample[self._wanted]).all():
@@ -76,14 +76,14 @@ class StillReading:
             self._window.clear()
         late = self.taken >= self._settings.patience
         if len(self._window) < self._settings.samples:
-            return Outcome.SILENT if late else Outcome.UNDER_WAY
+            return StillState.SILENT if late else StillState.UNDER_WAY
         if (self.std > self._limit)[self._wanted].any():
-            return Outcome.MOVED if late else Outcome.UNDER_WAY
+            return StillState.MOVED if late else StillState.UNDER_WAY
         if self._before is not None:
             change = np.abs(self.mean - self._before)
             if not (change > CHANGED * self._limit).any():
-                return Outcome.UNCHANGED if late else Outcome.UNDER_WAY
-        return Outcome.STILL
+                return StillState.UNCHANGED if late else StillState.UNDER_WAY
+        return StillState.STILL
 
     @property
     def gathered(self) -> int:

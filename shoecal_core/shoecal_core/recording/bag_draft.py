@@ -16,7 +16,7 @@ from shoecal_core.recording.bag_import import WRENCH
 from shoecal_core.recording.bag_mapping import CHOOSE, FORMAT
 from shoecal_core.recording.bag_match import (
     Match,
-    Seen,
+    TopicContent,
     look_into,
     match_base_pose,
     match_cells,
@@ -122,7 +122,7 @@ def draft_mapping(bags: Sequence[Path], robot: Robot, shoe: Shoe) -> BagDraft:
     return BagDraft(tuple(trials), found, degrees, received, tuple(notes))
 
 
-def _other_clocks(seen: Mapping[str, Seen]) -> tuple[str, ...]:
+def _other_clocks(seen: Mapping[str, TopicContent]) -> tuple[str, ...]:
     """Topics without stamps, or whose stamps are off the times of receipt, where they differ.
 
     Stamps of one clock are kept, however far it is off.

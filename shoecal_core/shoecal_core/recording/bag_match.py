@@ -36,7 +36,7 @@ _HAND = re.compile(r"hand|wrist|arm|gripper")
 
 
 @dataclass(frozen=True)
-class Seen:
+class TopicContent:
     """What the first messages of one topic show.
 
     Attributes:
@@ -75,7 +75,7 @@ class Match:
     notes: tuple[str, ...] = ()
 
 
-def look_into(bag: Bag) -> dict[str, Seen]:
+def look_into(bag: Bag) -> dict[str, TopicContent]:
     """The topics of known types."""
     known = {JOINT_STATE, WRENCH, IMU, SHOE_VOLTAGES_TYPE, *POSE_TYPES}
     wanted = {name: one for name, one in bag.topics.items() if one.type in known and one.count}
@@ -99,7 +99,7 @@ def look_into(bag: Bag) -> dict[str, Seen]:
     }
 
 
-def _seen(kind: str, contents: Sequence[Any], delays: Sequence[float]) -> Seen:
+def _seen(kind: str, contents: Sequence[Any], delays: Sequence[float]) -> TopicContent:
     names = [
         name for one in contents for name in getattr(one, "name", getattr(one, "cell", []))
     ]  # fmt: skip
@@ -108,7 +108,7 @@ def _seen(kind: str, contents: Sequence[Any], delays: Sequence[float]) -> Seen:
         for one in contents
         if kind == WRENCH
     ]
-    return Seen(
+    return TopicContent(
         type=kind,
         frames=_distinct(str(one.header.frame_id) for one in contents),
         children=_distinct(str(getattr(one, "child_frame_id", "")) for one in contents),
@@ -118,7 +118,7 @@ def _seen(kind: str, contents: Sequence[Any], delays: Sequence[float]) -> Seen:
     )
 
 
-def match_joints(path: Path, seen: Mapping[str, Seen], robot: Robot) -> Match:
+def match_joints(path: Path, seen: Mapping[str, TopicContent], robot: Robot) -> Match:
     """The topics that name the robot's joints: one that has all its legs, or several together.
 
     Raises:
@@ -176,7 +176,7 @@ def _apart(renames: Mapping[str, Mapping[str, str]], legs: set[str]) -> tuple[li
     return topics, rivals
 
 
-def match_cells(seen: Mapping[str, Seen], shoe: Shoe) -> Match | None:
+def match_cells(seen: Mapping[str, TopicContent], shoe: Shoe) -> Match | None:
     """The topics that name the shoe's cells."""
     fitting = {
         name: matched_names(one.names, shoe.names)
@@ -190,7 +190,9 @@ def match_cells(seen: Mapping[str, Seen], shoe: Shoe) -> Match | None:
     return Match(tuple(fitting), rename=rename)
 
 
-def match_wrench(seen: Mapping[str, Seen], robot: Robot, shoe: Shoe, foot: str) -> Match | None:
+def match_wrench(
+    seen: Mapping[str, TopicContent], robot: Robot, shoe: Shoe, foot: str
+) -> Match | None:
     """The topic whose frame turns with the foot, else those whose names say so."""
     axes = [axis for axis in AXES if f"{foot}/{axis}" in shoe.names]
     wrenches = {name: one for name, one in seen.items() if one.type == WRENCH}
@@ -247,7 +249,7 @@ def _sole_R_sensor(robot: Robot, foot: int, frame: str) -> NDArray[np.float64] |
     return np.asarray(robot.feet[foot].placement.rotation.T @ placement.rotation)
 
 
-def match_imu(seen: Mapping[str, Seen], robot: Robot) -> Match | None:
+def match_imu(seen: Mapping[str, TopicContent], robot: Robot) -> Match | None:
     """The IMU on the base, where frames say so."""
     names = [name for name, one in seen.items() if one.type == IMU]
     on_base = [name for name in names if _parent_joint(robot, seen[name].frames[0]) == BASE]
@@ -255,7 +257,7 @@ def match_imu(seen: Mapping[str, Seen], robot: Robot) -> Match | None:
     return Match(tuple(fitting), chosen=len(fitting) == 1) if fitting else None
 
 
-def match_base_pose(seen: Mapping[str, Seen], robot: Robot) -> Match | None:
+def match_base_pose(seen: Mapping[str, TopicContent], robot: Robot) -> Match | None:
     """Odometry or poses of a link that is fixed to the base, else any."""
     names = [name for name, one in seen.items() if one.type in POSE_TYPES]
     framed = [name for name in names if _parent_joint(robot, _child(seen[name])) == BASE]
@@ -290,7 +292,7 @@ def _frame(model: pin.Model, frame: str) -> str:
     return without_prefix(frame, {str(one.name) for one in model.frames}) or frame.lstrip("/")
 
 
-def _child(one: Seen) -> str:
+def _child(one: TopicContent) -> str:
     return one.children[0] if one.children else ""
 
 

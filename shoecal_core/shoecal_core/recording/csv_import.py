@@ -22,7 +22,7 @@ from shoecal_core.recording.csv_mapping import (
     WrenchColumns,
     load_mapping,
 )
-from shoecal_core.recording.csv_table import Column, Table
+from shoecal_core.recording.csv_table import CsvColumn, CsvTable
 from shoecal_core.recording.foreign import Floats, ImportedRun, StampedMessage, Stamps
 from shoecal_core.recording.imported_angles import (
     check_angles,
@@ -75,11 +75,11 @@ class _Rows:
         kept: (T,) their places in the file.
     """
 
-    table: Table
+    table: CsvTable
     stamps: Stamps
     kept: NDArray[np.int64]
 
-    def read(self, columns: tuple[Column, ...], notes: list[str]) -> Floats:
+    def read(self, columns: tuple[CsvColumn, ...], notes: list[str]) -> Floats:
         """(T, c) numbers, NaN for those that are not there; how many these are is noted."""
         found = self.table.read_all(columns, gaps=True)[self.kept]
         missing = np.isnan(found).sum(axis=0)
@@ -92,7 +92,7 @@ class _Rows:
         return found
 
     def read_whole(
-        self, groups: Sequence[tuple[Column, ...]], notes: list[str]
+        self, groups: Sequence[tuple[CsvColumn, ...]], notes: list[str]
     ) -> tuple[Stamps, list[Floats]]:
         """Stamps (k,) of the rows that have all values, and (k, c) numbers of each group.
 
@@ -125,7 +125,8 @@ class _Importer:
         """One trial."""
         mapping, notes = self._mapping, list[str]()
         tables = {
-            name: Table(self._folder / file, mapping.layout) for name, file in trial.files.items()
+            name: CsvTable(self._folder / file, mapping.layout)
+            for name, file in trial.files.items()
         }
         rows = _cut(self._rows(tables, trial.start_ns, notes), trial)
         found = self._joint_states(rows, notes)
@@ -144,7 +145,7 @@ class _Importer:
         return ImportedRun(source, trial.run, found, tuple(notes))
 
     def _rows(
-        self, tables: Mapping[str, Table], start_ns: int, notes: list[str]
+        self, tables: Mapping[str, CsvTable], start_ns: int, notes: list[str]
     ) -> dict[str, _Rows]:
         """Rows that count of each table, with their stamps."""
         clock = self._mapping.clock
@@ -160,7 +161,7 @@ class _Importer:
         rows = _timed(tables[clock], time, start_ns, notes, count)
         return {name: _Rows(table, rows.stamps, rows.kept) for name, table in tables.items()}
 
-    def _common_rows(self, tables: Mapping[str, Table], clock: str, notes: list[str]) -> int:
+    def _common_rows(self, tables: Mapping[str, CsvTable], clock: str, notes: list[str]) -> int:
         """Number of rows that all tables of one clock have."""
         count = min(map(len, tables.values()))
         for table in tables.values():
@@ -207,8 +208,8 @@ class _Importer:
         return found
 
     def _columns(
-        self, table: Table, wanted: JointColumns
-    ) -> tuple[tuple[str, ...], tuple[Column, ...]]:
+        self, table: CsvTable, wanted: JointColumns
+    ) -> tuple[tuple[str, ...], tuple[CsvColumn, ...]]:
         """Names of joints, and their columns."""
         if not wanted.every:
             return tuple(wanted.named), tuple(wanted.named.values())
@@ -216,7 +217,7 @@ class _Importer:
         if not names:
             problem = "no column has the name of one of the robot's joints; name them in 'joints'"
             raise FieldError(table.path, problem)
-        return names, tuple(Column(name) for name in names)
+        return names, tuple(CsvColumn(name) for name in names)
 
     def _check_channels(self) -> None:
         """Refuse joints and channels that robot and shoe do not have."""
@@ -239,7 +240,7 @@ class _Importer:
 
 
 def _timed(
-    table: Table, time: Column, start_ns: int, notes: list[str], count: int | None = None
+    table: CsvTable, time: CsvColumn, start_ns: int, notes: list[str], count: int | None = None
 ) -> _Rows:
     """The first `count` rows of a table by its time column, those left out that repeat a time."""
     nanoseconds = table.read(time)[:count]

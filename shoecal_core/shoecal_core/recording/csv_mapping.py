@@ -9,7 +9,7 @@ from datetime import date, datetime
 from pathlib import Path
 
 from shoecal_core.files import Fields, read_yaml
-from shoecal_core.recording.csv_table import Column, Layout
+from shoecal_core.recording.csv_table import CsvColumn, Layout
 from shoecal_core.recording.foreign import (
     ANGLE_UNIT,
     RUN_KEYS,
@@ -37,7 +37,7 @@ class JointColumns:
         every: instead, every column with the name of one of the robot's joints.
     """
 
-    named: Mapping[str, Column]
+    named: Mapping[str, CsvColumn]
     every: bool = False
 
     def __bool__(self) -> bool:
@@ -54,9 +54,9 @@ class PoseColumns:
     """
 
     frame: str
-    translation: tuple[Column, ...]
-    zyx: tuple[Column, ...] | None
-    quaternion: tuple[Column, ...] | None
+    translation: tuple[CsvColumn, ...]
+    zyx: tuple[CsvColumn, ...] | None
+    quaternion: tuple[CsvColumn, ...] | None
 
 
 @dataclass(frozen=True)
@@ -65,8 +65,8 @@ class WrenchColumns:
 
     foot: str
     frame: str
-    force: tuple[Column, ...]
-    torque: tuple[Column, ...]
+    force: tuple[CsvColumn, ...]
+    torque: tuple[CsvColumn, ...]
 
 
 @dataclass(frozen=True)
@@ -74,9 +74,9 @@ class ImuColumns:
     """An IMU: rates [rad/s], accelerations [m/s^2], orientation x y z w where it has one."""
 
     frame: str
-    angular_velocity: tuple[Column, ...]
-    linear_acceleration: tuple[Column, ...]
-    quaternion: tuple[Column, ...] | None
+    angular_velocity: tuple[CsvColumn, ...]
+    linear_acceleration: tuple[CsvColumn, ...]
+    quaternion: tuple[CsvColumn, ...] | None
 
 
 @dataclass(frozen=True)
@@ -89,13 +89,13 @@ class TableMapping:
         cells: column by channel.
     """
 
-    time: Column | None
+    time: CsvColumn | None
     joints: JointColumns
     efforts: JointColumns
     base_pose: PoseColumns | None
     wrench: WrenchColumns | None
     imu: ImuColumns | None
-    cells: Mapping[str, Column]
+    cells: Mapping[str, CsvColumn]
 
 
 @dataclass(frozen=True)
@@ -199,9 +199,9 @@ def _table(fields: Fields, name: str, clock: str | None) -> TableMapping:
     )
 
 
-def _time(fields: Fields) -> Column:
+def _time(fields: Fields) -> CsvColumn:
     fields.only("column", "unit")
-    return Column(fields.text("column"), UNITS_NS[fields.choice("unit", UNITS_NS)])
+    return CsvColumn(fields.text("column"), UNITS_NS[fields.choice("unit", UNITS_NS)])
 
 
 def _joints(fields: Fields, key: str) -> JointColumns:
@@ -244,7 +244,7 @@ def _imu(fields: Fields) -> ImuColumns:
     )
 
 
-def _named(fields: Fields, key: str) -> dict[str, Column]:
+def _named(fields: Fields, key: str) -> dict[str, CsvColumn]:
     """Columns by what they mean."""
     if key not in fields:
         return {}
@@ -253,17 +253,17 @@ def _named(fields: Fields, key: str) -> dict[str, Column]:
     return {name: _column(block, name, block.value(name)) for name in names}
 
 
-def _columns(fields: Fields, key: str, count: int) -> tuple[Column, ...]:
+def _columns(fields: Fields, key: str, count: int) -> tuple[CsvColumn, ...]:
     value = fields.value(key)
     if not isinstance(value, list) or len(value) != count:
         raise fields.error(key, f"expected {'three' if count == 3 else 'four'} columns")
     return tuple(_column(fields, key, item) for item in value)
 
 
-def _column(fields: Fields, key: str, value: object) -> Column:
+def _column(fields: Fields, key: str, value: object) -> CsvColumn:
     """A column's name, or its name with a scale (-1 turns an axis round)."""
     if isinstance(value, str):
-        return Column(value)
+        return CsvColumn(value)
     if not isinstance(value, dict):
         raise fields.error(key, "expected a column's name, or {column: name, scale: number}")
     item = Fields(fields.path, f"{fields.prefix}.{key}", value)
@@ -271,7 +271,7 @@ def _column(fields: Fields, key: str, value: object) -> Column:
     scale = item.number("scale")
     if scale == 0.0:
         raise item.error("scale", "must not be zero")
-    return Column(item.text("column"), scale)
+    return CsvColumn(item.text("column"), scale)
 
 
 def _trial(fields: Fields, tables: tuple[str, ...]) -> Trial:

@@ -19,7 +19,7 @@ NO_VALUE = frozenset(("", "nan", "na", "n/a", "null", "none"))
 
 
 @dataclass(frozen=True)
-class Column:
+class CsvColumn:
     """A column and the factor its numbers take to become the quantity wanted."""
 
     name: str
@@ -42,7 +42,7 @@ class Layout:
     lines_after_header: int = 0
 
 
-class Table:
+class CsvTable:
     """Rows of a CSV file below its header.
 
     Attributes:
@@ -91,7 +91,7 @@ class Table:
     def __len__(self) -> int:
         return len(self._rows)
 
-    def read(self, column: Column, *, gaps: bool = False) -> Floats:
+    def read(self, column: CsvColumn, *, gaps: bool = False) -> Floats:
         """Numbers (T,) of a column, scaled.
 
         Args:
@@ -145,7 +145,7 @@ class Table:
             return f"{told}; skip a row of units below the header with 'lines_after_header: 1'"
         return f"{told}; leave the value empty where there is none, or correct the file"
 
-    def read_all(self, columns: tuple[Column, ...], *, gaps: bool = False) -> Floats:
+    def read_all(self, columns: tuple[CsvColumn, ...], *, gaps: bool = False) -> Floats:
         """Numbers (T, c) of several columns; see `read`."""
         return np.column_stack([self.read(column, gaps=gaps) for column in columns])
 

@@ -38,7 +38,7 @@ class Piece:
     values: dict[str, NDArray[np.float64]]
 
 
-class TwoSourcesError(Exception):
+class OverlapError(Exception):
     """Two pieces give one column at one time.
 
     Attributes:
@@ -126,7 +126,7 @@ def join(
         cells = np.ix_(np.searchsorted(stamps, piece.stamp_ns), piece.columns)
         if given[cells].any():
             row, column = np.argwhere(given[cells])[0]
-            raise TwoSourcesError(int(piece.columns[column]), int(piece.stamp_ns[row]))
+            raise OverlapError(int(piece.columns[column]), int(piece.stamp_ns[row]))
         given[cells] = True
         for name, values in piece.values.items():
             joined[name][cells] = values

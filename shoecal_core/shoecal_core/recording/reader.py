@@ -26,7 +26,7 @@ from shoecal_core.recording.run import (
     Run,
     TemperatureSamples,
 )
-from shoecal_core.recording.source import Source
+from shoecal_core.recording.source import RecordedSource
 from shoecal_core.shoe.shoe import Shoe
 
 _UNIT_TOLERANCE = 0.1
@@ -46,7 +46,7 @@ def read_run(path: Path, shoe: Shoe) -> Run:
             the shoe.
         VersionError: for one written by a newer shoecal.
     """
-    source = Source(read_container(Path(path), schemas.RUN_TOPICS), schemas.RUN_TOPICS)
+    source = RecordedSource(read_container(Path(path), schemas.RUN_TOPICS), schemas.RUN_TOPICS)
     joint_stamps, names, joints = _joints(source)
     reading_stamps, readings = read_readings(source, shoe)
     start = int(min(joint_stamps[0], reading_stamps[0]))
@@ -75,7 +75,7 @@ def seconds(stamp_ns: NDArray[np.int64], start_ns: int) -> Floats:
     return (stamp_ns - start_ns) / 1e9
 
 
-def _joints(source: Source) -> tuple[NDArray[np.int64], tuple[str, ...], dict[str, Floats]]:
+def _joints(source: RecordedSource) -> tuple[NDArray[np.int64], tuple[str, ...], dict[str, Floats]]:
     topic = schemas.JOINT_STATES
     blocks = source.blocks(topic)
     names = tuple(dict.fromkeys(name for block in blocks for name in block.texts["name"]))
@@ -113,7 +113,7 @@ def _joints(source: Source) -> tuple[NDArray[np.int64], tuple[str, ...], dict[st
     return stamps, names, joined
 
 
-def _commanded(source: Source, start: int) -> tuple[CommandedTrajectory, ...]:
+def _commanded(source: RecordedSource, start: int) -> tuple[CommandedTrajectory, ...]:
     topic = schemas.JOINT_TRAJECTORY
     messages = source.contents.messages.get(topic, [])
     commanded = []
@@ -142,7 +142,7 @@ def _trajectory(message: JointTrajectory, log_time: int, start: int) -> Commande
     )
 
 
-def _base_pose(source: Source, start: int) -> PoseSamples | None:
+def _base_pose(source: RecordedSource, start: int) -> PoseSamples | None:
     block = source.single(schemas.BASE_POSE)
     if block is None:
         return None
@@ -161,7 +161,7 @@ def _base_pose(source: Source, start: int) -> PoseSamples | None:
     )
 
 
-def _imu(source: Source, start: int) -> ImuSamples | None:
+def _imu(source: RecordedSource, start: int) -> ImuSamples | None:
     block = source.single(schemas.IMU)
     if block is None:
         return None
@@ -186,7 +186,7 @@ def _imu(source: Source, start: int) -> ImuSamples | None:
     )
 
 
-def _shoe_temperature(source: Source, start: int) -> TemperatureSamples | None:
+def _shoe_temperature(source: RecordedSource, start: int) -> TemperatureSamples | None:
     block = source.single(schemas.SHOE_TEMPERATURE)
     return None if block is None else _temperature(block, start)
 

@@ -10,7 +10,7 @@ from shoecal_core.recording.columns import Block
 from shoecal_core.recording.held import held
 from shoecal_core.recording.join import Piece, at_common_instants, sampled_apart
 from shoecal_core.recording.run import Floats, Readings
-from shoecal_core.recording.source import Source
+from shoecal_core.recording.source import RecordedSource
 from shoecal_core.shoe.shoe import AXES, FEET, Shoe
 
 _QUANTITIES = ("value", "status", "sequence", "temperature")
@@ -20,7 +20,9 @@ _BACKWARDS_SHARE = 0.1
 """A device restarts now and then; a counter that runs back more often belongs to two devices."""
 
 
-def read_readings(source: Source, shoe: Shoe) -> tuple[NDArray[np.int64], dict[str, Floats]]:
+def read_readings(
+    source: RecordedSource, shoe: Shoe
+) -> tuple[NDArray[np.int64], dict[str, Floats]]:
     """Readings of every channel, joined by stamp.
 
     Boards or sensors that sample at instants of their own are brought to common ones, by their
@@ -52,7 +54,9 @@ def read_readings(source: Source, shoe: Shoe) -> tuple[NDArray[np.int64], dict[s
     return source.join(schemas.VOLTAGES, pieces, shoe.names, _QUANTITIES)
 
 
-def make_readings(source: Source, shoe: Shoe, time: Floats, joined: dict[str, Floats]) -> Readings:
+def make_readings(
+    source: RecordedSource, shoe: Shoe, time: Floats, joined: dict[str, Floats]
+) -> Readings:
     """Readings from joined quantities; what is missing is noted in `source`.
 
     Args:
@@ -84,7 +88,7 @@ def make_readings(source: Source, shoe: Shoe, time: Floats, joined: dict[str, Fl
 class _Gathered:
     """Pieces of readings by their source; every channel has one source."""
 
-    def __init__(self, source: Source, shoe: Shoe) -> None:
+    def __init__(self, source: RecordedSource, shoe: Shoe) -> None:
         self.sources: dict[str, list[Piece]] = {}
         self._source = source
         self._shoe = shoe

@@ -11,10 +11,10 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.recording.columns import Block, decode_columns
 from shoecal_core.recording.container import Contents
 from shoecal_core.recording.errors import RecordingError
-from shoecal_core.recording.join import Piece, TwoSourcesError, in_order, join
+from shoecal_core.recording.join import OverlapError, Piece, in_order, join
 
 
-class Source:
+class RecordedSource:
     """Messages of one file, decoded topic by topic.
 
     Attributes:
@@ -73,7 +73,7 @@ class Source:
         """
         try:
             return join(pieces, len(names), quantities)
-        except TwoSourcesError as error:
+        except OverlapError as error:
             raise self.error(
                 topic,
                 f"'{names[error.column]}' is recorded twice at {error.stamp_ns} ns; "

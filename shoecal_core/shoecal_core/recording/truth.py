@@ -19,7 +19,7 @@ from shoecal_core.recording.join import Piece
 from shoecal_core.recording.messages import series
 from shoecal_core.recording.reader import seconds
 from shoecal_core.recording.run import Floats
-from shoecal_core.recording.source import Source
+from shoecal_core.recording.source import RecordedSource
 from shoecal_core.recording.writer import RunWriter
 
 # Both feet, left, right: topics and the frame each is in.
@@ -130,7 +130,7 @@ def read_truth(path: Path, start_ns: int | None = None) -> Truth:
     Raises:
         RecordingError: as `read_run`.
     """
-    source = Source(read_container(Path(path), schemas.TRUTH_TOPICS), schemas.TRUTH_TOPICS)
+    source = RecordedSource(read_container(Path(path), schemas.TRUTH_TOPICS), schemas.TRUTH_TOPICS)
     pieces = []
     for index, topic in enumerate(_COPS):
         block = source.single(topic)

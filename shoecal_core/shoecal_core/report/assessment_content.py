@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.estimation.assessment import Assessment
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.settings import CalibrationSettings
 
@@ -45,7 +45,7 @@ class Told:
         return max(self.assessment.told.possible, self.assessment.told.rank)
 
 
-def told_by(outcome: Outcome, settings: CalibrationSettings | None = None) -> Told:
+def told_by(outcome: CalibrationOutcome, settings: CalibrationSettings | None = None) -> Told:
     """What the data of a calibration told.
 
     Args:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.estimation.assessment import NORMAL_95
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.comparison import Comparison, stage_errors
+from shoecal_core.estimation.comparison import StanceComparison, stage_errors
 from shoecal_core.estimation.fit import SelfCalibration
 from shoecal_core.estimation.series import Errors, Series, errors
 from shoecal_core.report.assessment_content import Told
@@ -34,7 +34,7 @@ class RunReport:
         snapshot_angles: (k, m) its joint angles then [rad].
     """
 
-    stances: tuple[Comparison, ...]
+    stances: tuple[StanceComparison, ...]
     snapshot_time: FloatArray
     snapshot_angles: FloatArray
 

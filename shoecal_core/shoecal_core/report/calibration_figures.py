@@ -9,7 +9,7 @@ from shoecal_core.estimation.series import Series
 from shoecal_core.report import palette
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
 from shoecal_core.report.figures.bars import Bar, mae_bars
-from shoecal_core.report.figures.intervals import Column, intervals
+from shoecal_core.report.figures.intervals import IntervalColumn, intervals
 from shoecal_core.report.figures.motion import skeleton, snapshots
 from shoecal_core.report.figures.plane import CopPath, cop_plane, cop_under_feet
 from shoecal_core.report.figures.series import Line, cop_and_grf, errors_in_time
@@ -91,9 +91,9 @@ def channel_pictures(content: CalibrationReport) -> tuple[Picture, ...]:
         if not len(chosen):
             continue
         columns = [
-            Column(f"|gain| ({gain_unit})", np.abs(parameters.gain[chosen]),
+            IntervalColumn(f"|gain| ({gain_unit})", np.abs(parameters.gain[chosen]),
                    half[:count][chosen], np.abs(start_gain[chosen])),
-            Column(f"offset ({unit})", parameters.offset[chosen],
+            IntervalColumn(f"offset ({unit})", parameters.offset[chosen],
                    half[count:][chosen], start_offset[chosen]),
         ]  # fmt: skip
         names = [

@@ -31,7 +31,15 @@ from shoecal_core.report.calibration_tables import (
     weight_std,
 )
 from shoecal_core.report.html import write_page
-from shoecal_core.report.page import Group, KeyFigure, Page, Reason, Section, Strip, Verdict
+from shoecal_core.report.page import (
+    Group,
+    KeyFigure,
+    Page,
+    PageVerdict,
+    Reason,
+    Section,
+    StillStrip,
+)
 from shoecal_core.report.quantities import mean_error, uncertain
 from shoecal_core.report.run_strip import run_strip
 from shoecal_core.report.scene.offscreen import tried
@@ -58,7 +66,7 @@ def calibration_report(path: Path, content: CalibrationReport) -> None:
     write_page(path, calibration_page(content, tried(lambda: run_strip(content))))
 
 
-def calibration_page(content: CalibrationReport, seen: Strip | str | None = None) -> Page:
+def calibration_page(content: CalibrationReport, seen: StillStrip | str | None = None) -> Page:
     """The report, ready to be rendered; the same content makes the same page.
 
     Args:
@@ -77,9 +85,9 @@ def calibration_page(content: CalibrationReport, seen: Strip | str | None = None
     )  # fmt: skip
 
 
-def verdict_of(calibration: Calibration) -> Verdict:
+def verdict_of(calibration: Calibration) -> PageVerdict:
     """May it be used, and why (not)."""
-    return Verdict(
+    return PageVerdict(
         calibration.verdict,
         MEANING[calibration.verdict],
         tuple(Reason(*split_reason(one, calibration.verdict)) for one in calibration.reasons),
@@ -169,9 +177,9 @@ def _channels(content: CalibrationReport) -> Section:
     return Section("Channels", (group,))
 
 
-def _runs(content: CalibrationReport, seen: Strip | str | None) -> Section:
+def _runs(content: CalibrationReport, seen: StillStrip | str | None) -> Section:
     text = seen if isinstance(seen, str) else ""
-    first = (Group(strip=seen),) if isinstance(seen, Strip) else ()
+    first = (Group(strip=seen),) if isinstance(seen, StillStrip) else ()
     groups = tuple(
         Group(
             title=f"Run {run.run} · {set_name(run)}",

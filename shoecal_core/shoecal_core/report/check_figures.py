@@ -8,12 +8,11 @@ from numpy.typing import NDArray
 from shoecal_core.recording.session import RunEntry
 from shoecal_core.report import palette
 from shoecal_core.report.check_content import CheckReport
-from shoecal_core.report.figures.strips import Strip as Line
-from shoecal_core.report.figures.strips import strips
-from shoecal_core.report.page import Picture, Strip
+from shoecal_core.report.figures.strips import Strip, strips
+from shoecal_core.report.page import Picture, StillStrip
 from shoecal_core.report.palette import Look
 from shoecal_core.report.quantities import quantity
-from shoecal_core.report.scene.stills import Instant, instant, stills
+from shoecal_core.report.scene.stills import StillInstant, instant, stills
 
 FloatArray = NDArray[np.float64]
 
@@ -23,7 +22,7 @@ FEET_LOOKS = (Look(palette.BLUE, 1.1), Look(palette.RED, 1.1))
 """Left, right."""
 
 
-def recorded_strip(content: CheckReport) -> Strip | None:
+def recorded_strip(content: CheckReport) -> StillStrip | None:
     """The robot in its first run; None where no run's joint angles and readings go together.
 
     Raises:
@@ -37,7 +36,7 @@ def recorded_strip(content: CheckReport) -> Strip | None:
     cop = aligned.states.cop[:, 0]
     shown = np.linspace(0, len(aligned.time) - 1, COUNT).round().astype(int).tolist()
 
-    def at(sample: int) -> Instant:
+    def at(sample: int) -> StillInstant:
         trail = cop[: sample + 1 : max(1, len(cop) // 150)]
         label = f"{aligned.time[sample]:.1f} s"
         unknown = np.full(2, np.nan)
@@ -45,7 +44,7 @@ def recorded_strip(content: CheckReport) -> Strip | None:
         return instant(content.robot, label, angles, unknown, 0.0, trail)
 
     drawn = stills(content.robot, content.session.shoe, [[at(sample) for sample in shown]])
-    return Strip(
+    return StillStrip(
         f"The robot in run {number}",
         drawn[0],
         "Posed by the recorded joint angles; limbs are drawn as thick as their mass tells. Red "
@@ -73,7 +72,7 @@ def raw_picture(content: CheckReport, entry: RunEntry) -> Picture:
         )
         spread = float(np.ptp(values[known])) if known.any() else float("nan")
         rows.append(
-            Line(
+            Strip(
                 label=channel.name,
                 look=FEET_LOOKS[channel.foot],
                 values=values,

@@ -17,11 +17,11 @@ from shoecal_core.report.page import (
     Group,
     KeyFigure,
     Page,
+    PageVerdict,
     Reason,
     Section,
-    Strip,
+    StillStrip,
     Table,
-    Verdict,
 )
 from shoecal_core.report.quantities import UNKNOWN, double_support_text, quantity, uncertain
 from shoecal_core.report.scene.offscreen import tried
@@ -44,7 +44,7 @@ def check_report(path: Path, content: CheckReport) -> None:
     write_page(path, check_page(content, tried(lambda: recorded_strip(content))))
 
 
-def check_page(content: CheckReport, seen: Strip | str | None = None) -> Page:
+def check_page(content: CheckReport, seen: StillStrip | str | None = None) -> Page:
     """The report, ready to be rendered; the same content makes the same page.
 
     Args:
@@ -71,10 +71,10 @@ def check_page(content: CheckReport, seen: Strip | str | None = None) -> Page:
     )
 
 
-def _verdict(content: CheckReport) -> Verdict:
+def _verdict(content: CheckReport) -> PageVerdict:
     reasons = [Reason("FAIL", text) for text in content.problems]
     reasons += [Reason("WARN", text) for text in content.warnings]
-    return Verdict(content.verdict, MEANING[content.verdict], tuple(reasons))
+    return PageVerdict(content.verdict, MEANING[content.verdict], tuple(reasons))
 
 
 def _key_figures(content: CheckReport) -> tuple[KeyFigure, ...]:
@@ -114,7 +114,7 @@ def _supports(content: CheckReport) -> set[tuple[float, float, float]]:
     return {(round(one.dx, 3), round(one.dy, 3), round(one.dtheta, 2)) for one in places}
 
 
-def _runs(content: CheckReport, seen: Strip | str | None) -> Section:
+def _runs(content: CheckReport, seen: StillStrip | str | None) -> Section:
     rows = tuple(
         (
             f"run {entry.run}",
@@ -130,7 +130,7 @@ def _runs(content: CheckReport, seen: Strip | str | None) -> Section:
     )
     header = ("", "set", "motion", "right foot from the left", "duration", "joint angles",
               "readings", "notes")  # fmt: skip
-    strip = seen if isinstance(seen, Strip) else None
+    strip = seen if isinstance(seen, StillStrip) else None
     group = Group(strip=strip, tables=(Table("Runs", header, rows),) if rows else ())
     return Section("What was recorded", (group,), seen if isinstance(seen, str) else "")
 

@@ -7,8 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from shoecal_core.diagnosis.result import VERDICT_TEXTS, Cause, Diagnosis, Shrink
-from shoecal_core.diagnosis.result import Verdict as Finding
+from shoecal_core.diagnosis.result import VERDICT_TEXTS, Cause, Diagnosis, Shrink, Verdict
 from shoecal_core.error_sources.signals import COP, GRF
 from shoecal_core.estimation.metrics import cop_mae, grf_mae
 from shoecal_core.report.diagnosis_words import (
@@ -21,10 +20,10 @@ from shoecal_core.report.diagnosis_words import (
     where_text,
 )
 from shoecal_core.report.figures.shares import percent
-from shoecal_core.report.page import KeyFigure, Verdict
+from shoecal_core.report.page import KeyFigure, PageVerdict
 from shoecal_core.report.quantities import PLUS_MINUS, SPACE, number
 
-LEVELS: Mapping[Finding, str] = {
+LEVELS: Mapping[Verdict, str] = {
     "no_gap": "PASS",
     "explained": "PASS",
     "ambiguous": "WARN",
@@ -46,11 +45,11 @@ MOST_CAUSES = 2
 """Causes that have a key figure of their own."""
 
 
-def verdict_of(diagnosis: Diagnosis) -> Verdict:
+def verdict_of(diagnosis: Diagnosis) -> PageVerdict:
     """The first thing to read: what, where, how big, how far it shrinks, what remains."""
     found = f"{finding_text(diagnosis.causes[0])}. " if diagnosis.causes else ""
     meaning = VERDICT_TEXTS[diagnosis.verdict]
-    return Verdict(
+    return PageVerdict(
         level=LEVELS[diagnosis.verdict],
         label=diagnosis.verdict.replace("_", " ").capitalize(),
         meaning=f"{found}{meaning[0].upper()}{meaning[1:]}.",

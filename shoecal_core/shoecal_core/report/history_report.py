@@ -8,10 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from shoecal_core.estimation.history import Entry
+from shoecal_core.estimation.history import HistoryEntry
 from shoecal_core.report.figures.history import ChannelTrack, history_figure
 from shoecal_core.report.html import write_page
-from shoecal_core.report.page import Group, Page, Picture, Reason, Section, Table, Verdict
+from shoecal_core.report.page import Group, Page, PageVerdict, Picture, Reason, Section, Table
 from shoecal_core.report.quantities import UNKNOWN, quantity
 from shoecal_core.shoe.shoe import FEET
 
@@ -20,7 +20,7 @@ MEANING = "Verdict of the latest calibration."
 CAPTION = "Bars: one standard deviation, where the file has a covariance."
 
 
-def history_report(path: Path, history: Sequence[Entry]) -> None:
+def history_report(path: Path, history: Sequence[HistoryEntry]) -> None:
     """Write the report as one self-contained HTML file.
 
     Args:
@@ -40,7 +40,7 @@ def history_report(path: Path, history: Sequence[Entry]) -> None:
         Page(
             title=f"Calibrations of {last.shoe} on {last.robot}",
             subtitle=f"{len(history)} calibrations, oldest first",
-            verdict=Verdict(last.verdict, MEANING, reasons),
+            verdict=PageVerdict(last.verdict, MEANING, reasons),
             key_figures=(),
             sections=(
                 Section("Over time", tuple(_foot(history, foot) for foot in feet)),
@@ -51,7 +51,7 @@ def history_report(path: Path, history: Sequence[Entry]) -> None:
     )
 
 
-def _changes(entry: Entry) -> list[tuple[bool, str]]:
+def _changes(entry: HistoryEntry) -> list[tuple[bool, str]]:
     """Whether channels of the latest have changed for sure, and which."""
     names = np.array(entry.calibration.channels)
     told = []
@@ -61,7 +61,7 @@ def _changes(entry: Entry) -> list[tuple[bool, str]]:
     return told
 
 
-def _foot(history: Sequence[Entry], foot: str) -> Group:
+def _foot(history: Sequence[HistoryEntry], foot: str) -> Group:
     names = history[0].calibration.channels
     own = [index for index, name in enumerate(names) if name.startswith(f"{foot}/")]
     force = [index for index in own if index in history[0].force_channels]
@@ -92,7 +92,7 @@ def _foot(history: Sequence[Entry], foot: str) -> Group:
     return Group(f"{foot.capitalize()} foot", pictures=tuple(pictures))
 
 
-def _table(entry: Entry) -> Table:
+def _table(entry: HistoryEntry) -> Table:
     one = entry.calibration
     moment = datetime.fromtimestamp(one.made_ns // 10**9, UTC).strftime("%Y-%m-%d %H:%M UTC")
     warm = quantity(one.temperature, "°C", 1) if np.isfinite(one.temperature) else UNKNOWN

@@ -7,7 +7,7 @@ import numpy as np
 from shoecal_core.estimation.assessment import NORMAL_95
 from shoecal_core.manual.calibrate import FootResult
 from shoecal_core.report.figures.cells import CellLine, cell_residuals
-from shoecal_core.report.figures.intervals import Column, intervals
+from shoecal_core.report.figures.intervals import IntervalColumn, intervals
 from shoecal_core.report.figures.loads import KnownLoads, cop_under_loads, forces_under_loads
 from shoecal_core.report.foot_shapes import foot_shape
 from shoecal_core.report.manual_content import ManualReport
@@ -81,9 +81,9 @@ def cell_pictures(content: ManualReport) -> tuple[Picture, ...]:
     unknown = np.full(count, np.nan)
     start = np.array([fit.offset for fit in content.cells]) if content.feet else unknown
     columns = [
-        Column(f"|gain| ({gain_unit})", np.abs(calibration.parameters.gain),
+        IntervalColumn(f"|gain| ({gain_unit})", np.abs(calibration.parameters.gain),
                NORMAL_95 * std[:count], unknown),
-        Column(f"offset ({unit})", calibration.parameters.offset, NORMAL_95 * std[count:],
+        IntervalColumn(f"offset ({unit})", calibration.parameters.offset, NORMAL_95 * std[count:],
                start if len(start) == count else unknown),
     ]  # fmt: skip
     names = [

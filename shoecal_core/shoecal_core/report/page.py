@@ -21,7 +21,7 @@ class Reason:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class PageVerdict:
     """The first thing to read.
 
     Attributes:
@@ -135,7 +135,7 @@ class Still:
 
 
 @dataclass(frozen=True)
-class Strip:
+class StillStrip:
     """Pictures of some instants beside each other, as wide as the page."""
 
     title: str
@@ -152,7 +152,7 @@ class Group:
     pictures: tuple[Picture, ...] = ()
     tables: tuple[Table, ...] = ()
     player: Player | None = None
-    strip: Strip | None = None
+    strip: StillStrip | None = None
 
 
 @dataclass(frozen=True)
@@ -178,7 +178,7 @@ class Page:
 
     title: str
     subtitle: str
-    verdict: Verdict
+    verdict: PageVerdict
     key_figures: tuple[KeyFigure, ...]
     sections: tuple[Section, ...]
     provenance: tuple[str, ...]

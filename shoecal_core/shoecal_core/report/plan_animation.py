@@ -12,7 +12,7 @@ from shoecal_core.report.page import Player
 from shoecal_core.report.plan_body import moved, polygons
 from shoecal_core.report.plan_content import BOTH, PlannedMotion
 from shoecal_core.report.plan_figures import hulls
-from shoecal_core.report.player import Frames
+from shoecal_core.report.player import PlayerFrames
 
 FloatArray = NDArray[np.float64]
 
@@ -50,11 +50,11 @@ def animation(planned: PlannedMotion) -> Player:
     )
 
 
-def frames(planned: PlannedMotion, cast: Cast) -> Frames:
+def frames(planned: PlannedMotion, cast: Cast) -> PlayerFrames:
     """Points of the body in mm, those of CoM and CoP a digit finer."""
     decimals = [0] * cast.points.shape[1]
     decimals[cast.com] = decimals[cast.cop] = 1
-    return Frames(planned.motion.duration, cast.points, cast.lifted, tuple(decimals))
+    return PlayerFrames(planned.motion.duration, cast.points, cast.lifted, tuple(decimals))
 
 
 def lifted(planned: PlannedMotion, samples: NDArray[np.int64]) -> str:

@@ -13,7 +13,7 @@ from shoecal_core.planning.checking.findings import Report
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
-from shoecal_core.report.plan_targets import Mark, Target, marks_of
+from shoecal_core.report.plan_targets import Target, TargetMark, marks_of
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET
 
@@ -153,7 +153,7 @@ class PlannedMotion:
         return tuple(found)
 
     @property
-    def marks(self) -> tuple[Mark, ...]:
+    def marks(self) -> tuple[TargetMark, ...]:
         """The targets as figures show them."""
         return marks_of(self.targets, self.settings.landmark_radius)
 

@@ -15,12 +15,12 @@ from shoecal_core.report.page import (
     Group,
     KeyFigure,
     Page,
+    PageVerdict,
     Picture,
     Reason,
     Section,
-    Strip,
+    StillStrip,
     Table,
-    Verdict,
 )
 from shoecal_core.report.plan_animation import animation
 from shoecal_core.report.plan_content import PlannedMotion
@@ -28,7 +28,7 @@ from shoecal_core.report.plan_figures import motion_pictures
 from shoecal_core.report.plan_strip import plan_strips
 from shoecal_core.report.quantities import double_support_text, quantity
 from shoecal_core.report.scene.offscreen import tried
-from shoecal_core.report.sheet import Part, write_sheet
+from shoecal_core.report.sheet import SheetFigure, write_sheet
 from shoecal_core.report.svg import readable
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
@@ -84,9 +84,11 @@ def picture_name(planned: PlannedMotion) -> str:
     return f"{planned.label}.svg"
 
 
-def _rows(planned: PlannedMotion, pictures: Sequence[Picture]) -> tuple[tuple[Part, ...], ...]:
-    parts = [Part(picture.title, picture.svg) for picture in pictures]
-    parts[0] = Part(f"{heading(planned)}: seen from above", parts[0].svg, (NOTE,))
+def _rows(
+    planned: PlannedMotion, pictures: Sequence[Picture]
+) -> tuple[tuple[SheetFigure, ...], ...]:
+    parts = [SheetFigure(picture.title, picture.svg) for picture in pictures]
+    parts[0] = SheetFigure(f"{heading(planned)}: seen from above", parts[0].svg, (NOTE,))
     return tuple(parts[:3]), tuple(parts[3:])
 
 
@@ -98,7 +100,7 @@ def plan_page(
     motions: Sequence[PlannedMotion],
     pictures: Sequence[tuple[Picture, ...]],
     unplanned: Sequence[Unplanned] = (),
-    seen: Sequence[Strip] | str | None = None,
+    seen: Sequence[StillStrip] | str | None = None,
     known: Identifiability | None = None,
 ) -> Page:
     """The page, ready to be rendered; the same motions make the same page.
@@ -159,7 +161,7 @@ def verdict(
     motions: Sequence[PlannedMotion],
     unplanned: Sequence[Unplanned] = (),
     known: Identifiability | None = None,
-) -> Verdict:
+) -> PageVerdict:
     """Whether the robot may do it, what it will not reach, and whether it would tell enough."""
     lines = (_fixed_line(known),) if known else ()
     reasons = []
@@ -180,16 +182,18 @@ def verdict(
             text = f"{planned.label}: out of reach: landmark {', '.join(missed)}."
             reasons.append(Reason("WARN", text))
     if violated:
-        return Verdict("FAIL", "Not every motion keeps its limits.", tuple(reasons), lines=lines)
+        return PageVerdict(
+            "FAIL", "Not every motion keeps its limits.", tuple(reasons), lines=lines
+        )
     if unplanned:
         count = len(motions) + len(unplanned)
         meaning = f"{len(unplanned)} of {count} motions could not be planned."
-        return Verdict("FAIL", meaning, tuple(reasons), lines=lines)
+        return PageVerdict("FAIL", meaning, tuple(reasons), lines=lines)
     meaning = "Every motion keeps all limits in a check that is independent of the planner."
     if reasons:
         meaning = f"{meaning} Not every landmark is reached."
-        return Verdict("WARN", meaning, tuple(reasons), lines=lines)
-    return Verdict("PASS", f"{meaning} Every landmark is reached.", (), lines=lines)
+        return PageVerdict("WARN", meaning, tuple(reasons), lines=lines)
+    return PageVerdict("PASS", f"{meaning} Every landmark is reached.", (), lines=lines)
 
 
 def heading(planned: PlannedMotion) -> str:
@@ -247,7 +251,9 @@ def _unplanned_table(unplanned: Sequence[Unplanned]) -> Table:
     return Table("Not planned", ("", "double support", "reason"), rows)
 
 
-def _section(planned: PlannedMotion, pictures: tuple[Picture, ...], strip: Strip | None) -> Section:
+def _section(
+    planned: PlannedMotion, pictures: tuple[Picture, ...], strip: StillStrip | None
+) -> Section:
     text = f"{support_text(planned.motion.support)}; {planned.motion.duration:.1f} s."
     return Section(
         heading(planned),

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import pinocchio as pin
 
-from shoecal_core.report.page import Strip
+from shoecal_core.report.page import StillStrip
 from shoecal_core.report.plan_content import PlannedMotion
-from shoecal_core.report.scene.stills import Instant, instant, stills
+from shoecal_core.report.scene.stills import StillInstant, instant, stills
 from shoecal_core.shoe.shoe import Shoe
 
 COUNT = 6
@@ -24,7 +24,7 @@ CAPTION = (
 )
 
 
-def plan_strips(motions: Sequence[PlannedMotion], shoe: Shoe) -> list[Strip]:
+def plan_strips(motions: Sequence[PlannedMotion], shoe: Shoe) -> list[StillStrip]:
     """Instants of each motion, at equal distances in time.
 
     Raises:
@@ -34,7 +34,7 @@ def plan_strips(motions: Sequence[PlannedMotion], shoe: Shoe) -> list[Strip]:
         [instant_of(planned, sample) for sample in _samples(planned)] for planned in motions
     ]
     drawn = stills(motions[0].robot, shoe, instants)
-    return [Strip("The robot", pictures, CAPTION) for pictures in drawn]
+    return [StillStrip("The robot", pictures, CAPTION) for pictures in drawn]
 
 
 def _samples(planned: PlannedMotion) -> list[int]:
@@ -42,7 +42,7 @@ def _samples(planned: PlannedMotion) -> list[int]:
     return [int(sample) for sample in np.linspace(0, last, COUNT).round()]
 
 
-def instant_of(planned: PlannedMotion, sample: int) -> Instant:
+def instant_of(planned: PlannedMotion, sample: int) -> StillInstant:
     """The robot at a sample of the motion."""
     stance = int(planned.stance[sample])
     turns, places = planned.soles

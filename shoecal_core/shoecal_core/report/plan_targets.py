@@ -54,7 +54,7 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Mark:
+class TargetMark:
     """Targets at one place, as figures show them.
 
     Attributes:
@@ -73,7 +73,7 @@ class Mark:
         return f"{self.numbers}: {self.missing}" if self.missing else self.numbers
 
 
-def marks_of(targets: Sequence[Target], radius: float) -> tuple[Mark, ...]:
+def marks_of(targets: Sequence[Target], radius: float) -> tuple[TargetMark, ...]:
     """Each place once, in the order of first pursuit.
 
     Args:
@@ -93,7 +93,7 @@ def marks_of(targets: Sequence[Target], radius: float) -> tuple[Mark, ...]:
         missed = [one for one in group if not one.reached]
         worst = max(missed, key=lambda one: one.nearest, default=None)
         marks.append(
-            Mark(
+            TargetMark(
                 numbers=", ".join(_runs([one.number for one in group])),
                 missing="" if worst is None else worst.off(radius),
                 place=group[0].place,

@@ -23,7 +23,7 @@ USUAL_SPEED = 4
 
 
 @dataclass(frozen=True)
-class View:
+class PlayerView:
     """How points are projected into a figure: u = au + su p[axis_u], v = av + sv p[axis_v].
 
     Attributes:
@@ -52,7 +52,7 @@ class View:
 
 
 @dataclass(frozen=True)
-class Frames:
+class PlayerFrames:
     """Where points are over time.
 
     Attributes:

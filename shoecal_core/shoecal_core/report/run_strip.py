@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from shoecal_core.report.calibration_content import CalibrationReport, RunReport
-from shoecal_core.report.page import Strip
-from shoecal_core.report.scene.stills import Instant, instant, stills
+from shoecal_core.report.page import StillStrip
+from shoecal_core.report.scene.stills import StillInstant, instant, stills
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET
 
 
-def run_strip(content: CalibrationReport) -> Strip | None:
+def run_strip(content: CalibrationReport) -> StillStrip | None:
     """The first run between feet that stand; None where no feet do.
 
     Runs are told training runs first, so it is the one that their section begins with.
@@ -24,7 +24,7 @@ def run_strip(content: CalibrationReport) -> Strip | None:
     if run is None:
         return None
     instants = [_instant(content.robot, run, index) for index in range(len(run.snapshot_time))]
-    return Strip(
+    return StillStrip(
         f"The robot in run {run.run}",
         stills(content.robot, content.shoe, [instants])[0],
         "Posed by the recorded joint angles; limbs are drawn as thick as their mass tells. Red "
@@ -35,7 +35,7 @@ def run_strip(content: CalibrationReport) -> Strip | None:
     )
 
 
-def _instant(robot: Robot, run: RunReport, index: int) -> Instant:
+def _instant(robot: Robot, run: RunReport, index: int) -> StillInstant:
     measured, time = run.series("measured"), float(run.snapshot_time[index])
     now = int(np.argmin(np.abs(measured.time - time)))
     trail = measured.cop[: now + 1 : max(1, len(measured.cop) // 150)]

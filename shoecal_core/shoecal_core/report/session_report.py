@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from shoecal_core.estimation.comparison import Comparison, compare
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.comparison import StanceComparison, compare
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.recording.truth import Truth
 from shoecal_core.report.assessment_content import told_by
@@ -25,7 +25,7 @@ SNAPSHOTS = 6
 def write_session_report(
     path: Path,
     session: Session,
-    outcome: Outcome,
+    outcome: CalibrationOutcome,
     *,
     settings: CalibrationSettings | None = None,
     truths: Mapping[int, Truth] | None = None,
@@ -57,7 +57,7 @@ def write_session_report(
 
 def session_content(
     session: Session,
-    outcome: Outcome,
+    outcome: CalibrationOutcome,
     *,
     settings: CalibrationSettings | None = None,
     truths: Mapping[int, Truth] | None = None,
@@ -66,7 +66,7 @@ def session_content(
 ) -> CalibrationReport:
     """What the report tells; arguments as in `write_session_report`."""
     kinematics = Kinematics(outcome.data.robot)
-    by_run: dict[int, list[Comparison]] = {}
+    by_run: dict[int, list[StanceComparison]] = {}
     known = truths or {}
     complete = known.keys() >= outcome.data.stances.keys()
     for one in compare(outcome, known if complete else {}):
@@ -85,18 +85,21 @@ def session_content(
 
 
 def _run(
-    session: Session, outcome: Outcome, kinematics: Kinematics, stances: Sequence[Comparison]
+    session: Session,
+    outcome: CalibrationOutcome,
+    kinematics: Kinematics,
+    stances: Sequence[StanceComparison],
 ) -> RunReport:
     aligned = align(session.read(stances[0].stance.run), outcome.data.shoe, kinematics)
     shown = np.linspace(0, len(aligned.time) - 1, SNAPSHOTS).round().astype(int)
     return RunReport(tuple(stances), aligned.time[shown], aligned.joint_angles[shown])
 
 
-def _origin(session: Session, outcome: Outcome) -> list[str]:
+def _origin(session: Session, outcome: CalibrationOutcome) -> list[str]:
     told = origin(session, outcome.data.stances)
     return [told, f"Session folder {session.folder.name}; {_listed(outcome)}."]
 
 
-def _listed(outcome: Outcome) -> str:
+def _listed(outcome: CalibrationOutcome) -> str:
     train, test = (", ".join(map(str, runs)) or "none" for runs in (outcome.train, outcome.test))
     return f"training runs: {train}; test runs: {test}"

@@ -28,7 +28,7 @@ _VIEW_BOX = re.compile(r'viewBox="0 0 ([\d.]+) ([\d.]+)"')
 
 
 @dataclass(frozen=True)
-class Part:
+class SheetFigure:
     """One figure of a sheet.
 
     Attributes:
@@ -47,7 +47,7 @@ class Part:
         return TITLE + _size(self.svg)[1] + LINE * len(self.notes)
 
 
-def sheet(rows: Sequence[Sequence[Part]], alt: str) -> str:
+def sheet(rows: Sequence[Sequence[SheetFigure]], alt: str) -> str:
     """Rows of figures as one SVG document.
 
     Args:
@@ -70,7 +70,7 @@ def sheet(rows: Sequence[Sequence[Part]], alt: str) -> str:
     )
 
 
-def write_sheet(path: Path, rows: Sequence[Sequence[Part]], alt: str) -> None:
+def write_sheet(path: Path, rows: Sequence[Sequence[SheetFigure]], alt: str) -> None:
     """Write the sheet, whole or not at all.
 
     Raises:
@@ -79,7 +79,7 @@ def write_sheet(path: Path, rows: Sequence[Sequence[Part]], alt: str) -> None:
     atomic_write(path, sheet(rows, alt))
 
 
-def _placed(part: Part, left: float, top: float) -> str:
+def _placed(part: SheetFigure, left: float, top: float) -> str:
     width, height = _size(part.svg)
     figure = part.svg.replace(
         "<svg ", f'<svg x="{left:g}" y="{top + TITLE:g}" width="{width:g}" height="{height:g}" ', 1

@@ -24,7 +24,7 @@ from shoecal_core.robot.robot import (
 from shoecal_core.robot.shared_motors import read_shared_motors
 from shoecal_core.robot.standing import check_standing
 from shoecal_core.robot.urdf import ROOT_JOINTS, read_urdf
-from shoecal_core.robot.weights import Weights
+from shoecal_core.robot.weights import RobotWeights
 from shoecal_core.shoe.shoe import FEET, Shoe
 
 FORMAT = 1
@@ -97,7 +97,7 @@ def load_robot(
     shoes = 0.0 if shoe is None else shoe.mass
     given = None if weight_kg is None else weight_kg - shoes
     declared = sum(inertia.mass for inertia in model.inertias)
-    Weights(declared, mass, mass_std, given, shoes).check(weight)
+    RobotWeights(declared, mass, mass_std, given, shoes).check(weight)
     mass = mass if given is None else given
     _scale_mass(model, mass)
     feet = _feet(fields.mapping("feet"), model, 0.0 if shoe is None else shoe.height)

@@ -17,7 +17,7 @@ ALIKE = 0.15
 
 
 @dataclass(frozen=True)
-class Weights:
+class RobotWeights:
     """Of one robot without shoes [kg].
 
     Attributes:

@@ -45,7 +45,7 @@ REWEIGHED = 5
 
 
 @dataclass(frozen=True)
-class Track:
+class CopTrack:
     """Measured and modelled CoP of one run: (T,) times, (T, 2) each [m]."""
 
     time: FloatArray
@@ -92,7 +92,7 @@ def time_offset(
 
 def _tracks(
     aligned: Mapping[int, Aligned], shoe: Shoe, weight: float, settings: CalibrationSettings
-) -> list[Track]:
+) -> list[CopTrack]:
     parts = {run: blocks(one, shoe) for run, one in aligned.items()}
     information = prior(shoe, parts, weight, settings)
     rows = {run: equations(one, weight, settings) for run, one in parts.items()}
@@ -104,11 +104,11 @@ def _tracks(
         there = np.isfinite(place).all(axis=1)
         # A run in which hardly a foot was loaded tells nothing of the clocks.
         if there.sum() >= MIN_SAMPLES:
-            tracks.append(Track(one.time[there], place[there], one.states.cop[there, 0]))
+            tracks.append(CopTrack(one.time[there], place[there], one.states.cop[there, 0]))
     return tracks
 
 
-def _late(tracks: list[Track], start: float | None = None) -> float:
+def _late(tracks: list[CopTrack], start: float | None = None) -> float:
     """The offset; from where it is known already, only the shortest changes are looked at."""
     late = 0.0 if start is None else start
     for change in CHANGES_S if start is None else CHANGES_S[-2:]:
@@ -116,7 +116,7 @@ def _late(tracks: list[Track], start: float | None = None) -> float:
     return late
 
 
-def _step(tracks: list[Track], late: float, change: float) -> float:
+def _step(tracks: list[CopTrack], late: float, change: float) -> float:
     """By how much the offset is still wrong."""
     off, rate = (
         np.concatenate(parts)
@@ -132,7 +132,7 @@ def _step(tracks: list[Track], late: float, change: float) -> float:
     return step
 
 
-def _changes(track: Track, late: float, change: float) -> tuple[FloatArray, FloatArray]:
+def _changes(track: CopTrack, late: float, change: float) -> tuple[FloatArray, FloatArray]:
     """(K, 2) measured less modelled change, and change of the modelled rate."""
     both, time = resampled(np.hstack((track.measured, track.modelled)), track.time)
     period = typical_period(time)

@@ -47,7 +47,7 @@ ENOUGH = 50_000
 
 
 @dataclass(frozen=True)
-class Feet:
+class FootMotion:
     """One run's samples at which both feet are on the floor.
 
     Attributes:
@@ -82,7 +82,7 @@ def lifted(states: BodyStates) -> BoolArray:
     return high
 
 
-def feet(aligned: Aligned, readings: FloatArray, standing: BoolArray) -> Feet:
+def feet(aligned: Aligned, readings: FloatArray, standing: BoolArray) -> FootMotion:
     """What `slips` needs of a run.
 
     Args:
@@ -91,10 +91,10 @@ def feet(aligned: Aligned, readings: FloatArray, standing: BoolArray) -> Feet:
         standing: (T,) samples to take.
     """
     pose = _pose(aligned.states)
-    return Feet(aligned.time[standing], pose[standing], readings[standing])
+    return FootMotion(aligned.time[standing], pose[standing], readings[standing])
 
 
-def slips(runs: Mapping[Key, Feet]) -> dict[Key, Slipped]:
+def slips(runs: Mapping[Key, FootMotion]) -> dict[Key, Slipped]:
     """The first slip of every run, or part of one, that has one."""
     runs = {run: one for run, one in runs.items() if len(one.time) > 1}
     if not runs:

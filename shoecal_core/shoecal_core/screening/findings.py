@@ -15,7 +15,7 @@ from shoecal_core.screening.stretches import told
 from shoecal_core.screening.unresponsive import Stuck
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.screening.weights import WrongWeight
-from shoecal_core.screening.wiring import Wiring, of_feet
+from shoecal_core.screening.wiring import WiringFaults, of_feet
 from shoecal_core.shoe.shoe import Shoe
 
 NOTABLE: Mapping[Fault, float] = {
@@ -79,7 +79,7 @@ def of_stuck(shoe: Shoe, found: Sequence[Stuck]) -> list[Finding]:
     return findings
 
 
-def of_wiring(shoe: Shoe, wiring: Wiring) -> list[Finding]:
+def of_wiring(shoe: Shoe, wiring: WiringFaults) -> list[Finding]:
     """Cells upside down or at each other's place."""
     if wiring.swapped and set(wiring.swapped) == set(of_feet(shoe)):
         return [

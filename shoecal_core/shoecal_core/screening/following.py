@@ -59,7 +59,7 @@ RIDGE = 1e-8
 
 
 @dataclass(frozen=True)
-class Halt:
+class StuckBlocks:
     """A channel that was stuck.
 
     Attributes:
@@ -79,7 +79,9 @@ class Halt:
     broken: float
 
 
-def halts(shoe: Shoe, readings: FloatArray, noise: FloatArray, alive: Sequence[int]) -> list[Halt]:
+def halts(
+    shoe: Shoe, readings: FloatArray, noise: FloatArray, alive: Sequence[int]
+) -> list[StuckBlocks]:
     """Every channel that was stuck, the clearest first.
 
     The law of a channel uses no other one that was stuck. The moments of a six-axis sensor are left
@@ -90,7 +92,7 @@ def halts(shoe: Shoe, readings: FloatArray, noise: FloatArray, alive: Sequence[i
         noise: (n,) standard deviation of a block.
         alive: channels that answer to load.
     """
-    found: list[Halt] = []
+    found: list[StuckBlocks] = []
     going = list(alive)
     while True:
         halted = [
@@ -114,7 +116,7 @@ def neighbours(shoe: Shoe, channel: int) -> IntArray:
 
 def _halt(
     shoe: Shoe, readings: FloatArray, noise: FloatArray, channel: int, going: Sequence[int]
-) -> Halt | None:
+) -> StuckBlocks | None:
     others = [one for one in going if one != channel]
     near = [one for one in neighbours(shoe, channel).tolist() if one in others]
     if not near or len(readings) < LEAST_BLOCKS + 2 * len(others):
@@ -149,7 +151,7 @@ def _halt(
     law = np.zeros(1 + readings.shape[1])
     law[[1 + one for one in others]] = spread[channel] * solution[1:] / spread[others]
     law[0] = mean[channel] + spread[channel] * solution[0] - law[1:] @ mean
-    return Halt(
+    return StuckBlocks(
         channel,
         still,
         law[0] + readings @ law[1:],

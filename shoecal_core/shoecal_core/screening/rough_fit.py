@@ -31,7 +31,7 @@ LEAST_SPREAD = 0.2
 
 
 @dataclass(frozen=True)
-class Sums:
+class NormalEquations:
     """What least squares need of one run: A'WA (2n, 2n), A'Wy (2n,), y'Wy, and 3 sum W."""
 
     product: FloatArray
@@ -59,11 +59,11 @@ class Equations:
         off: FloatArray = self.matrix @ vector - self.target
         return off
 
-    def sums(self) -> Sums:
+    def sums(self) -> NormalEquations:
         """Over all blocks."""
         flat = self.matrix.reshape(-1, self.matrix.shape[-1])
         weighed = (self.matrix * self.weight[:, None]).reshape(flat.shape)
-        return Sums(
+        return NormalEquations(
             weighed.T @ flat,
             weighed.T @ self.target.ravel(),
             float((self.target**2 * self.weight).sum()),
@@ -124,7 +124,7 @@ def solve(runs: Mapping[int, Equations], information: FloatArray) -> RoughFit:
     return solve_sums([run.sums() for run in runs.values()], information)
 
 
-def solve_sums(runs: Sequence[Sums], information: FloatArray) -> RoughFit:
+def solve_sums(runs: Sequence[NormalEquations], information: FloatArray) -> RoughFit:
     """The same from the runs' sums."""
     matrix = np.diag(information) + np.sum([run.product for run in runs], axis=0)
     right = np.sum([run.right for run in runs], axis=0)

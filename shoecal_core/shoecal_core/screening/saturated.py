@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from shoecal_core.recording.run import Readings
 from shoecal_core.recording.schemas import SATURATED
 from shoecal_core.screening.blocks import Blocks, ReadingBlocks
-from shoecal_core.screening.following import Halt
+from shoecal_core.screening.following import StuckBlocks
 from shoecal_core.screening.noise import spread
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.screening.unresponsive import joined
@@ -73,7 +73,7 @@ def told_at_ends(shoe: Shoe, readings: Readings) -> BoolArray:
     return ends
 
 
-def ended(runs: Mapping[int, ReadingBlocks], found: Sequence[Halt]) -> list[Saturated]:
+def ended(runs: Mapping[int, ReadingBlocks], found: Sequence[StuckBlocks]) -> list[Saturated]:
     """Of channels that were stuck: those that should have gone beyond an end, and never do.
 
     One that is stuck there by chance goes beyond at other times, or should have come back.

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shoecal_core.samples.aligned import Aligned
 from shoecal_core.screening import findings as words
 from shoecal_core.screening.blocks import Blocks, blocks
-from shoecal_core.screening.closure import Feet, Slipped, feet, lifted, slips
+from shoecal_core.screening.closure import FootMotion, Slipped, feet, lifted, slips
 from shoecal_core.screening.disturbed import disturbed
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.noise import noise
@@ -131,7 +131,7 @@ class _Moments:
     marked: Mapping[Fault, BoolArray]
     spikes: BoolArray
     air: BoolArray
-    calm: tuple[Feet, ...]
+    calm: tuple[FootMotion, ...]
 
 
 @dataclass(frozen=True)

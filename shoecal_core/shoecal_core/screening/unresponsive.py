@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.screening.blocks import ReadingBlocks
-from shoecal_core.screening.following import NOISE_RANGE, Halt, halts, neighbours
+from shoecal_core.screening.following import NOISE_RANGE, StuckBlocks, halts, neighbours
 from shoecal_core.screening.stretches import stretches
 from shoecal_core.shoe.shoe import Shoe
 
@@ -59,7 +59,9 @@ def away(shoe: Shoe, runs: Mapping[int, ReadingBlocks], channel: int) -> BoolArr
     return left
 
 
-def halted(shoe: Shoe, runs: Mapping[int, ReadingBlocks], silent: Sequence[int]) -> list[Halt]:
+def halted(
+    shoe: Shoe, runs: Mapping[int, ReadingBlocks], silent: Sequence[int]
+) -> list[StuckBlocks]:
     """Channels that were stuck for some time, the clearest first.
 
     Args:
@@ -70,7 +72,7 @@ def halted(shoe: Shoe, runs: Mapping[int, ReadingBlocks], silent: Sequence[int])
     return halts(shoe, joined(runs), _noise(runs), alive)
 
 
-def stuck(runs: Mapping[int, ReadingBlocks], found: Sequence[Halt]) -> list[Stuck]:
+def stuck(runs: Mapping[int, ReadingBlocks], found: Sequence[StuckBlocks]) -> list[Stuck]:
     """Every stretch of each run in which one of these channels was stuck."""
     ends = np.cumsum([len(blocks.time) for blocks in runs.values()])[:-1]
     return [

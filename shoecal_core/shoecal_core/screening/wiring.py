@@ -31,7 +31,7 @@ of what the best one leaves, or of the settings' where that is more."""
 
 
 @dataclass(frozen=True)
-class Wiring:
+class WiringFaults:
     """What is wrong with the cables.
 
     Attributes:
@@ -49,7 +49,7 @@ def check_wiring(
     information: FloatArray,
     weight: float,
     settings: CalibrationSettings,
-) -> Wiring:
+) -> WiringFaults:
     """Compare the cables as they should be with every exchange of two cells, or of both feet.
 
     A single bad run may fit a wrong exchange better: what is found must hold without any one of
@@ -73,7 +73,7 @@ def check_wiring(
         against = there
     else:
         best = 0
-    return Wiring(
+    return WiringFaults(
         inverted=tuple(np.flatnonzero(against).tolist()),
         swapped=tuple((int(k), int(places[best][k])) for k in np.flatnonzero(places[best] > right)),
     )

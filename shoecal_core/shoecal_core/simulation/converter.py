@@ -17,7 +17,7 @@ GOOD, SATURATED = 0, 1
 
 
 @dataclass(frozen=True)
-class Readings:
+class ConvertedReadings:
     """What the converter gave, at one instant or many (...).
 
     Attributes:
@@ -33,7 +33,7 @@ class Readings:
     temperature: FloatArray
 
 
-class Converter:
+class AdConverter:
     """Affine law of each channel backwards, noise, steps and ends of the range.
 
     Attributes:
@@ -55,13 +55,13 @@ class Converter:
         self._temperature = drawn.temperature
         self._noise = noise
 
-    def __call__(self, outputs: FloatArray, time: ArrayLike = 0.0) -> Readings:
+    def __call__(self, outputs: FloatArray, time: ArrayLike = 0.0) -> ConvertedReadings:
         """Read outputs (..., n) [N or N m] at times (...) since the session began [s]."""
         felt = outputs + self._std * self._noise.standard_normal(outputs.shape)
         voltages = (felt - self._parameters.offset) / self._parameters.gain
         counts = np.rint(voltages / self.volts_per_count)
         clipped = np.clip(counts, self._lowest, self._highest)
-        return Readings(
+        return ConvertedReadings(
             counts=clipped.astype(np.int64),
             voltages=clipped * self.volts_per_count,
             status=np.where(clipped == counts, GOOD, SATURATED).astype(np.uint8),

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.shoe.shoe import FEET, Channel, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
-from shoecal_core.simulation.reality import ALL, BASE, Reality, Table
+from shoecal_core.simulation.reality import ALL, BASE, NamedNumbers, Reality
 from shoecal_core.simulation.stage import AnyStage
 from shoecal_core.simulation.temperature import WarmUp
 
@@ -249,24 +249,26 @@ def link_names(robot: Robot) -> tuple[str, ...]:
     return tuple(frame.name for frame in robot.model.frames if frame.type == pin.FrameType.BODY)
 
 
-def _of_links(table: Table, links: tuple[str, ...]) -> Table:
+def _of_links(table: NamedNumbers, links: tuple[str, ...]) -> NamedNumbers:
     """A table of links, its `base` written as the root link's name."""
     rows = {links[0] if name == BASE else name: row for name, row in table.rows.items()}
-    return Table(rows, table.path, table.key)
+    return NamedNumbers(rows, table.path, table.key)
 
 
-def _column(table: Table, names: Sequence[str], default: FloatArray, kind: str) -> FloatArray:
+def _column(
+    table: NamedNumbers, names: Sequence[str], default: FloatArray, kind: str
+) -> FloatArray:
     """(len(names),) of a table that holds one number a name."""
     return table.resolve(names, default[:, None], kind)[:, 0]
 
 
-def _of_legs(table: Table, robot: Robot) -> FloatArray:
+def _of_legs(table: NamedNumbers, robot: Robot) -> FloatArray:
     """(m,) of a table whose `all` means the joints of the legs."""
     rows = dict(table.rows)
     common = rows.pop(ALL, (0.0,))
     default = np.zeros(len(robot.joint_names))
     default[robot.moved] = common[0]
-    return _column(Table(rows, table.path, table.key), robot.joint_names, default, "joint")
+    return _column(NamedNumbers(rows, table.path, table.key), robot.joint_names, default, "joint")
 
 
 def _friction(rules: Reality, robot: Robot) -> FloatArray:

@@ -26,7 +26,7 @@ BASE = "base"
 
 
 @dataclass(frozen=True)
-class Table:
+class NamedNumbers:
     """Numbers by name; `all` stands for every name that is not listed.
 
     Attributes:
@@ -87,9 +87,9 @@ Number = Annotated[float, Bounds()]
 NonNegative = Annotated[float, Bounds(minimum=0.0)]
 Positive = Annotated[float, Bounds(above=0.0)]
 Fraction = Annotated[float, Bounds(minimum=0.0, maximum=0.9)]
-Errors = Annotated[Table, Bounds()]
-RelativeErrors = Annotated[Table, Bounds(minimum=-0.9)]
-NonNegatives = Annotated[Table, Bounds(minimum=0.0)]
+Errors = Annotated[NamedNumbers, Bounds()]
+RelativeErrors = Annotated[NamedNumbers, Bounds(minimum=-0.9)]
+NonNegatives = Annotated[NamedNumbers, Bounds(minimum=0.0)]
 
 
 INTEGRATORS = ("discrete", "implicit", "implicitfast", "euler")
@@ -113,7 +113,7 @@ class BodyRules:
     mass_error_std_fraction: Fraction
     mass_error_fraction: RelativeErrors
     com_error_std_m: NonNegative
-    com_error_m: Annotated[Table, Bounds(width=3)]
+    com_error_m: Annotated[NamedNumbers, Bounds(width=3)]
 
 
 @dataclass(frozen=True)
@@ -166,7 +166,7 @@ class CellRules:
     damping_time_s: NonNegative
     height_m: NonNegative
     position_error_std_m: NonNegative
-    position_error_m: Annotated[Table, Bounds(width=2)]
+    position_error_m: Annotated[NamedNumbers, Bounds(width=2)]
     full_scale_n: Positive
     full_scale_nm: Positive
     gain_spread_fraction: Fraction
@@ -182,7 +182,7 @@ class ShoeRules:
     """Plates of the shoes, and their temperature."""
 
     mass_error_fraction: RelativeErrors
-    clamp_share: Annotated[Table, Bounds(minimum=0.0, maximum=0.9)]
+    clamp_share: Annotated[NamedNumbers, Bounds(minimum=0.0, maximum=0.9)]
     warm_up_k: Number
     warm_up_time_s: Positive
     temperature_told: bool

@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.registry import read_effect
-from shoecal_core.simulation.reality import Bounds, Choices, Reality, Table
+from shoecal_core.simulation.reality import Bounds, Choices, NamedNumbers, Reality
 
 FORMAT = 1
 Section = TypeVar("Section")
@@ -67,9 +67,9 @@ def _bounded(fields: Fields, name: str, kind: type[Any], bounds: Bounds | Choice
     """A number or a table of numbers, within bounds, or one of some words."""
     if isinstance(bounds, Choices):
         return fields.choice(name, dict.fromkeys(bounds.words))
-    if kind is Table:
+    if kind is NamedNumbers:
         block = fields.mapping(name)
-        return Table(dict(_rows(block, bounds)), block.path, block.prefix)
+        return NamedNumbers(dict(_rows(block, bounds)), block.path, block.prefix)
     if kind is int:
         fields.integer(name)
     return kind(_number(fields, name, bounds))

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import FEET, Shoe
-from shoecal_core.simulation.converter import Converter, Readings
+from shoecal_core.simulation.converter import AdConverter, ConvertedReadings
 from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.sensor_chain import SensorChain
@@ -55,10 +55,12 @@ class LoadingRig:
         self._noise = noise
         self._placement_std = rules.rig.placement_error_std_m
         self._chain, self._time = SensorChain(drawn), 0.0
-        self._converter = Converter(shoe, rules, drawn, noise)
+        self._converter = AdConverter(shoe, rules, drawn, noise)
         self._benches = tuple(_Bench(shoe, rules, drawn, foot) for foot in (0, 1))
 
-    def readings(self, mass: float, foot: int, position: FloatArray, *, count: int = 1) -> Readings:
+    def readings(
+        self, mass: float, foot: int, position: FloatArray, *, count: int = 1
+    ) -> ConvertedReadings:
         """Readings (count, n) with a weight on the top plate.
 
         Args:
@@ -77,7 +79,7 @@ class LoadingRig:
         stands = position + self._noise.normal(0.0, self._placement_std, 2)
         return self._read(self._benches[foot].load(mass, stands), count)
 
-    def cell_readings(self, mass: float, channel: str, *, count: int = 1) -> Readings:
+    def cell_readings(self, mass: float, channel: str, *, count: int = 1) -> ConvertedReadings:
         """Readings (count, n) with one cell off its shoe, carrying a weight alone [kg].
 
         Raises:
@@ -87,7 +89,7 @@ class LoadingRig:
         outputs[self.shoe.index(channel)] = mass * GRAVITY
         return self._read(outputs, count)
 
-    def _read(self, outputs: FloatArray, count: int) -> Readings:
+    def _read(self, outputs: FloatArray, count: int) -> ConvertedReadings:
         """Readings of outputs (n,) that came and stood; the load before was taken off."""
         self._chain.lift()
         for _ in range(_LOOKS):

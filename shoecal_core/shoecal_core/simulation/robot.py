@@ -15,7 +15,7 @@ from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation import robot_physics
-from shoecal_core.simulation.converter import Converter, Readings
+from shoecal_core.simulation.converter import AdConverter, ConvertedReadings
 from shoecal_core.simulation.drawn import DrawnReality
 from shoecal_core.simulation.encoders import Encoders
 from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError
@@ -95,7 +95,7 @@ class SimulatedRobot:
         )
         self._outputs = ChannelOutputs(self._model, shoe)
         self._soles = SoleReader(self._model)
-        self._converter = Converter(shoe, drawn.rules, drawn.shoes, noise)
+        self._converter = AdConverter(shoe, drawn.rules, drawn.shoes, noise)
         # A stream of its own: whether the sensor is read does not change the cells' noise.
         self._imu = Imu(
             drawn.rules.imu,
@@ -270,7 +270,7 @@ class SimulatedRobot:
         snap = self.snapshot() if at is None else at
         return self._joints(snap)
 
-    def readings(self, at: Snapshot | None = None) -> Readings:
+    def readings(self, at: Snapshot | None = None) -> ConvertedReadings:
         """What the channels' converter gives, now or for other instants in their order."""
         snap = self.snapshot() if at is None else at
         return self._converter(snap.felt, snap.session_time)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
-from shoecal_core.simulation.converter import Readings
+from shoecal_core.simulation.converter import ConvertedReadings
 from shoecal_core.simulation.disturbances import Disturbance
 from shoecal_core.simulation.floor import FloorTruth
 from shoecal_core.simulation.imu import ImuReadings
@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Samples:
+class SimulatedSamples:
     """T samples of everything, all taken at the same instants.
 
     Attributes:
@@ -38,7 +38,7 @@ class Samples:
 
     time: FloatArray
     joints: JointReadings
-    readings: Readings
+    readings: ConvertedReadings
     imu: ImuReadings | None
     truth: FloorTruth
     sole_position: FloatArray
@@ -53,7 +53,7 @@ def run(
     *,
     hold: float = 0.5,
     disturbances: Sequence[Disturbance] = (),
-) -> Samples:
+) -> SimulatedSamples:
     """Let the robot follow a trajectory, standing still before and after it: one run.
 
     Args:
@@ -80,7 +80,7 @@ def run(
         sim.check_upright()
         snapshots.append(sim.snapshot())
     all_ = stack(snapshots)
-    return Samples(
+    return SimulatedSamples(
         time=all_.time,
         joints=sim.joints(all_),
         readings=sim.readings(all_),

@@ -42,8 +42,8 @@ from shoecal_core.estimation.joint import corrected, joint_calibration, of_joint
 from shoecal_core.estimation.joint_fit import JointFit
 from shoecal_core.estimation.known_shoe import known_shoe
 from shoecal_core.estimation.lagging import check_lags, lags
-from shoecal_core.estimation.outcome import Outcome
-from shoecal_core.estimation.residuals import Weights
+from shoecal_core.estimation.outcome import CalibrationOutcome
+from shoecal_core.estimation.residuals import ResidualWeights
 from shoecal_core.estimation.series import (
     Errors,
     Series,
@@ -92,7 +92,7 @@ def calibrate_session(
     weight_kg: float | None = None,
     rezero: bool = False,
     sheets: bool = True,
-) -> Outcome:
+) -> CalibrationOutcome:
     """Self-calibration from a recording: by the joint fit, a walk by the least squares alone.
 
     Args:
@@ -162,7 +162,7 @@ def calibrate_session(
         assessment = assessment.not_below(left)
     found = _of_sheets(data, stages, settings, assessment, alone) + found
     verdict = _verdict(data, stages, modelled["self_calibration"], limits, found, assessment)
-    return Outcome(
+    return CalibrationOutcome(
         calibration=replace(
             _calibration(data, stages, assessment, verdict, source, made_ns),
             fitted_runs=tuple(sha256(entry.path) for entry in session.runs if entry.run in train),
@@ -276,7 +276,9 @@ def _lagging(
 ) -> list[Finding]:
     fitting = _fitting(settings, data.screening)
     prior = prior_of(data.shoe, stages.guess, fitting)
-    return check_lags(data.shoe, lags(stages.fit.vector, prior, stances, Weights.of(fitting)))
+    return check_lags(
+        data.shoe, lags(stages.fit.vector, prior, stances, ResidualWeights.of(fitting))
+    )
 
 
 def _of_sheets(

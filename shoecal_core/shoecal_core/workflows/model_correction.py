@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import FieldError
 from shoecal_core.estimation.joint_fit import FittedDeviation
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.series import (
     Errors,
     Series,
@@ -119,7 +119,7 @@ def correct_robot(
     )
 
 
-def _found(session: Session, outcome: Outcome) -> tuple[FittedDeviation, ...]:
+def _found(session: Session, outcome: CalibrationOutcome) -> tuple[FittedDeviation, ...]:
     if outcome.joint is None:
         raise SessionError(
             session.folder,
@@ -132,7 +132,7 @@ def _found(session: Session, outcome: Outcome) -> tuple[FittedDeviation, ...]:
     )
 
 
-def _corrected(session: Session, outcome: Outcome) -> Robot:
+def _corrected(session: Session, outcome: CalibrationOutcome) -> Robot:
     """A session's robot, shoes on, with what was found in it."""
     with TemporaryDirectory() as folder:
         for name, text in _files(session, _found(session, outcome)).items():

@@ -21,7 +21,12 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.drift import Drift, drift_of, shares_model
-from shoecal_core.estimation.standstill import Comparison, ModelTolerance, compare, hanging_feet
+from shoecal_core.estimation.standstill import (
+    ModelTolerance,
+    StandstillResiduals,
+    compare,
+    hanging_feet,
+)
 from shoecal_core.robot.kinematics import BodyStates
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
@@ -154,7 +159,7 @@ def _told_better(calibration: Calibration, before: Drift | None, count: int) -> 
 def _prior(
     calibration: Calibration,
     shoe: Shoe,
-    found: Comparison,
+    found: StandstillResiduals,
     chosen: NDArray[np.bool_],
     made_ns: int,
 ) -> FloatArray:
@@ -192,7 +197,7 @@ def _gain(spread: FloatArray, slopes: FloatArray) -> FloatArray:
 def _updated(
     prior: FloatArray,
     spread: FloatArray,
-    found: Comparison,
+    found: StandstillResiduals,
     chosen: NDArray[np.bool_],
     readings: FloatArray,
 ) -> FloatArray:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from shoecal_core.manual.loads import CELLS, SHOE, Load, planned_loads
-from shoecal_core.manual.measurements import Entry, Measurements
+from shoecal_core.manual.measurements import LoadReading, Measurements
 from shoecal_core.manual.settings import ManualSettings, load_manual_settings
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.simulation.converter import Readings
+from shoecal_core.simulation.converter import ConvertedReadings
 from shoecal_core.simulation.drawn import draw_shoes
 from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.rig import LoadingRig
@@ -48,11 +48,11 @@ def read_rig(rig: LoadingRig, kind: str, settings: ManualSettings) -> Measuremen
     for index, load in enumerate(planned_loads(kind, shoe, settings.weights(kind)), start=1):
         own = rig_readings(rig, load, settings.samples).voltages[:, shoe.of_foot(load.foot)]
         mean, std = own.mean(axis=0), own.std(axis=0, ddof=1)
-        entries.append(Entry(load, mean, std, len(own), index * SECOND_NS))
+        entries.append(LoadReading(load, mean, std, len(own), index * SECOND_NS))
     return Measurements(kind, shoe, tuple(entries))
 
 
-def rig_readings(rig: LoadingRig, load: Load, count: int) -> Readings:
+def rig_readings(rig: LoadingRig, load: Load, count: int) -> ConvertedReadings:
     """Readings (count, n) of the rig under a load."""
     if load.alone:
         return rig.cell_readings(load.mass, load.place, count=count)

@@ -14,7 +14,7 @@ from shoecal_core.recording.messages import series
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.robot import SimulatedRobot
-from shoecal_core.simulation.samples import Samples
+from shoecal_core.simulation.samples import SimulatedSamples
 
 FloatArray = NDArray[np.float64]
 Stamps = NDArray[np.int64]
@@ -30,7 +30,7 @@ def record_run(
     sim: SimulatedRobot,
     planned: PlannedRun,
     commanded: JointTrajectory,
-    samples: Samples,
+    samples: SimulatedSamples,
     *,
     start_ns: int,
     hold: float,
@@ -74,7 +74,7 @@ def record_run(
     return writer.info.run
 
 
-def _joints(sim: SimulatedRobot, samples: Samples, stamps: Stamps) -> Iterator[Message]:
+def _joints(sim: SimulatedRobot, samples: SimulatedSamples, stamps: Stamps) -> Iterator[Message]:
     names, joints = sim.robot.joint_names, samples.joints
     count = len(names)
 
@@ -86,7 +86,7 @@ def _joints(sim: SimulatedRobot, samples: Samples, stamps: Stamps) -> Iterator[M
         yield stamp, schemas.JOINT_STATES, message
 
 
-def _voltages(sim: SimulatedRobot, samples: Samples, stamps: Stamps) -> Iterator[Message]:
+def _voltages(sim: SimulatedRobot, samples: SimulatedSamples, stamps: Stamps) -> Iterator[Message]:
     readings = samples.readings
     for index, stamp in enumerate(stamps.tolist()):
         message = messages.shoe_voltages(
@@ -96,7 +96,7 @@ def _voltages(sim: SimulatedRobot, samples: Samples, stamps: Stamps) -> Iterator
         yield stamp, schemas.VOLTAGES, message
 
 
-def _imu(sim: SimulatedRobot, samples: Samples, stamps: Stamps) -> Iterator[Message]:
+def _imu(sim: SimulatedRobot, samples: SimulatedSamples, stamps: Stamps) -> Iterator[Message]:
     told, frame = samples.imu, sim.drawn.body.links[0]
     if told is None:
         return
@@ -109,7 +109,9 @@ def _imu(sim: SimulatedRobot, samples: Samples, stamps: Stamps) -> Iterator[Mess
         yield stamp, schemas.IMU, message
 
 
-def _motor_temperatures(sim: SimulatedRobot, samples: Samples, stamps: Stamps) -> Iterator[Message]:
+def _motor_temperatures(
+    sim: SimulatedRobot, samples: SimulatedSamples, stamps: Stamps
+) -> Iterator[Message]:
     if not sim.drawn.rules.servo.temperatures_told:
         return
     moved = [sim.robot.joint_names[index] for index in sim.robot.moved]
@@ -120,7 +122,7 @@ def _motor_temperatures(sim: SimulatedRobot, samples: Samples, stamps: Stamps) -
             yield stamp, schemas.JOINT_TEMPERATURES, messages.temperature(stamp, name, value)
 
 
-def _shoe_temperature(samples: Samples, stamps: Stamps) -> Iterator[Message]:
+def _shoe_temperature(samples: SimulatedSamples, stamps: Stamps) -> Iterator[Message]:
     told = samples.readings.temperature
     for index in _sparse(samples):
         if np.isfinite(told[index]):
@@ -128,13 +130,15 @@ def _shoe_temperature(samples: Samples, stamps: Stamps) -> Iterator[Message]:
             yield stamp, schemas.SHOE_TEMPERATURE, messages.temperature(stamp, "", told[index])
 
 
-def _sparse(samples: Samples) -> list[int]:
+def _sparse(samples: SimulatedSamples) -> list[int]:
     """Samples that are a temperature's period apart."""
     periods = np.floor((samples.time - samples.time[0]) / _TEMPERATURE_PERIOD + 1e-6)
     return [int(index) for index in np.unique(periods, return_index=True)[1]]
 
 
-def _record_truth(session: Session, info: RunInfo, samples: Samples, stamps: Stamps) -> None:
+def _record_truth(
+    session: Session, info: RunInfo, samples: SimulatedSamples, stamps: Stamps
+) -> None:
     true = samples.truth
     with session.new_truth(info) as truth:
         truth.write_all(stamps, true.cop, true.foot_cop, true.foot_grf)

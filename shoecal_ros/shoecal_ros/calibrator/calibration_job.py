@@ -25,7 +25,7 @@ DRAW_SHARE, SOLVE_SHARE = 0.04, 0.06
 
 
 @dataclass(frozen=True)
-class Request:
+class CalibrationRequest:
     """What is asked for.
 
     Attributes:
@@ -52,7 +52,7 @@ class CalibrationJob:
     def __init__(
         self,
         site: JobContext,
-        request: Request,
+        request: CalibrationRequest,
         feedback: Callable[[Calibrate.Feedback], None],
         canceled: Callable[[], bool] | None,
     ) -> None:
@@ -146,7 +146,7 @@ class CalibrationJob:
             self._feedback(state)
 
 
-def _training(request: Request) -> set[int]:
+def _training(request: CalibrationRequest) -> set[int]:
     """Which supports train, drawn."""
     generator = np.random.default_rng([request.seed, 2])
     chosen = generator.choice(request.supports, size=request.train, replace=False)

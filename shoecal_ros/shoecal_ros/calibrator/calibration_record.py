@@ -16,7 +16,7 @@ LATEST_NS = (2**31 - 1) * 10**9
 
 
 @dataclass(frozen=True)
-class Entry:
+class RecordEntry:
     """When and where a calibration was put in force.
 
     Attributes:
@@ -31,7 +31,7 @@ class Entry:
     origin: Origin | None
 
 
-def read_record(path: Path) -> dict[str, Entry]:
+def read_record(path: Path) -> dict[str, RecordEntry]:
     """Entries by the SHA-256 of their calibration's file.
 
     Raises:
@@ -46,7 +46,7 @@ def read_record(path: Path) -> dict[str, Entry]:
         since_ns = item.integer("since_ns", minimum=0)
         if since_ns > LATEST_NS:
             raise item.error("since_ns", "lies beyond what a stamp holds; delete this file")
-        record[item.text("file_hash")] = Entry(
+        record[item.text("file_hash")] = RecordEntry(
             since_ns, item.text("robot_hash"), item.text("shoe_hash"), _origin(item)
         )
     return record
@@ -60,7 +60,7 @@ def _origin(item: Fields) -> Origin | None:
     return Origin(fields.boolean("simulated"), fields.text("host"), fields.text("device"))
 
 
-def write_record(path: Path, record: Mapping[str, Entry]) -> None:
+def write_record(path: Path, record: Mapping[str, RecordEntry]) -> None:
     """Write it, atomically; FileError where that fails."""
     write_yaml(
         path,

@@ -37,7 +37,7 @@ from shoecal_ros.common.refusal import RefusedError, faults_refused
 from shoecal_ros.common.waiting import aside, until
 
 if TYPE_CHECKING:
-    from shoecal_ros.nodes.calibrator import Calibrator
+    from shoecal_ros.nodes.calibrator import CalibratorNode
 
 APPLY = "shoe/apply"
 MIRROR = "in_force."
@@ -53,7 +53,7 @@ class CalibrationServer:
             without a result; None when all is well, and once a calibration comes in force.
     """
 
-    def __init__(self, node: Calibrator, store: CalibrationStore) -> None:
+    def __init__(self, node: CalibratorNode, store: CalibrationStore) -> None:
         self.store = store
         self.problem = store.load(node.now_ns, warned=node.job_settings.apply_warned)
         self._node = node

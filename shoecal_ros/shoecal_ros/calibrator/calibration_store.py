@@ -19,7 +19,7 @@ from shoecal_core.files import make_folder, read_error, sha256, sync_folder, sys
 from shoecal_core.robot.robot import Robot
 from shoecal_core.screening.verdict import tell_reasons
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_ros.calibrator.calibration_record import Entry, read_record, write_record
+from shoecal_ros.calibrator.calibration_record import RecordEntry, read_record, write_record
 from shoecal_ros.common.codes import Problem, joined
 from shoecal_ros.common.origin import Origin
 
@@ -63,7 +63,7 @@ class CalibrationStore:
         self._folder = folder
         self._robot = robot
         self._shoe = shoe
-        self._record: dict[str, Entry] = {}
+        self._record: dict[str, RecordEntry] = {}
 
     def load(self, now_ns: int, *, warned: bool = False) -> Problem | None:
         """Take what is in the folder; what could not be taken and its cure, else None.
@@ -276,10 +276,10 @@ class CalibrationStore:
     def _hashes(self) -> tuple[str, str]:
         return self._robot.digest, self._shoe.digest
 
-    def _entry(self, since_ns: int, origin: Origin | None) -> Entry:
-        return Entry(since_ns, *self._hashes, origin)
+    def _entry(self, since_ns: int, origin: Origin | None) -> RecordEntry:
+        return RecordEntry(since_ns, *self._hashes, origin)
 
-    def _note(self, record: Mapping[str, Entry]) -> None:
+    def _note(self, record: Mapping[str, RecordEntry]) -> None:
         """Note files that are in force, or were; forget those that are gone."""
         files = (self._folder / name for name in (CURRENT, BEFORE, NEXT, BEFORE_NEXT))
         present = {sha256(path) for path in files if _is_there(path)}
@@ -291,14 +291,14 @@ class CalibrationStore:
         path = self._folder / RECORD
         self._record = read_record(path) if _is_there(path) else {}
 
-    def _note_again(self, record: dict[str, Entry]) -> None:
+    def _note_again(self, record: dict[str, RecordEntry]) -> None:
         """Note what was before; left over, an entry lets nothing in but the file it is of."""
         self._record = record
         with contextlib.suppress(FileError):
             self._note(record)
 
 
-def _origin_of(calibration: Calibration, known: Entry | None) -> Origin:
+def _origin_of(calibration: Calibration, known: RecordEntry | None) -> Origin:
     """Where a file's calibration was made: as noted, else as its time stamp says."""
     noted = None if known is None else known.origin
     return noted or Origin.of(calibration)

@@ -16,7 +16,7 @@ from shoecal_core.planning.standard import STANDARD
 from shoecal_core.recording.errors import SessionError
 from shoecal_core.recording.session import Session
 from shoecal_ros.calibrator import diagnosis_work
-from shoecal_ros.calibrator.diagnosis_work import Diagnosed
+from shoecal_ros.calibrator.diagnosis_work import WrittenDiagnosis
 from shoecal_ros.calibrator.job import Job, JobContext
 from shoecal_ros.calibrator.proposals import by_hand, how_to_go_on, proposal
 from shoecal_ros.calibrator.run_series import RunSeries, make_session
@@ -30,7 +30,7 @@ DRAW_PART, DIAGNOSE_PART = 0.2, 1.0
 
 
 @dataclass(frozen=True)
-class Request:
+class DiagnosisRequest:
     """What is asked for.
 
     Attributes:
@@ -58,7 +58,7 @@ class Request:
         return self.records or self.run_proposed
 
 
-class DiagnosisJob:
+class RunningDiagnosis:
     """One diagnosis; how far it came stays to be seen when it fails.
 
     Attributes:
@@ -71,13 +71,13 @@ class DiagnosisJob:
     def __init__(
         self,
         site: JobContext,
-        request: Request,
+        request: DiagnosisRequest,
         feedback: Callable[[Diagnose.Feedback], None],
         canceled: Callable[[], bool],
     ) -> None:
         self.request = request
         self.session = request.session
-        self.found: Diagnosed | None = None
+        self.found: WrittenDiagnosis | None = None
         self.state = Diagnose.Feedback(run_id=request.run_id)
         self._site = site
         self._job = Job(site, canceled)
@@ -184,7 +184,7 @@ class DiagnosisJob:
         except ShoecalError as error:
             raise RefusedError(Diagnose.Result.RECORDING_FAILED, str(error)) from error
 
-    async def _diagnose(self, worker: Worker) -> Diagnosed:
+    async def _diagnose(self, worker: Worker) -> WrittenDiagnosis:
         """Diagnose what there is; only cancelling ends it."""
         assert self.session is not None, "recorded or named"
         site = self._site
@@ -203,7 +203,7 @@ class DiagnosisJob:
 
     # Telling
 
-    def _reported(self, verdicts: str, found: Diagnosed) -> str:
+    def _reported(self, verdicts: str, found: WrittenDiagnosis) -> str:
         """The verdicts, and how to go on."""
         if not found.proposed:
             return verdicts
@@ -244,7 +244,7 @@ class _Progress:
         return float((sum(parts[:index]) + share * parts[index]) / sum(parts))
 
 
-def _parts(request: Request) -> list[float]:
+def _parts(request: DiagnosisRequest) -> list[float]:
     """How long each part takes, where a run counts 1: drawing and runs, diagnosis."""
     parts = []
     if request.records:

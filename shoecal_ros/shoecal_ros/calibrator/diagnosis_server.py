@@ -9,7 +9,7 @@ from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from shoecal_msgs.action import Diagnose
 
-from shoecal_ros.calibrator.diagnosis_job import DiagnosisJob, Request
+from shoecal_ros.calibrator.diagnosis_job import DiagnosisRequest, RunningDiagnosis
 from shoecal_ros.calibrator.job import new_run_id
 from shoecal_ros.calibrator.session_folder import NoSessionNameError, session_folder
 from shoecal_ros.common.actions import finish, logged
@@ -20,15 +20,15 @@ from shoecal_ros.common.refusal import RefusedError, faults_refused
 MOST_MOTIONS = 100
 
 if TYPE_CHECKING:
-    from shoecal_ros.nodes.calibrator import Calibrator
+    from shoecal_ros.nodes.calibrator import CalibratorNode
 
 
 class DiagnosisServer:
     """Takes goals, runs the job, and tells what it found."""
 
-    def __init__(self, node: Calibrator) -> None:
+    def __init__(self, node: CalibratorNode) -> None:
         self._node = node
-        self._job: DiagnosisJob | None = None
+        self._job: RunningDiagnosis | None = None
         self._last = Condition(Level.OK, "none yet")
         self._server = ActionServer(
             node, Diagnose, "shoe/diagnose", self._execute,
@@ -81,7 +81,7 @@ class DiagnosisServer:
         node = self._node
         node.refuse_second_job()
         request = self._request(goal.request)
-        job = self._job = DiagnosisJob(
+        job = self._job = RunningDiagnosis(
             node,
             request,
             logged(node, goal.publish_feedback, lambda reported: (reported.phase, reported.run)),
@@ -106,13 +106,13 @@ class DiagnosisServer:
             node.listen_live()
             _fill(result, job)
 
-    def _request(self, goal: Diagnose.Goal) -> Request:
+    def _request(self, goal: Diagnose.Goal) -> DiagnosisRequest:
         if len(goal.motions) > MOST_MOTIONS:
             raise RefusedError(
                 Diagnose.Result.BAD_GOAL,
                 f"{len(goal.motions)} motions; record at most {MOST_MOTIONS} at a time",
             )
-        return Request(
+        return DiagnosisRequest(
             run_id=new_run_id(),
             session=self._folder(goal.session) if goal.session else None,
             motions=tuple(goal.motions),
@@ -128,7 +128,7 @@ class DiagnosisServer:
             raise RefusedError(Diagnose.Result.BAD_GOAL, str(error)) from error
 
 
-def _fill(result: Diagnose.Result, job: DiagnosisJob) -> None:
+def _fill(result: Diagnose.Result, job: RunningDiagnosis) -> None:
     """What there is by now, also of a job that ended before its time."""
     result.session = str(job.session or "")
     found = job.found

@@ -34,7 +34,7 @@ LEAST_TRAIN = 2
 
 
 @dataclass(frozen=True)
-class Diagnosed:
+class WrittenDiagnosis:
     """A diagnosis, and where it was written down.
 
     Attributes:
@@ -97,7 +97,7 @@ def runs_to_record(
 
 def diagnose_session(
     link: Link, folder: Path, settings: DiagnosisSettings, tolerances: Tolerances
-) -> Diagnosed:
+) -> WrittenDiagnosis:
     """Diagnose a session; JSON and report are kept in its folder."""
     # Simulator and pictures come along: the node itself stays lean.
     from shoecal_core.workflows.diagnose import DiagnosisJob, do  # noqa: PLC0415
@@ -109,7 +109,7 @@ def diagnose_session(
     text = json.dumps(done.to_json(), indent=1, allow_nan=False)
     atomic_write(folder / JSON, text + "\n")
     following = found.next_motion
-    return Diagnosed(
+    return WrittenDiagnosis(
         verdict=found.verdict,
         json=text,
         report=folder / REPORT,

@@ -11,13 +11,13 @@ from shoecal_ros.common.health import Level
 from shoecal_ros.inputs.standstill import UNREST_N, Standstill
 
 if TYPE_CHECKING:
-    from shoecal_ros.nodes.calibrator import Calibrator
+    from shoecal_ros.nodes.calibrator import CalibratorNode
 
 
 class DriftMonitor:
     """Tells the node's `drift`; it looks at the rate of the watch, the live forces do not wait."""
 
-    def __init__(self, node: Calibrator) -> None:
+    def __init__(self, node: CalibratorNode) -> None:
         self._node = node
         self._watch = DriftWatch(node.node_settings.drift_time)
 

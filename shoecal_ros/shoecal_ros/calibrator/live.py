@@ -56,7 +56,7 @@ class FootFlags:
     status: tuple[int, ...]
 
 
-class LowPass:
+class OutputFilter:
     """First-order low-pass of all channels; it delays them by `delay_s`."""
 
     def __init__(self, cutoff_hz: float) -> None:
@@ -84,7 +84,7 @@ class LiveSensing:
     """Turns joined readings into what is published."""
 
     def __init__(
-        self, of_foot: Sequence[NDArray[np.int64]], switch: LoadSwitch, low_pass: LowPass
+        self, of_foot: Sequence[NDArray[np.int64]], switch: LoadSwitch, low_pass: OutputFilter
     ) -> None:
         """Uncalibrated.
 

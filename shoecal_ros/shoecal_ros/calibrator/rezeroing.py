@@ -19,7 +19,7 @@ from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.inputs.standstill import UNREST_N, Standstill
 
 if TYPE_CHECKING:
-    from shoecal_ros.nodes.calibrator import Calibrator
+    from shoecal_ros.nodes.calibrator import CalibratorNode
 
 Codes = Rezero.Response
 STILL_PATIENCE = 15.0
@@ -30,7 +30,7 @@ CURE = "lift each foot once and call shoe/rezero again, or calibrate anew"
 class RezeroServer:
     """One correction at a time, applied by the server that holds the calibration in force."""
 
-    def __init__(self, node: Calibrator) -> None:
+    def __init__(self, node: CalibratorNode) -> None:
         self._node = node
         self._standstill: Standstill | None = None
         # It takes a while, in which everything else must go on.

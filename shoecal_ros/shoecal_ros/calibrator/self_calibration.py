@@ -12,7 +12,7 @@ from shoecal_msgs.action import Calibrate
 from shoecal_msgs.srv import SelfCalibrate
 
 from shoecal_core.screening.verdict import tell_reasons
-from shoecal_ros.calibrator.calibration_job import CalibrationJob, Request
+from shoecal_ros.calibrator.calibration_job import CalibrationJob, CalibrationRequest
 from shoecal_ros.calibrator.job import new_run_id
 from shoecal_ros.calibrator.job_settings import MOST_SUPPORTS
 from shoecal_ros.common.actions import finish, logged
@@ -22,13 +22,13 @@ from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.refusal import RefusedError, faults_refused
 
 if TYPE_CHECKING:
-    from shoecal_ros.nodes.calibrator import Calibrator
+    from shoecal_ros.nodes.calibrator import CalibratorNode
 
 
 class SelfCalibrationServer:
     """Takes requests, runs the job, and has applied what it found where that may be applied."""
 
-    def __init__(self, node: Calibrator) -> None:
+    def __init__(self, node: CalibratorNode) -> None:
         self._node = node
         self._job: CalibrationJob | None = None
         node.serve(SelfCalibrate, "shoe/self_calibrate", self._self_calibrate)
@@ -82,7 +82,7 @@ class SelfCalibrationServer:
         node.listen_for_recording()
         self._job = CalibrationJob(
             node,
-            Request(new_run_id(), supports, train, seed),
+            CalibrationRequest(new_run_id(), supports, train, seed),
             logged(node, feedback, lambda reported: (reported.stage, reported.support)),
             canceled,
         )

@@ -12,8 +12,8 @@ from shoecal_core.cli.tables import errors_table, reason_lines, stages_rows
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.errors import ShoecalError
 from shoecal_core.estimation.calibration import load_calibration
-from shoecal_core.estimation.comparison import Comparison, compare, read_truths, stage_errors
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.comparison import StanceComparison, compare, read_truths, stage_errors
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.series import Errors, errors
 from shoecal_core.files import atomic_write, read_bytes
 from shoecal_core.recording.session import Session
@@ -25,7 +25,7 @@ from shoecal_ros.demonstration.options import Folder, Options
 
 
 @dataclass(frozen=True)
-class Found:
+class DemonstrationOutcome:
     """Everything to be told.
 
     Attributes:
@@ -38,8 +38,8 @@ class Found:
     """
 
     session: Session
-    outcome: Outcome
-    comparisons: list[Comparison]
+    outcome: CalibrationOutcome
+    comparisons: list[StanceComparison]
     stages: dict[str, dict[str, Errors]]
     modelled: Errors
     truths: dict[int, Truth]
@@ -64,7 +64,9 @@ def split_truth(folder: Folder, session: Session) -> None:
     atomic_write(session.truth_path(1).parent / "reality.yaml", read_bytes(drawn))
 
 
-def evaluate(folder: Folder, settings: CalibrationSettings, tolerances: Tolerances) -> Found:
+def evaluate(
+    folder: Folder, settings: CalibrationSettings, tolerances: Tolerances
+) -> DemonstrationOutcome:
     """Solve the recording again and hold everything against the truth.
 
     Raises:
@@ -82,7 +84,7 @@ def evaluate(folder: Folder, settings: CalibrationSettings, tolerances: Toleranc
         )
     truths = read_truths(session, outcome.data)
     comparisons = compare(outcome, truths)
-    return Found(
+    return DemonstrationOutcome(
         session=session,
         outcome=outcome,
         comparisons=comparisons,
@@ -93,7 +95,7 @@ def evaluate(folder: Folder, settings: CalibrationSettings, tolerances: Toleranc
 
 
 def write_results(
-    folder: Folder, options: Options, found: Found, timing: Mapping[str, float]
+    folder: Folder, options: Options, found: DemonstrationOutcome, timing: Mapping[str, float]
 ) -> dict[str, object]:
     """Write result.json and report.html; the figures."""
     calibration = found.outcome.calibration
@@ -129,7 +131,7 @@ def write_results(
     return figures
 
 
-def print_table(found: Found, timing: Mapping[str, float], folder: Folder) -> None:
+def print_table(found: DemonstrationOutcome, timing: Mapping[str, float], folder: Folder) -> None:
     """A small table for the terminal."""
     console = Console(highlight=False)
     rows = [("model, all runs", found.modelled)]

@@ -23,7 +23,7 @@ from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import point_from_ros
 from shoecal_ros.inputs.joints import JointBatch
-from shoecal_ros.model.scene_markers import FootSeen, SceneMarkers, Seen
+from shoecal_ros.model.scene_markers import FootSeen, MeasuredInstant, SceneMarkers
 
 if TYPE_CHECKING:
     from shoecal_ros.common.node import ShoecalNode
@@ -99,14 +99,14 @@ class MarkerPublisher:
         heard = self._heard.get(topic)
         return heard.message if heard and self._clock() - heard.at < FRESH_S else None
 
-    def _seen(self) -> Seen:
+    def _seen(self) -> MeasuredInstant:
         cop, state = self._fresh("shoe/cop"), self._fresh("shoe/state")
         reported = {} if state is None else {one.foot: one for one in state.feet}
         left, right = (self._foot(foot, reported.get(foot)) for foot in FEET)
         if cop is None or cop.header.frame_id not in self._soles:
-            return Seen((left, right))
+            return MeasuredInstant((left, right))
         frame = self._soles.index(cop.header.frame_id)
-        return Seen((left, right), frame, np.array(point_from_ros(cop))[:2])
+        return MeasuredInstant((left, right), frame, np.array(point_from_ros(cop))[:2])
 
     def _foot(self, foot: str, state: Any | None) -> FootSeen:
         cop, grf = self._fresh(f"shoe/{foot}/cop"), self._fresh(f"shoe/{foot}/grf")

@@ -29,7 +29,7 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
 from shoecal_core.report.scene.body import CELL, Joints, body_shapes, joints_at
-from shoecal_core.report.scene.shapes import Rgba, Shape
+from shoecal_core.report.scene.shapes import LinkShape, Rgba
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_ros.common.conversions import header_to_ros
@@ -69,7 +69,7 @@ class FootSeen:
 
 
 @dataclass(frozen=True)
-class Seen:
+class MeasuredInstant:
     """What is measured at about one instant.
 
     Attributes:
@@ -95,7 +95,7 @@ class SceneMarkers:
         self._faces = [_faces(shape) for shape in body_shapes(robot, shoe, at, cells=False)]
         self._polygons = [_ring(foot.sensing_polygon) for foot in robot.feet]
 
-    def at(self, stamp_ns: int, angles: FloatArray, seen: Seen) -> MarkerArray:
+    def at(self, stamp_ns: int, angles: FloatArray, seen: MeasuredInstant) -> MarkerArray:
         """Everything at joint angles (m,) [rad] and with what is measured."""
         joints = joints_at(self._robot, angles)
         markers = [
@@ -128,7 +128,7 @@ class SceneMarkers:
             ground = np.array([*seen.cop, 0.0])
             yield _arrow("force", self._soles[foot], ground, self._length * seen.force, MEASURED)
 
-    def _centres(self, at: Joints, seen: Seen) -> Iterator[Any]:
+    def _centres(self, at: Joints, seen: MeasuredInstant) -> Iterator[Any]:
         left = self._soles[0]
         below = np.array([*at.com[:2], 0.0])
         yield _ball("com", left, at.com, COM)
@@ -144,7 +144,7 @@ class SceneMarkers:
             yield _line("support_polygon", left, _ring(hull), OUTLINE)
 
 
-def _faces(shape: Shape) -> NDArray[np.int64] | None:
+def _faces(shape: LinkShape) -> NDArray[np.int64] | None:
     """(f, 3) corners of a hull's triangles, seen from outside; None for balls and capsules."""
     if len(shape.points) < 3:
         return None
@@ -157,7 +157,7 @@ def _faces(shape: Shape) -> NDArray[np.int64] | None:
     return faces
 
 
-def _grown(shape: Shape) -> FloatArray:
+def _grown(shape: LinkShape) -> FloatArray:
     """Corners of a hull, grown by its radius."""
     if shape.radius == 0.0:
         return shape.points
@@ -168,7 +168,7 @@ def _grown(shape: Shape) -> FloatArray:
     return grown
 
 
-def _solid(frame: str, shape: Shape, faces: NDArray[np.int64] | None) -> Iterator[Any]:
+def _solid(frame: str, shape: LinkShape, faces: NDArray[np.int64] | None) -> Iterator[Any]:
     if faces is not None:
         marker = _marker("body", frame, Marker.TRIANGLE_LIST, shape.rgba, (1.0, 1.0, 1.0))
         marker.points = _points(_grown(shape)[faces.ravel()])

@@ -38,7 +38,7 @@ from shoecal_ros.calibrator.force_samples import STANCE, SUM_FRAMES, ForceSample
 from shoecal_ros.calibrator.halt import Halt
 from shoecal_ros.calibrator.job import Codes
 from shoecal_ros.calibrator.job_settings import JobSettings
-from shoecal_ros.calibrator.live import FootFlags, LiveSensing, LowPass
+from shoecal_ros.calibrator.live import FootFlags, LiveSensing, OutputFilter
 from shoecal_ros.calibrator.live_publishers import LivePublishers
 from shoecal_ros.calibrator.load import LoadSwitch
 from shoecal_ros.calibrator.raw_topics import RAW_TOPICS, relative
@@ -130,7 +130,7 @@ class CalibratorSettings(JoinSettings):
     )
 
 
-class Calibrator(ShoecalNode):
+class CalibratorNode(ShoecalNode):
     """Never silent about what its numbers are worth; one self-calibration at a time."""
 
     def __init__(self) -> None:
@@ -165,7 +165,7 @@ class Calibrator(ShoecalNode):
         job = self.job_settings
         self.stillness = Stillness(job.still_speed, job.still_time, job.still_resolution)
         self.recorder = Recorder(lambda: self.now_ns, job.lead_s)
-        self._low_pass = LowPass(settings.low_pass_hz)
+        self._low_pass = OutputFilter(settings.low_pass_hz)
         self.live = LiveSensing(
             of_foot, LoadSwitch(settings.load_on_n, settings.load_off_n), self._low_pass
         )
@@ -373,7 +373,7 @@ class Calibrator(ShoecalNode):
 
 def main() -> None:
     """Run the node."""
-    run(Calibrator)
+    run(CalibratorNode)
 
 
 if __name__ == "__main__":

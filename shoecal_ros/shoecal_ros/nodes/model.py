@@ -42,7 +42,7 @@ class ModelSettings(Settings):
     )
 
 
-class Model(ShoecalNode):
+class ModelNode(ShoecalNode):
     """Publishes what the joint angles say of the body."""
 
     def __init__(self) -> None:
@@ -109,7 +109,7 @@ def _transforms(stamp_ns: int, states: BodyStates, frames: Frames) -> Any:
 
 def main() -> None:
     """Run the node."""
-    run(Model)
+    run(ModelNode)
 
 
 if __name__ == "__main__":

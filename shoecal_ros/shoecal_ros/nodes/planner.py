@@ -51,7 +51,7 @@ LAST_WORDS = Duration(seconds=1)
 """Wall-clock time that the robot gets to hear the last commands."""
 
 
-class Planner(ShoecalNode):
+class PlannerNode(ShoecalNode):
     """One motion at a time; cancelling and disarming always win."""
 
     def __init__(self) -> None:
@@ -206,7 +206,7 @@ class Planner(ShoecalNode):
 
 def main() -> None:
     """Run the node."""
-    run(Planner)
+    run(PlannerNode)
 
 
 if __name__ == "__main__":

@@ -46,7 +46,7 @@ class ShoeDriverSettings(Settings):
     source: str = setting("", "", "frame_id of what is published; empty: the node's full name")
 
 
-class ShoeDriver(ShoecalNode):
+class ShoeDriverNode(ShoecalNode):
     """Reads in a thread of its own and publishes from there: it waits for nothing else here."""
 
     def __init__(self) -> None:
@@ -166,7 +166,7 @@ def _figures(status: DriverStatus) -> dict[str, str]:
 
 def main() -> None:
     """Run the node."""
-    run(ShoeDriver)
+    run(ShoeDriverNode)
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ from shoecal_ros.serial.device import SimulatedDevice
 from shoecal_ros.serial.frame import Info
 from shoecal_ros.simulator.body_publishers import BodyPublishers
 from shoecal_ros.simulator.patient_publisher import PATIENCE_S
-from shoecal_ros.simulator.simulated_body import Pacer, Samples, SimulatedBody
+from shoecal_ros.simulator.simulated_body import BodySamples, Pacer, SimulatedBody
 
 REAL_TIME = 1.0
 """Speed up to which it waits for no listener, as a real robot."""
@@ -78,7 +78,7 @@ class SimulatorSettings(Settings):
     )
 
 
-class Simulator(ShoecalNode):
+class SimulatorNode(ShoecalNode):
     """Owns simulated time; everything it sends carries the time of sampling."""
 
     def __init__(self) -> None:
@@ -176,7 +176,7 @@ class Simulator(ShoecalNode):
                     stamp_ns, truth.cop[index], truth.foot_cop[index], truth.foot_grf[index]
                 )
 
-    def _send_frames(self, samples: Samples) -> None:
+    def _send_frames(self, samples: BodySamples) -> None:
         readings = samples.readings
         for stamp_ns, counts, status, temperature in zip(
             samples.stamp_ns.tolist(),
@@ -278,7 +278,7 @@ class Simulator(ShoecalNode):
 
 def main() -> None:
     """Run the node."""
-    run(Simulator)
+    run(SimulatorNode)
 
 
 if __name__ == "__main__":

@@ -26,9 +26,9 @@ from shoecal_ros.common.refusal import RefusedError
 from shoecal_ros.common.waiting import until
 from shoecal_ros.common.worker import Work
 from shoecal_ros.inputs.joints import JointBatch
-from shoecal_ros.planner.following import Follower, Look, Verdict
+from shoecal_ros.planner.following import Follower, FollowingError, FollowingState
 from shoecal_ros.planner.order import Mover, Order
-from shoecal_ros.planner.part import Part
+from shoecal_ros.planner.part import StreamedPart
 from shoecal_ros.planner.watch import MotionWatch, hot, unwatched
 
 FloatArray = NDArray[np.float64]
@@ -60,7 +60,7 @@ class Execution:
         self._order = order
         self._disarmings = mover.arming.disarmings
         self._watch: MotionWatch | None = None
-        self._part: Part | None = None
+        self._part: StreamedPart | None = None
         self.names = tuple(mover.robot.joint_names[index] for index in mover.robot.moved)
 
     @property
@@ -168,7 +168,7 @@ class Execution:
         seen = self._latest()
         # By the stamps of the joint angles: whose clock they follow does not matter then.
         follower = Follower(planned, int(seen.stamp_ns[0]), moving.follow_error, moving.follow_late)
-        part = Part(motion, follower, seen)
+        part = StreamedPart(motion, follower, seen)
         if self._watch is None:
             self._watch = MotionWatch(
                 self._mover.senses,
@@ -186,7 +186,7 @@ class Execution:
             await self._news(part.seen)
             look = self._look(part)
             self._order.feed("moving", look.progress, part.landmark(look.progress))
-            if look.verdict is Verdict.ARRIVED:
+            if look.verdict is FollowingState.ARRIVED:
                 self._part = None
 
     def hold(self, angles: FloatArray) -> None:
@@ -202,7 +202,7 @@ class Execution:
 
     # Inside
 
-    def _look(self, part: Part) -> Look:
+    def _look(self, part: StreamedPart) -> FollowingError:
         """Take new joint angles, or whatever else has come; hold where something is wrong."""
         problem = self._mover.joints.problem
         if problem is not None:
@@ -220,7 +220,7 @@ class Execution:
         if missing:
             raise self._stopped(part.at_rest, Plan.Result.NOT_FOLLOWED, f"stopped: {missing}")
         look = part.follower.look(part.stamp_ns, part.angles)
-        if look.verdict is Verdict.LOST:
+        if look.verdict is FollowingState.LOST:
             bound = self._mover.moving.follow_error
             raise self._stopped(
                 part.at_rest,
@@ -228,11 +228,11 @@ class Execution:
                 f"stopped: joint '{look.joint}' is {look.error:.3f} rad off its trajectory "
                 f"(follow_error {bound:g} rad); {CURE}",
             )
-        if look.verdict is not Verdict.DOUBTFUL:
+        if look.verdict is not FollowingState.DOUBTFUL:
             self._check_concerns(part)
         return look
 
-    def _check_concerns(self, part: Part) -> None:
+    def _check_concerns(self, part: StreamedPart) -> None:
         """Stop at once, or where both feet carry again."""
         assert self._watch is not None
         elapsed = part.follower.elapsed(part.stamp_ns)

@@ -20,7 +20,7 @@ _CONFIRMED, _CONFIRMED_NS = 3, 100_000_000
 """Measurements in a row that are far off, or the time between two of them: one alone may lie."""
 
 
-class Verdict(Enum):
+class FollowingState(Enum):
     """What measured angles say."""
 
     FOLLOWS = "follows"
@@ -30,7 +30,7 @@ class Verdict(Enum):
 
 
 @dataclass(frozen=True)
-class Look:
+class FollowingError:
     """One measurement held against the trajectory.
 
     Attributes:
@@ -40,7 +40,7 @@ class Look:
         progress: 0 to 1 of the trajectory's time.
     """
 
-    verdict: Verdict
+    verdict: FollowingState
     joint: str
     error: float
     progress: float
@@ -91,7 +91,7 @@ class Follower:
         angles_at_rest: FloatArray = self._seen_at + np.clip(way, -self._bound, self._bound)
         return angles_at_rest
 
-    def look(self, stamp_ns: int, angles: FloatArray) -> Look:
+    def look(self, stamp_ns: int, angles: FloatArray) -> FollowingError:
         """Take measured angles (m,) [rad]; those that are NaN do not count."""
         trajectory = self._trajectory
         elapsed = self.elapsed(stamp_ns)
@@ -106,17 +106,17 @@ class Follower:
         else:
             self._seen_at, self._far_off = places[nearest], 0
             arrived = elapsed - self._late_s >= trajectory.duration
-            verdict = Verdict.ARRIVED if arrived else Verdict.FOLLOWS
+            verdict = FollowingState.ARRIVED if arrived else FollowingState.FOLLOWS
         progress = min(1.0, max(0.0, elapsed / max(trajectory.duration, 1e-9)))
-        return Look(verdict, trajectory.names[joint], error, progress)
+        return FollowingError(verdict, trajectory.names[joint], error, progress)
 
-    def _judge_far_off(self, stamp_ns: int) -> Verdict:
+    def _judge_far_off(self, stamp_ns: int) -> FollowingState:
         self._far_off += 1
         if self._far_off == 1:
             self._far_off_since_ns = stamp_ns
         lasting = abs(stamp_ns - self._far_off_since_ns) >= _CONFIRMED_NS
         confirmed = self._far_off >= _CONFIRMED or lasting
-        return Verdict.LOST if confirmed else Verdict.DOUBTFUL
+        return FollowingState.LOST if confirmed else FollowingState.DOUBTFUL
 
 
 class Give:

@@ -16,7 +16,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass
-class Part:
+class StreamedPart:
     """A trajectory that the robot is on.
 
     Attributes:

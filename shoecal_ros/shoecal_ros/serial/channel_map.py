@@ -63,7 +63,7 @@ class Converter:
 
 
 @dataclass(frozen=True, slots=True)
-class Channel:
+class DeviceChannel:
     """One channel of the device.
 
     Attributes:
@@ -95,7 +95,7 @@ class CellReadings:
 class ChannelMap:
     """Names and scales the channels of frames; counts the ones nobody named."""
 
-    def __init__(self, channels: Iterable[Channel]) -> None:
+    def __init__(self, channels: Iterable[DeviceChannel]) -> None:
         """Raises ChannelError where two channels share an index or a cell."""
         listed = list(channels)
         self._channels = {channel.index: channel for channel in listed}

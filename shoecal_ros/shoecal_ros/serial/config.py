@@ -7,7 +7,7 @@ from enum import Enum
 from pathlib import Path
 
 from shoecal_core.files import Fields, read_yaml
-from shoecal_ros.serial.channel_map import MAX_BITS, Channel, ChannelMap, Converter, Encoding
+from shoecal_ros.serial.channel_map import MAX_BITS, ChannelMap, Converter, DeviceChannel, Encoding
 from shoecal_ros.serial.decoder import Decoder
 from shoecal_ros.serial.frame import MAX_CHANNELS
 from shoecal_ros.serial.line_form import VALUE, LineForm
@@ -48,7 +48,7 @@ class DriverConfig:
     latency_ns: int
     alarm_s: float
     raw_log: Path | None
-    channels: tuple[Channel, ...]
+    channels: tuple[DeviceChannel, ...]
     text_form: LineForm | None = None
 
     def decoder(self) -> Decoder:
@@ -127,8 +127,8 @@ def _converter(fields: Fields) -> Converter:
     )
 
 
-def _channels(fields: Fields, converter: Converter) -> tuple[Channel, ...]:
-    channels: dict[int, Channel] = {}
+def _channels(fields: Fields, converter: Converter) -> tuple[DeviceChannel, ...]:
+    channels: dict[int, DeviceChannel] = {}
     cells: set[str] = set()
     for entry in fields.items("channels"):
         entry.only("index", "cell", "converter")
@@ -141,7 +141,7 @@ def _channels(fields: Fields, converter: Converter) -> tuple[Channel, ...]:
         if cell in cells:
             raise entry.error("cell", f"'{cell}' appears twice; a cell has one channel")
         own = _converter(entry.mapping("converter")) if "converter" in entry else converter
-        channels[index] = Channel(index, cell, own)
+        channels[index] = DeviceChannel(index, cell, own)
         cells.add(cell)
     if not channels:
         raise fields.error("channels", "is empty; name at least one cell")

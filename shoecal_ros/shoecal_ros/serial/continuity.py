@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from shoecal_ros.serial.clock import TINY_BACK_NS
-from shoecal_ros.serial.frame import SEQUENCE_MODULUS, Fault, FaultKind, Frame
+from shoecal_ros.serial.frame import SEQUENCE_MODULUS, FaultKind, Frame, FrameFault
 
 TINY_BACK_US = TINY_BACK_NS // 1000
 
@@ -16,7 +16,7 @@ class Continuity:
         self._numbered = numbered
         self._last: Frame | None = None
 
-    def check(self, frame: Frame) -> list[Fault]:
+    def check(self, frame: Frame) -> list[FrameFault]:
         """What is wrong between the frame before and this one, if anything.
 
         A device time or a sequence that goes back means a restart, but for a time that goes back
@@ -36,7 +36,7 @@ class Continuity:
             return [_restart(last, frame), *_lost(frame.sequence if numbered else 0, frame)]
         if step == 0:
             return [
-                Fault(
+                FrameFault(
                     FaultKind.REPEATED_SEQUENCE,
                     f"sequence {frame.sequence} came twice; the firmware must count every frame",
                 )
@@ -44,16 +44,16 @@ class Continuity:
         return _lost(step - 1, frame)
 
 
-def _restart(last: Frame, frame: Frame) -> Fault:
-    return Fault(
+def _restart(last: Frame, frame: Frame) -> FrameFault:
+    return FrameFault(
         FaultKind.RESTART,
         f"device restarted: sequence {last.sequence} -> {frame.sequence}, "
         f"time {last.device_time_us} -> {frame.device_time_us} us",
     )
 
 
-def _lost(count: int, frame: Frame) -> list[Fault]:
+def _lost(count: int, frame: Frame) -> list[FrameFault]:
     if not count:
         return []
     text = f"{count} frames lost before {frame.sequence}"
-    return [Fault(FaultKind.LOST_FRAMES, text, count)]
+    return [FrameFault(FaultKind.LOST_FRAMES, text, count)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 from shoecal_ros.serial.continuity import Continuity
-from shoecal_ros.serial.frame import Event, Fault, FaultKind, Frame, LinkCounts
+from shoecal_ros.serial.frame import Event, FaultKind, Frame, FrameFault, LinkCounts
 
 
 class Decoder(ABC):
@@ -79,14 +79,14 @@ class Decoder(ABC):
         begun, self._begun = self._begun, True
         event: Event | None = None
         if overlong:
-            event = Fault(FaultKind.BAD_LENGTH, f"more than {self.longest} bytes and no end")
+            event = FrameFault(FaultKind.BAD_LENGTH, f"more than {self.longest} bytes and no end")
         elif begun or self.sealed:
             event = self.read(piece) if piece else None
         else:
             self._counts.skipped_bytes += len(piece)
         if event is None:
             return
-        if isinstance(event, Fault):
+        if isinstance(event, FrameFault):
             self._counts.skipped_bytes += len(piece)
             # The first bytes after opening are mostly the end of a piece: not a fault.
             if not begun:

@@ -11,10 +11,10 @@ from shoecal_ros.common.codes import Code, Problem
 from shoecal_ros.serial.channel_map import CellReadings, ChannelMap
 from shoecal_ros.serial.clock import DeviceClock
 from shoecal_ros.serial.config import DriverConfig
-from shoecal_ros.serial.frame import Fault, FaultKind, Frame
+from shoecal_ros.serial.frame import FaultKind, Frame, FrameFault
 from shoecal_ros.serial.replay import ReplaySource
 from shoecal_ros.serial.serial_source import SerialSource
-from shoecal_ros.serial.source import Source, SourceStatus
+from shoecal_ros.serial.source import ByteSource, SourceStatus
 
 STANDS_S = 2.0
 """A host clock that shows one time for so long stands; a simulation may be slow."""
@@ -83,10 +83,10 @@ class DriverStatus:
         return None
 
 
-class ShoeDriver:
+class SerialDriver:
     """Reads a source and stamps what it gives. One thread reads; status may come from others."""
 
-    def __init__(self, source: Source, channels: ChannelMap, latency_ns: int = 0) -> None:
+    def __init__(self, source: ByteSource, channels: ChannelMap, latency_ns: int = 0) -> None:
         """A driver of a source, open or not; takes `latency_ns` off every stamp."""
         self._source, self._channels, self._latency_ns = source, channels, latency_ns
         self._clock = DeviceClock()
@@ -105,7 +105,7 @@ class ShoeDriver:
         batch_ns = 0
         for received in self._source.read(timeout_s):
             event, receive_ns = received.event, received.receive_ns
-            restarted = isinstance(event, Fault) and event.kind is FaultKind.RESTART
+            restarted = isinstance(event, FrameFault) and event.kind is FaultKind.RESTART
             if restarted or receive_ns != batch_ns:
                 readings += self._readings(batch, batch_ns)
                 batch, batch_ns = [], receive_ns
@@ -168,7 +168,7 @@ class ShoeDriver:
         ]
 
 
-def open_driver(config: DriverConfig, now: Callable[[], int]) -> ShoeDriver:
+def open_driver(config: DriverConfig, now: Callable[[], int]) -> SerialDriver:
     """The driver of a configured device, or of a log of its bytes where `port` is a plain file.
 
     The port is opened by `open`, or by itself at the first read.
@@ -181,7 +181,7 @@ def open_driver(config: DriverConfig, now: Callable[[], int]) -> ShoeDriver:
         FileError: when the log of raw bytes cannot be written.
         ReplayError: when the log to replay cannot be read.
     """
-    source: Source
+    source: ByteSource
     if Path(config.port).is_file():
         source = ReplaySource(Path(config.port), config.decoder(), now)
     else:
@@ -193,4 +193,4 @@ def open_driver(config: DriverConfig, now: Callable[[], int]) -> ShoeDriver:
             alarm_s=config.alarm_s,
             raw_log=config.raw_log,
         )
-    return ShoeDriver(source, config.channel_map(), config.latency_ns)
+    return SerialDriver(source, config.channel_map(), config.latency_ns)

@@ -93,7 +93,7 @@ class FaultKind(Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
+class FrameFault:
     """Something wrong at one place of the stream.
 
     Attributes:
@@ -107,7 +107,7 @@ class Fault:
     count: int = 1
 
 
-Event = Frame | Info | Fault
+Event = Frame | Info | FrameFault
 
 
 @dataclass
@@ -123,7 +123,7 @@ class LinkCounts:
         """Count one event."""
         if isinstance(event, Frame):
             self.frames += 1
-        elif isinstance(event, Fault):
+        elif isinstance(event, FrameFault):
             self.faults[event.kind] += event.count
 
     def copy(self) -> LinkCounts:

@@ -12,9 +12,9 @@ from shoecal_ros.serial.errors import FrameError
 from shoecal_ros.serial.frame import (
     MAX_CHANNELS,
     Event,
-    Fault,
     FaultKind,
     Frame,
+    FrameFault,
     Info,
 )
 
@@ -101,12 +101,12 @@ class BinaryDecoder(Decoder):
         """One packet as it stood between two delimiters."""
         packet = unstuff(piece)
         if packet is None or len(packet) < _MIN_PACKET:
-            return Fault(FaultKind.BAD_LENGTH, f"{len(piece)} bytes are no stuffed packet")
+            return FrameFault(FaultKind.BAD_LENGTH, f"{len(piece)} bytes are no stuffed packet")
         if crc32(packet[: -_CRC.size]) != _CRC.unpack(packet[-_CRC.size :])[0]:
-            return Fault(FaultKind.BAD_CHECKSUM, f"checksum wrong in {len(packet)} bytes")
+            return FrameFault(FaultKind.BAD_CHECKSUM, f"checksum wrong in {len(packet)} bytes")
         version, kind = packet[0], packet[1]
         if version != VERSION:
-            return Fault(
+            return FrameFault(
                 FaultKind.FOREIGN_VERSION,
                 f"the device speaks protocol version {version}, this driver {VERSION}; "
                 f"update {'the driver' if version > VERSION else 'its firmware'}",
@@ -116,14 +116,14 @@ class BinaryDecoder(Decoder):
             return _decode_frame(body)
         if kind == TYPE_INFO:
             return _decode_info(body)
-        return Fault(FaultKind.UNKNOWN_TYPE, f"frame type {kind} is not known here")
+        return FrameFault(FaultKind.UNKNOWN_TYPE, f"frame type {kind} is not known here")
 
 
 def _decode_frame(body: bytes) -> Event:
     head = _FRAMES[0].size
     n = body[head - 1] if len(body) >= head else 0
     if not 0 < n <= MAX_CHANNELS or len(body) != _FRAMES[n].size:
-        return Fault(FaultKind.BAD_LENGTH, f"{len(body)} bytes do not make {n} channels")
+        return FrameFault(FaultKind.BAD_LENGTH, f"{len(body)} bytes do not make {n} channels")
     _, _, sequence, time_us, hundredths, _, *channels = _FRAMES[n].unpack(body)
     try:
         return Frame(
@@ -135,15 +135,15 @@ def _decode_frame(body: bytes) -> Event:
             temperature=None if hundredths == NO_TEMPERATURE else hundredths / 100,
         )
     except FrameError as error:
-        return Fault(FaultKind.BAD_CONTENT, str(error))
+        return FrameFault(FaultKind.BAD_CONTENT, str(error))
 
 
 def _decode_info(body: bytes) -> Event:
     if not _INFO.size <= len(body) <= _INFO.size + MAX_FIRMWARE_BYTES:
-        return Fault(FaultKind.BAD_LENGTH, f"info of {len(body)} bytes")
+        return FrameFault(FaultKind.BAD_LENGTH, f"info of {len(body)} bytes")
     version, _, channels, millihertz = _INFO.unpack_from(body)
     try:
         name = body[_INFO.size :].decode()
     except UnicodeDecodeError:
-        return Fault(FaultKind.BAD_CONTENT, "firmware name is not UTF-8")
+        return FrameFault(FaultKind.BAD_CONTENT, "firmware name is not UTF-8")
     return Info(name, version, channels, millihertz / 1000)

@@ -42,7 +42,7 @@ class SourceStatus:
     problem: Problem | None
 
 
-class Source(Protocol):
+class ByteSource(Protocol):
     """One thread reads; status and close may come from others."""
 
     def open(self) -> None:

@@ -13,9 +13,9 @@ from shoecal_ros.serial.frame import (
     SEQUENCE_MODULUS,
     ChannelStatus,
     Event,
-    Fault,
     FaultKind,
     Frame,
+    FrameFault,
 )
 from shoecal_ros.serial.line_form import LineForm
 
@@ -85,19 +85,21 @@ class TextDecoder(Decoder):
             return None
         numbers = _numbers(text) if self._form is None else self._form.numbers(text)
         if numbers is None:
-            return Fault(FaultKind.CHATTER, f"{self._chatter}: {text[:60]!r}")
+            return FrameFault(FaultKind.CHATTER, f"{self._chatter}: {text[:60]!r}")
         timed = self._time is not TextTime.NONE
         values = numbers[1:] if timed else numbers
         if not values or (self._columns is not None and len(values) != self._columns):
             wanted = "some" if self._columns is None else str(self._columns)
-            return Fault(
+            return FrameFault(
                 FaultKind.BAD_LENGTH,
                 f"{len(values)} values{' after the time' if timed else ''}, "
                 f"expected {wanted}: {text[:60]!r}",
             )
         time_us = self._device_time(numbers[0]) if timed else None
         if timed and time_us is None:
-            return Fault(FaultKind.BAD_CONTENT, f"first column is no device time: {text[:60]!r}")
+            return FrameFault(
+                FaultKind.BAD_CONTENT, f"first column is no device time: {text[:60]!r}"
+            )
         return self._frame(time_us, values)
 
     @property
@@ -122,7 +124,7 @@ class TextDecoder(Decoder):
                 ),
             )
         except FrameError as error:
-            return Fault(FaultKind.BAD_CONTENT, str(error))
+            return FrameFault(FaultKind.BAD_CONTENT, str(error))
         self._sequence = (self._sequence + 1) % SEQUENCE_MODULUS
         return frame
 

@@ -7,7 +7,7 @@ from collections import deque
 from collections.abc import Callable, Sequence
 
 from shoecal_ros.common.codes import Code, Problem
-from shoecal_ros.serial.frame import Event, Fault, FaultKind, Frame, Info
+from shoecal_ros.serial.frame import Event, FaultKind, Frame, FrameFault, Info
 
 RATE_S = 2.0
 SAMPLE_BYTES = 256
@@ -32,7 +32,7 @@ class StreamWatch:
         self._opened = self._last_byte = self._monotonic()
         self._frames: deque[tuple[float, int]] = deque()
         self._sample = b""
-        self._fault: Fault | None = None
+        self._fault: FrameFault | None = None
         self.info: Info | None = None
 
     def saw(self, data: bytes, events: Sequence[Event]) -> None:

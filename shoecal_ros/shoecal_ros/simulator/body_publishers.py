@@ -18,7 +18,7 @@ from shoecal_ros.common.conversions import (
 )
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.simulator.patient_publisher import PatientPublisher
-from shoecal_ros.simulator.simulated_body import Samples
+from shoecal_ros.simulator.simulated_body import BodySamples
 
 HEAT_NS = SECOND_NS
 """Simulated time between temperatures: motors warm up in minutes."""
@@ -60,7 +60,7 @@ class BodyPublishers:
             return Condition(Level.OK, "nobody who listens hangs")
         return Condition(Level.WARN, problem.message, code=problem.code)
 
-    def publish(self, samples: Samples) -> None:
+    def publish(self, samples: BodySamples) -> None:
         """Publish what has come of the simulation."""
         stamps = samples.stamp_ns.tolist()
         joints = samples.joints

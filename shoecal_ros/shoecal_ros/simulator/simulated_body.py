@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.simulation.converter import Readings
+from shoecal_core.simulation.converter import ConvertedReadings
 from shoecal_core.simulation.floor import FloorTruth
 from shoecal_core.simulation.joint_sensors import JointReadings
 from shoecal_core.simulation.robot import SimulatedRobot
@@ -23,7 +23,7 @@ REST_SPEED, REST_S = 2e-3, 0.5
 
 
 @dataclass(frozen=True)
-class Samples:
+class BodySamples:
     """T samples of everything.
 
     Attributes:
@@ -34,7 +34,7 @@ class Samples:
 
     stamp_ns: NDArray[np.int64]
     joints: JointReadings
-    readings: Readings
+    readings: ConvertedReadings
     truth: FloorTruth
     orientation: FloatArray
 
@@ -96,7 +96,7 @@ class SimulatedBody:
         """Stamp of the sample that comes last of the next `count` [ns]."""
         return self.stamp_ns(self._taken + count)
 
-    def advance(self, count: int) -> Samples:
+    def advance(self, count: int) -> BodySamples:
         """Run on for `count` samples, at least one."""
         first = self._taken + 1
         snapshots = []
@@ -108,7 +108,7 @@ class SimulatedBody:
         self._taken += count
         together = stack(snapshots)
         stamps = [self.stamp_ns(sample) for sample in range(first, first + count)]
-        return Samples(
+        return BodySamples(
             np.array(stamps, dtype=np.int64),
             self.robot.joints(together),
             self.robot.readings(together),

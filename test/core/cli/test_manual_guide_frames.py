@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.shoe import shoes
-from shoecal_core.cli.manual_guide_frames import Frame, FrameParser, Problem
+from shoecal_core.cli.manual_guide_frames import FrameParser, LineFrame, LineProblem
 from shoecal_core.cli.manual_guide_streams import file_stream
 from shoecal_core.errors import FileError
 
@@ -20,7 +20,7 @@ NAMES = SHOE.names
 VALUES = st.floats(-5.0, 5.0)
 
 
-def parsed(lines: Iterable[str]) -> list[Frame | Problem | None]:
+def parsed(lines: Iterable[str]) -> list[LineFrame | LineProblem | None]:
     parser = FrameParser(SHOE, Path("lines"))
     return [parser.parse(line) for line in lines]
 
@@ -36,7 +36,7 @@ def test_json_and_csv_say_the_same(readings: dict[str, float], stamp: int) -> No
     (one,), (begin, other) = parsed([json.dumps(line)]), parsed([header, row])
     assert begin is None
     for frame in (one, other):
-        assert isinstance(frame, Frame)
+        assert isinstance(frame, LineFrame)
         assert frame.stamp_ns == stamp
         expected = [readings.get(name, np.nan) for name in NAMES]
         np.testing.assert_array_equal(frame.readings, expected)
@@ -45,8 +45,8 @@ def test_json_and_csv_say_the_same(readings: dict[str, float], stamp: int) -> No
 def test_what_gave_nothing_is_nan() -> None:
     line = {"cells": NAMES[:4], "voltages": [None, 1.0, 2.0, 3.0], "status": [0, 1, 2, 3]}
     frame, header, row = parsed([json.dumps(line), ",".join(NAMES[:2]), "0.5,"])
-    assert isinstance(frame, Frame)
-    assert isinstance(row, Frame)
+    assert isinstance(frame, LineFrame)
+    assert isinstance(row, LineFrame)
     assert header is None
     # Saturated is told as it is; no data and a fault are nothing.
     np.testing.assert_array_equal(frame.readings[:4], [np.nan, 1.0, np.nan, np.nan])
@@ -57,12 +57,12 @@ def test_numbers_that_no_converter_gives() -> None:
     line = {"cells": NAMES[:2], "voltages": [10**400, -1e200]}
     frame, _, row = parsed([json.dumps(line), ",".join(NAMES[:2]), "inf,nan"])
     for found in (frame, row):
-        assert isinstance(found, Frame)
+        assert isinstance(found, LineFrame)
         assert np.isnan(found.readings).all()
 
 
 def test_problems_are_handed_on() -> None:
-    assert parsed(['{"problem": "no driver"}', ""]) == [Problem("no driver"), None]
+    assert parsed(['{"problem": "no driver"}', ""]) == [LineProblem("no driver"), None]
 
 
 @pytest.mark.parametrize(
@@ -126,12 +126,12 @@ def test_a_file_waits_and_ends(tmp_path: Path) -> None:
         assert not stream.live
         stream.receive()
         first = next(stream.frames())
-        assert isinstance(first, Frame)
+        assert isinstance(first, LineFrame)
         assert first.readings[0] == 1.0
         assert not stream.waiting
         stream.receive()
         assert stream.ended
         (second,) = stream.frames()
-        assert isinstance(second, Frame)
+        assert isinstance(second, LineFrame)
         assert second.readings[0] == 2.0
         assert "has no more readings" in str(stream.complain())

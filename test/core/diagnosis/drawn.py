@@ -12,7 +12,7 @@ from scipy.fft import idct
 from shoecal_core.diagnosis.hypotheses import Hypothesis
 from shoecal_core.diagnosis.scoring import Part, Scorer
 from shoecal_core.diagnosis.workspace import Workspace
-from shoecal_core.error_sources.regression import Sums, make_sums
+from shoecal_core.error_sources.regression import WhitenedProducts, make_sums
 
 FloatArray = NDArray[np.float64]
 MADE = 0.3
@@ -97,7 +97,7 @@ class Urn:
         )
 
 
-def remade(workspace: Workspace, runs: Sequence[int] = ()) -> Sums:
+def remade(workspace: Workspace, runs: Sequence[int] = ()) -> WhitenedProducts:
     """Sums from nothing but the workspace's signal_model, of other runs if any are named."""
     signal_model = workspace.signal_model
     return make_sums(

@@ -18,7 +18,7 @@ from shoecal_core.diagnosis.answer import (
 )
 from shoecal_core.diagnosis.result import Candidate
 from shoecal_core.diagnosis.scoring import Part
-from shoecal_core.diagnosis.selection import Found
+from shoecal_core.diagnosis.selection import Selection
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.tempering import temper
 from shoecal_core.diagnosis.workspace import Workspace
@@ -29,16 +29,16 @@ SURE = 1e5
 """Logarithm of probability that leaves no doubt of anything in the library."""
 
 
-def nothing(other: float) -> Found:
+def nothing(other: float) -> Selection:
     """Nothing chosen; something else as probable as told."""
-    return Found(None, (), (), other)
+    return Selection(None, (), (), other)
 
 
-def found_in(workspace: Workspace, *labels: str, evidence: Sequence[float] = (SURE,)) -> Found:
+def found_in(workspace: Workspace, *labels: str, evidence: Sequence[float] = (SURE,)) -> Selection:
     """The first one chosen, and all as its alternatives."""
     parts: list[Part] = [part(workspace, label) for label in labels]
     rivals = tuple((one[0], log) for one, log in zip(parts, evidence, strict=True))
-    return Found(workspace.scorer.score(parts[:1]), (rivals,), (), -3.0)
+    return Selection(workspace.scorer.score(parts[:1]), (rivals,), (), -3.0)
 
 
 def answered(workspace: Workspace, label: str) -> Answer:

@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from core.diagnosis.test_six_axis import with_ankles
-from shoecal_core.diagnosis.measured import Measured, at_zeros, measure, zeros_in
+from shoecal_core.diagnosis.measured import MeasuredBefore, at_zeros, measure, zeros_in
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.workspace import Workspace
 from shoecal_core.recording.session import Session
@@ -39,7 +39,9 @@ def read(standard_session: Session) -> Read:
     return read_runs(standard_session, (*TRAIN, *TEST))
 
 
-def found(session: Session, read: Read, workspace: Workspace, zeros: tuple[Zero, ...]) -> Measured:
+def found(
+    session: Session, read: Read, workspace: Workspace, zeros: tuple[Zero, ...]
+) -> MeasuredBefore:
     return measure(
         session, read, workspace.signal_model.samples, zeros, TRAIN,
         workspace.signal_model.parameters, SETTINGS, weighs=True,

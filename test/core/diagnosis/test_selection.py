@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from core.diagnosis.drawn import Urn, part, remade
-from shoecal_core.diagnosis.selection import Found, material, select
+from shoecal_core.diagnosis.selection import Selection, material, select
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.tempering import needed
 from shoecal_core.diagnosis.workspace import Workspace
@@ -65,7 +65,7 @@ def test_two_effects_are_found_each_for_what_it_is(urn: Urn) -> None:
     assert {one.label for one, _ in found.chosen.parts} == {*pair}
 
 
-def assert_needed(drawn: Workspace, found: Found) -> None:
+def assert_needed(drawn: Workspace, found: Selection) -> None:
     """Without any of the parts the data are far less probable."""
     assert found.chosen is not None
     for index in range(len(found.chosen.parts)):

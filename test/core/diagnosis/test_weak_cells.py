@@ -10,7 +10,7 @@ import pytest
 
 from shoecal_core.diagnosis.answer import answer
 from shoecal_core.diagnosis.baseline import first_parameters
-from shoecal_core.diagnosis.selection import Found
+from shoecal_core.diagnosis.selection import Selection
 from shoecal_core.diagnosis.settings import DiagnosisSettings
 from shoecal_core.diagnosis.weak_cells import weak_cells
 from shoecal_core.diagnosis.workspace import Workspace, make_workspace
@@ -19,7 +19,7 @@ from shoecal_core.error_sources.signal_model import make_signal_model
 from shoecal_core.error_sources.tolerances import Tolerances
 
 SETTINGS = DiagnosisSettings()
-NOTHING = Found(None, (), (), -3.0)
+NOTHING = Selection(None, (), (), -3.0)
 
 
 def everywhere(_effect: str, _place: Place) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from shoecal_core.error_sources.regression import Sums, solve
+from shoecal_core.error_sources.regression import WhitenedProducts, solve
 
 ROWS, BASE, MORE = 200, 3, 4
 
@@ -17,7 +17,7 @@ def test_a_fit_is_least_squares_with_priors(columns: tuple[int, ...]) -> None:
     whole[:, -1] += whole[:, :-1] @ rng.normal(size=BASE + MORE)
     precision = rng.uniform(0.1, 10.0, BASE)
     std = np.array([0.3, 2.0, 0.1, 1.0])[list(columns)]
-    found = solve(Sums(whole.T @ whole, BASE, precision), columns, std)
+    found = solve(WhitenedProducts(whole.T @ whole, BASE, precision), columns, std)
     matrix = whole[:, [*range(BASE), *(BASE + one for one in columns)]]
     prior = np.diag(np.sqrt(np.concatenate((precision, 1.0 / std**2))))
     stacked, target = np.vstack((matrix, prior)), np.append(whole[:, -1], np.zeros(len(prior)))

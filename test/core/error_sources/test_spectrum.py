@@ -11,7 +11,7 @@ from shoecal_core.error_sources.noise import colour
 from shoecal_core.error_sources.regression import Whitening
 from shoecal_core.error_sources.settings import SignalSettings
 from shoecal_core.error_sources.signals import CLOSURE, SIGNALS
-from shoecal_core.error_sources.spectrum import BANDS, Spectrum, frequencies_of
+from shoecal_core.error_sources.spectrum import BANDS, BandTransform, frequencies_of
 
 
 def test_a_transform_keeps_lengths_and_angles(workspace: Workspace) -> None:
@@ -19,7 +19,7 @@ def test_a_transform_keeps_lengths_and_angles(workspace: Workspace) -> None:
     values = np.where(
         signal_model.mask, np.random.default_rng(1).normal(size=(3, *signal_model.mask.shape)), 0.0
     )
-    turned = Spectrum(signal_model.samples, signal_model.mask)(values)
+    turned = BandTransform(signal_model.samples, signal_model.mask)(values)
     for signal in range(len(SIGNALS)):
         np.testing.assert_allclose(
             turned[..., signal] @ turned[..., signal].T,
@@ -32,7 +32,7 @@ def test_a_constant_of_each_stance_is_one_coefficient(workspace: Workspace) -> N
     signal_model = workspace.signal_model
     samples = signal_model.samples
     course = np.where(signal_model.mask, (1.0 + samples.segment)[:, None], 0.0)
-    turned = Spectrum(samples, signal_model.mask)(course)
+    turned = BandTransform(samples, signal_model.mask)(course)
     for segment in np.unique(samples.segment):
         own = turned[samples.segment == segment]
         assert (np.count_nonzero(np.abs(own) > 1e-9, axis=0) <= 1).all()
@@ -61,7 +61,7 @@ def test_noise_that_stays_alike_has_its_colour(workspace: Workspace) -> None:
     rng = np.random.default_rng(3)
     drive = rng.normal(size=(200, len(samples.run))) * np.sqrt(1.0 - keep**2)
     noise = lfilter([1.0], [1.0, -keep], drive, axis=1)
-    spectrum = Spectrum(samples, workspace.signal_model.mask)
+    spectrum = BandTransform(samples, workspace.signal_model.mask)
     values = np.zeros((200, *workspace.signal_model.mask.shape))
     values[:, :, CLOSURE] = noise[:, :, None]
     turned = spectrum(np.where(workspace.signal_model.mask, values, 0.0))

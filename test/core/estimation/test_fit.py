@@ -17,7 +17,7 @@ from shoecal_core.estimation.fit import fit_parameters, self_calibrate
 from shoecal_core.estimation.initial_guess import InitialGuess, initial_guess
 from shoecal_core.estimation.least_squares import Fit
 from shoecal_core.estimation.metrics import cop_mae
-from shoecal_core.estimation.residuals import Weights, pack, rows_of, unpack
+from shoecal_core.estimation.residuals import ResidualWeights, pack, rows_of, unpack
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.stance import Stance, make_stance
 from shoecal_core.screening.settings import CalibrationSettings
@@ -91,7 +91,7 @@ def test_the_fit_certifies_itself(
     runs = synthetic.stances(shoe, truth, rng)
     settings = CalibrationSettings()
     fit = fitted(shoe, runs, settings)
-    weights = Weights.of(settings)
+    weights = ResidualWeights.of(settings)
     errors, jacobian = rows_of(runs, shoe, weights)(fit.vector)
     np.testing.assert_allclose(fit.information, jacobian.T @ jacobian, rtol=1e-9, atol=1e-6)
     assert errors @ errors <= fit.cost < 1e-2 * fit.initial_cost

@@ -13,7 +13,7 @@ from core.estimation import synthetic
 from core.estimation.derivatives import assert_jacobian
 from core.shoe import shoes
 from shoecal_core.estimation.residuals import (
-    Weights,
+    ResidualWeights,
     hanging_residuals,
     pack,
     residuals,
@@ -27,7 +27,7 @@ from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, columns_in_left, cop
 
 FloatArray = NDArray[np.float64]
-WEIGHTS = Weights(force=0.3, cop=0.0025, correlation=2.0)
+WEIGHTS = ResidualWeights(force=0.3, cop=0.0025, correlation=2.0)
 SUPPORT = synthetic.SUPPORTS[1]
 
 
@@ -93,7 +93,7 @@ def test_residuals_by_hand() -> None:
     )  # fmt: skip
     stance = replace(stance, cop_rate=np.array([[0.5, -0.25]]))
     vector = pack(ChannelParameters(np.ones(8), np.zeros(8)), 0.1)
-    error, _ = residuals(vector, stance, Weights(force=0.5, cop=0.01, correlation=1.0))
+    error, _ = residuals(vector, stance, ResidualWeights(force=0.5, cop=0.01, correlation=1.0))
     x = 0.1 / 9.0
     y = (5 * 0.0 + 0.05 - 4 * 0.2) / 9.0
     np.testing.assert_allclose(

@@ -18,7 +18,12 @@ from core.estimation.standing import (
     stand,
 )
 from shoecal_core.errors import ShapeError
-from shoecal_core.estimation.standstill import Comparison, ModelTolerance, compare, hanging_feet
+from shoecal_core.estimation.standstill import (
+    ModelTolerance,
+    StandstillResiduals,
+    compare,
+    hanging_feet,
+)
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.screening.settings import CalibrationSettings
@@ -32,7 +37,7 @@ STANCES = [BOTH, (WEIGHT, 0.0), (0.0, WEIGHT), (0.0, 0.0)]
 
 def found(
     shoe: Shoe, truth: ChannelParameters, law: ChannelParameters, forces: tuple[float, float]
-) -> Comparison:
+) -> StandstillResiduals:
     standing = stand(shoe, forces)
     readings, old = standing.readings(truth), calibration(shoe, law)
     hanging = (not forces[0], not forces[1])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from core.shoe import mutations, shoes
 from shoecal_core.manual.loads import CELLS, SHOE, Load, planned_loads
-from shoecal_core.manual.measurements import Entry, Measurements
+from shoecal_core.manual.measurements import LoadReading, Measurements
 from shoecal_core.manual.settings import ManualSettings
 from shoecal_core.manual.shoe_loads import expected_wrenches
 from shoecal_core.robot.robot import GRAVITY, Robot
@@ -96,10 +96,10 @@ def floor_wrench(shoe: Shoe, load: Load) -> FloatArray:
     return wrench
 
 
-def entry_of(shoe: Shoe, load: Load, readings: FloatArray, std: float = 1e-3) -> Entry:
+def entry_of(shoe: Shoe, load: Load, readings: FloatArray, std: float = 1e-3) -> LoadReading:
     """A mean of ten samples of all channels (n,)."""
     own = readings[shoe.of_foot(load.foot)]
-    return Entry(load, own, np.full(len(own), std), 10, 1_000_000_000)
+    return LoadReading(load, own, np.full(len(own), std), 10, 1_000_000_000)
 
 
 def changed(measurements: Measurements, load: Load, **values: object) -> Measurements:

@@ -14,10 +14,10 @@ from core.manual.benches import (
     some_law,
 )
 from shoecal_core.manual.calibrate import calibrate_cells
-from shoecal_core.manual.guide import Check, Guide, Key, Phase, cell_check, shoe_check
+from shoecal_core.manual.guide import Check, Guide, GuidePhase, Key, cell_check, shoe_check
 from shoecal_core.manual.loads import CELLS, SHOE, Load, planned_loads
-from shoecal_core.manual.measurements import Entry, Measurements
-from shoecal_core.manual.still import Outcome
+from shoecal_core.manual.measurements import LoadReading, Measurements
+from shoecal_core.manual.still import StillState
 
 SHOE_FILE = nao_shoe()
 WHOLE = {
@@ -27,7 +27,7 @@ WHOLE = {
 PLAN = planned_loads(SHOE, SHOE_FILE, (1.0, 2.0))
 
 
-def accept(measurements: Measurements, entry: Entry) -> str:
+def accept(measurements: Measurements, entry: LoadReading) -> str:
     return ""
 
 
@@ -57,7 +57,7 @@ def read(guide: Guide, load: Load | None = None) -> None:
 def test_from_the_first_load_to_the_last() -> None:
     guide = begin()
     asked = []
-    while guide.phase is not Phase.COMPLETE:
+    while guide.phase is not GuidePhase.COMPLETE:
         asked.append(guide.load)
         assert guide.number == len(asked)
         read(guide)
@@ -74,7 +74,7 @@ def test_readings_count_only_after_the_key() -> None:
     assert not guide.measurements.entries
     guide.press(Key.READ)
     show(guide, samples=SETTINGS.samples - 1)
-    assert guide.phase is Phase.READING
+    assert guide.phase is GuidePhase.READING
     assert guide.gathered == SETTINGS.samples - 1
     show(guide, samples=1)
     assert guide.number == 2
@@ -86,8 +86,8 @@ def test_what_moves_is_asked_for_again() -> None:
     guide.press(Key.READ)
     for index in range(SETTINGS.patience):
         guide.take(np.full(8, 0.1 * (index % 2)), 7)
-    assert guide.phase is Phase.ASKING
-    assert guide.news() == Outcome.MOVED.value
+    assert guide.phase is GuidePhase.ASKING
+    assert guide.news() == StillState.MOVED.value
     assert guide.news() == ""
     assert guide.load == load
     assert len(guide.measurements.entries) == 3
@@ -98,11 +98,11 @@ def test_a_session_goes_on_where_the_one_before_stopped() -> None:
     assert guide.load == PLAN[5]
     assert guide.pending == len(PLAN) - 5
     guide.press(Key.STOP)
-    assert guide.phase is Phase.STOPPED
+    assert guide.phase is GuidePhase.STOPPED
     guide.press(Key.READ)
     show(guide, PLAN[5])
-    assert guide.phase is Phase.STOPPED
-    assert begin(len(PLAN)).phase is Phase.COMPLETE
+    assert guide.phase is GuidePhase.STOPPED
+    assert begin(len(PLAN)).phase is GuidePhase.COMPLETE
 
 
 def test_a_session_goes_on_in_the_gap_that_was_left() -> None:
@@ -148,7 +148,7 @@ def test_skipped_loads_are_left_for_another_time() -> None:
     assert guide.load == PLAN[-2]
     read(guide)
     read(guide)
-    assert guide.phase is Phase.COMPLETE
+    assert guide.phase is GuidePhase.COMPLETE
     assert guide.pending == 1
     again = Guide(PLAN, guide.measurements, SETTINGS, accept)
     assert again.load == PLAN[-3]
@@ -161,7 +161,7 @@ def test_a_key_in_the_middle_of_a_reading_breaks_it_off() -> None:
         show(guide, samples=2)
         guide.press(key)
         if key is not Key.REPEAT:  # nothing was read in this session yet
-            assert guide.phase is not Phase.READING
+            assert guide.phase is not GuidePhase.READING
             show(guide, PLAN[3], samples=50)
         assert len(guide.measurements.entries) == 3
 
@@ -180,7 +180,7 @@ def test_whatever_is_pressed_nothing_read_is_lost(acts: list[Key | str]) -> None
     guide = begin(2)
     loads = guide.measurements.loads
     for act in acts:
-        if guide.phase in {Phase.COMPLETE, Phase.STOPPED}:
+        if guide.phase in {GuidePhase.COMPLETE, GuidePhase.STOPPED}:
             break
         if isinstance(act, Key):
             guide.press(act)
@@ -264,6 +264,9 @@ def test_a_dead_cell_is_noticed_at_once(done: int) -> None:
         read(guide)
     guide.press(Key.READ)
     show(guide, bare, SETTINGS.patience)
-    said = (Outcome.UNCHANGED.value, "left/front_left does not respond to 2 kg; check its wiring")
+    said = (
+        StillState.UNCHANGED.value,
+        "left/front_left does not respond to 2 kg; check its wiring",
+    )
     assert guide.news() == said[done]
     assert guide.number == 2

@@ -22,7 +22,7 @@ from core.shoe import mutations
 from core.shoe.mutations import DELETE, Key
 from shoecal_core.errors import FileError, ShoecalError, VersionError
 from shoecal_core.manual.loads import CELLS, SHOE, Load
-from shoecal_core.manual.measurements import Entry, EntryError, Measurements
+from shoecal_core.manual.measurements import EntryError, LoadReading, Measurements
 from shoecal_core.manual.measurements_file import load_measurements, save_measurements
 
 READINGS = st.floats(-4.9, 4.9)
@@ -54,7 +54,7 @@ def test_everything_comes_back(data: st.DataObject) -> None:
         values = data.draw(st.lists(READINGS, min_size=4, max_size=4))
         spread = data.draw(st.lists(st.floats(0, 1) | st.just(np.nan), min_size=4, max_size=4))
         entries.append(
-            Entry(
+            LoadReading(
                 entry.load,
                 np.array(values),
                 np.array(spread),
@@ -206,7 +206,7 @@ def test_kinds_and_shapes_are_checked_without_a_file_too() -> None:
         Measurements("both", whole.shoe)
     with pytest.raises(EntryError, match="no cell ''"):
         Measurements(CELLS, whole.shoe, whole.entries)
-    short = Entry(whole.entries[0].load, np.zeros(3), np.zeros(3))
+    short = LoadReading(whole.entries[0].load, np.zeros(3), np.zeros(3))
     with pytest.raises(ShoecalError, match=r"entries\[0\].mean: expected shape \(4,\)"):
         Measurements(SHOE, whole.shoe, (short,))
 

@@ -18,7 +18,7 @@ from core.planning.motions import SETTINGS, planner_of
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.checking.body_track import track
 from shoecal_core.planning.checking.check import MARGIN_KEPT, check_motion
-from shoecal_core.planning.horizon.problem import HorizonProblem, Solution, Solver
+from shoecal_core.planning.horizon.problem import HorizonProblem, HorizonSolution, Solver
 from shoecal_core.planning.horizon.rolling import PlanningError, RollingHorizon
 from shoecal_core.planning.horizon.sqp import SqpSolver
 from shoecal_core.planning.landmarks import sensing_hull
@@ -272,7 +272,7 @@ class Spoiled:
         self._collocation = self.planner.horizon.collocation
         self._solver = SqpSolver(self._collocation)
 
-    def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
+    def solve(self, problem: HorizonProblem, guess: FloatArray) -> HorizonSolution:
         self.calls += 1
         states = self.how(problem, self._solver.solve(problem, guess).states)
         found = self._collocation.certified(problem, states, "Spoiled", 1, True)

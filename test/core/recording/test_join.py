@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from shoecal_core.recording.join import (
+    OverlapError,
     Piece,
-    TwoSourcesError,
     at_common_instants,
     in_order,
     join,
@@ -65,7 +65,7 @@ def test_join_puts_every_value_in_its_place(first: list[int], second: list[int])
 def test_two_sources_of_one_column() -> None:
     piece = Piece(np.array([3, 4]), np.array([1]), {"v": np.zeros((2, 1))})
     later = Piece(np.array([4, 5]), np.array([0, 1]), {"v": np.zeros((2, 2))})
-    with pytest.raises(TwoSourcesError) as caught:
+    with pytest.raises(OverlapError) as caught:
         join([piece, later], 2, ("v",))
     assert (caught.value.column, caught.value.stamp_ns) == (1, 4)
 

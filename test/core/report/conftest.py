@@ -6,7 +6,7 @@ from core.report import samples
 from core.report.pages import read
 from core.report.sessions import swaying_session
 from core.shoe import shoes
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.report.calibration_content import CalibrationReport
 from shoecal_core.report.calibration_report import calibration_page
@@ -21,7 +21,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Session:
 
 
 @pytest.fixture(scope="session")
-def outcome(session: Session) -> Outcome:
+def outcome(session: Session) -> CalibrationOutcome:
     """Its calibration."""
     return calibrate_session(session)
 

@@ -14,7 +14,7 @@ from core.shoe import shoes
 from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.estimation.assessment import Assessment
 from shoecal_core.estimation.calibration import Calibration
-from shoecal_core.estimation.comparison import Comparison
+from shoecal_core.estimation.comparison import StanceComparison
 from shoecal_core.estimation.expected import ErrorModel
 from shoecal_core.estimation.fit import SelfCalibration, self_calibrate
 from shoecal_core.estimation.series import Series, measured_series, modelled_series
@@ -160,7 +160,7 @@ def run_report(
     """One run in double support, the body swaying from side to side."""
     times = np.linspace(stance.time[0], stance.time[-1], 5)
     guessed = Sensing(stages.shoe, stages.guess.parameters)
-    one = Comparison(
+    one = StanceComparison(
         set="train" if stance.run in TRAIN else "test",
         stance=stance,
         guess=measured_series(guessed, stance),

@@ -9,7 +9,7 @@ import pytest
 
 from core.report import samples
 from shoecal_core.estimation.assessment import NORMAL_95
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.planning.supports.identifiability import describe_support
 from shoecal_core.recording.session import Session
 from shoecal_core.report.assessment_content import Told
@@ -27,7 +27,7 @@ from shoecal_core.screening.verdict import Finding
 
 
 @pytest.fixture(scope="module")
-def swaying(session: Session, outcome: Outcome) -> CalibrationReport:
+def swaying(session: Session, outcome: CalibrationOutcome) -> CalibrationReport:
     """Two training runs with joint angles, so the model's errors are known."""
     return session_content(session, outcome)
 

@@ -20,9 +20,9 @@ from shoecal_core.report.calibration_figures import (
     foot_picture,
     run_pictures,
 )
-from shoecal_core.report.figures.bars import Bar, Mark, mae_bars
+from shoecal_core.report.figures.bars import Bar, BarMark, mae_bars
 from shoecal_core.report.figures.directions import singular_values
-from shoecal_core.report.figures.intervals import Column, intervals
+from shoecal_core.report.figures.intervals import IntervalColumn, intervals
 from shoecal_core.report.figures.loads import (
     KnownLoads,
     cop_under_loads,
@@ -176,7 +176,7 @@ def test_many_bars_go_without_figures() -> None:
 def test_a_mark_says_what_a_test_found() -> None:
     mae = Mae(0.35, 0.5, 10)
     bars = [Bar("best", palette.MEASURED, "best", test, mae, mae) for test in (False, True)]
-    root = read_svg(mae_bars(bars, [Mark(0, 1, "n.s., p = 0.4", "differ, p = 0.01")]))
+    root = read_svg(mae_bars(bars, [BarMark(0, 1, "n.s., p = 0.4", "differ, p = 0.01")]))
     assert {"n.s., p = 0.4", "differ, p = 0.01"} <= set(root.itertext())
     assert "Bars 1 and 2: GRF n.s., p = 0.4, CoP differ, p = 0.01." in root.attrib["aria-label"]
 
@@ -220,8 +220,8 @@ def test_intervals(count: int) -> None:
     values = np.linspace(10.0, 20.0, count)
     unknown = np.full(count, np.nan)
     columns = [
-        Column("gain (N/V)", values, 0.1 * values, values + 1.0),
-        Column("offset (N)", 1e-5 * values, unknown, unknown),
+        IntervalColumn("gain (N/V)", values, 0.1 * values, values + 1.0),
+        IntervalColumn("offset (N)", 1e-5 * values, unknown, unknown),
     ]
     text = list(read_svg(intervals(names, columns)).itertext())
     assert set(names) <= set(text)

@@ -12,13 +12,13 @@ from shoecal_core.report.page import (
     Group,
     KeyFigure,
     Page,
+    PageVerdict,
     Picture,
     Reason,
     Section,
     Still,
-    Strip,
+    StillStrip,
     Table,
-    Verdict,
 )
 
 STILL = "data:image/webp;base64,AA=="
@@ -29,7 +29,7 @@ def page(text: str = "text", level: str = "WARN") -> Page:
     return Page(
         title=text,
         subtitle=text,
-        verdict=Verdict(level, text, (Reason("FAIL", text), Reason("WARN", text))),
+        verdict=PageVerdict(level, text, (Reason("FAIL", text), Reason("WARN", text))),
         key_figures=(KeyFigure(text, "2.72\N{NO-BREAK SPACE}±\N{NO-BREAK SPACE}1.09 mm", text),),
         sections=(
             Section(
@@ -41,7 +41,7 @@ def page(text: str = "text", level: str = "WARN") -> Page:
                         (Picture(text, "<svg viewBox='0 0 1 1'></svg>", text, tall=True),),
                         (Table(text, ("", text), ((text, text), (text, "–")), text),),
                     ),
-                    Group(strip=Strip(text, (Still(STILL, text, text, 1, 1),), text)),
+                    Group(strip=StillStrip(text, (Still(STILL, text, text, 1, 1),), text)),
                     Group(),
                 ),
                 text,
@@ -118,4 +118,4 @@ def test_content_that_does_not_fit() -> None:
     with pytest.raises(ShoecalError, match="'GOOD' is no verdict"):
         Reason("GOOD", "x")
     with pytest.raises(ShoecalError, match="'good' is no verdict"):
-        Verdict("good", "x", ())
+        PageVerdict("good", "x", ())

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from core.report import plans
 from core.report.pages import read_svg
 from shoecal_core.errors import ShapeError
-from shoecal_core.planning.checking.findings import Finding
+from shoecal_core.planning.checking.findings import ConstraintMargin
 from shoecal_core.report import palette
 from shoecal_core.report.figures.cop_plan import Arrival, Carried, cop_plan
 from shoecal_core.report.figures.margins import at_least, margins, told, used
@@ -126,9 +126,9 @@ def test_strips_need_one_value_a_moment() -> None:
         strips(time, [strip], KEYS, "edges", "told")
 
 
-def finding(value: float, limit: float, *, least: bool, unit: str = "m") -> Finding:
+def finding(value: float, limit: float, *, least: bool, unit: str = "m") -> ConstraintMargin:
     excess = limit - value if least else value - limit
-    return Finding("a", unit, value, limit, excess, 1.0, "here")
+    return ConstraintMargin("a", unit, value, limit, excess, 1.0, "here")
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def finding(value: float, limit: float, *, least: bool, unit: str = "m") -> Find
         (finding(-0.001, 0.004, least=True), math.inf, "\N{MINUS SIGN}1.00 mm, at least 4.00 mm"),
     ],
 )
-def test_parts_of_limits(one: Finding, share: float, text: str) -> None:
+def test_parts_of_limits(one: ConstraintMargin, share: float, text: str) -> None:
     assert used(one) == pytest.approx(share)
     assert told(one).replace("\N{NO-BREAK SPACE}", " ") == text
     assert at_least(one) == ("at least" in text)

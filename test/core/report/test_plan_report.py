@@ -24,7 +24,7 @@ from shoecal_core.report.plan_animation import animation, lifted
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_figures import motion_pictures
 from shoecal_core.report.plan_report import Unplanned, plan_page, verdict, write_plan
-from shoecal_core.report.player import Frames, View
+from shoecal_core.report.player import PlayerFrames, PlayerView
 from shoecal_core.robot.double_support import DoubleSupport
 
 FloatArray = NDArray[np.float64]
@@ -219,12 +219,12 @@ def test_a_robot_without_capsules() -> None:
 
 def test_frames_must_fit() -> None:
     with pytest.raises(ShapeError):
-        Frames(1.0, np.zeros((3, 2, 3)), "--", (0, 0))
-    told = Frames(1.0, np.zeros((2, 1, 3)), "--", (0,)).to_json()
+        PlayerFrames(1.0, np.zeros((3, 2, 3)), "--", (0, 0))
+    told = PlayerFrames(1.0, np.zeros((2, 1, 3)), "--", (0,)).to_json()
     assert json.loads(told)["points"] == [[0, 0, 0]]
 
 
 def test_a_view_projects_like_its_attribute() -> None:
-    view = View((1, 2), (300.0, -300.0), (20.0, 90.0))
+    view = PlayerView((1, 2), (300.0, -300.0), (20.0, 90.0))
     np.testing.assert_allclose(view.project(np.array([1.0, 0.1, 0.2])), [50.0, 30.0])
     assert view.attribute == "1 0.3 20 2 -0.3 90"

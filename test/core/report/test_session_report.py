@@ -4,10 +4,10 @@ from pathlib import Path
 
 from core.report.pages import read
 from shoecal_core.estimation.comparison import read_truths
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.report.calibration_report import calibration_page
-from shoecal_core.report.page import Strip
+from shoecal_core.report.page import StillStrip
 from shoecal_core.report.quantities import true_minus
 from shoecal_core.report.run_strip import run_strip
 from shoecal_core.report.scene.offscreen import tried
@@ -15,7 +15,7 @@ from shoecal_core.report.session_report import SNAPSHOTS, session_content, write
 
 
 def test_a_session_is_reported_against_its_model(
-    session: Session, outcome: Outcome, tmp_path: Path
+    session: Session, outcome: CalibrationOutcome, tmp_path: Path
 ) -> None:
     path = tmp_path / "report.html"
     write_session_report(path, session, outcome, provenance=("Seed 7.",), timing={"solve": 1.5})
@@ -31,7 +31,7 @@ def test_a_session_is_reported_against_its_model(
     assert "Errors are counted against the model" in text
 
 
-def test_what_to_plan_with_comes_first(session: Session, outcome: Outcome) -> None:
+def test_what_to_plan_with_comes_first(session: Session, outcome: CalibrationOutcome) -> None:
     keys = calibration_page(session_content(session, outcome)).key_figures
     assert [key.label for key in keys[:5]] == [
         "expected CoP error, both feet", "expected CoP error, left foot",
@@ -41,16 +41,16 @@ def test_what_to_plan_with_comes_first(session: Session, outcome: Outcome) -> No
 
 
 def test_a_training_run_is_pictured_beside_the_first_of_them(
-    session: Session, outcome: Outcome
+    session: Session, outcome: CalibrationOutcome
 ) -> None:
     content = session_content(session, outcome)
     assert not content.runs[0].test
     strip = tried(lambda: run_strip(content))
-    if isinstance(strip, Strip):
+    if isinstance(strip, StillStrip):
         assert strip.title == f"The robot in run {content.runs[0].run}"
 
 
-def test_truths_are_used_only_when_given(session: Session, outcome: Outcome) -> None:
+def test_truths_are_used_only_when_given(session: Session, outcome: CalibrationOutcome) -> None:
     truths = read_truths(session, outcome.data)
     assert session_content(session, outcome, truths=truths).has_truth
     assert not session_content(session, outcome).has_truth
@@ -58,7 +58,7 @@ def test_truths_are_used_only_when_given(session: Session, outcome: Outcome) -> 
 
 
 def test_a_session_from_hardware_is_not_called_simulated(
-    session: Session, outcome: Outcome
+    session: Session, outcome: CalibrationOutcome
 ) -> None:
     folder = session.truth_path(1).parent
     hidden = folder.rename(folder.with_name("elsewhere"))
@@ -70,7 +70,7 @@ def test_a_session_from_hardware_is_not_called_simulated(
     assert any("hardware" in line for line in lines)
 
 
-def test_snapshots_span_the_run(session: Session, outcome: Outcome) -> None:
+def test_snapshots_span_the_run(session: Session, outcome: CalibrationOutcome) -> None:
     for run in session_content(session, outcome).runs:
         assert len(run.snapshot_time) == SNAPSHOTS
         time = run.stances[0].stance.time

@@ -10,14 +10,14 @@ import pytest
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.report.figures.directions import singular_values
-from shoecal_core.report.sheet import Part, sheet, write_sheet
+from shoecal_core.report.sheet import SheetFigure, sheet, write_sheet
 from shoecal_core.report.svg import WIDTH
 
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-def part(title: str, *notes: str) -> Part:
-    return Part(title, singular_values(np.array([3.0, 0.2])), notes)
+def part(title: str, *notes: str) -> SheetFigure:
+    return SheetFigure(title, singular_values(np.array([3.0, 0.2])), notes)
 
 
 def read(document: str) -> ElementTree.Element:
@@ -72,4 +72,4 @@ def test_written_whole(tmp_path: Path) -> None:
 
 def test_what_is_no_figure_is_refused() -> None:
     with pytest.raises(ShoecalError, match="needs a viewBox"):
-        sheet([[Part("one", "<svg></svg>")]], "seen")
+        sheet([[SheetFigure("one", "<svg></svg>")]], "seen")

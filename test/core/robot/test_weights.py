@@ -11,7 +11,7 @@ from core.shoe.shoes import shoe as load_shoe
 from shoecal_core.errors import FieldError
 from shoecal_core.files import Fields
 from shoecal_core.robot.robot_file import load_robot
-from shoecal_core.robot.weights import Weights
+from shoecal_core.robot.weights import RobotWeights
 
 FIELDS = Fields(Path("robot.yaml"), "weight", {"mass_kg": 5.3, "std_kg": 0.05})
 
@@ -25,7 +25,7 @@ FIELDS = Fields(Path("robot.yaml"), "weight", {"mass_kg": 5.3, "std_kg": 0.05})
 )  # fmt: skip
 def test_weights_that_agree(urdf: float, file: float, std: float, given: float | None) -> None:
     """To a tenth, or to five standard deviations of what is known of one."""
-    Weights(urdf, file, std, given).check(FIELDS)
+    RobotWeights(urdf, file, std, given).check(FIELDS)
 
 
 @pytest.mark.parametrize(
@@ -43,7 +43,7 @@ def test_weights_that_contradict_each_other(
     urdf: float, file: float, given: float | None, told: str
 ) -> None:
     with pytest.raises(FieldError) as caught:
-        Weights(urdf, file, 0.05, given, shoes=0.2).check(FIELDS)
+        RobotWeights(urdf, file, 0.05, given, shoes=0.2).check(FIELDS)
     assert told in str(caught.value)
     assert f"{urdf:.4g} kg by the URDF's masses" in str(caught.value)
 

@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from core.shoe import shoes
-from shoecal_core.screening.following import Halt, halts, neighbours
+from shoecal_core.screening.following import StuckBlocks, halts, neighbours
 
 FloatArray = NDArray[np.float64]
 
@@ -35,7 +35,7 @@ def held(readings: FloatArray, first: int, end: int, share: float = 1.0) -> Floa
     return shown
 
 
-def found(readings: FloatArray) -> list[Halt]:
+def found(readings: FloatArray) -> list[StuckBlocks]:
     return halts(SHOE, readings, np.full(8, NOISE), range(8))
 
 

@@ -24,7 +24,7 @@ from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.findings import of_wiring
 from shoecal_core.screening.result import Screening
 from shoecal_core.screening.screen import screen
-from shoecal_core.screening.wiring import Wiring, of_feet
+from shoecal_core.screening.wiring import WiringFaults, of_feet
 
 FloatArray = NDArray[np.float64]
 Spoil = Callable[[Recording, np.random.Generator], Recording]
@@ -299,6 +299,6 @@ def test_no_runs_no_findings() -> None:
 
 def test_exchanged_feet_are_told_in_one_line() -> None:
     shoe = recording().shoe
-    (finding,) = of_wiring(shoe, Wiring((), tuple(of_feet(shoe))))
+    (finding,) = of_wiring(shoe, WiringFaults((), tuple(of_feet(shoe))))
     assert finding.reason.startswith("left and right are exchanged")
-    assert len(of_wiring(shoe, Wiring((), ((0, 4), (1, 5))))) == 2
+    assert len(of_wiring(shoe, WiringFaults((), ((0, 4), (1, 5))))) == 2

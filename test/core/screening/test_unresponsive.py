@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from core.screening.recordings import Recording, read_coarsely, recording
 from shoecal_core.screening.blocks import Blocks, blocks
-from shoecal_core.screening.following import Halt
+from shoecal_core.screening.following import StuckBlocks
 from shoecal_core.screening.saturated import ended
 from shoecal_core.screening.unresponsive import Stuck, dead, halted, stuck
 
@@ -27,7 +27,7 @@ def clean(request: pytest.FixtureRequest) -> Recording:
     return whole if request.param == "fine" else read_coarsely(whole, 10, 0.01)
 
 
-def halts(whole: Recording) -> list[Halt]:
+def halts(whole: Recording) -> list[StuckBlocks]:
     return halted(whole.shoe, parts(whole), [])
 
 

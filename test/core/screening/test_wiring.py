@@ -17,12 +17,12 @@ from core.screening.recordings import (
 from core.shoe.shoes import made, six_axis
 from shoecal_core.screening.blocks import blocks
 from shoecal_core.screening.rough_fit import prior
-from shoecal_core.screening.wiring import Wiring, check_wiring, of_feet
+from shoecal_core.screening.wiring import WiringFaults, check_wiring, of_feet
 
 PAIRS = list(combinations(range(8), 2))
 
 
-def wiring(whole: Recording) -> Wiring:
+def wiring(whole: Recording) -> WiringFaults:
     cut = {run: blocks(one, whole.shoe) for run, one in whole.aligned.items()}
     return check_wiring(whole.shoe, cut, prior(whole.shoe, cut, WEIGHT, SETTINGS), WEIGHT, SETTINGS)
 
@@ -38,25 +38,25 @@ def exchanged(whole: Recording, *pairs: tuple[int, int]) -> Recording:
 @pytest.mark.parametrize("seed", [1, 2])
 def test_cables_as_they_should_be(seed: int, shoe: str) -> None:
     whole = recording(seed, shoe=shoe)
-    assert wiring(whole) == Wiring((), ())
-    assert wiring(read_coarsely(whole, 10, 0.01)) == Wiring((), ())
+    assert wiring(whole) == WiringFaults((), ())
+    assert wiring(read_coarsely(whole, 10, 0.01)) == WiringFaults((), ())
 
 
 @pytest.mark.parametrize("channel", range(8))
 def test_an_inverted_cell(channel: int) -> None:
     whole = recording(channel).with_channel(channel, lambda _, values: -values)
-    assert wiring(whole) == Wiring((channel,), ())
+    assert wiring(whole) == WiringFaults((channel,), ())
 
 
 @pytest.mark.parametrize("pair", PAIRS[::3])
 def test_swapped_cells(pair: tuple[int, int]) -> None:
     """Of one foot or of both, of the same sign or not."""
-    assert wiring(exchanged(recording(sum(pair)), pair)) == Wiring((), (pair,))
+    assert wiring(exchanged(recording(sum(pair)), pair)) == WiringFaults((), (pair,))
 
 
 def test_the_feet_at_each_others_place() -> None:
     pairs = tuple((k, k + 4) for k in range(4))
-    assert wiring(exchanged(recording(3), *pairs)) == Wiring((), pairs)
+    assert wiring(exchanged(recording(3), *pairs)) == WiringFaults((), pairs)
 
 
 def test_a_sign_that_nobody_knows_is_never_wrong() -> None:
@@ -64,7 +64,7 @@ def test_a_sign_that_nobody_knows_is_never_wrong() -> None:
     unknown = np.flatnonzero(whole.shoe.polarity == 0)
     for channel in unknown:
         turned = whole.with_channel(int(channel), lambda _, values: -values)
-        assert wiring(turned) == Wiring((), ())
+        assert wiring(turned) == WiringFaults((), ())
 
 
 def test_one_run_under_another_weight_is_no_matter_of_cables() -> None:
@@ -73,7 +73,7 @@ def test_one_run_under_another_weight_is_no_matter_of_cables() -> None:
     def loaded(run: int, values: np.ndarray[tuple[int, int], np.dtype[np.float64]]):  # type: ignore[no-untyped-def]
         return values + (1.25 / whole.parameters.gain if run == 2 else 0.0)
 
-    assert wiring(whole.with_readings(loaded)) == Wiring((), ())
+    assert wiring(whole.with_readings(loaded)) == WiringFaults((), ())
 
 
 def test_six_axis_feet_at_each_others_place() -> None:
@@ -82,5 +82,5 @@ def test_six_axis_feet_at_each_others_place() -> None:
     pairs = tuple((k, k + 5) for k in range(5))
     assert of_feet(shoe) == list(pairs)
     whole = recording(3, shoe=shoe)
-    assert wiring(whole) == Wiring((), ())
-    assert wiring(exchanged(whole, *pairs)) == Wiring((), pairs)
+    assert wiring(whole) == WiringFaults((), ())
+    assert wiring(exchanged(whole, *pairs)) == WiringFaults((), pairs)

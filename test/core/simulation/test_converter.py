@@ -8,16 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed, load_world
-from shoecal_core.simulation.converter import GOOD, SATURATED, Converter
+from shoecal_core.simulation.converter import GOOD, SATURATED, AdConverter
 from shoecal_core.simulation.drawn import draw_shoes
 
 QUIET = changed(DEFAULT, cells__noise_std_n=0.0)
 
 
-def converter(world: World, rules: object = QUIET, seed: int = 1) -> Converter:
+def converter(world: World, rules: object = QUIET, seed: int = 1) -> AdConverter:
     assert isinstance(rules, type(QUIET))
     shoes = draw_shoes(rules, world.shoe, seed)
-    return Converter(world.shoe, rules, shoes, np.random.default_rng(seed))
+    return AdConverter(world.shoe, rules, shoes, np.random.default_rng(seed))
 
 
 @given(st.lists(st.floats(-20.0, 25.0), min_size=8, max_size=8), st.integers(0, 5))
@@ -72,6 +72,6 @@ def test_many_readings_are_single_ones_in_turn(nao: World) -> None:
 def test_an_asymmetric_range_saturates_at_its_own_ends(nao: World) -> None:
     channels = tuple(dataclasses.replace(one, lowest=0.0, highest=8.0) for one in nao.shoe.channels)
     shoe = dataclasses.replace(nao.shoe, channels=channels)
-    convert = Converter(shoe, PERFECT, draw_shoes(PERFECT, shoe, 1), np.random.default_rng(1))
+    convert = AdConverter(shoe, PERFECT, draw_shoes(PERFECT, shoe, 1), np.random.default_rng(1))
     readings = convert(np.array([1e4, -1e4] + [-1e4] * 6) * shoe.polarity)
     assert readings.voltages == pytest.approx([8.0, *[0.0] * 7], abs=1e-6)

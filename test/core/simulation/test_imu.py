@@ -12,11 +12,11 @@ from core.simulation.worlds import DEFAULT, PERFECT, World, changed
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.simulation.effects.contact import FloorTilt
-from shoecal_core.simulation.samples import Samples, run
+from shoecal_core.simulation.samples import SimulatedSamples, run
 from shoecal_core.simulation.snapshot import stack
 
 
-def lean(world: World) -> Samples:
+def lean(world: World) -> SimulatedSamples:
     """Both ankles pitched to and fro in one second."""
     robot = world.robot
     names = [robot.joint_names[index] for index in robot.legs]

@@ -16,7 +16,7 @@ from shoecal_core.simulation.effects.timing import Latency
 from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError
 from shoecal_core.simulation.reality import Reality
 from shoecal_core.simulation.robot import SimulatedRobot
-from shoecal_core.simulation.samples import Samples, run
+from shoecal_core.simulation.samples import SimulatedSamples, run
 
 FloatArray = NDArray[np.float64]
 
@@ -179,7 +179,7 @@ def test_motors_warm_up_with_the_square_of_their_torque(nao: World) -> None:
     assert joints.temperatures[knees].min() > servo.ambient_degc + 1.0
 
 
-def samples(world: World, rules: Reality, rate: float = 100.0) -> Samples:
+def samples(world: World, rules: Reality, rate: float = 100.0) -> SimulatedSamples:
     return run(world.standing(rules), lean(world, 0.04), rate)
 
 

@@ -16,7 +16,7 @@ from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.effects.effect import Effect
-from shoecal_core.simulation.reality import Reality, Table
+from shoecal_core.simulation.reality import NamedNumbers, Reality
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
 
@@ -64,10 +64,10 @@ def changed(rules: Reality, *effects: Effect, **values: float | Mapping[str, flo
     """Rules with some keys changed; `section__key` names a key, a mapping makes a table."""
     for name, value in values.items():
         section, key = name.split("__")
-        entry: float | Table = (
+        entry: float | NamedNumbers = (
             value
             if isinstance(value, int | float)
-            else Table({one: (row,) for one, row in value.items()}, Path("a.yaml"), key)
+            else NamedNumbers({one: (row,) for one, row in value.items()}, Path("a.yaml"), key)
         )
         part = dataclasses.replace(getattr(rules, section), **{key: entry})
         rules = dataclasses.replace(rules, **{section: part})

@@ -12,7 +12,7 @@ import yaml
 
 from shoecal_core.cli.calibrate_command import to_json
 from shoecal_core.estimation.joint import of_joint
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.report.error_source_names import source_name
 from shoecal_core.report.session_report import write_session_report
@@ -23,20 +23,20 @@ TRAIN, TEST = range(1, 7), (7, 8)
 
 
 @pytest.fixture(scope="module")
-def outcome(standard_session: Session) -> Outcome:
+def outcome(standard_session: Session) -> CalibrationOutcome:
     """The standard set of a robot that is as its files say."""
     return calibrate_session(standard_session, TRAIN, TEST)
 
 
 def test_gains_are_those_of_the_simulated_cells(
-    standard_session: Session, outcome: Outcome
+    standard_session: Session, outcome: CalibrationOutcome
 ) -> None:
     drawn = yaml.safe_load((standard_session.truth_path(1).parent / "reality.yaml").read_text())
     true = np.array([drawn["gain"][name] for name in outcome.data.shoe.names])
     np.testing.assert_allclose(outcome.calibration.parameters.gain, true, rtol=0.03)
 
 
-def test_residuals_are_small_on_runs_that_were_not_fitted(outcome: Outcome) -> None:
+def test_residuals_are_small_on_runs_that_were_not_fitted(outcome: CalibrationOutcome) -> None:
     for found in outcome.modelled["self_calibration"].values():
         assert found.grf.mean < 0.5
         assert found.cop.mean < 1e-3
@@ -45,7 +45,7 @@ def test_residuals_are_small_on_runs_that_were_not_fitted(outcome: Outcome) -> N
     assert outcome.calibration.verdict != "FAIL", outcome.calibration.reasons
 
 
-def test_it_is_fitted_with_all_that_may_be_wrong(outcome: Outcome) -> None:
+def test_it_is_fitted_with_all_that_may_be_wrong(outcome: CalibrationOutcome) -> None:
     joint = outcome.joint
     assert joint is not None
     assert joint.cost < joint.initial_cost
@@ -57,7 +57,7 @@ def test_it_is_fitted_with_all_that_may_be_wrong(outcome: Outcome) -> None:
 
 
 def test_a_cop_correction_is_fitted_to_what_the_joint_fit_leaves_if_asked_for(
-    outcome: Outcome,
+    outcome: CalibrationOutcome,
 ) -> None:
     joint, stages = outcome.joint, outcome.stages
     assert joint is not None
@@ -71,7 +71,7 @@ def test_a_cop_correction_is_fitted_to_what_the_joint_fit_leaves_if_asked_for(
         assert (len(found.corrections) > 0) == feet
 
 
-def test_figures_for_machines(outcome: Outcome) -> None:
+def test_figures_for_machines(outcome: CalibrationOutcome) -> None:
     figures = json.loads(json.dumps(to_json(outcome), allow_nan=False))
     joint, budget = outcome.joint, outcome.assessment.budget
     assert joint is not None
@@ -92,7 +92,7 @@ def test_figures_for_machines(outcome: Outcome) -> None:
 
 
 def test_the_report_has_the_budget(
-    standard_session: Session, outcome: Outcome, tmp_path: Path
+    standard_session: Session, outcome: CalibrationOutcome, tmp_path: Path
 ) -> None:
     path = tmp_path / "report.html"
     write_session_report(path, standard_session, outcome)

@@ -9,7 +9,7 @@ import pytest
 
 from shoecal_core import cli
 from shoecal_core.error_sources.tolerances import Tolerances
-from shoecal_core.estimation.outcome import Outcome
+from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.estimation.run_errors import errors_by_set
 from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
@@ -59,7 +59,7 @@ def session(tmp_path_factory: pytest.TempPathFactory) -> Session:
     return Coupled.open(out)
 
 
-def cop_error(session: Session, outcome: Outcome) -> float:
+def cop_error(session: Session, outcome: CalibrationOutcome) -> float:
     """Of both feet, against the truth [m]."""
     measuring = {MEASURED: outcome.calibration.sensing(session.shoe)}
     runs = compare_data(session, outcome.data, {"train": outcome.train}, measuring)

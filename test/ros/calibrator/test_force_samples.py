@@ -19,7 +19,7 @@ from shoecal_core.shoe.instant import InstantSensing
 from shoecal_core.shoe.shoe import Shoe, load_shoe
 from shoecal_core.shoe.wrench import ChannelParameters, at_cop, to_left, weight_below
 from shoecal_ros.calibrator.force_samples import STANCE, ForceSamples
-from shoecal_ros.calibrator.live import FootFlags, Live, LiveSensing, LowPass
+from shoecal_ros.calibrator.live import FootFlags, Live, LiveSensing, OutputFilter
 from shoecal_ros.calibrator.load import LoadSwitch
 from shoecal_ros.inputs.joining import Joined
 
@@ -40,7 +40,9 @@ def states() -> BodyStates:
 
 
 def live(shoe: Shoe, made: Any, readings: FloatArray) -> Live:
-    sensing = LiveSensing([shoe.of_foot(0), shoe.of_foot(1)], LoadSwitch(6.0, 3.0), LowPass(0.0))
+    sensing = LiveSensing(
+        [shoe.of_foot(0), shoe.of_foot(1)], LoadSwitch(6.0, 3.0), OutputFilter(0.0)
+    )
     sensing.sensing = made.sensing(shoe)
     status = np.zeros(len(shoe.names), dtype=np.uint8)
     joined = Joined(10**18, readings, status, np.ones(len(shoe.names), dtype=bool))

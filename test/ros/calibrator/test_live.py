@@ -12,7 +12,7 @@ from ros.bodies import nao_shoe, parameters, readings
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.shoe.sensing import Sensing
 from shoecal_core.shoe.wrench import at_cop, weight_below
-from shoecal_ros.calibrator.live import Live, LiveSensing, LowPass, wrench_of
+from shoecal_ros.calibrator.live import Live, LiveSensing, OutputFilter, wrench_of
 from shoecal_ros.calibrator.load import LoadSwitch
 from shoecal_ros.inputs.joining import NO_DATA, Joined
 
@@ -24,7 +24,7 @@ SATURATED = 1
 
 def sensing(cutoff_hz: float = 0.0) -> LiveSensing:
     live = LiveSensing(
-        [SHOE.of_foot(foot) for foot in (0, 1)], LoadSwitch(6.0, 3.0), LowPass(cutoff_hz)
+        [SHOE.of_foot(foot) for foot in (0, 1)], LoadSwitch(6.0, 3.0), OutputFilter(cutoff_hz)
     )
     live.sensing = Sensing(SHOE, LAW)
     return live
@@ -167,7 +167,7 @@ def test_a_batch_is_as_good_as_one_after_another() -> None:
 
 
 def test_the_low_pass_delays_a_ramp_by_what_it_says() -> None:
-    low_pass = LowPass(2.0)
+    low_pass = OutputFilter(2.0)
     slope, step_ns = 3.0, 10**6
     for index in range(2000):
         time = index * step_ns / 1e9
@@ -176,7 +176,7 @@ def test_the_low_pass_delays_a_ramp_by_what_it_says() -> None:
 
 
 def test_the_low_pass_forgets_what_was_not_known() -> None:
-    low_pass = LowPass(2.0)
+    low_pass = OutputFilter(2.0)
     low_pass(0, np.array([1.0, 1.0]))
     gone = low_pass(10**7, np.array([math.nan, 1.0]))
     assert math.isnan(gone[0])

@@ -13,7 +13,7 @@ from typing import Self
 import pytest
 
 from core.shoe.shoes import ROOT
-from shoecal_ros.serial.channel_map import Channel, Converter
+from shoecal_ros.serial.channel_map import Converter, DeviceChannel
 from shoecal_ros.serial.config import DriverConfig, Mode
 from shoecal_ros.serial.text_protocol import TextTime
 
@@ -106,5 +106,5 @@ class Board:
             latency_ns=0,
             alarm_s=0.5,
             raw_log=None,
-            channels=tuple(Channel(k, f"left/{k}", ONE) for k in range(channels)),
+            channels=tuple(DeviceChannel(k, f"left/{k}", ONE) for k in range(channels)),
         )

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from ros.firmware.board import Board, make, need_avr, need_emulator, refused
-from shoecal_ros.serial.driver import Reading, ShoeDriver, open_driver
+from shoecal_ros.serial.driver import Reading, SerialDriver, open_driver
 from shoecal_ros.serial.frame import ChannelStatus, FaultKind
 
 Boards = Callable[..., Board]
@@ -39,7 +39,7 @@ def boards(request: pytest.FixtureRequest, build: Path) -> Boards:
     return lambda *converters: Board(program, *converters)
 
 
-def read(driver: ShoeDriver, enough: Callable[[list[Reading]], bool]) -> list[Reading]:
+def read(driver: SerialDriver, enough: Callable[[list[Reading]], bool]) -> list[Reading]:
     readings: list[Reading] = []
     until = time.monotonic() + PATIENCE_S
     while not enough(readings):

@@ -12,7 +12,13 @@ from core.shoe import shoes
 from ros.bodies import nao
 from shoecal_core.report.scene.body import CELL
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_ros.model.scene_markers import BAD, FORCE_HEIGHT, FootSeen, SceneMarkers, Seen
+from shoecal_ros.model.scene_markers import (
+    BAD,
+    FORCE_HEIGHT,
+    FootSeen,
+    MeasuredInstant,
+    SceneMarkers,
+)
 
 ROBOT, SHOE = nao(), shoes.shoe("nao_shoe")
 
@@ -31,7 +37,7 @@ def places(marker: Any) -> np.ndarray:
 
 
 def test_without_measurements_only_the_model_is_shown(scene: SceneMarkers) -> None:
-    found = scene.at(5_000_000_007, ROBOT.posture, Seen())
+    found = scene.at(5_000_000_007, ROBOT.posture, MeasuredInstant())
     assert {marker.ns for marker in found.markers} == {
         "body", "sole", "sensing_polygon", "cells", "com", "cop_modelled",
     }  # fmt: skip
@@ -47,7 +53,7 @@ def test_without_measurements_only_the_model_is_shown(scene: SceneMarkers) -> No
 
 def test_centre_of_mass_and_its_projection(scene: SceneMarkers) -> None:
     state = Kinematics(ROBOT).states(ROBOT.posture[None])
-    found = scene.at(0, ROBOT.posture, Seen())
+    found = scene.at(0, ROBOT.posture, MeasuredInstant())
     (modelled,) = of(found, "cop_modelled")
     where = modelled.pose.position
     assert (where.x, where.y, where.z) == pytest.approx((*state.cop[0, 0], 0.0), abs=1e-9)
@@ -59,7 +65,7 @@ def test_centre_of_mass_and_its_projection(scene: SceneMarkers) -> None:
 def test_forces_stand_at_the_measured_cop_and_are_as_long_as_strong(scene: SceneMarkers) -> None:
     left = FootSeen(True, 0.25 * ROBOT.weight, np.array([0.03, 0.01]))
     right = FootSeen(True, 0.75 * ROBOT.weight, np.array([-0.02, 0.0]))
-    found = scene.at(0, ROBOT.posture, Seen((left, right), 1, np.array([0.01, 0.05])))
+    found = scene.at(0, ROBOT.posture, MeasuredInstant((left, right), 1, np.array([0.01, 0.05])))
     weak, strong = of(found, "force")
     assert (weak.header.frame_id, strong.header.frame_id) == ("l_sole", "r_sole")
     assert places(weak)[0] == pytest.approx([0.03, 0.01, 0.0])
@@ -75,14 +81,14 @@ def test_forces_stand_at_the_measured_cop_and_are_as_long_as_strong(scene: Scene
 
 def test_a_foot_that_carries_nothing_has_no_force_and_no_hull(scene: SceneMarkers) -> None:
     seen = (FootSeen(True, ROBOT.weight, np.zeros(2)), FootSeen(False, 0.1, None))
-    found = scene.at(0, ROBOT.posture, Seen(seen, 0, np.zeros(2)))
+    found = scene.at(0, ROBOT.posture, MeasuredInstant(seen, 0, np.zeros(2)))
     assert len(of(found, "force")) == 1
     assert not of(found, "support_polygon")
 
 
 def test_cells_that_are_not_well_are_marked(scene: SceneMarkers) -> None:
     seen = (FootSeen(bad=frozenset({SHOE.names[0]})), FootSeen())
-    cells = of(scene.at(0, ROBOT.posture, Seen(seen)), "cells")
+    cells = of(scene.at(0, ROBOT.posture, MeasuredInstant(seen)), "cells")
     assert len(cells) == len(SHOE.names)
     colours = [(cell.color.r, cell.color.g, cell.color.b) for cell in cells]
     assert colours[0] == pytest.approx(BAD[:3], abs=1e-6)
@@ -90,7 +96,7 @@ def test_cells_that_are_not_well_are_marked(scene: SceneMarkers) -> None:
 
 
 def test_triangles_look_outwards(scene: SceneMarkers) -> None:
-    for marker in of(scene.at(0, ROBOT.posture, Seen()), "body"):
+    for marker in of(scene.at(0, ROBOT.posture, MeasuredInstant()), "body"):
         if marker.type == Marker.TRIANGLE_LIST:
             corners = places(marker).reshape(-1, 3, 3)
             normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shoecal_core.robot.joint_trajectory import JointTrajectory
-from shoecal_ros.planner.following import Follower, Verdict
+from shoecal_ros.planner.following import Follower, FollowingState
 
 START_NS = 5_000_000_000
 TRAJECTORY = JointTrajectory(
@@ -27,7 +27,7 @@ def at(time: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
 @given(st.floats(0.0, 4.4), st.floats(0.0, 0.5))
 def test_a_late_robot_follows(time: float, late: float) -> None:
     look = follower().look(START_NS + round(time * 1e9), at(time - late))
-    assert look.verdict is Verdict.FOLLOWS
+    assert look.verdict is FollowingState.FOLLOWS
     assert look.error < 0.01
 
 
@@ -36,7 +36,11 @@ def test_a_joint_far_off_is_lost_and_named(time: float, joint: int, side: int) -
     one, angles = follower(), at(time).copy()
     angles[joint] += side * 0.2
     looks = [one.look(START_NS + round((time + late) * 1e9), angles) for late in (0.0, 0.01, 0.02)]
-    assert [look.verdict for look in looks] == [Verdict.DOUBTFUL, Verdict.DOUBTFUL, Verdict.LOST]
+    assert [look.verdict for look in looks] == [
+        FollowingState.DOUBTFUL,
+        FollowingState.DOUBTFUL,
+        FollowingState.LOST,
+    ]
     assert looks[-1].joint == TRAJECTORY.names[joint]
 
 
@@ -48,14 +52,14 @@ def test_one_or_two_false_measurements_in_a_row_are_doubtful(time: float, runs: 
             stamp_ns = START_NS + round(time * 1e9) + 1_000_000 * (3 * number + index)
             is_false = index < false
             look = one.look(stamp_ns, at(time) + 0.9 * is_false)
-            assert look.verdict is (Verdict.DOUBTFUL if is_false else Verdict.FOLLOWS)
+            assert look.verdict is (FollowingState.DOUBTFUL if is_false else FollowingState.FOLLOWS)
 
 
 def test_measurements_that_come_seldom_need_fewer() -> None:
     one = follower()
     times = (1.0, 1.1)
     looks = [one.look(START_NS + round(time * 1e9), at(1.0) + 0.9) for time in times]
-    assert [look.verdict for look in looks] == [Verdict.DOUBTFUL, Verdict.LOST]
+    assert [look.verdict for look in looks] == [FollowingState.DOUBTFUL, FollowingState.LOST]
 
 
 @given(st.floats(0.0, 4.4), st.floats(-2.0, 2.0))
@@ -75,27 +79,27 @@ def test_a_robot_that_never_starts_is_lost() -> None:
     verdicts = [
         one.look(START_NS + round(time * 1e9), at(0.0)).verdict for time in np.arange(0.0, 3.0, 0.1)
     ]
-    assert verdicts[0] is Verdict.FOLLOWS
-    assert verdicts[-1] is Verdict.LOST
+    assert verdicts[0] is FollowingState.FOLLOWS
+    assert verdicts[-1] is FollowingState.LOST
 
 
 def test_it_has_arrived_when_even_a_late_robot_must_have() -> None:
-    assert follower().look(START_NS + 4_400_000_000, at(4.0)).verdict is Verdict.FOLLOWS
+    assert follower().look(START_NS + 4_400_000_000, at(4.0)).verdict is FollowingState.FOLLOWS
     look = follower().look(START_NS + 4_600_000_000, at(4.0))
-    assert look.verdict is Verdict.ARRIVED
+    assert look.verdict is FollowingState.ARRIVED
     assert look.progress == pytest.approx(1.0)
 
 
 def test_a_robot_that_stopped_on_the_way_has_not_arrived() -> None:
     one = follower()
     verdicts = [one.look(START_NS + stamp_ns, at(2.0)).verdict for stamp_ns in (9 * 10**9, 10**10)]
-    assert verdicts == [Verdict.DOUBTFUL, Verdict.LOST]
+    assert verdicts == [FollowingState.DOUBTFUL, FollowingState.LOST]
 
 
 def test_a_joint_that_tells_nothing_does_not_count() -> None:
     angles = at(1.0).copy()
     angles[1] = np.nan
-    assert follower().look(START_NS + 1_000_000_000, angles).verdict is Verdict.FOLLOWS
+    assert follower().look(START_NS + 1_000_000_000, angles).verdict is FollowingState.FOLLOWS
 
 
 def test_where_it_should_be() -> None:

@@ -8,7 +8,7 @@ from zlib import crc32
 from hypothesis import strategies as st
 
 from shoecal_ros.serial.cobs import stuff
-from shoecal_ros.serial.frame import Event, Fault, FaultKind, Frame, Info
+from shoecal_ros.serial.frame import Event, FaultKind, Frame, FrameFault, Info
 from shoecal_ros.serial.serial_source import SerialSource
 from shoecal_ros.serial.source import Received
 
@@ -43,7 +43,7 @@ def frames(events: Iterable[Event | Received]) -> list[Frame]:
 
 
 def kinds(events: Iterable[Event]) -> list[FaultKind]:
-    return [event.kind for event in events if isinstance(event, Fault)]
+    return [event.kind for event in events if isinstance(event, FrameFault)]
 
 
 def sealed(head: bytes) -> bytes:

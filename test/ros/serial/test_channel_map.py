@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from shoecal_ros.serial.channel_map import Channel, ChannelMap, Converter, Encoding
+from shoecal_ros.serial.channel_map import ChannelMap, Converter, DeviceChannel, Encoding
 from shoecal_ros.serial.errors import ChannelError
 from shoecal_ros.serial.frame import Frame
 
@@ -16,15 +16,17 @@ def frame(counts: dict[int, float], status: int = 0) -> Frame:
 
 
 def voltage(converter: Converter, number: float) -> float:
-    return ChannelMap([Channel(0, "a", converter)]).readings(frame({0: number})).voltage[0]
+    return ChannelMap([DeviceChannel(0, "a", converter)]).readings(frame({0: number})).voltage[0]
 
 
 def status(converter: Converter, number: float, sent: int = 0) -> int:
-    return ChannelMap([Channel(0, "a", converter)]).readings(frame({0: number}, sent)).status[0]
+    return (
+        ChannelMap([DeviceChannel(0, "a", converter)]).readings(frame({0: number}, sent)).status[0]
+    )
 
 
 def test_cells_come_in_the_order_of_the_frame() -> None:
-    cells = ChannelMap([Channel(0, "a", MICROVOLTS), Channel(7, "b", Converter(2e-6))])
+    cells = ChannelMap([DeviceChannel(0, "a", MICROVOLTS), DeviceChannel(7, "b", Converter(2e-6))])
     readings = cells.readings(frame({7: 1_000_000, 0: -500_000}))
     assert readings.cell == ("b", "a")
     assert readings.voltage == pytest.approx((2.0, -0.5))
@@ -33,14 +35,14 @@ def test_cells_come_in_the_order_of_the_frame() -> None:
 
 
 def test_channels_without_a_cell_are_counted_and_named() -> None:
-    cells = ChannelMap([Channel(0, "a", MICROVOLTS)])
+    cells = ChannelMap([DeviceChannel(0, "a", MICROVOLTS)])
     assert cells.readings(frame({3: 1, 0: 2, 9: 3})).cell == ("a",)
     assert not cells.readings(frame({9: 3})).cell
     assert cells.unknown == {3: 1, 9: 2}
 
 
 def test_cells_without_a_reading_are_named() -> None:
-    cells = ChannelMap([Channel(0, "a", MICROVOLTS), Channel(1, "b", MICROVOLTS)])
+    cells = ChannelMap([DeviceChannel(0, "a", MICROVOLTS), DeviceChannel(1, "b", MICROVOLTS)])
     cells.readings(frame({0: 1}))
     assert cells.unseen == ("b",)
     cells.readings(frame({1: 1}))
@@ -73,9 +75,9 @@ def test_converter_that_cannot_be(volts: float, bits: int) -> None:
 @pytest.mark.parametrize(("index", "cell"), [(0, "b"), (1, "a")])
 def test_two_sources_of_one_cell(index: int, cell: str) -> None:
     with pytest.raises(ChannelError, match="give each its own"):
-        ChannelMap([Channel(0, "a", MICROVOLTS), Channel(index, cell, MICROVOLTS)])
+        ChannelMap([DeviceChannel(0, "a", MICROVOLTS), DeviceChannel(index, cell, MICROVOLTS)])
 
 
 def test_no_data_is_no_number() -> None:
-    cells = ChannelMap([Channel(0, "a", MICROVOLTS)])
+    cells = ChannelMap([DeviceChannel(0, "a", MICROVOLTS)])
     assert math.isnan(cells.readings(frame({0: 0}, status=2)).voltage[0])

@@ -8,7 +8,7 @@ import pytest
 import serial
 
 from ros.serial.helpers import INFO, frames, kinds
-from shoecal_ros.serial.channel_map import Channel, ChannelMap, Converter
+from shoecal_ros.serial.channel_map import ChannelMap, Converter, DeviceChannel
 from shoecal_ros.serial.device import SimulatedDevice, convert
 from shoecal_ros.serial.errors import DeviceError
 from shoecal_ros.serial.frame import FaultKind, Frame
@@ -149,7 +149,7 @@ def test_voltages_survive_conversion_to_half_a_count() -> None:
     volts = np.random.default_rng(1).uniform(-4.9, 4.9, 32)
     counts, status = convert(volts, CONVERTER)
     frame = Frame(0, 0, tuple(range(32)), tuple(map(int, status)), tuple(map(int, counts)))
-    cells = ChannelMap(Channel(index, str(index), CONVERTER) for index in range(32))
+    cells = ChannelMap(DeviceChannel(index, str(index), CONVERTER) for index in range(32))
     readings = cells.readings(frame)
     assert np.max(np.abs(np.array(readings.voltage) - volts)) <= CONVERTER.volts_per_count / 2
     assert set(readings.status) == {0}

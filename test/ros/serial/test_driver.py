@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from ros.serial.helpers import INFO, Clock, frame
-from shoecal_ros.serial.channel_map import Channel, Converter
+from shoecal_ros.serial.channel_map import Converter, DeviceChannel
 from shoecal_ros.serial.config import DriverConfig, Mode
 from shoecal_ros.serial.device import SimulatedDevice
-from shoecal_ros.serial.driver import Reading, ShoeDriver, open_driver
+from shoecal_ros.serial.driver import Reading, SerialDriver, open_driver
 from shoecal_ros.serial.errors import PortMissingError
 from shoecal_ros.serial.protocol import encode_frame
 from shoecal_ros.serial.text_protocol import TextTime
@@ -32,18 +32,18 @@ def config(link: Path) -> DriverConfig:
         latency_ns=0,
         alarm_s=60.0,
         raw_log=None,
-        channels=(Channel(0, "left/a", VOLTS), Channel(1, "right/a", VOLTS)),
+        channels=(DeviceChannel(0, "left/a", VOLTS), DeviceChannel(1, "right/a", VOLTS)),
     )
 
 
-Open = Callable[[DriverConfig], ShoeDriver]
+Open = Callable[[DriverConfig], SerialDriver]
 
 
 @pytest.fixture
 def open_it(clock: Clock) -> Iterator[Open]:
     drivers = []
 
-    def make(config: DriverConfig) -> ShoeDriver:
+    def make(config: DriverConfig) -> SerialDriver:
         driver = open_driver(config, clock.now_ns)
         drivers.append(driver)
         driver.open()
@@ -54,7 +54,7 @@ def open_it(clock: Clock) -> Iterator[Open]:
         driver.close()
 
 
-def read(driver: ShoeDriver, count: int) -> list[Reading]:
+def read(driver: SerialDriver, count: int) -> list[Reading]:
     readings: list[Reading] = []
     for _ in range(200):
         readings += driver.read(0.05)

@@ -8,7 +8,7 @@ import pytest
 
 from shoecal_core.errors import FileError
 from shoecal_ros.serial.config import load_driver_config
-from shoecal_ros.serial.frame import Fault, Frame
+from shoecal_ros.serial.frame import Frame, FrameFault
 from shoecal_ros.serial.line_form import LineForm
 from shoecal_ros.serial.text_protocol import TextDecoder, TextTime
 
@@ -35,7 +35,7 @@ def test_lines_are_read_by_their_form_and_no_others(form: str) -> None:
     assert isinstance(frame, Frame)
     assert list(frame.counts) == values
     (fault,) = decoder.feed(other)
-    assert isinstance(fault, Fault)
+    assert isinstance(fault, FrameFault)
     assert f"not of the form '{form}'" in fault.text
 
 
@@ -51,7 +51,7 @@ def test_without_a_form_words_are_told_with_the_cure() -> None:
     decoder = TextDecoder(TextTime.NONE, 1)
     decoder.feed(b"\n")
     (fault,) = decoder.feed(b"12.34,lbs,\n")
-    assert isinstance(fault, Fault)
+    assert isinstance(fault, FrameFault)
     assert "print numbers alone, or give 'text.line'" in fault.text
 
 

@@ -12,7 +12,13 @@ import shapely
 from numpy.typing import NDArray
 
 from shoecal_core.planning.checking.body_track import BodyTrack, track
-from shoecal_core.planning.checking.findings import Finding, Report, at_least, at_most, worst
+from shoecal_core.planning.checking.findings import (
+    ConstraintMargin,
+    Report,
+    at_least,
+    at_most,
+    worst,
+)
 from shoecal_core.planning.deflection import deflected
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.load_sharing import FRICTION_USED
@@ -116,7 +122,7 @@ def _in_right(body: BodyTrack, samples: slice, points: FloatArray) -> FloatArray
 
 def _stability(
     legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
-) -> Finding:
+) -> ConstraintMargin:
     phase, robot = span.phase, legs.robot
     if phase.support_phase is SupportPhase.BOTH:
         polygon = phase.support_phase.polygon(robot, phase.foot_poses[0])
@@ -138,7 +144,7 @@ def _stability(
 
 def _joint_limits(
     legs: Legs, positions: FloatArray, time: FloatArray, settings: PlannerSettings
-) -> Finding:
+) -> ConstraintMargin:
     robot = legs.robot
     room = np.minimum(positions - robot.lower, robot.upper - positions)[:, robot.moved]
     names = tuple(robot.joint_names[index] for index in robot.moved)
@@ -151,7 +157,7 @@ def _joint_limits(
 
 def _collision(
     legs: Legs, body: BodyTrack, time: FloatArray, settings: PlannerSettings
-) -> tuple[Finding, ...]:
+) -> tuple[ConstraintMargin, ...]:
     robot = legs.robot
     if not robot.collision_pairs:
         return ()
@@ -169,7 +175,7 @@ def _collision(
 
 def _feet(
     span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
-) -> list[Finding]:
+) -> list[ConstraintMargin]:
     """Feet that stay must stay; one in the air must leave from where it stood, and arrive."""
     if span.phase.support_phase is SupportPhase.BOTH:
         way, turn = _away(body, span.samples, span.phase.foot_poses[0])
@@ -205,7 +211,7 @@ def _swing_foot(
     sagging: BodyTrack,
     time: FloatArray,
     settings: PlannerSettings,
-) -> list[Finding]:
+) -> list[ConstraintMargin]:
     """A foot in the air: no corner below the floor, and no overlap with the other foot.
 
     One that is carried along comes as high as it shall, however much the joints sag.
@@ -265,7 +271,9 @@ def _from_begin(limit: float, values: FloatArray, settings: PlannerSettings) -> 
     return min(limit, float(values[0]), float(values[1])) - settings.foot_drift
 
 
-def _joint_speed(legs: Legs, span: _Span, motion: Motion, settings: PlannerSettings) -> Finding:
+def _joint_speed(
+    legs: Legs, span: _Span, motion: Motion, settings: PlannerSettings
+) -> ConstraintMargin:
     robot, time = legs.robot, motion.time[span.samples]
     speed = np.abs(np.diff(motion.positions[span.samples], axis=0)) / np.diff(time)[:, None]
     limit = np.minimum(robot.velocity_limit, settings.joint_speed * _RATE_SLACK)
@@ -275,7 +283,7 @@ def _joint_speed(legs: Legs, span: _Span, motion: Motion, settings: PlannerSetti
 
 def _com(
     span: _Span, body: BodyTrack, times: FloatArray, settings: PlannerSettings
-) -> tuple[Finding, Finding]:
+) -> tuple[ConstraintMargin, ConstraintMargin]:
     time, com = times[span.samples], span.seen_from_standing(body)
     ground = com[:, :2]
     half = min(max(1, round(_WINDOW / 2.0 / (time[1] - time[0]))), (len(time) - 1) // 2)
@@ -295,7 +303,9 @@ def _com(
     )  # fmt: skip
 
 
-def _torque(legs: Legs, body: BodyTrack, time: FloatArray, settings: PlannerSettings) -> Finding:
+def _torque(
+    legs: Legs, body: BodyTrack, time: FloatArray, settings: PlannerSettings
+) -> ConstraintMargin:
     """However the feet share the load."""
     robot = legs.robot
     most = robot.effort_limit[robot.legs]
@@ -307,7 +317,7 @@ def _torque(legs: Legs, body: BodyTrack, time: FloatArray, settings: PlannerSett
     return at_most("static torque", "N m", held + margin, limit, time, robot.leg_names)
 
 
-def _tilt(legs: Legs, body: BodyTrack, time: FloatArray) -> Finding:
+def _tilt(legs: Legs, body: BodyTrack, time: FloatArray) -> ConstraintMargin:
     tilt = np.arccos(np.clip(body.up[:, 2:], -1.0, 1.0))
     # Of a begin that leans farther the tilt must not grow.
     limit = np.maximum(legs.robot.tilt_max, tilt[0]) * _TILT_SLACK
@@ -316,7 +326,7 @@ def _tilt(legs: Legs, body: BodyTrack, time: FloatArray) -> Finding:
 
 def _loads(
     legs: Legs, span: _Span, body: BodyTrack, time: FloatArray, settings: PlannerSettings
-) -> tuple[Finding, ...]:
+) -> tuple[ConstraintMargin, ...]:
     """Of feet that have to keep load: however they share it, enough of it, no slip, no tipping."""
     robot, feet = legs.robot, [index for index in (0, 1) if span.phase.loaded[index]]
     if span.phase.support_phase is not SupportPhase.BOTH or not feet:
@@ -352,7 +362,7 @@ def _loads(
     )
 
 
-def _rest(motion: Motion, settings: PlannerSettings) -> Finding:
+def _rest(motion: Motion, settings: PlannerSettings) -> ConstraintMargin:
     """How far the robot moves while it shall hold still."""
     points = int(settings.hold_time * settings.sample_rate)
     begin = np.abs(motion.positions[: points + 1] - motion.positions[0]).max(axis=1)

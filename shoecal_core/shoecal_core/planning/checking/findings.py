@@ -16,7 +16,7 @@ STILL = 1e-9
 
 
 @dataclass(frozen=True)
-class Finding:
+class ConstraintMargin:
     """The worst of one constraint over a motion.
 
     Attributes:
@@ -59,7 +59,7 @@ class CheckFailedError(ShoecalError):
         findings: the violated ones.
     """
 
-    def __init__(self, findings: tuple[Finding, ...]) -> None:
+    def __init__(self, findings: tuple[ConstraintMargin, ...]) -> None:
         self.findings = findings
         listed = "; ".join(str(finding) for finding in findings)
         super().__init__(
@@ -72,10 +72,10 @@ class CheckFailedError(ShoecalError):
 class Report:
     """Every constraint's worst over a motion."""
 
-    findings: tuple[Finding, ...]
+    findings: tuple[ConstraintMargin, ...]
 
     @property
-    def violated(self) -> tuple[Finding, ...]:
+    def violated(self) -> tuple[ConstraintMargin, ...]:
         """Those whose constraint does not hold."""
         return tuple(finding for finding in self.findings if not finding.kept)
 
@@ -90,7 +90,7 @@ class Report:
         violated = self.violated
         return bool(violated) and all(finding.rate for finding in violated)
 
-    def of(self, constraint: str) -> Finding:
+    def of(self, constraint: str) -> ConstraintMargin:
         """The finding of one constraint."""
         return next(found for found in self.findings if found.constraint == constraint)
 
@@ -104,9 +104,9 @@ class Report:
             raise CheckFailedError(self.violated)
 
 
-def worst(findings: Sequence[Finding]) -> tuple[Finding, ...]:
+def worst(findings: Sequence[ConstraintMargin]) -> tuple[ConstraintMargin, ...]:
     """Of every constraint the finding that is farthest beyond its limit."""
-    worst: dict[str, Finding] = {}
+    worst: dict[str, ConstraintMargin] = {}
     for finding in findings:
         known = worst.get(finding.constraint)
         if known is None or finding.excess > known.excess:
@@ -124,7 +124,7 @@ def at_least(
     *,
     from_begin: bool = True,
     slack: float = 0.0,
-) -> Finding:
+) -> ConstraintMargin:
     """The worst of values (T, n) that must not fall below a limit.
 
     Where a motion begins outside of it, not below their own begin less a slack. What is no number
@@ -137,7 +137,9 @@ def at_least(
     index, column = np.unravel_index(np.argmin(above), values.shape)
     value, bound = float(values[index, column]), float(allowed[column])
     excess = bound - value if np.isfinite(value) else np.inf
-    return Finding(constraint, unit, value, bound, excess, float(time[index]), names[column])
+    return ConstraintMargin(
+        constraint, unit, value, bound, excess, float(time[index]), names[column]
+    )
 
 
 def at_most(
@@ -149,7 +151,7 @@ def at_most(
     names: tuple[str, ...] = ("",),
     *,
     rate: bool = False,
-) -> Finding:
+) -> ConstraintMargin:
     """The worst of values (T, n) that must not exceed a limit, compared by their ratio.
 
     A limit of zero, as of joints without a motor, is kept by what does not move at all. What is no
@@ -163,4 +165,4 @@ def at_most(
     value, bound = float(values[index, column]), float(limits[index, column])
     at, where = float(time[index]), names[column]
     excess = value - bound if np.isfinite(value) else np.inf
-    return Finding(constraint, unit, value, bound, excess, at, where, rate)
+    return ConstraintMargin(constraint, unit, value, bound, excess, at, where, rate)

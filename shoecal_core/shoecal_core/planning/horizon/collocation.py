@@ -30,9 +30,9 @@ from numpy.typing import NDArray
 
 from shoecal_core.planning.horizon.problem import (
     HorizonProblem,
+    HorizonSolution,
     Limits,
     Scene,
-    Solution,
     StateValues,
 )
 from shoecal_core.planning.legs import BALANCE_NAMES, LegExpressions, Legs, least_balance
@@ -238,7 +238,7 @@ class Collocation:
         iterations: int,
         done: bool,
         limits: Limits | None = None,
-    ) -> Solution:
+    ) -> HorizonSolution:
         """A solution with its own evidence.
 
         Args:
@@ -252,7 +252,7 @@ class Collocation:
         cost, violation = np.inf, np.inf
         if np.all(np.isfinite(states)):
             cost, violation = self.assess(problem, limits or self.limits(problem), states)
-        return Solution(
+        return HorizonSolution(
             states=states,
             cost=cost,
             violation=violation,

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.planning.horizon.collocation import Collocation
-from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, Solution
+from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, HorizonSolution
 from shoecal_core.planning.settings import PlannerSettings
 
 FloatArray = NDArray[np.float64]
@@ -84,7 +84,7 @@ class IpoptSolver:
             ipopt_options(collocation.settings),
         )
 
-    def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
+    def solve(self, problem: HorizonProblem, guess: FloatArray) -> HorizonSolution:
         """See Solver."""
         scene, aim = problem.scene.padded(self._edges), problem.aim
         problem = dataclasses.replace(problem, scene=scene)

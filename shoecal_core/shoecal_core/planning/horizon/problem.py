@@ -205,7 +205,7 @@ class StateValues:
 
 
 @dataclass(frozen=True)
-class Solution:
+class HorizonSolution:
     """What a solver found, certified.
 
     Attributes:
@@ -229,6 +229,6 @@ class Solution:
 class Solver(Protocol):
     """Solves one horizon's problem after another."""
 
-    def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
+    def solve(self, problem: HorizonProblem, guess: FloatArray) -> HorizonSolution:
         """Find states (N, k) from a guess of them (N, k) [rad]."""
         ...

@@ -26,7 +26,7 @@ _TOUCHED = 1e-7
 
 
 @dataclass(frozen=True)
-class Feet:
+class FootConstraints:
     """A step is fixed + basis @ free, which puts the feet right whatever the free part is.
 
     Attributes:
@@ -41,7 +41,7 @@ class Feet:
     triangle: FloatArray
 
     @classmethod
-    def of(cls, linear: Linearised) -> Feet:
+    def of(cls, linear: Linearised) -> FootConstraints:
         """By orthogonal factors."""
         factor, triangle = np.linalg.qr(linear.foot.swapaxes(1, 2), mode="complete")
         across, triangle = factor[:, :, :FOOT_ROWS], triangle[:, :FOOT_ROWS]
@@ -56,7 +56,7 @@ class Feet:
 
 
 @dataclass(frozen=True)
-class Step:
+class NewtonStep:
     """What a program proposes.
 
     Attributes:
@@ -71,7 +71,7 @@ class Step:
     gain: float
     prices: FloatArray
     linear: Linearised
-    feet: Feet
+    feet: FootConstraints
 
 
 class QuadraticProgram:
@@ -139,9 +139,9 @@ class QuadraticProgram:
         problem: HorizonProblem,
         linear: Linearised,
         inequalities: Inequalities,
-        before: Step | None = None,
+        before: NewtonStep | None = None,
         curvature: FloatArray | None = None,
-    ) -> Step | None:
+    ) -> NewtonStep | None:
         """The step from states that `linear` describes; None where the program has none.
 
         Args:
@@ -152,7 +152,7 @@ class QuadraticProgram:
             curvature: (N, k, k) what the constraints and the way to the target add to the
                 Gauss-Newton Hessian.
         """
-        feet = Feet.of(linear)
+        feet = FootConstraints.of(linear)
         self._set_cost(problem, linear, feet)
         if curvature is not None:
             self._add(curvature, feet)
@@ -161,7 +161,7 @@ class QuadraticProgram:
             return None
         found = self._found.ravel()
         gain = -found @ (self._gradient + 0.5 * self._hessian @ found)
-        return Step(change, float(gain), self._prices.copy(), linear, feet)
+        return NewtonStep(change, float(gain), self._prices.copy(), linear, feet)
 
     def nearest(self, linear: Linearised, inequalities: Inequalities) -> FloatArray:
         """(N, k) shortest change that keeps everything to first order.
@@ -169,7 +169,7 @@ class QuadraticProgram:
         Where none does, the shortest that puts the feet right.
         """
         self._hessian[:], self._gradient[:] = np.eye(len(self._gradient)), 0.0
-        feet = Feet.of(linear)
+        feet = FootConstraints.of(linear)
         change = self._solved(linear, inequalities, feet)
         return feet.fixed if change is None else change
 
@@ -177,8 +177,8 @@ class QuadraticProgram:
         self,
         linear: Linearised,
         inequalities: Inequalities,
-        feet: Feet,
-        before: Step | None = None,
+        feet: FootConstraints,
+        before: NewtonStep | None = None,
     ) -> FloatArray | None:
         self._set_rows(linear, inequalities, feet)
         low, high = self._low.ravel(), self._high.ravel()
@@ -199,7 +199,7 @@ class QuadraticProgram:
                 return None
         return feet.fixed + (feet.basis @ self._found[..., None])[..., 0]
 
-    def _set_cost(self, problem: HorizonProblem, linear: Linearised, feet: Feet) -> None:
+    def _set_cost(self, problem: HorizonProblem, linear: Linearised, feet: FootConstraints) -> None:
         """Gauss-Newton Hessian and gradient at the states + fixed."""
         aim, fixed, basis = problem.aim, feet.fixed, feet.basis
         states = linear.states + fixed
@@ -216,7 +216,7 @@ class QuadraticProgram:
         self._gradient[:] = (2.0 * self._weight) * (turned.T @ changes.ravel())
         self._gradient += ((weights * away)[:, None] @ slope).ravel()
 
-    def _add(self, curvature: FloatArray, feet: Feet) -> None:
+    def _add(self, curvature: FloatArray, feet: FootConstraints) -> None:
         """Curvature as it is; without what is negative where the program were not convex."""
         turned = feet.basis.swapaxes(1, 2)
         blocks = turned @ curvature @ feet.basis
@@ -230,7 +230,7 @@ class QuadraticProgram:
             self._blocks -= (vectors * negative) @ vectors.swapaxes(1, 2)
 
     def multipliers(
-        self, problem: HorizonProblem, inequalities: Inequalities, step: Step
+        self, problem: HorizonProblem, inequalities: Inequalities, step: NewtonStep
     ) -> FloatArray:
         """(N, 11) of the CoP (of the edges that bound it), other tasks (zero), foot transform.
 
@@ -250,7 +250,9 @@ class QuadraticProgram:
         gradient[:-1] -= prices[1:, -size:]
         return np.hstack([tasks, step.feet.borne(gradient)])
 
-    def _set_rows(self, linear: Linearised, inequalities: Inequalities, feet: Feet) -> None:
+    def _set_rows(
+        self, linear: Linearised, inequalities: Inequalities, feet: FootConstraints
+    ) -> None:
         fixed, basis = feet.fixed, feet.basis
         size = fixed.shape[1]
         values = inequalities.values(linear)

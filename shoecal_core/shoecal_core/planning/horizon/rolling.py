@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.errors import ShoecalError
 from shoecal_core.planning.horizon.collocation import Collocation
-from shoecal_core.planning.horizon.problem import HorizonProblem, Scene, Solution, Solver
+from shoecal_core.planning.horizon.problem import HorizonProblem, HorizonSolution, Scene, Solver
 from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
 
@@ -178,13 +178,13 @@ class RollingHorizon:
         self.collocation = collocation
         self._solvers = tuple(solvers)
 
-    def step(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
+    def step(self, problem: HorizonProblem, guess: FloatArray) -> HorizonSolution:
         """One optimisation; of unconverged ones the least violated.
 
         Every solver starts from `guess` (N, k) [rad] and, failing that, from standing still.
         """
         still = np.tile(problem.start, (self.collocation.settings.horizon, 1))
-        found: list[Solution] = []
+        found: list[HorizonSolution] = []
         for solver in self._solvers:
             for begin in (guess, still):
                 found.append(self._tried(solver, problem, begin))
@@ -192,7 +192,7 @@ class RollingHorizon:
                     return found[-1]
         return min(found, key=lambda solution: solution.violation)
 
-    def _tried(self, solver: Solver, problem: HorizonProblem, begin: FloatArray) -> Solution:
+    def _tried(self, solver: Solver, problem: HorizonProblem, begin: FloatArray) -> HorizonSolution:
         """What a solver finds; one that raises, or returns no numbers, has found nothing."""
         try:
             solution = solver.solve(problem, begin)
@@ -290,7 +290,7 @@ class _Roll:
         self._pursuit.skip(self._tasks)
         self._switches.append(len(self._states) - 1)
 
-    def _optimised(self, part: float) -> Solution:
+    def _optimised(self, part: float) -> HorizonSolution:
         """Towards a place that is only a part of the way to the target."""
         here = len(self._states) - 1
         target = self._tasks + part * (self._pursuit.target - self._tasks)

@@ -20,8 +20,8 @@ from shoecal_core.planning.horizon.linearisation import (
     Linearisation,
     Linearised,
 )
-from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, Solution
-from shoecal_core.planning.horizon.quadratic_program import QuadraticProgram, Step
+from shoecal_core.planning.horizon.problem import TASKS, HorizonProblem, HorizonSolution
+from shoecal_core.planning.horizon.quadratic_program import NewtonStep, QuadraticProgram
 from shoecal_core.planning.legs import BALANCE
 
 FloatArray = NDArray[np.float64]
@@ -67,7 +67,7 @@ class SqpSolver:
         self._curvature = Curvature(collocation)
         self._program = QuadraticProgram(count, size, rows, settings.transition_weight)
 
-    def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
+    def solve(self, problem: HorizonProblem, guess: FloatArray) -> HorizonSolution:
         """See Solver."""
         collocation = self._collocation
         problem = dataclasses.replace(problem, scene=problem.scene.padded(self._edges))
@@ -93,7 +93,7 @@ class SqpSolver:
             status, done = "Solved_Nearly", True
         return collocation.certified(problem, states, status, iteration, done, limits)
 
-    def _proposed(self, problem: HorizonProblem, descent: _Descent) -> Step | None:
+    def _proposed(self, problem: HorizonProblem, descent: _Descent) -> NewtonStep | None:
         """The next step, with the Lagrangian's second derivatives where prices are known."""
         linear, inequalities, before = descent.linear, descent.inequalities, descent.step
         if before is None:
@@ -130,7 +130,7 @@ class _Descent:
         self._problem = problem
         self.inequalities = inequalities
         self._linearised = linearised
-        self.step: Step | None = None
+        self.step: NewtonStep | None = None
         self._filter: list[tuple[float, float]] = []
         self._length = np.inf
         self.arrived = self.nearly = False
@@ -139,7 +139,7 @@ class _Descent:
         self.linear, cost, violation = self._at(states)
         self._filter.append((cost, violation))
 
-    def take(self, step: Step) -> bool:
+    def take(self, step: NewtonStep) -> bool:
         """Go as much of a step as the filter lets pass; False where it lets nothing."""
         length = float(np.abs(step.change).max())
         for shortening in range(_SHORTENINGS):

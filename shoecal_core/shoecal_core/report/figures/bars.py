@@ -41,7 +41,7 @@ class Bar:
 
 
 @dataclass(frozen=True)
-class Mark:
+class BarMark:
     """A bracket over two bars, with what a test says of them.
 
     Attributes:
@@ -55,7 +55,7 @@ class Mark:
     cop: str
 
 
-def mae_bars(bars: Sequence[Bar], marks: Sequence[Mark] = ()) -> str:
+def mae_bars(bars: Sequence[Bar], marks: Sequence[BarMark] = ()) -> str:
     """GRF above, CoP below; whiskers are one standard deviation of the absolute error."""
     groups = list(dict.fromkeys(bar.group for bar in bars))
     slots = _slots(bars, groups)
@@ -148,7 +148,7 @@ def _set_keys(bars: Sequence[Bar]) -> list[Artist]:
     return keys
 
 
-def _alt(bars: Sequence[Bar], marks: Sequence[Mark]) -> str:
+def _alt(bars: Sequence[Bar], marks: Sequence[BarMark]) -> str:
     told = (
         f"{readable(bar.group)}, {readable(bar.label)}, {'test' if bar.test else 'training'}: "
         f"GRF {bar.grf.mean:.2f} N, CoP {1e3 * bar.cop.mean:.2f} mm"

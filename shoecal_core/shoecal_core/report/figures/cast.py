@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.report.figures.motion import BODY, LEFT_SIDE, RIGHT_SIDE, Skeleton
-from shoecal_core.report.player import View
+from shoecal_core.report.player import PlayerView
 from shoecal_core.report.svg import WIDTH
 
 FloatArray = NDArray[np.float64]
@@ -102,7 +102,9 @@ def _distinct(frames: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
     return points[:, kept], place.ravel().tolist()
 
 
-def shape(kind: str, points: Sequence[int], cast: Cast, view: View, frame: int, style: str) -> str:
+def shape(
+    kind: str, points: Sequence[int], cast: Cast, view: PlayerView, frame: int, style: str
+) -> str:
     """An element that the script can move, as it is at one frame."""
     through = f'data-kind="{kind}" data-through="{" ".join(map(str, points))}"'
     seen = view.project(cast.points[frame, list(points)])
@@ -120,7 +122,7 @@ def shape(kind: str, points: Sequence[int], cast: Cast, view: View, frame: int, 
     return f'<path {through} {style} d="{drawn}"/>'
 
 
-def sole(side: int, look: str, cast: Cast, view: View, frame: int, style: str = "") -> str:
+def sole(side: int, look: str, cast: Cast, view: PlayerView, frame: int, style: str = "") -> str:
     """Outline of one foot, which the script marks while it is in the air."""
     aloft = " lifted" if cast.lifted[frame] == FEET[side] else ""
     told = f'data-foot="{FEET[side]}" class="{look}{aloft}"{style}'

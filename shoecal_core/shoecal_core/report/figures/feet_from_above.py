@@ -21,8 +21,8 @@ from shoecal_core.report.figures.cast import (
     sole,
     time_label,
 )
-from shoecal_core.report.plan_targets import Mark
-from shoecal_core.report.player import View
+from shoecal_core.report.plan_targets import TargetMark
+from shoecal_core.report.player import PlayerView
 from shoecal_core.report.svg import WIDTH
 
 FloatArray = NDArray[np.float64]
@@ -42,7 +42,7 @@ class Ground:
     """
 
     hulls: Sequence[FloatArray]
-    marks: Sequence[Mark]
+    marks: Sequence[TargetMark]
     radius: float
 
 
@@ -62,7 +62,7 @@ def from_above(cast: Cast, ground: Ground, still: int, label: str) -> str:
     scale = min((WIDTH - 24.0) / span[1], TALLEST / span[0])
     height = TOP + scale * span[0] + 24.0
     middle = WIDTH / 2.0 + scale * (low[1] + high[1]) / 2.0
-    view = View((1, 0), (-scale, -scale), (middle, TOP + scale * high[0]))
+    view = PlayerView((1, 0), (-scale, -scale), (middle, TOP + scale * high[0]))
     body = [sole(side, "o g", cast, view, still) for side in (0, 1)]
     body += [shape("area", one, cast, view, still, 'class="q"') for one in cast.polygons]
     fixed = [f'<path d="{area(view.project(flat(hull)))}" class="h"/>' for hull in ground.hulls]
@@ -84,7 +84,7 @@ def from_above(cast: Cast, ground: Ground, still: int, label: str) -> str:
     return document(height, inner, f"Feet and planned CoP from above, {label}.")
 
 
-def _marks(view: View, ground: Ground, scale: float) -> list[str]:
+def _marks(view: PlayerView, ground: Ground, scale: float) -> list[str]:
     """Rings of the landmarks, their numbers outwards of their middle."""
     if not ground.marks:
         return []

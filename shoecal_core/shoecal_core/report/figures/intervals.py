@@ -20,7 +20,7 @@ ROW, TOP, BOTTOM = 19.0, 24.0, 36.0
 
 
 @dataclass(frozen=True)
-class Column:
+class IntervalColumn:
     """One quantity of all channels.
 
     Attributes:
@@ -36,7 +36,9 @@ class Column:
     start: FloatArray
 
 
-def intervals(names: Sequence[str], columns: Sequence[Column], start: str = "initial guess") -> str:
+def intervals(
+    names: Sequence[str], columns: Sequence[IntervalColumn], start: str = "initial guess"
+) -> str:
     """One row a channel, one panel a quantity: estimate, 95 % interval, what it started from.
 
     Args:
@@ -74,7 +76,7 @@ def intervals(names: Sequence[str], columns: Sequence[Column], start: str = "ini
         return page.svg(f"Estimates with 95 % intervals. {told}.")
 
 
-def _keys(columns: Sequence[Column], start: str) -> list[Line2D]:
+def _keys(columns: Sequence[IntervalColumn], start: str) -> list[Line2D]:
     keys = [
         Line2D([], [], color=MEASURED.colour.light, marker="o", markersize=4.5, linewidth=1.5,
                label="estimate, 95 % interval")

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from shoecal_core.planning.checking.findings import Finding
+from shoecal_core.planning.checking.findings import ConstraintMargin
 from shoecal_core.report.palette import FAIL, INK, MUTED, SOLE, TEAL
 from shoecal_core.report.quantities import SPACE, number
 from shoecal_core.report.svg import SMALL, WIDTH, canvas, readable
@@ -25,13 +25,13 @@ SCALES = {
 """Units that are easier to read than those of the check."""
 
 
-def at_least(finding: Finding) -> bool:
+def at_least(finding: ConstraintMargin) -> bool:
     """Whether the value must be no less than its limit, else no more."""
     below, beyond = finding.limit - finding.value, finding.value - finding.limit
     return abs(finding.excess - below) < abs(finding.excess - beyond)
 
 
-def used(finding: Finding) -> float:
+def used(finding: ConstraintMargin) -> float:
     """Part of the limit that is used: 1 at the limit, 0 far from it."""
     numbers = (finding.limit, finding.value) if at_least(finding) else (
         finding.value, finding.limit)  # fmt: skip
@@ -41,7 +41,7 @@ def used(finding: Finding) -> float:
     return max(part / whole, 0.0)
 
 
-def told(finding: Finding) -> str:
+def told(finding: ConstraintMargin) -> str:
     """The worst value, its limit and where it was."""
     unit, scale = SCALES.get(finding.unit, (finding.unit, 1.0))
     decimals = _decimals(abs(scale * finding.limit))
@@ -51,7 +51,7 @@ def told(finding: Finding) -> str:
     return f"{value}{space}{unit}, {bound} {limit}{space}{unit}"
 
 
-def margins(findings: Sequence[Finding]) -> str:
+def margins(findings: Sequence[ConstraintMargin]) -> str:
     """One bar a constraint, tightest first; its name, value and limit stand above it."""
     findings = sorted(findings, key=used, reverse=True)
     height = ROW * len(findings)
@@ -81,7 +81,7 @@ def margins(findings: Sequence[Finding]) -> str:
         return page.svg(f"Worst value of each constraint over the motion: {listed}.")
 
 
-def _name(finding: Finding) -> str:
+def _name(finding: ConstraintMargin) -> str:
     """Short enough to leave room for the numbers."""
     names = {
         "distance of the CoP from the edge of the sensing polygon": "CoP from the hull's edge",

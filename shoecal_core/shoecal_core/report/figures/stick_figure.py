@@ -16,7 +16,7 @@ from shoecal_core.report.figures.cast import (
 )
 from shoecal_core.report.figures.motion import BODY, LEFT_SIDE, RIGHT_SIDE, SIDES
 from shoecal_core.report.palette import Colour
-from shoecal_core.report.player import View
+from shoecal_core.report.player import PlayerView
 from shoecal_core.report.svg import WIDTH
 
 FloatArray = NDArray[np.float64]
@@ -42,7 +42,7 @@ def from_the_side(cast: Cast, still: int, label: str) -> str:
     for panel, (across, name) in enumerate(((0, "from the right"), (1, "from the front"))):
         left = panel * (width + GAP)
         middle = left + width / 2.0 - scale * (low[across] + high[across]) / 2.0
-        view = View((across, 2), (scale, -scale), (middle, floor))
+        view = PlayerView((across, 2), (scale, -scale), (middle, floor))
         parts.append(
             f'<text x="{left:g}" y="{TOP - 8:g}" class="s m">{name}</text>'
             f'<path d="M{left:g} {floor:g}H{left + width:g}" class="f"/>'
@@ -64,7 +64,7 @@ def _extent(cast: Cast) -> tuple[FloatArray, FloatArray]:
     return low, high
 
 
-def _body(cast: Cast, view: View, frame: int, scale: float) -> str:
+def _body(cast: Cast, view: PlayerView, frame: int, scale: float) -> str:
     drawn = []
     for a, b, radius in cast.capsules:
         drawn.append(shape("bones", (a, b), cast, view, frame,

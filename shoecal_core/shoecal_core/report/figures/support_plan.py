@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from shoecal_core.report.figures.plane import FootShape, draw_feet
 from shoecal_core.report.palette import CARD, FAIL, INK, MUTED, SLATE, SOLE, STEPS, Look
-from shoecal_core.report.plan_targets import Mark
+from shoecal_core.report.plan_targets import TargetMark
 from shoecal_core.report.svg import SMALL, TEXT, WIDTH, Canvas, canvas, draw_line
 
 FloatArray = NDArray[np.float64]
@@ -56,7 +56,7 @@ class SupportPlan:
 
     feet: Sequence[FootShape]
     hulls: Sequence[FloatArray]
-    marks: Sequence[Mark]
+    marks: Sequence[TargetMark]
     radius: float
     time: FloatArray
     cop: FloatArray

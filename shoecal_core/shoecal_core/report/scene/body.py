@@ -14,7 +14,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from shoecal_core.errors import ShapeError
-from shoecal_core.report.scene.shapes import Rgba, Shape, disc, prism
+from shoecal_core.report.scene.shapes import LinkShape, Rgba, disc, prism
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 
@@ -80,9 +80,11 @@ def joints_at(
     )
 
 
-def body_shapes(robot: Robot, shoe: Shoe, at: Joints, *, cells: bool = True) -> tuple[Shape, ...]:
+def body_shapes(
+    robot: Robot, shoe: Shoe, at: Joints, *, cells: bool = True
+) -> tuple[LinkShape, ...]:
     """Limbs, torso, head, feet and shoes, these with or without their cells."""
-    shapes: list[Shape] = []
+    shapes: list[LinkShape] = []
     for group in _groups(robot):
         side = _side(robot, group[0])
         feet = [foot for foot in (0, 1) if robot.feet[foot].joint in group]
@@ -117,7 +119,7 @@ def _side(robot: Robot, joint: int) -> int | None:
     return None
 
 
-def _link(robot: Robot, at: Joints, group: list[int], rgba: Rgba) -> Shape | None:
+def _link(robot: Robot, at: Joints, group: list[int], rgba: Rgba) -> LinkShape | None:
     model = robot.model
     mass = sum(model.inertias[joint].mass for joint in group)
     place = at.pose[group[0]].translation
@@ -127,17 +129,17 @@ def _link(robot: Robot, at: Joints, group: list[int], rgba: Rgba) -> Shape | Non
         if model.parents[joint] in group and joint not in group
     ]
     if group[0] == ROOT:
-        return Shape(np.vstack((place, *ends)), 0.3 * math.cbrt(mass / DENSITY), rgba)
+        return LinkShape(np.vstack((place, *ends)), 0.3 * math.cbrt(mass / DENSITY), rgba)
     if not ends:
         return _last(robot, at, group, mass, rgba)
     length = max(float(np.linalg.norm(end - place)) for end in ends)
     if length < SAME_PLACE:
         return None
     radius = min(math.sqrt(mass / (DENSITY * math.pi * length)), 0.5 * length)
-    return Shape(np.vstack((place, *ends)), radius, rgba) if radius > THINNEST else None
+    return LinkShape(np.vstack((place, *ends)), radius, rgba) if radius > THINNEST else None
 
 
-def _last(robot: Robot, at: Joints, group: list[int], mass: float, rgba: Rgba) -> Shape | None:
+def _last(robot: Robot, at: Joints, group: list[int], mass: float, rgba: Rgba) -> LinkShape | None:
     """What no joint follows: as far beyond its CoM as its joint is on the other side."""
     radius = math.cbrt(3.0 * mass / (4.0 * math.pi * DENSITY))
     if radius < THINNEST:
@@ -145,8 +147,8 @@ def _last(robot: Robot, at: Joints, group: list[int], mass: float, rgba: Rgba) -
     place, com = at.pose[group[0]].translation, _com(robot, at, group)
     reach = float(np.linalg.norm(com - place))
     if reach < 1.5 * radius:
-        return Shape(com[None], radius, rgba)
-    return Shape(np.vstack((place, 2.0 * com - place)),
+        return LinkShape(com[None], radius, rgba)
+    return LinkShape(np.vstack((place, 2.0 * com - place)),
                  math.sqrt(mass / (DENSITY * math.pi * 2.0 * reach)), rgba)  # fmt: skip
 
 
@@ -157,7 +159,9 @@ def _com(robot: Robot, at: Joints, group: list[int]) -> FloatArray:
     return com
 
 
-def _foot(robot: Robot, shoe: Shoe, at: Joints, index: int, rgba: Rgba, cells: bool) -> list[Shape]:
+def _foot(
+    robot: Robot, shoe: Shoe, at: Joints, index: int, rgba: Rgba, cells: bool
+) -> list[LinkShape]:
     """The robot's foot, and the shoe under it: plates with cells between them."""
     foot, sole = robot.feet[index], at.soles[index]
     ankle = sole.inverse().act(at.pose[foot.joint].translation)
@@ -178,5 +182,5 @@ def _foot(robot: Robot, shoe: Shoe, at: Joints, index: int, rgba: Rgba, cells: b
         for cell in np.unique(places, axis=0):
             column = prism(disc(cell, 0.35 * floor), 0.25 * floor, 0.75 * floor)
             parts.append((column, 0.0, CELL))
-    return [Shape(np.array([sole.act(one) for one in points]), round_, colour)
+    return [LinkShape(np.array([sole.act(one) for one in points]), round_, colour)
             for points, round_, colour in parts]  # fmt: skip

@@ -18,7 +18,7 @@ from typing import TypeVar
 import numpy as np
 
 from shoecal_core.errors import ShoecalError
-from shoecal_core.report.scene.shapes import FloatArray, Shape
+from shoecal_core.report.scene.shapes import FloatArray, LinkShape
 
 Made = TypeVar("Made")
 
@@ -56,7 +56,7 @@ class Camera:
 
 
 @dataclass(frozen=True)
-class View:
+class Viewpoint:
     """One picture to draw.
 
     Attributes:
@@ -65,13 +65,13 @@ class View:
         width, height: of the picture [pixels].
     """
 
-    shapes: Sequence[Shape]
+    shapes: Sequence[LinkShape]
     camera: Camera
     width: int
     height: int
 
 
-def draw(views: Sequence[View], kind: str = "webp") -> list[bytes]:
+def draw(views: Sequence[Viewpoint], kind: str = "webp") -> list[bytes]:
     """Pictures on a clear ground, as files of a kind: `webp` or `png`.
 
     Raises:
@@ -117,7 +117,7 @@ def _ask(request: str, backend: str) -> subprocess.CompletedProcess[str]:
         return subprocess.CompletedProcess(command, PAINTER_FAILED, "", told)
 
 
-def _to_json(view: View) -> dict[str, object]:
+def _to_json(view: Viewpoint) -> dict[str, object]:
     return {
         "width": view.width,
         "height": view.height,
@@ -130,7 +130,7 @@ def _to_json(view: View) -> dict[str, object]:
     }  # fmt: skip
 
 
-def framed(shapes: Sequence[Shape], azimuth: float, elevation: float, aspect: float) -> Camera:
+def framed(shapes: Sequence[LinkShape], azimuth: float, elevation: float, aspect: float) -> Camera:
     """A camera that has all shapes in view.
 
     Args:

@@ -19,7 +19,7 @@ ROUND = 20
 
 
 @dataclass(frozen=True)
-class Shape:
+class LinkShape:
     """All points within `radius` of the convex hull of some points.
 
     One point makes a ball, two make a capsule; more must span a volume where the radius is 0.
@@ -50,16 +50,16 @@ def disc(centre: FloatArray, radius: float) -> FloatArray:
     return centre + radius * np.column_stack((np.cos(angle), np.sin(angle)))
 
 
-def arrow(foot: FloatArray, height: float, radius: float, rgba: Rgba) -> tuple[Shape, ...]:
+def arrow(foot: FloatArray, height: float, radius: float, rgba: Rgba) -> tuple[LinkShape, ...]:
     """An arrow that points upwards from a place (3,), for a force [m]."""
     head = min(6.0 * radius, height)
     neck, top = (foot + lift * np.array([0.0, 0.0, 1.0]) for lift in (height - head, height))
     ring = np.column_stack((disc(foot[:2], 2.4 * radius), np.full(ROUND, neck[2])))
     tip = np.vstack((ring, top))
-    return Shape(np.vstack((foot, neck)), radius, rgba), Shape(tip, 0.0, rgba)
+    return LinkShape(np.vstack((foot, neck)), radius, rgba), LinkShape(tip, 0.0, rgba)
 
 
-def path(places: FloatArray, radius: float, rgba: Rgba) -> tuple[Shape, ...]:
+def path(places: FloatArray, radius: float, rgba: Rgba) -> tuple[LinkShape, ...]:
     """A line through places (k, 3) [m]; where one is not known it is broken.
 
     Steps that cannot be seen are left out.
@@ -70,23 +70,23 @@ def path(places: FloatArray, radius: float, rgba: Rgba) -> tuple[Shape, ...]:
         if kept and np.linalg.norm(place - kept[-1]) < 0.5 * radius:
             continue
         if kept and np.isfinite((place, kept[-1])).all():
-            shapes.append(Shape(np.vstack((kept[-1], place)), radius, rgba))
+            shapes.append(LinkShape(np.vstack((kept[-1], place)), radius, rgba))
         kept.append(place)
     return tuple(shapes)
 
 
-def dashes(low: FloatArray, high: FloatArray, radius: float, rgba: Rgba) -> tuple[Shape, ...]:
+def dashes(low: FloatArray, high: FloatArray, radius: float, rgba: Rgba) -> tuple[LinkShape, ...]:
     """A dashed line from one place (3,) to another [m]."""
     length = float(np.linalg.norm(high - low))
     count = max(1, round(length / (8.0 * radius)))
     starts = (np.arange(count) + 0.25) / count
     return tuple(
-        Shape(np.vstack([low + part * (high - low) for part in (start, start + 0.5 / count)]),
+        LinkShape(np.vstack([low + part * (high - low) for part in (start, start + 0.5 / count)]),
               radius, rgba)
         for start in starts
     )  # fmt: skip
 
 
-def gathered(parts: Sequence[Sequence[Shape]]) -> tuple[Shape, ...]:
+def gathered(parts: Sequence[Sequence[LinkShape]]) -> tuple[LinkShape, ...]:
     """Shapes of several things as one sequence."""
     return tuple(shape for part in parts for shape in part)

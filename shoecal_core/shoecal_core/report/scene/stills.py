@@ -13,10 +13,10 @@ from scipy.spatial import ConvexHull
 
 from shoecal_core.report.page import Still
 from shoecal_core.report.scene.body import Joints, body_shapes, joints_at
-from shoecal_core.report.scene.offscreen import View, draw, framed
+from shoecal_core.report.scene.offscreen import Viewpoint, draw, framed
 from shoecal_core.report.scene.shapes import (
+    LinkShape,
     Rgba,
-    Shape,
     arrow,
     dashes,
     disc,
@@ -45,7 +45,7 @@ COM: Rgba = (0.20, 0.24, 0.28, 1.0)
 
 
 @dataclass(frozen=True)
-class Instant:
+class StillInstant:
     """One picture's moment.
 
     Attributes:
@@ -72,13 +72,13 @@ def instant(
     trail: FloatArray,
     stance: int = 0,
     pose: pin.SE3 | None = None,
-) -> Instant:
+) -> StillInstant:
     """What `joints_at` and Instant want, together."""
-    return Instant(label, joints_at(robot, angles, stance, pose), cop, load, trail)
+    return StillInstant(label, joints_at(robot, angles, stance, pose), cop, load, trail)
 
 
 def stills(
-    robot: Robot, shoe: Shoe, motions: Sequence[Sequence[Instant]]
+    robot: Robot, shoe: Shoe, motions: Sequence[Sequence[StillInstant]]
 ) -> list[tuple[Still, ...]]:
     """Pictures of instants of each motion, all of one motion from one place of view.
 
@@ -92,23 +92,23 @@ def stills(
 
 
 def views(
-    robot: Robot, shoe: Shoe, instants: Sequence[Instant], size: tuple[int, int]
-) -> list[View]:
+    robot: Robot, shoe: Shoe, instants: Sequence[StillInstant], size: tuple[int, int]
+) -> list[Viewpoint]:
     """What to draw of one motion, from one place of view; width and height in pixels."""
     floor = _floor(robot, instants)
     scenes = [gathered((body_shapes(robot, shoe, one.at), floor, _forces(one)))
               for one in instants]  # fmt: skip
     width, height = size
     camera = framed(gathered(scenes), AZIMUTH, ELEVATION, width / height)
-    return [View(scene, camera, width, height) for scene in scenes]
+    return [Viewpoint(scene, camera, width, height) for scene in scenes]
 
 
-def _still(file: bytes, one: Instant) -> Still:
+def _still(file: bytes, one: StillInstant) -> Still:
     uri = f"data:image/webp;base64,{base64.b64encode(file).decode()}"
     return Still(uri, one.label, f"The robot at {one.label}.", WIDTH, HEIGHT)
 
 
-def _floor(robot: Robot, instants: Sequence[Instant]) -> tuple[Shape, ...]:
+def _floor(robot: Robot, instants: Sequence[StillInstant]) -> tuple[LinkShape, ...]:
     """A slab under all that is stood on, and the hull of the sensing polygons where they stand."""
     outlines = [_placed(one.at, robot.feet[side].outline, side) for one in instants
                 for side in (0, 1)]  # fmt: skip
@@ -119,8 +119,8 @@ def _floor(robot: Robot, instants: Sequence[Instant]) -> tuple[Shape, ...]:
     corners = np.vstack(polygons)
     hull = corners[ConvexHull(corners).vertices]
     return (
-        Shape(prism(slab, -THICKNESS, -0.0005), 0.0, FLOOR),
-        Shape(prism(hull, -THICKNESS, 0.0005), 0.0, POLYGON),
+        LinkShape(prism(slab, -THICKNESS, -0.0005), 0.0, FLOOR),
+        LinkShape(prism(hull, -THICKNESS, 0.0005), 0.0, POLYGON),
     )
 
 
@@ -129,19 +129,19 @@ def _placed(at: Joints, outline: FloatArray, side: int) -> FloatArray:
     return np.array([at.soles[side].act(point)[:2] for point in points])
 
 
-def _forces(one: Instant) -> tuple[Shape, ...]:
+def _forces(one: StillInstant) -> tuple[LinkShape, ...]:
     """CoM with its ground projection; the force on the floor at the CoP, and the CoP's trail."""
     height = float(one.at.com[2])
     thick = 0.016 * height
     below = np.array([*one.at.com[:2], 0.0])
     trail = path(np.column_stack((one.trail, np.full(len(one.trail), 0.001))), 0.6 * thick, COP)
-    shapes: tuple[Shape, ...] = (
+    shapes: tuple[LinkShape, ...] = (
         *dashes(below, np.array(one.at.com), 0.5 * thick, COM),
         *trail,
     )
     if np.isfinite(one.cop).all() and one.load > 0.0:
         ground = np.array([*one.cop, 0.0])
-        mark = Shape(prism(disc(one.cop, 2.5 * thick), 0.0005, 0.002), 0.0, COP)
+        mark = LinkShape(prism(disc(one.cop, 2.5 * thick), 0.0005, 0.002), 0.0, COP)
         reach = max(FORCE_HEIGHT * height * one.load, 8.0 * thick)
         shapes += (mark, *arrow(ground, reach, thick, COP))
     return shapes

@@ -98,13 +98,13 @@ class Saturation(SensorEffect):
         fields.only("effect", "location", "level_n")
         return cls(Channels.read(fields), fields.number("level_n", above=0.0))
 
-    def stage(self, shoes: DrawnShoes) -> Knee:
+    def stage(self, shoes: DrawnShoes) -> SaturationCurve:
         """Its law."""
-        return Knee(self.channels.forces(shoes.shoe), self.level)
+        return SaturationCurve(self.channels.forces(shoes.shoe), self.level)
 
 
 @dataclass(frozen=True)
-class Knee(Memoryless):
+class SaturationCurve(Memoryless):
     """The law of `Saturation`."""
 
     channels: IntArray

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from core.planning.bodies import Body
 from shoecal_core.planning.horizon.collocation import Collocation
 from shoecal_core.planning.horizon.ipopt import IpoptSolver
-from shoecal_core.planning.horizon.problem import HorizonProblem, Scene, Solution
+from shoecal_core.planning.horizon.problem import HorizonProblem, HorizonSolution, Scene
 from shoecal_core.planning.horizon.rolling import (
     Path,
     PlanningCanceledError,
@@ -188,7 +188,7 @@ class Failing:
     states: FloatArray | None = None
     calls: int = 0
 
-    def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
+    def solve(self, problem: HorizonProblem, guess: FloatArray) -> HorizonSolution:
         self.calls += 1
         states = guess + 0.1 if self.states is None else np.tile(problem.start, (len(guess), 1))
         return self.collocation.certified(problem, states, "Failed", 1, False)
@@ -210,7 +210,7 @@ def test_a_shorter_way_is_taken_where_the_whole_one_fails(
     """A solver that only dares to aim at places near by."""
 
     class Timid:
-        def solve(self, problem: HorizonProblem, guess: FloatArray) -> Solution:
+        def solve(self, problem: HorizonProblem, guess: FloatArray) -> HorizonSolution:
             cop = collocation.evaluate(problem.start[None], problem.scene.first).cop[0]
             if np.linalg.norm(problem.aim.targets[0, :2] - cop) > 0.02:
                 return collocation.certified(problem, guess + 0.1, "Too_Far", 1, False)

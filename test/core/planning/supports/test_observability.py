@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from core.planning.bodies import Body
-from shoecal_core.estimation.residuals import Weights, pack, rows_of
+from shoecal_core.estimation.residuals import ResidualWeights, pack, rows_of
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.supports import observability
 from shoecal_core.planning.supports.observability import (
@@ -147,7 +147,7 @@ def test_information_is_that_of_the_fit(body: Body, monkeypatch: pytest.MonkeyPa
     force = np.full(len(time), robot.weight)
     stance = make_stance(1, shoe, TURNED, (True, True), time, readings, force, visit.places)
     fit = CalibrationSettings()
-    weights = Weights(fit.force_std_n, fit.cop_std_m, fit.correlation_s)
+    weights = ResidualWeights(fit.force_std_n, fit.cop_std_m, fit.correlation_s)
     jacobian = rows_of([stance], shoe, weights)(pack(parameters, 0.0))[1]
     found = jacobian.T @ jacobian
     monkeypatch.setattr(observability, "UNEVEN_SHARE", 0.0)

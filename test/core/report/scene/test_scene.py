@@ -19,19 +19,19 @@ from shoecal_core.report.scene.offscreen import (
     SWITCH,
     Camera,
     NoPictureError,
-    View,
+    Viewpoint,
     draw,
     framed,
     tried,
 )
-from shoecal_core.report.scene.shapes import Shape, arrow, dashes, disc, path, prism
+from shoecal_core.report.scene.shapes import LinkShape, arrow, dashes, disc, path, prism
 from shoecal_core.report.scene.stills import HEIGHT, WIDTH, instant, stills
 from shoecal_core.robot.kinematics import Kinematics
 
 RED = (1.0, 0.0, 0.0, 1.0)
 
 
-def picture(view: View) -> np.ndarray:
+def picture(view: Viewpoint) -> np.ndarray:
     try:
         (file,) = draw([view], "png")
     except NoPictureError as error:
@@ -77,7 +77,7 @@ def test_a_lifted_foot_leaves_the_stance_foot_where_it_is(name: str) -> None:
 def test_a_camera_has_everything_in_view_and_no_more_than_needed() -> None:
     rng = np.random.default_rng(3)
     for _ in range(20):
-        shapes = [Shape(rng.normal(size=(4, 3)), 0.05, RED) for _ in range(3)]
+        shapes = [LinkShape(rng.normal(size=(4, 3)), 0.05, RED) for _ in range(3)]
         azimuth, elevation = rng.uniform(-180.0, 180.0), rng.uniform(-80.0, 20.0)
         camera = framed(shapes, azimuth, elevation, 0.7)
         right, up, sight = offscreen._axes(np.radians(azimuth), np.radians(elevation))
@@ -95,12 +95,12 @@ def test_lines_break_where_nothing_is_known() -> None:
     )
     assert len(path(places, 0.01, RED)) == 2
     with pytest.raises(ShapeError):
-        Shape(np.zeros(3), 0.1, RED)
+        LinkShape(np.zeros(3), 0.1, RED)
 
 
 def test_a_picture_shows_what_is_there_on_a_clear_ground() -> None:
-    ball = Shape(np.zeros((1, 3)), 0.1, RED)
-    shown = picture(View([ball], Camera((0.0, 0.0, 0.0), 1.0, 180.0, 0.0), 60, 80))
+    ball = LinkShape(np.zeros((1, 3)), 0.1, RED)
+    shown = picture(Viewpoint([ball], Camera((0.0, 0.0, 0.0), 1.0, 180.0, 0.0), 60, 80))
     assert shown.shape == (80, 60, 4)
     assert shown[0, 0, 3] == 0
     red, green, _, clear = shown[40, 30]
@@ -113,10 +113,12 @@ def test_a_picture_shows_what_is_there_on_a_clear_ground() -> None:
 
 
 def test_what_stands_within_a_leg_is_seen_and_nothing_behind_it_is_black() -> None:
-    leg = Shape(np.array([[0.0, 0.0, -0.2], [0.0, 0.0, 0.2]]), 0.05, LEFT)
-    within = Shape(np.array([[0.0, 0.0, -0.05], [0.0, 0.0, 0.05]]), 0.02, RED)
+    leg = LinkShape(np.array([[0.0, 0.0, -0.2], [0.0, 0.0, 0.2]]), 0.05, LEFT)
+    within = LinkShape(np.array([[0.0, 0.0, -0.05], [0.0, 0.0, 0.05]]), 0.02, RED)
     camera = framed([leg], 155.0, -24.0, 1.0)
-    alone, filled = (picture(View(shapes, camera, 60, 60)) for shapes in ([leg], [leg, within]))
+    alone, filled = (
+        picture(Viewpoint(shapes, camera, 60, 60)) for shapes in ([leg], [leg, within])
+    )
     assert alone[30, 30, 2] > 120
     # Blue over light, and blue over red.
     assert alone[30, 30, 0] < alone[30, 30, 1]
@@ -129,11 +131,11 @@ def test_every_kind_of_shape_can_be_drawn() -> None:
     shapes = [
         *arrow(low, 0.3, 0.01, RED),
         *dashes(low, high, 0.004, RED),
-        Shape(prism(disc(np.zeros(2), 0.1), -0.01, 0.0), 0.0, RED),
-        Shape(np.array([low, high, (0.1, 0.0, 0.1)]), 0.02, RED),
-        Shape(np.array([low, low]), 0.02, RED),
+        LinkShape(prism(disc(np.zeros(2), 0.1), -0.01, 0.0), 0.0, RED),
+        LinkShape(np.array([low, high, (0.1, 0.0, 0.1)]), 0.02, RED),
+        LinkShape(np.array([low, low]), 0.02, RED),
     ]
-    shown = picture(View(shapes, framed(shapes, 150.0, -15.0, 1.0), 40, 40))
+    shown = picture(Viewpoint(shapes, framed(shapes, 150.0, -15.0, 1.0), 40, 40))
     assert shown[..., 3].any()
 
 
@@ -167,9 +169,9 @@ def test_a_missing_driver_names_the_cure(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_what_cannot_be_drawn_is_told_with_its_reason() -> None:
-    flat = Shape(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], float), 0.0, RED)
+    flat = LinkShape(np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], float), 0.0, RED)
     with pytest.raises(NoPictureError, match="no picture of the robot"):
-        draw([View([flat], Camera((0.0, 0.0, 0.0), 1.0, 180.0, 0.0), 20, 20)])
+        draw([Viewpoint([flat], Camera((0.0, 0.0, 0.0), 1.0, 180.0, 0.0), 20, 20)])
 
 
 def test_a_page_holds_its_pictures_itself() -> None:

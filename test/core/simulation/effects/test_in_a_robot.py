@@ -13,7 +13,7 @@ from core.simulation.worlds import DEFAULT, World, changed, load_world
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.robot import SimulatedRobot
-from shoecal_core.simulation.samples import Samples, run
+from shoecal_core.simulation.samples import SimulatedSamples, run
 
 QUIET = changed(DEFAULT, cells__noise_std_n=0.0)
 SHOES = dataclasses.replace(QUIET.shoes, warm_up_k=5.0, temperature_told=True)
@@ -46,7 +46,7 @@ def swing(world: World, seconds: float) -> JointTrajectory:
     return JointTrajectory(names, times, start + way)
 
 
-def recorded(sim: SimulatedRobot, rate: float = 100.0) -> tuple[Samples, FloatArray]:
+def recorded(sim: SimulatedRobot, rate: float = 100.0) -> tuple[SimulatedSamples, FloatArray]:
     """A short motion, and what its readings tell by the true affine law [N]."""
     samples = run(sim, swing(load_world("nao"), 4.0), rate)
     return samples, sim.drawn.shoes.parameters.outputs(samples.readings.voltages)
