@@ -25,7 +25,7 @@ from shoecal_core.planning.standard import STANDARD_SUPPORTS, standard_runs
 from shoecal_core.planning.supports.draw import draw_supports
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workflows.many_jobs import over_cores
 from shoecal_core.workspace import config_dir
@@ -75,7 +75,7 @@ class Case:
         """Whether it is calibrated with a manual calibration, too."""
         return (self.motions, self.reality) == (STANDARD, DEFAULT)
 
-    def load_reality(self) -> Reality:
+    def load_reality(self) -> PlantVariation:
         """What its reality file says."""
         return load_reality(config_dir() / "realities" / "default.yaml", self.changes)
 

@@ -23,12 +23,12 @@ from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.screening.faults import Fault
 from shoecal_core.shoe.shoe import FEET
 from shoecal_core.simulation.disturbances import Disturbance, Push
-from shoecal_core.simulation.drawn import draw as draw_robot
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.slip import DURATION, Slip
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.sampled_robot import draw as draw_robot
 from shoecal_core.simulation.samples import SimulatedSamples, run
 from shoecal_core.workspace import config_dir
 
@@ -248,5 +248,5 @@ def _kinematics() -> Kinematics:
 
 
 @cache
-def _reality() -> Reality:
+def _reality() -> PlantVariation:
     return load_reality(config_dir() / "realities" / "default.yaml")

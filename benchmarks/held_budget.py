@@ -12,7 +12,7 @@ from shoecal_core.estimation.joint_fit import FittedDeviation, JointFit
 from shoecal_core.estimation.outcome import CalibrationOutcome
 from shoecal_core.recording.session import Session
 from shoecal_core.shoe.shoe import FEET
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from true_sources import Source, read_drawn, true_sources
 
 FloatArray = NDArray[np.float64]
@@ -21,7 +21,7 @@ GEARS = ("joint_compliance", "backlash")
 
 
 def hold_budget(
-    session: Session, outcome: CalibrationOutcome, reality: Reality
+    session: Session, outcome: CalibrationOutcome, reality: PlantVariation
 ) -> Mapping[str, BoolArray]:
     """By source, (3,) whether its true share is inside its interval: of both feet, left, right.
 
@@ -50,7 +50,7 @@ def hold_budget(
     return held
 
 
-def _wrong(session: Session, fit: JointFit, reality: Reality) -> FloatArray:
+def _wrong(session: Session, fit: JointFit, reality: PlantVariation) -> FloatArray:
     """(u,) estimate less truth of all unknowns."""
     drawn, names = read_drawn(session), session.shoe.names
     channels = [drawn[law][name] for law in ("gain", "offset") for name in names]

@@ -39,10 +39,10 @@ from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import Shoe, load_shoe
-from shoecal_core.simulation.drawn import draw
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.sampled_robot import draw
 from shoecal_core.workflows.simulated_walk import take
 from shoecal_core.workspace import config_dir
 
@@ -79,7 +79,7 @@ class Subject:
 
     robot: Robot
     shoe: Shoe
-    reality: Reality
+    reality: PlantVariation
     settings: PlannerSettings
 
 

@@ -14,9 +14,9 @@ from blind.motions import PlannedMotion
 from blind.unknowns import Unknown
 from population import RATE_HZ, nao
 from shoecal_core.recording.session import TRUTH, Session
-from shoecal_core.simulation.drawn import draw
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.sampled_robot import draw
 from shoecal_core.simulation.samples import run
 from shoecal_core.workflows.simulated_recording import record_run
 
@@ -30,7 +30,7 @@ _DAY_NS = 86_400_000_000_000
 def record(
     folder: Path,
     answer: Answer,
-    reality: Reality,
+    reality: PlantVariation,
     motions: Sequence[PlannedMotion],
     foreign: Unknown | None,
     rate: float = RATE_HZ,

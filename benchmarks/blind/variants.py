@@ -10,8 +10,8 @@ from blind.submit import Submission, submit
 from population import nao
 from shoecal_core.planning.standard import TEST, TRAIN
 from shoecal_core.recording.session import Session
-from shoecal_core.simulation.drawn import link_names
 from shoecal_core.simulation.reality import BASE
+from shoecal_core.simulation.sampled_robot import link_names
 
 TRUE = "true effect"
 LANDMARKS = "paper's motions only"

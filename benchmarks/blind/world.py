@@ -16,7 +16,7 @@ import yaml
 
 from blind.answers import PERFECT, Answer
 from shoecal_core.files import write_yaml
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.workspace import config_dir
 
@@ -93,7 +93,7 @@ def middle_world() -> Sections:
     }
 
 
-def write_world(path: Path, answer: Answer, items: Sequence[Mapping[str, Any]]) -> Reality:
+def write_world(path: Path, answer: Answer, items: Sequence[Mapping[str, Any]]) -> PlantVariation:
     """Write a set's reality file and read it: that of its base, changed.
 
     Args:
@@ -111,7 +111,7 @@ def write_reality(
     *,
     base: str = PERFECT,
     imu: bool = True,
-) -> Reality:
+) -> PlantVariation:
     """The same of any sections that were drawn, with or without inertial sensor."""
     realities = config_dir() / "realities"
     merged = copy.deepcopy(yaml.safe_load((realities / f"{base}.yaml").read_text()))

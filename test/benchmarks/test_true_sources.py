@@ -14,21 +14,21 @@ from shoecal_core.files import write_yaml
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.simulation import robot_physics
-from shoecal_core.simulation.drawn import DrawnReality, draw
 from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.simulation.sampled_robot import SampledRobot, draw
 from true_sources import Source, true_sources
 
 NAO = load_world("nao")
 
 
 @pytest.fixture(scope="module")
-def drawn() -> DrawnReality:
+def drawn() -> SampledRobot:
     rules = load_reality(REALITIES / "default.yaml", REALITIES / "other_laws.yaml")
     return draw(rules, NAO.robot, NAO.shoe, 3)
 
 
 @pytest.fixture(scope="module")
-def sources(drawn: DrawnReality, tmp_path_factory: pytest.TempPathFactory) -> dict[Source, float]:
+def sources(drawn: SampledRobot, tmp_path_factory: pytest.TempPathFactory) -> dict[Source, float]:
     robot, shoe = NAO.robot, NAO.shoe
     folder: Path = tmp_path_factory.mktemp("true") / "session"
     session = Session.create(folder, robot.path, robot.urdf, shoe.path, seed=3)
@@ -39,7 +39,7 @@ def sources(drawn: DrawnReality, tmp_path_factory: pytest.TempPathFactory) -> di
 
 
 def test_the_model_with_the_true_sizes_has_the_physics_mass_and_com(
-    drawn: DrawnReality, sources: dict[Source, float]
+    drawn: SampledRobot, sources: dict[Source, float]
 ) -> None:
     """Payloads at the links' CoM and shifts of it, put into Pinocchio's model."""
     robot = NAO.robot
@@ -76,7 +76,7 @@ def test_weight_is_what_the_scale_was_off_by(sources: dict[Source, float]) -> No
     assert GRAVITY * payloads == pytest.approx(DEFAULT.body.weight_error_n, abs=1e-9)
 
 
-def test_every_source_has_its_drawn_size(drawn: DrawnReality, sources: dict[Source, float]) -> None:
+def test_every_source_has_its_drawn_size(drawn: SampledRobot, sources: dict[Source, float]) -> None:
     body, shoes = drawn.body, drawn.shoes
     knee = NAO.robot.joint("LKneePitch")
     for effect, component, size in (

@@ -22,9 +22,9 @@ from shoecal_core import cli
 from shoecal_core.estimation.calibration import Calibration, load_calibration
 from shoecal_core.manual.loads import CELLS, Load
 from shoecal_core.manual.measurements_file import load_measurements
-from shoecal_core.simulation.drawn import draw_shoes
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.rig import LoadingRig
+from shoecal_core.simulation.sampled_robot import draw_shoes
 from shoecal_core.workflows.simulated_manual import rig_readings
 from shoecal_ros.common.conversions import (
     VoltageFrame,

@@ -70,7 +70,7 @@ def causes_table(causes: Sequence[Cause]) -> Table:
         table.add_row(
             f"{cause.label}{where}",
             f"{cause.probability:.0%}",
-            "\n".join(f"{name} {told(size)}" for name, size in cause.size.items()),
+            "\n".join(f"{name} {size_text(size)}" for name, size in cause.size.items()),
             f"{cause.shrink.fraction:.0%} ({low:.0%} to {high:.0%})",
             "-" if cause.simulated is None else f"{cause.simulated.fraction:.0%}",
             f"{cause.hidden_cop_mm:.2f}",
@@ -98,7 +98,7 @@ def sessions_table(found: Sequence[Diagnosed]) -> Table:
     return table
 
 
-def told(size: Size) -> str:
+def size_text(size: Size) -> str:
     """A component with its interval, for a person."""
     scale, unit = SMALL.get(size.unit, (1.0, size.unit))
     value, low, high = (scale * number for number in (size.value, *size.ci95))

@@ -170,7 +170,7 @@ def _found(workspace: Workspace, chosen: Scored | None, singles: Sequence[Judged
         chosen,
         _alternatives(workspace, chosen, singles),
         tuple(one.scored for one in singles),
-        told(scorer.other, scorer.nothing) + LOG_ELSE,
+        added_evidence(scorer.other, scorer.nothing) + LOG_ELSE,
     )
 
 
@@ -219,7 +219,7 @@ def value(scored: Scored) -> float:
     return scored.evidence + (LOG_ELSE if scored.other else 0.0)
 
 
-def told(scored: Scored, before: Scored) -> float:
+def added_evidence(scored: Scored, before: Scored) -> float:
     """Log likelihood by which CoP and GRF are better explained than before."""
     here = np.isin(scored.scorer.rows.signal, np.r_[GRF, COP])
     return float((scored.told - before.told)[here].sum())

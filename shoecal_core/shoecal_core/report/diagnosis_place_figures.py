@@ -23,7 +23,7 @@ from shoecal_core.report.figures import residual_field
 from shoecal_core.report.figures.lever_map import LeverMap, box, lever_map
 from shoecal_core.report.figures.residual_field import (
     Arrows,
-    DrawnSole,
+    SoleOutline,
     field_under_feet,
     magnification,
 )
@@ -91,7 +91,7 @@ def _under_feet(
     pictures = []
     for (label, _, look), both in zip(pairs, fields, strict=True):
         soles = [
-            DrawnSole(foot_shape(robot, shoe, foot), _arrows(both[foot]), both[foot].force,
+            SoleOutline(foot_shape(robot, shoe, foot), _arrows(both[foot]), both[foot].force,
                  _at_cells(shoe, foot, shares) if label == pairs[0][0] else ())
             for foot in (0, 1)
         ]  # fmt: skip

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.report.figures.cast import Cast, cast_of
+from shoecal_core.report.figures.body_points import BodyPoints, body_points
 from shoecal_core.report.figures.feet_from_above import Ground, from_above
 from shoecal_core.report.figures.stick_figure import from_the_side
 from shoecal_core.report.page import Player
@@ -30,7 +30,7 @@ def animation(planned: PlannedMotion) -> Player:
     time = planned.motion.time
     count = max(2, int(np.ceil(planned.motion.duration * RATE)) + 1)
     samples = np.round(np.linspace(0, len(time) - 1, count)).astype(int)
-    cast = cast_of(
+    motion_points = body_points(
         [moved(planned, sample) for sample in samples],
         [polygons(planned, sample) for sample in samples],
         [capsule.radius for capsule in planned.robot.capsules],
@@ -42,19 +42,24 @@ def animation(planned: PlannedMotion) -> Player:
     ground = Ground(hulls(planned), planned.marks, planned.settings.landmark_radius)
     return Player(
         title="The motion",
-        svgs=(from_the_side(cast, still, label), from_above(cast, ground, still, label)),
-        frames=frames(planned, cast).to_json(),
+        svgs=(
+            from_the_side(motion_points, still, label),
+            from_above(motion_points, ground, still, label),
+        ),
+        frames=frames(planned, motion_points).to_json(),
         duration=round(planned.motion.duration, 1),
         still=moment,
-        caption=f"{CAPTION} {IN_THE_AIR}" if cast.lifted.strip("-") else CAPTION,
+        caption=f"{CAPTION} {IN_THE_AIR}" if motion_points.lifted.strip("-") else CAPTION,
     )
 
 
-def frames(planned: PlannedMotion, cast: Cast) -> PlayerFrames:
+def frames(planned: PlannedMotion, motion_points: BodyPoints) -> PlayerFrames:
     """Points of the body in mm, those of CoM and CoP a digit finer."""
-    decimals = [0] * cast.points.shape[1]
-    decimals[cast.com] = decimals[cast.cop] = 1
-    return PlayerFrames(planned.motion.duration, cast.points, cast.lifted, tuple(decimals))
+    decimals = [0] * motion_points.points.shape[1]
+    decimals[motion_points.com] = decimals[motion_points.cop] = 1
+    return PlayerFrames(
+        planned.motion.duration, motion_points.points, motion_points.lifted, tuple(decimals)
+    )
 
 
 def lifted(planned: PlannedMotion, samples: NDArray[np.int64]) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from shoecal_core.planning.supports.identifiability import Identifiability
 from shoecal_core.report.assessment_tables import weak_table
-from shoecal_core.report.figures.margins import told
+from shoecal_core.report.figures.margins import margin_text
 from shoecal_core.report.html import write_page
 from shoecal_core.report.page import (
     Group,
@@ -167,7 +167,7 @@ def verdict(
     reasons = []
     for planned in motions:
         for finding in planned.report.violated:
-            text = f"{planned.label}: {finding.constraint} is {told(finding)}"
+            text = f"{planned.label}: {finding.constraint} is {margin_text(finding)}"
             where = f" ({finding.where})" if finding.where else ""
             reasons.append(Reason("FAIL", f"{text}{where}; do not send it."))
     violated = bool(reasons)

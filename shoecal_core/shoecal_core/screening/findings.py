@@ -11,7 +11,7 @@ from shoecal_core.screening.closure import Slipped
 from shoecal_core.screening.faults import Fault
 from shoecal_core.screening.result import LeftOut
 from shoecal_core.screening.saturated import Saturated
-from shoecal_core.screening.stretches import told
+from shoecal_core.screening.stretches import list_stretches
 from shoecal_core.screening.unresponsive import Stuck
 from shoecal_core.screening.verdict import Finding
 from shoecal_core.screening.weights import WrongWeight
@@ -186,7 +186,7 @@ def of_left_out(found: Sequence[LeftOut]) -> list[Finding]:
     """Samples left out, where they are more than a good recording has."""
     findings = []
     for one in found:
-        times = told(one.stretches)
+        times = list_stretches(one.stretches)
         if one.fault is Fault.SPIKE and one.samples >= NOTABLE_SPIKES:
             findings.append(
                 Finding(

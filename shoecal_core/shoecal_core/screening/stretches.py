@@ -50,7 +50,7 @@ def lasting(mask: BoolArray, time: FloatArray, least_s: float) -> BoolArray:
     return long
 
 
-def told(found: Sequence[Stretch]) -> str:
+def list_stretches(found: Sequence[Stretch]) -> str:
     """When it was, the longest stretches: `at 3.2 s, 7.0 to 8.5 s`; empty without any."""
     longest = sorted(found, key=lambda one: one[0] - one[1])[:TOLD]
     parts = [

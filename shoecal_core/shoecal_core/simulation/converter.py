@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.simulation.drawn import DrawnShoes
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
+from shoecal_core.simulation.sampled_robot import SampledShoes
 
 FloatArray = NDArray[np.float64]
 
@@ -41,7 +41,7 @@ class AdConverter:
     """
 
     def __init__(
-        self, shoe: Shoe, rules: Reality, drawn: DrawnShoes, noise: np.random.Generator
+        self, shoe: Shoe, rules: PlantVariation, drawn: SampledShoes, noise: np.random.Generator
     ) -> None:
         lowest, highest = (
             np.array([getattr(channel, end) for channel in shoe.channels])

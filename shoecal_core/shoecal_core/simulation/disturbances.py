@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.errors import NameNotFoundError
-from shoecal_core.simulation.drawn import link_names
 from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.sampled_robot import link_names
 
 FloatArray = NDArray[np.float64]
 

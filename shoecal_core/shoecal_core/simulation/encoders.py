@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.simulation.drawn import DrawnBody
+from shoecal_core.simulation.sampled_robot import SampledBody
 
 FloatArray = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ class Encoders:
     encoder: theirs show ratio times as much.
     """
 
-    def __init__(self, body: DrawnBody) -> None:
+    def __init__(self, body: SampledBody) -> None:
         self._zero = body.encoder_error
         leader, self._ratio = np.arange(len(body.joints)), np.ones(len(body.joints))
         for shared in body.robot.shared:

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.simulation.drawn import DrawnReality
 from shoecal_core.simulation.encoders import Encoders
 from shoecal_core.simulation.robot_physics import RobotPhysics
+from shoecal_core.simulation.sampled_robot import SampledRobot
 from shoecal_core.simulation.snapshot import Snapshot
 
 FloatArray = NDArray[np.float64]
@@ -33,7 +33,7 @@ class JointReadings:
 class JointSensors:
     """Encoders, torques and thermometers of the motors; joints of one motor share them."""
 
-    def __init__(self, physics: RobotPhysics, drawn: DrawnReality) -> None:
+    def __init__(self, physics: RobotPhysics, drawn: SampledRobot) -> None:
         self._motor, self._ratio = physics.motor, physics.ratio
         self._encoders = Encoders(drawn.body)
         self._resolution = drawn.rules.joints.encoder_resolution_rad

@@ -204,7 +204,7 @@ class RigRules:
 
 
 @dataclass(frozen=True)
-class Reality:
+class PlantVariation:
     """Everything in which the simulated world differs from its model."""
 
     name: str

@@ -9,13 +9,13 @@ from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.registry import read_effect
-from shoecal_core.simulation.reality import Bounds, Choices, NamedNumbers, Reality
+from shoecal_core.simulation.reality import Bounds, Choices, NamedNumbers, PlantVariation
 
 FORMAT = 1
 Section = TypeVar("Section")
 
 
-def load_reality(default: Path, override: Path | None = None) -> Reality:
+def load_reality(default: Path, override: Path | None = None) -> PlantVariation:
     """Read a reality.
 
     Args:
@@ -30,10 +30,10 @@ def load_reality(default: Path, override: Path | None = None) -> Reality:
     return complete if override is None else _read(override, complete)
 
 
-def _read(path: Path, base: Reality | None) -> Reality:
+def _read(path: Path, base: PlantVariation | None) -> PlantVariation:
     fields = read_yaml(path)
     fields.format(FORMAT)
-    return _section(fields, Reality, base, "format")
+    return _section(fields, PlantVariation, base, "format")
 
 
 def _section(fields: Fields, kind: type[Section], base: Section | None, *others: str) -> Section:

@@ -12,8 +12,8 @@ from shoecal_core.errors import ShapeError, ShoecalError
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_core.simulation.converter import AdConverter, ConvertedReadings
-from shoecal_core.simulation.drawn import DrawnShoes
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
+from shoecal_core.simulation.sampled_robot import SampledShoes
 from shoecal_core.simulation.sensor_chain import SensorChain
 from shoecal_core.simulation.shoe_physics import (
     ChannelOutputs,
@@ -42,7 +42,7 @@ class LoadingRig:
     """
 
     def __init__(
-        self, shoe: Shoe, rules: Reality, drawn: DrawnShoes, noise: np.random.Generator
+        self, shoe: Shoe, rules: PlantVariation, drawn: SampledShoes, noise: np.random.Generator
     ) -> None:
         """Set up the bench.
 
@@ -101,7 +101,7 @@ class LoadingRig:
 class _Bench:
     """One shoe, its top plate free, on the floor."""
 
-    def __init__(self, shoe: Shoe, rules: Reality, drawn: DrawnShoes, foot: int) -> None:
+    def __init__(self, shoe: Shoe, rules: PlantVariation, drawn: SampledShoes, foot: int) -> None:
         self._name = f"{FEET[foot]} shoe"
         spec = mujoco.MjSpec()
         add_floor(spec, rules, drawn)

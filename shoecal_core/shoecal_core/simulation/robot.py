@@ -16,7 +16,6 @@ from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation import robot_physics
 from shoecal_core.simulation.converter import AdConverter, ConvertedReadings
-from shoecal_core.simulation.drawn import DrawnReality
 from shoecal_core.simulation.encoders import Encoders
 from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError
 from shoecal_core.simulation.floor import FloorTruth, floor_truth, sideways_forces
@@ -24,6 +23,7 @@ from shoecal_core.simulation.imu import Imu, ImuReadings, base_motion
 from shoecal_core.simulation.joint_friction import JointFriction
 from shoecal_core.simulation.joint_sensors import JointReadings, JointSensors
 from shoecal_core.simulation.posing import Posing
+from shoecal_core.simulation.sampled_robot import SampledRobot
 from shoecal_core.simulation.sensor_chain import NO_SIDEWAYS, SensorChain
 from shoecal_core.simulation.set_points import SERVO_PERIOD, SetPoints
 from shoecal_core.simulation.shoe_physics import ChannelOutputs, SoleReader, floor_rotation
@@ -62,7 +62,7 @@ class SimulatedRobot:
         self,
         robot: Robot,
         shoe: Shoe,
-        drawn: DrawnReality,
+        drawn: SampledRobot,
         noise: np.random.Generator,
         *,
         made_at: float = 0.0,

@@ -13,8 +13,8 @@ from shoecal_core.files import read_bytes
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.robot.urdf import ROOT_JOINTS, UrdfError, with_locked_fixed
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.simulation.drawn import DrawnReality
 from shoecal_core.simulation.joint_friction import add_bristle
+from shoecal_core.simulation.sampled_robot import SampledRobot
 from shoecal_core.simulation.shoe_physics import ShoeBuilder, add_floor
 
 FloatArray = NDArray[np.float64]
@@ -53,7 +53,7 @@ class RobotPhysics:
     torque_limit: FloatArray
 
 
-def build(robot: Robot, shoe: Shoe, drawn: DrawnReality) -> RobotPhysics:
+def build(robot: Robot, shoe: Shoe, drawn: SampledRobot) -> RobotPhysics:
     """Build a robot that wears shoes, as drawn.
 
     Args:
@@ -84,7 +84,7 @@ def build(robot: Robot, shoe: Shoe, drawn: DrawnReality) -> RobotPhysics:
     )
 
 
-def build_spec(robot: Robot, shoe: Shoe, drawn: DrawnReality) -> mujoco.MjSpec:
+def build_spec(robot: Robot, shoe: Shoe, drawn: SampledRobot) -> mujoco.MjSpec:
     """The same before compilation, for whoever wants to add to it."""
     spec = _read_urdf(robot)
     _set_masses(spec, drawn)
@@ -125,7 +125,7 @@ def _read_urdf(robot: Robot) -> mujoco.MjSpec:
     return spec
 
 
-def _set_masses(spec: mujoco.MjSpec, drawn: DrawnReality) -> None:
+def _set_masses(spec: mujoco.MjSpec, drawn: SampledRobot) -> None:
     body = drawn.body
     _add_payloads(spec, drawn)
     factors = dict(zip(body.links, body.mass_factor, strict=True))
@@ -140,7 +140,7 @@ def _set_masses(spec: mujoco.MjSpec, drawn: DrawnReality) -> None:
         link.ipos = link.ipos + shifts[link.name]
 
 
-def _add_payloads(spec: mujoco.MjSpec, drawn: DrawnReality) -> None:
+def _add_payloads(spec: mujoco.MjSpec, drawn: SampledRobot) -> None:
     """Small balls, welded to their links where the model has the links' CoM."""
     for name, mass in zip(drawn.body.links, drawn.body.payload, strict=True):
         if mass > 0.0:
@@ -151,7 +151,7 @@ def _add_payloads(spec: mujoco.MjSpec, drawn: DrawnReality) -> None:
             ball.explicitinertial = True
 
 
-def _add_motors(spec: mujoco.MjSpec, robot: Robot, drawn: DrawnReality) -> None:
+def _add_motors(spec: mujoco.MjSpec, robot: Robot, drawn: SampledRobot) -> None:
     """Motors with gears; the URDF's joints become the motors' side."""
     servo, body = drawn.rules.servo, drawn.body
     names, limits = robot.joint_names, _torque_limits(robot) * servo.torque_limit_factor

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.simulation.drawn import DrawnShoes
+from shoecal_core.simulation.sampled_robot import SampledShoes
 from shoecal_core.simulation.stage import Instant
 
 FloatArray = NDArray[np.float64]
@@ -29,7 +29,7 @@ class SensorChain:
         feels_sideways: whether a stage needs the floor's sideways forces.
     """
 
-    def __init__(self, shoes: DrawnShoes, time: float = 0.0) -> None:
+    def __init__(self, shoes: SampledShoes, time: float = 0.0) -> None:
         """Nothing stands on the shoes; the session has run for some time [s]."""
         self._stages = sorted(shoes.stages, key=lambda stage: stage.place)
         self._states: list[Any] = [stage.start() for stage in self._stages]

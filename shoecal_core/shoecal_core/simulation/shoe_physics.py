@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from shoecal_core.errors import ShoecalError
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import AXES, FEET, Shoe
-from shoecal_core.simulation.drawn import DrawnShoes
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
+from shoecal_core.simulation.sampled_robot import SampledShoes
 
 FloatArray = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ _FLOOR_BIT, _SOLE_BIT = 2, 1
 """Contact types: soles touch the floor and nothing else."""
 
 
-def add_floor(spec: mujoco.MjSpec, rules: Reality, shoes: DrawnShoes) -> None:
+def add_floor(spec: mujoco.MjSpec, rules: PlantVariation, shoes: SampledShoes) -> None:
     """Lay the floor, and set how the physics is computed.
 
     The floor is the plane z = 0 whatever its slope: gravity is turned instead.
@@ -62,7 +62,7 @@ def add_floor(spec: mujoco.MjSpec, rules: Reality, shoes: DrawnShoes) -> None:
     )
 
 
-def floor_rotation(shoes: DrawnShoes) -> FloatArray:
+def floor_rotation(shoes: SampledShoes) -> FloatArray:
     """(3, 3) turns vectors of the floor's frame into a level one."""
     about_x, about_y = shoes.tilt
     c, s = np.cos(about_x), np.sin(about_x)
@@ -83,8 +83,8 @@ class ShoeBuilder:
     """
 
     shoe: Shoe
-    rules: Reality
-    drawn: DrawnShoes
+    rules: PlantVariation
+    drawn: SampledShoes
 
     def add(
         self, spec: mujoco.MjSpec, ankle: mujoco.MjsBody, foot: int, sole: FloatArray,
@@ -334,7 +334,7 @@ def _add_contact_sensor(spec: mujoco.MjSpec, foot: int, touching: str) -> None:
     )
 
 
-def _contact(rules: Reality) -> dict[str, list[float]]:
+def _contact(rules: PlantVariation) -> dict[str, list[float]]:
     return {
         "friction": [rules.floor.friction, 0.0, 0.0],
         "solref": [rules.floor.contact_time_s, 1.0],

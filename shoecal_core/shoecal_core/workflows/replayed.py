@@ -14,11 +14,11 @@ from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
-from shoecal_core.simulation.drawn import DrawnReality, draw
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.placing import place_showing
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.sampled_robot import SampledRobot, draw
 from shoecal_core.simulation.snapshot import stack
 from shoecal_core.workspace import config_dir
 
@@ -43,7 +43,7 @@ class Replayed:
 
 def like_the_model(
     robot: Robot, shoe: Shoe, parameters: ChannelParameters, effects: Sequence[Effect]
-) -> DrawnReality:
+) -> SampledRobot:
     """A world as the model says, with cells of this law, and with effects.
 
     Args:
@@ -55,7 +55,7 @@ def like_the_model(
     return replace(drawn, shoes=replace(drawn.shoes, parameters=parameters))
 
 
-def replay(run: Run, robot: Robot, shoe: Shoe, drawn: DrawnReality, begun: float) -> Replayed:
+def replay(run: Run, robot: Robot, shoe: Shoe, drawn: SampledRobot, begun: float) -> Replayed:
     """Put the simulated robot where the recorded one stood, and command it what that one was.
 
     Args:

@@ -9,9 +9,9 @@ from shoecal_core.manual.measurements import LoadReading, Measurements
 from shoecal_core.manual.settings import ManualSettings, load_manual_settings
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.simulation.converter import ConvertedReadings
-from shoecal_core.simulation.drawn import draw_shoes
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.rig import LoadingRig
+from shoecal_core.simulation.sampled_robot import draw_shoes
 from shoecal_core.workspace import config_dir
 
 SECOND_NS = 1_000_000_000
@@ -20,7 +20,7 @@ SECOND_NS = 1_000_000_000
 
 def simulate_manual(
     shoe: Shoe,
-    reality: Reality,
+    reality: PlantVariation,
     robot_seed: int,
     seed: int,
     settings: ManualSettings | None = None,

@@ -21,9 +21,9 @@ from shoecal_core.recording.session import Session
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.simulation.drawn import draw
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.sampled_robot import draw
 from shoecal_core.simulation.samples import run
 from shoecal_core.workflows.simulated_recording import record_run
 from shoecal_core.workflows.simulated_walk import walk
@@ -55,7 +55,7 @@ class SimulationPlan:
 
     robot: Robot
     shoe: Shoe
-    reality: Reality
+    reality: PlantVariation
     settings: PlannerSettings
     runs: Sequence[PlannedRun]
     rate: float

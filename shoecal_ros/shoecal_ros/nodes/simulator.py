@@ -23,9 +23,9 @@ from shoecal_core.recording.info import RunInfo
 from shoecal_core.recording.truth import TruthWriter
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.settings import Settings, setting
-from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import RobotFellError, SimulatedRobot
+from shoecal_core.simulation.sampled_robot import draw
 from shoecal_core.workspace import config_dir
 from shoecal_ros.common import qos
 from shoecal_ros.common.actions import FEEDBACK_S, finish

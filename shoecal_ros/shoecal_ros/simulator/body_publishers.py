@@ -6,7 +6,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import Imu, JointState, Temperature
 
 from shoecal_core.robot.robot import Robot
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from shoecal_ros.common import qos
 from shoecal_ros.common.codes import joined
 from shoecal_ros.common.conversions import (
@@ -30,7 +30,7 @@ class BodyPublishers:
     Orientation and temperatures where the robot's reality has their sensors.
     """
 
-    def __init__(self, node: Node, robot: Robot, reality: Reality, *, waits: bool) -> None:
+    def __init__(self, node: Node, robot: Robot, reality: PlantVariation, *, waits: bool) -> None:
         """Publishers of a node.
 
         Args:

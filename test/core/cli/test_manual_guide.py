@@ -21,9 +21,9 @@ from shoecal_core.manual.loads import CELLS, SHOE, Load, planned_loads
 from shoecal_core.manual.measurements_file import load_measurements
 from shoecal_core.manual.settings import load_manual_settings
 from shoecal_core.shoe.shoe import FEET, Shoe, load_shoe
-from shoecal_core.simulation.drawn import draw_shoes
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.rig import LoadingRig
+from shoecal_core.simulation.sampled_robot import draw_shoes
 from shoecal_core.workflows.simulated_manual import rig_readings
 
 FloatArray = NDArray[np.float64]

@@ -14,12 +14,12 @@ from shoecal_core.recording.run import Run
 from shoecal_core.recording.session import Session
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.joint_trajectory import JointTrajectory
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.samples import run
 from shoecal_core.workflows.simulated_recording import record_run
 
 
-def recorded(world: World, rules: Reality, folder: Path) -> Run:
+def recorded(world: World, rules: PlantVariation, folder: Path) -> Run:
     """Three seconds of standing."""
     sim = world.standing(rules)
     robot = world.robot

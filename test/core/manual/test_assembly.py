@@ -24,8 +24,8 @@ from shoecal_core.manual.measurements import Measurements
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe.shoe import Shoe
 from shoecal_core.shoe.wrench import ChannelParameters, cop, foot_wrenches
-from shoecal_core.simulation.drawn import draw_shoes
 from shoecal_core.simulation.rig import LoadingRig
+from shoecal_core.simulation.sampled_robot import draw_shoes
 
 
 def wrenches(

@@ -36,12 +36,12 @@ from shoecal_core.manual.measurements import Measurements
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.wrench import ChannelParameters
-from shoecal_core.simulation.drawn import draw_shoes
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
+from shoecal_core.simulation.sampled_robot import draw_shoes
 from shoecal_core.workflows.simulated_manual import simulate_manual
 
 
-def simulated(reality: Reality, seed: int) -> ManualCalibration:
+def simulated(reality: PlantVariation, seed: int) -> ManualCalibration:
     cells, loads = simulate_manual(nao_shoe(), reality, seed, seed)
     return calibrate_manually(nao_shoe(), nao(), cells, loads)
 

@@ -23,8 +23,8 @@ from shoecal_core.manual.cells import fit_cells, law
 from shoecal_core.manual.loads import CELLS, Load
 from shoecal_core.manual.measurements import Measurements
 from shoecal_core.robot.robot import GRAVITY
-from shoecal_core.simulation.drawn import draw_shoes
 from shoecal_core.simulation.rig import LoadingRig
+from shoecal_core.simulation.sampled_robot import draw_shoes
 from shoecal_core.workflows.simulated_manual import read_rig
 
 ONE = "left/front_right"

@@ -13,7 +13,7 @@ from shoecal_core.report.figures.residual_field import (
     LONGEST_MM,
     LONGEST_OF_NOISE_MM,
     Arrows,
-    DrawnSole,
+    SoleOutline,
     field_between,
     field_under_feet,
     magnification,
@@ -98,8 +98,8 @@ def test_feet_with_and_without_arrows() -> None:
         field_between(left, [right], some, BEFORE, 5.0)
     )
     soles = [
-        DrawnSole(left, some, np.array([0.4, -0.2]), ((left.cells[0], "46 %"),)),
-        DrawnSole(right, NOTHING, np.empty(0)),
+        SoleOutline(left, some, np.array([0.4, -0.2]), ((left.cells[0], "46 %"),)),
+        SoleOutline(right, NOTHING, np.empty(0)),
     ]
     svg = field_under_feet(soles, BEFORE, 5.0, 0.4)
     assert ">46 %<" in svg

@@ -16,7 +16,7 @@ from shoecal_core.errors import ShapeError
 from shoecal_core.planning.checking.findings import ConstraintMargin
 from shoecal_core.report import palette
 from shoecal_core.report.figures.cop_plan import Arrival, Carried, cop_plan
-from shoecal_core.report.figures.margins import at_least, margins, told, used
+from shoecal_core.report.figures.margins import at_least, margin_text, margins, used
 from shoecal_core.report.figures.strips import Strip, strips
 from shoecal_core.report.plan_content import PlannedMotion
 from shoecal_core.report.plan_figures import (
@@ -144,7 +144,7 @@ def finding(value: float, limit: float, *, least: bool, unit: str = "m") -> Cons
 )
 def test_parts_of_limits(one: ConstraintMargin, share: float, text: str) -> None:
     assert used(one) == pytest.approx(share)
-    assert told(one).replace("\N{NO-BREAK SPACE}", " ") == text
+    assert margin_text(one).replace("\N{NO-BREAK SPACE}", " ") == text
     assert at_least(one) == ("at least" in text)
 
 
@@ -162,7 +162,7 @@ def test_margins_are_the_checks() -> None:
     label = str(read_svg(margins(planned.report.findings)).get("aria-label"))
     for one in planned.report.findings:
         assert one.constraint in label
-        assert told(one) in label
+        assert margin_text(one) in label
 
 
 def test_near_numbers_stand_together() -> None:

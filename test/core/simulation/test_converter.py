@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from core.simulation.worlds import DEFAULT, PERFECT, World, changed, load_world
 from shoecal_core.simulation.converter import GOOD, SATURATED, AdConverter
-from shoecal_core.simulation.drawn import draw_shoes
+from shoecal_core.simulation.sampled_robot import draw_shoes
 
 QUIET = changed(DEFAULT, cells__noise_std_n=0.0)
 

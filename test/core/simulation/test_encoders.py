@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from core.simulation.worlds import PERFECT, World, changed
-from shoecal_core.simulation.drawn import draw, draw_body
 from shoecal_core.simulation.encoders import Encoders
 from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.sampled_robot import draw, draw_body
 
 AMPLITUDE, PHASE, ZERO = 0.01, 0.7, 0.003
 

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from core.simulation.worlds import PERFECT, World, changed
 from shoecal_core.robot.joint_trajectory import JointTrajectory
-from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.joint_friction import JointFriction, add_bristle
 from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.sampled_robot import draw
 
 FloatArray = NDArray[np.float64]
 STATIC, KINETIC, STRIBECK = 0.3, 0.1, 0.05

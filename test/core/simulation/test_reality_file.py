@@ -9,12 +9,12 @@ import yaml
 
 from core.simulation.worlds import DEFAULT, PERFECT, REALITIES, World
 from shoecal_core.errors import FileError, VersionError
-from shoecal_core.simulation.drawn import draw
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.simulation.sampled_robot import draw
 
 
-def load(tmp_path: Path, text: str) -> Reality:
+def load(tmp_path: Path, text: str) -> PlantVariation:
     file = tmp_path / "mine.yaml"
     file.write_text(f"format: 1\nname: mine\n{text}")
     return load_reality(REALITIES / "default.yaml", file)

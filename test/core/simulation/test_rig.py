@@ -8,9 +8,9 @@ from core.simulation.worlds import DEFAULT, PERFECT, World, changed, load_world
 from shoecal_core.errors import NameNotFoundError, ShoecalError
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe import wrench
-from shoecal_core.simulation.drawn import draw_shoes
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.rig import LoadingRig
+from shoecal_core.simulation.sampled_robot import draw_shoes
 
 MASSES = (1.0, 2.5, 4.0)
 
@@ -21,7 +21,7 @@ def holes(world: World, foot: int) -> list[tuple[float, float]]:
     return [(x, y) for x in np.linspace(left, right, 6) for y in np.linspace(low, high, 3)]
 
 
-def errors(world: World, rules: Reality, foot: int, seed: int) -> tuple[float, float]:
+def errors(world: World, rules: PlantVariation, foot: int, seed: int) -> tuple[float, float]:
     """MAE of GRF [N] and CoP [m] with every cell's gain and zero known."""
     shoe = world.shoe
     drawn = draw_shoes(rules, shoe, seed)

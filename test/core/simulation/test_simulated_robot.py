@@ -14,7 +14,7 @@ from shoecal_core.shoe import wrench
 from shoecal_core.simulation.effects.contact import FloorTilt
 from shoecal_core.simulation.effects.timing import Latency
 from shoecal_core.simulation.faults import RobotFellError, SupportNotReachedError
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.robot import SimulatedRobot
 from shoecal_core.simulation.samples import SimulatedSamples, run
 
@@ -37,7 +37,9 @@ def lean(world: World, angle: float, duration: float = 2.0) -> JointTrajectory:
 
 
 @pytest.mark.parametrize("rules", [PERFECT, DEFAULT], ids=["perfect", "default"])
-def test_at_rest_the_floor_carries_the_weight_below_the_com(world: World, rules: Reality) -> None:
+def test_at_rest_the_floor_carries_the_weight_below_the_com(
+    world: World, rules: PlantVariation
+) -> None:
     sim = world.standing(rules)
     sim.step_to(sim.time + 1.0)
     truth = sim.truth()
@@ -52,7 +54,7 @@ def test_at_rest_the_floor_carries_the_weight_below_the_com(world: World, rules:
 
 
 @pytest.mark.parametrize("rules", [PERFECT, DEFAULT], ids=["perfect", "default"])
-def test_cells_and_the_plate_below_them_make_the_grf(world: World, rules: Reality) -> None:
+def test_cells_and_the_plate_below_them_make_the_grf(world: World, rules: PlantVariation) -> None:
     sim = world.standing(rules)
     found = wrench.foot_wrenches(world.shoe, sim.snapshot().felt)
     assert found[:, 0] == pytest.approx(sim.truth().foot_grf, abs=2e-3)
@@ -179,7 +181,7 @@ def test_motors_warm_up_with_the_square_of_their_torque(nao: World) -> None:
     assert joints.temperatures[knees].min() > servo.ambient_degc + 1.0
 
 
-def samples(world: World, rules: Reality, rate: float = 100.0) -> SimulatedSamples:
+def samples(world: World, rules: PlantVariation, rate: float = 100.0) -> SimulatedSamples:
     return run(world.standing(rules), lean(world, 0.04), rate)
 
 

@@ -14,11 +14,11 @@ from shoecal_core.robot.kinematics import Kinematics
 from shoecal_core.robot.robot import Robot
 from shoecal_core.robot.robot_file import load_robot
 from shoecal_core.shoe.shoe import Shoe, load_shoe
-from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.effects.effect import Effect
-from shoecal_core.simulation.reality import NamedNumbers, Reality
+from shoecal_core.simulation.reality import NamedNumbers, PlantVariation
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.sampled_robot import draw
 
 ROOT = Path(__file__).parents[3]
 REALITIES = ROOT / "config" / "realities"
@@ -40,12 +40,12 @@ class World:
     shoe: Shoe
     kinematics: Kinematics
 
-    def simulate(self, rules: Reality, seed: int = 1) -> SimulatedRobot:
+    def simulate(self, rules: PlantVariation, seed: int = 1) -> SimulatedRobot:
         """The robot that a seed draws, in its own posture, just above the floor."""
         drawn = draw(rules, self.robot, self.shoe, seed)
         return SimulatedRobot(self.robot, self.shoe, drawn, np.random.default_rng(seed))
 
-    def standing(self, rules: Reality, seed: int = 1) -> SimulatedRobot:
+    def standing(self, rules: PlantVariation, seed: int = 1) -> SimulatedRobot:
         """The same, at rest on the floor."""
         sim = self.simulate(rules, seed)
         sim.place(self.robot.posture)
@@ -60,7 +60,9 @@ def load_world(name: str) -> World:
     return World(robot, shoe, Kinematics(robot))
 
 
-def changed(rules: Reality, *effects: Effect, **values: float | Mapping[str, float]) -> Reality:
+def changed(
+    rules: PlantVariation, *effects: Effect, **values: float | Mapping[str, float]
+) -> PlantVariation:
     """Rules with some keys changed; `section__key` names a key, a mapping makes a table."""
     for name, value in values.items():
         section, key = name.split("__")

@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from ros.bodies import ROOT, nao, nao_shoe
 from shoecal_core.planning.posture import stance
 from shoecal_core.robot.double_support import DoubleSupport
-from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.reality_file import load_reality
 from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.sampled_robot import draw
 from shoecal_ros.simulator.simulated_body import START_NS, Pacer, SimulatedBody
 
 

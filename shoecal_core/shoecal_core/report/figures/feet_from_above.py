@@ -9,9 +9,9 @@ from xml.sax.saxutils import escape
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.report.figures.cast import (
+from shoecal_core.report.figures.body_points import (
     HEADING,
-    Cast,
+    BodyPoints,
     area,
     document,
     flat,
@@ -46,16 +46,19 @@ class Ground:
     radius: float
 
 
-def from_above(cast: Cast, ground: Ground, still: int, label: str) -> str:
+def from_above(motion_points: BodyPoints, ground: Ground, still: int, label: str) -> str:
     """Feet and CoP from above, x upwards, y to the left.
 
     Args:
-        cast: of the motion.
+        motion_points: of the motion.
         ground: below it.
         still: the frame that is drawn.
         label: time of that frame.
     """
-    shown = [cast.points[:, list(part), :2].reshape(-1, 2) for part in (*cast.soles, (cast.cop,))]
+    shown = [
+        motion_points.points[:, list(part), :2].reshape(-1, 2)
+        for part in (*motion_points.soles, (motion_points.cop,))
+    ]
     shown += [mark.place[None] for mark in ground.marks]
     low, high = np.vstack(shown).min(axis=0), np.vstack(shown).max(axis=0)
     span = high - low
@@ -63,14 +66,17 @@ def from_above(cast: Cast, ground: Ground, still: int, label: str) -> str:
     height = TOP + scale * span[0] + 24.0
     middle = WIDTH / 2.0 + scale * (low[1] + high[1]) / 2.0
     view = PlayerView((1, 0), (-scale, -scale), (middle, TOP + scale * high[0]))
-    body = [sole(side, "o g", cast, view, still) for side in (0, 1)]
-    body += [shape("area", one, cast, view, still, 'class="q"') for one in cast.polygons]
+    body = [sole(side, "o g", motion_points, view, still) for side in (0, 1)]
+    body += [
+        shape("area", one, motion_points, view, still, 'class="q"')
+        for one in motion_points.polygons
+    ]
     fixed = [f'<path d="{area(view.project(flat(hull)))}" class="h"/>' for hull in ground.hulls]
-    way = cast.points[:, cast.cop]
+    way = motion_points.points[:, motion_points.cop]
     fixed.append(f'<path d="{line(view.project(way))}" class="w"/>')
     moving = [
-        shape("trace", (cast.cop,), cast, view, still, 'class="t"'),
-        shape("dot", (cast.cop,), cast, view, still, 'r="5" class="p"'),
+        shape("trace", (motion_points.cop,), motion_points, view, still, 'class="t"'),
+        shape("dot", (motion_points.cop,), motion_points, view, still, 'r="5" class="p"'),
     ]
     marks = _marks(view, ground, scale)
     group = f'<g data-view="{view.attribute}">'

@@ -41,7 +41,7 @@ def used(finding: ConstraintMargin) -> float:
     return max(part / whole, 0.0)
 
 
-def told(finding: ConstraintMargin) -> str:
+def margin_text(finding: ConstraintMargin) -> str:
     """The worst value, its limit and where it was."""
     unit, scale = SCALES.get(finding.unit, (finding.unit, 1.0))
     decimals = _decimals(abs(scale * finding.limit))
@@ -75,9 +75,9 @@ def margins(findings: Sequence[ConstraintMargin]) -> str:
             top = TOP + height * (row + 0.78 - 0.24) / (len(rows) + 0.18)
             page.write(6.0, top, _name(finding), va="bottom", fontsize=SMALL)
             colour = MUTED if finding.kept else FAIL
-            page.write(WIDTH - 10.0, top, told(finding), ha="right", va="bottom", fontsize=SMALL,
+            page.write(WIDTH - 10.0, top, margin_text(finding), ha="right", va="bottom", fontsize=SMALL,
                        color=colour.light)  # fmt: skip
-        listed = "; ".join(f"{finding.constraint} {told(finding)}" for finding in findings)
+        listed = "; ".join(f"{finding.constraint} {margin_text(finding)}" for finding in findings)
         return page.svg(f"Worst value of each constraint over the motion: {listed}.")
 
 

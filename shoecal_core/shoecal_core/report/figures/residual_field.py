@@ -41,7 +41,7 @@ class Arrows:
 
 
 @dataclass(frozen=True)
-class DrawnSole:
+class SoleOutline:
     """One foot with what is known of it.
 
     Attributes:
@@ -107,7 +107,7 @@ def field_between(
         return page.svg(f"CoP error seen from above. {_told(arrows)}")
 
 
-def field_under_feet(soles: Sequence[DrawnSole], look: Look, times: float, largest: float) -> str:
+def field_under_feet(soles: Sequence[SoleOutline], look: Look, times: float, largest: float) -> str:
     """Arrows over each foot by itself, with bubbles of the force error and shares at the cells.
 
     Args:
@@ -161,7 +161,7 @@ def _quiver(axes: Axes, arrows: Arrows, look: Look, times: float) -> None:
                 minlength=0.5, zorder=3.0)  # fmt: skip
 
 
-def _bubbles(axes: Axes, one: DrawnSole, largest: float, scale: float) -> None:
+def _bubbles(axes: Axes, one: SoleOutline, largest: float, scale: float) -> None:
     """Areas are in proportion to forces."""
     x, y = 1e3 * one.arrows.places.T
     sizes = np.abs(one.force) / largest * (BUBBLE_MM * scale) ** 2

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from shoecal_core.report.figures.cast import (
+from shoecal_core.report.figures.body_points import (
     HEADING,
-    Cast,
+    BodyPoints,
     document,
     scale_bar,
     shape,
@@ -25,15 +25,15 @@ TOP, FLOOR, GAP = 40.0, 14.0, 12.0
 TALLEST = 300.0
 
 
-def from_the_side(cast: Cast, still: int, label: str) -> str:
+def from_the_side(motion_points: BodyPoints, still: int, label: str) -> str:
     """The whole body from its right, and from its front, at one frame.
 
     Args:
-        cast: of the motion.
+        motion_points: of the motion.
         still: the frame that is drawn.
         label: time of that frame.
     """
-    low, high = _extent(cast)
+    low, high = _extent(motion_points)
     span, width = high - low, (WIDTH - GAP) / 2.0
     scale = min((width - 8.0) / max(span[0], span[1]), TALLEST / span[2])
     floor = TOP + scale * high[2]
@@ -46,41 +46,47 @@ def from_the_side(cast: Cast, still: int, label: str) -> str:
         parts.append(
             f'<text x="{left:g}" y="{TOP - 8:g}" class="s m">{name}</text>'
             f'<path d="M{left:g} {floor:g}H{left + width:g}" class="f"/>'
-            f'<g data-view="{view.attribute}">{_body(cast, view, still, scale)}</g>'
+            f'<g data-view="{view.attribute}">{_body(motion_points, view, still, scale)}</g>'
         )
     parts.append(scale_bar(WIDTH - 4.0, height - 3.0, scale))
     alt = f"Stick figure of the robot from its right and from its front, {label}."
     return document(height, _keys(label) + "".join(parts), alt)
 
 
-def _extent(cast: Cast) -> tuple[FloatArray, FloatArray]:
+def _extent(motion_points: BodyPoints) -> tuple[FloatArray, FloatArray]:
     """Lowest and highest (x, y, z) of all that is drawn, the floor included."""
-    points = cast.points.reshape(-1, 3)
+    points = motion_points.points.reshape(-1, 3)
     low, high = np.append(points, [[np.inf, np.inf, 0.0]], axis=0).min(axis=0), points.max(axis=0)
-    for start, end, radius in cast.capsules:
-        ends = cast.points[:, [start, end]].reshape(-1, 3)
+    for start, end, radius in motion_points.capsules:
+        ends = motion_points.points[:, [start, end]].reshape(-1, 3)
         low[:2] = np.minimum(low, ends.min(axis=0) - radius)[:2]
         high = np.maximum(high, ends.max(axis=0) + radius)
     return low, high
 
 
-def _body(cast: Cast, view: PlayerView, frame: int, scale: float) -> str:
+def _body(motion_points: BodyPoints, view: PlayerView, frame: int, scale: float) -> str:
     drawn = []
-    for a, b, radius in cast.capsules:
-        drawn.append(shape("bones", (a, b), cast, view, frame,
+    for a, b, radius in motion_points.capsules:
+        drawn.append(shape("bones", (a, b), motion_points, view, frame,
                             f'class="c" stroke-width="{2 * radius * scale:.1f}"'))  # fmt: skip
     drawn += [
-        sole(side, "o", cast, view, frame, f' style="{_paint(SIDES[side])}"')
+        sole(side, "o", motion_points, view, frame, f' style="{_paint(SIDES[side])}"')
         for side in (LEFT_SIDE, RIGHT_SIDE)
     ]
     for side in (BODY, RIGHT_SIDE, LEFT_SIDE):
-        if not cast.bones[side]:
+        if not motion_points.bones[side]:
             continue
         style = f'class="b" style="stroke:var(--{SIDES[side].name})"'
-        drawn.append(shape("bones", cast.bones[side], cast, view, frame, style))
-    drawn.append(shape("bones", (cast.com, cast.cop), cast, view, frame, 'class="d"'))
-    drawn.append(shape("dot", (cast.com,), cast, view, frame, 'r="4" class="k"'))
-    drawn.append(shape("dot", (cast.cop,), cast, view, frame, 'r="3.5" class="p"'))
+        drawn.append(shape("bones", motion_points.bones[side], motion_points, view, frame, style))
+    drawn.append(
+        shape(
+            "bones", (motion_points.com, motion_points.cop), motion_points, view, frame, 'class="d"'
+        )
+    )
+    drawn.append(shape("dot", (motion_points.com,), motion_points, view, frame, 'r="4" class="k"'))
+    drawn.append(
+        shape("dot", (motion_points.cop,), motion_points, view, frame, 'r="3.5" class="p"')
+    )
     return "".join(drawn)
 
 

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 from shoecal_core.errors import FieldError
 from shoecal_core.files import Fields
 from shoecal_core.shoe.shoe import FEET
-from shoecal_core.simulation.drawn import DrawnBody
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import Parts, read_feet, read_shift
 from shoecal_core.simulation.reality import ALL
+from shoecal_core.simulation.sampled_robot import SampledBody
 
 FloatArray = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ class TotalMass(Effect):
         mass = fields.number("mass_kg", minimum=-10.0, maximum=10.0)
         return cls(mass, fields.path, f"{fields.prefix}.mass_kg")
 
-    def on_body(self, body: DrawnBody) -> DrawnBody:
+    def on_body(self, body: SampledBody) -> SampledBody:
         """The robot with this effect.
 
         Raises:
@@ -75,7 +75,7 @@ class Payload(Effect):
         fields.only("effect", "location", "mass_kg")
         return cls(Parts.read(fields, "link"), fields.number("mass_kg", minimum=0.0, maximum=10.0))
 
-    def on_body(self, body: DrawnBody) -> DrawnBody:
+    def on_body(self, body: SampledBody) -> SampledBody:
         """The robot with this effect."""
         carried = self.links.mask(body.robot) * self.mass
         return dataclasses.replace(body, payload=body.payload + carried)
@@ -102,7 +102,7 @@ class LinkCom(Effect):
         )
         return cls(Parts.read(fields, "link"), (x, y, z))
 
-    def on_body(self, body: DrawnBody) -> DrawnBody:
+    def on_body(self, body: SampledBody) -> SampledBody:
         """The robot with this effect."""
         shifted = np.outer(self.links.mask(body.robot), self.shift)
         return dataclasses.replace(body, com_error=body.com_error + shifted)
@@ -130,7 +130,7 @@ class JointOffset(Effect):
             Parts.read(fields, "joint"), fields.number("angle_rad", minimum=-0.5, maximum=0.5)
         )
 
-    def on_body(self, body: DrawnBody) -> DrawnBody:
+    def on_body(self, body: SampledBody) -> SampledBody:
         """The robot with this effect."""
         error = self.joints.mask(body.robot) * self.angle
         for motor in body.robot.shared:
@@ -159,7 +159,7 @@ class JointCompliance(Effect):
         compliance = fields.number("compliance_rad_per_nm", minimum=0.0, maximum=1.0)
         return cls(Parts.read(fields, "joint"), compliance)
 
-    def on_body(self, body: DrawnBody) -> DrawnBody:
+    def on_body(self, body: SampledBody) -> SampledBody:
         """The robot with this effect."""
         more = self.joints.mask(body.robot) * self.compliance
         return dataclasses.replace(body, compliance=body.compliance + more)
@@ -183,7 +183,7 @@ class Backlash(Effect):
         fields.only("effect", "location", "play_rad")
         return cls(Parts.read(fields, "joint"), fields.number("play_rad", minimum=0.0, maximum=0.5))
 
-    def on_body(self, body: DrawnBody) -> DrawnBody:
+    def on_body(self, body: SampledBody) -> SampledBody:
         """The robot with this effect."""
         more = self.joints.mask(body.robot) * self.play
         return dataclasses.replace(body, play=body.play + more)
@@ -210,7 +210,7 @@ class FootPlacement(Effect):
         fields.only("effect", "location", "dx_m", "dy_m", "dtheta_rad")
         return cls(read_feet(fields), read_shift(fields))
 
-    def on_body(self, body: DrawnBody) -> DrawnBody:
+    def on_body(self, body: SampledBody) -> SampledBody:
         """The robot with this effect."""
         moved = np.outer([foot in self.feet for foot in FEET], self.placement)
         return dataclasses.replace(body, foot_placement=body.foot_placement + moved)

@@ -10,9 +10,9 @@ import numpy as np
 
 from shoecal_core.files import Fields
 from shoecal_core.shoe.shoe import FEET
-from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import read_feet
+from shoecal_core.simulation.sampled_robot import SampledShoes
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class FloorTilt(Effect):
         )
         return cls(about_x, about_y)
 
-    def on_shoes(self, shoes: DrawnShoes) -> DrawnShoes:
+    def on_shoes(self, shoes: SampledShoes) -> SampledShoes:
         """The floor with this effect."""
         return dataclasses.replace(shoes, tilt=np.add(shoes.tilt, (self.about_x, self.about_y)))
 
@@ -65,7 +65,7 @@ class SoftGround(Effect):
         compliance = fields.number("compliance_rad_per_nm", minimum=0.0, maximum=0.1)
         return cls(read_feet(fields), compliance)
 
-    def on_shoes(self, shoes: DrawnShoes) -> DrawnShoes:
+    def on_shoes(self, shoes: SampledShoes) -> SampledShoes:
         """The floor with this effect."""
         more = np.array([foot in self.feet for foot in FEET]) * self.compliance
         return dataclasses.replace(shoes, ground_compliance=shoes.ground_compliance + more)

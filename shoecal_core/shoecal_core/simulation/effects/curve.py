@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.files import Fields
-from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.effects.location import Channels, IntArray
 from shoecal_core.simulation.effects.sensor_effect import SensorEffect
+from shoecal_core.simulation.sampled_robot import SampledShoes
 from shoecal_core.simulation.stage import Instant, Memoryless, Place
 
 FloatArray = NDArray[np.float64]
@@ -52,7 +52,7 @@ class Nonlinearity(SensorEffect):
             fields.number("cubic_per_n2", 0.0, minimum=-0.01, maximum=0.01),
         )
 
-    def stage(self, shoes: DrawnShoes) -> Curve:
+    def stage(self, shoes: SampledShoes) -> Curve:
         """Its law."""
         chosen = self.channels.forces(shoes.shoe)
         return Curve(chosen, self.quadratic, self.cubic, _BEND * shoes.full_scale[chosen])
@@ -98,7 +98,7 @@ class Saturation(SensorEffect):
         fields.only("effect", "location", "level_n")
         return cls(Channels.read(fields), fields.number("level_n", above=0.0))
 
-    def stage(self, shoes: DrawnShoes) -> SaturationCurve:
+    def stage(self, shoes: SampledShoes) -> SaturationCurve:
         """Its law."""
         return SaturationCurve(self.channels.forces(shoes.shoe), self.level)
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.files import Fields
-from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.effects.location import Channels, IntArray
 from shoecal_core.simulation.effects.sensor_effect import SensorEffect
+from shoecal_core.simulation.sampled_robot import SampledShoes
 from shoecal_core.simulation.stage import Instant, Memoryless, Place
 from shoecal_core.simulation.temperature import WarmUp
 
@@ -65,7 +65,7 @@ class _Drift(SensorEffect):
     rate: float
     per_kelvin: float
 
-    def course(self, shoes: DrawnShoes) -> Course:
+    def course(self, shoes: SampledShoes) -> Course:
         """How it goes on in these shoes.
 
         Raises:
@@ -88,7 +88,7 @@ class ZeroDrift(_Drift):
         """From the item of a reality file."""
         return cls(*_read(fields, "rate_n_per_s", "per_kelvin_n_per_k"))
 
-    def stage(self, shoes: DrawnShoes) -> ZeroShift:
+    def stage(self, shoes: SampledShoes) -> ZeroShift:
         """Its law."""
         return ZeroShift(self.channels.forces(shoes.shoe), self.course(shoes))
 
@@ -117,7 +117,7 @@ class SpanDrift(_Drift):
         """From the item of a reality file."""
         return cls(*_read(fields, "rate_per_s", "per_kelvin_per_k"))
 
-    def stage(self, shoes: DrawnShoes) -> SpanShift:
+    def stage(self, shoes: SampledShoes) -> SpanShift:
         """Its law."""
         return SpanShift(self.channels.every(shoes.shoe), self.course(shoes))
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import mujoco
 
 from shoecal_core.robot.robot import Robot
-from shoecal_core.simulation.drawn import DrawnBody, DrawnShoes
+from shoecal_core.simulation.sampled_robot import SampledBody, SampledShoes
 
 if TYPE_CHECKING:
     from shoecal_core.simulation.disturbances import Disturbance
@@ -25,11 +25,11 @@ class Effect:
     springs of one's own in the physics, forces that act while the robot moves.
     """
 
-    def on_body(self, body: DrawnBody) -> DrawnBody:
+    def on_body(self, body: SampledBody) -> SampledBody:
         """The robot with this effect."""
         return body
 
-    def on_shoes(self, shoes: DrawnShoes) -> DrawnShoes:
+    def on_shoes(self, shoes: SampledShoes) -> SampledShoes:
         """The shoes, and the floor below them, with this effect."""
         return shoes
 

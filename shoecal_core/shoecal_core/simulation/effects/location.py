@@ -12,8 +12,8 @@ from shoecal_core.errors import FieldError
 from shoecal_core.files import Fields
 from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET, Shoe
-from shoecal_core.simulation.drawn import link_names
 from shoecal_core.simulation.reality import ALL, BASE
+from shoecal_core.simulation.sampled_robot import link_names
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]

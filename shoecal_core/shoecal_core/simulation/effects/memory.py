@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.files import Fields
-from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.effects.location import Channels, IntArray
 from shoecal_core.simulation.effects.relaxation import relaxed
 from shoecal_core.simulation.effects.sensor_effect import SensorEffect
+from shoecal_core.simulation.sampled_robot import SampledShoes
 from shoecal_core.simulation.stage import Instant, Place, Stage
 
 FloatArray = NDArray[np.float64]
@@ -55,7 +55,7 @@ class Hysteresis(SensorEffect):
         fraction = fields.number("fraction", minimum=-0.5, maximum=0.5)
         return cls(Channels.read(fields, areas=True), fraction)
 
-    def stage(self, shoes: DrawnShoes) -> Loops:
+    def stage(self, shoes: SampledShoes) -> Loops:
         """Its law."""
         chosen = self.channels.every(shoes.shoe)
         spacing = math.log(_COARSEST / _FINEST) / _ELEMENTS
@@ -130,7 +130,7 @@ class Creep(SensorEffect):
         time = fields.number("time_s", above=0.0)
         return cls(Channels.read(fields, areas=True), fraction, time)
 
-    def stage(self, shoes: DrawnShoes) -> Spectrum:
+    def stage(self, shoes: SampledShoes) -> Spectrum:
         """Its law."""
         return Spectrum(self.channels.every(shoes.shoe), self.fraction, self.time * _TIMES)
 

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from shoecal_core.files import Fields
 from shoecal_core.shoe.shoe import FEET
-from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import Channels, read_feet
 from shoecal_core.simulation.effects.sensor_effect import SensorEffect
+from shoecal_core.simulation.sampled_robot import SampledShoes
 from shoecal_core.simulation.stage import Instant, Memoryless, Place
 
 FloatArray = NDArray[np.float64]
@@ -39,7 +39,7 @@ class CellPosition(Effect):
         x, y = (fields.number(key, minimum=-0.1, maximum=0.1) for key in ("x_m", "y_m"))
         return cls(Channels.read(fields), x, y)
 
-    def on_shoes(self, shoes: DrawnShoes) -> DrawnShoes:
+    def on_shoes(self, shoes: SampledShoes) -> SampledShoes:
         """The shoes with this effect."""
         position = shoes.position.copy()
         position[self.channels.cells(shoes.shoe)] += self.x, self.y
@@ -71,7 +71,7 @@ class OffAxisLoad(SensorEffect):
         x, y = (fields.number(key, minimum=-1.0, maximum=1.0) for key in ("x", "y"))
         return cls(read_feet(fields), x, y, Channels.read(fields, areas=True))
 
-    def stage(self, shoes: DrawnShoes) -> SidewaysShare:
+    def stage(self, shoes: SampledShoes) -> SidewaysShare:
         """Its law."""
         gain = np.zeros((len(shoes.channels), len(FEET), 2))
         for name in self.feet:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import dataclasses
 from abc import abstractmethod
 
-from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.effects.effect import Effect
+from shoecal_core.simulation.sampled_robot import SampledShoes
 from shoecal_core.simulation.stage import AnyStage
 
 
@@ -14,13 +14,13 @@ class SensorEffect(Effect):
     """An effect that is one stage on the way from a channel to its converter."""
 
     @abstractmethod
-    def stage(self, shoes: DrawnShoes) -> AnyStage:
+    def stage(self, shoes: SampledShoes) -> AnyStage:
         """The stage in a pair of shoes.
 
         Raises:
             FileError: when these shoes lack what it names, or it makes no sense in them.
         """
 
-    def on_shoes(self, shoes: DrawnShoes) -> DrawnShoes:
+    def on_shoes(self, shoes: SampledShoes) -> SampledShoes:
         """The shoes with this stage added."""
         return dataclasses.replace(shoes, stages=(*shoes.stages, self.stage(shoes)))

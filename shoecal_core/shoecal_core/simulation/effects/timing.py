@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from shoecal_core.files import Fields
 from shoecal_core.shoe.shoe import FEET
-from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.location import IntArray, read_feet
 from shoecal_core.simulation.effects.relaxation import relaxed
 from shoecal_core.simulation.effects.sensor_effect import SensorEffect
+from shoecal_core.simulation.sampled_robot import SampledShoes
 from shoecal_core.simulation.stage import Instant, Place, Stage
 
 FloatArray = NDArray[np.float64]
@@ -38,7 +38,7 @@ class Latency(Effect):
         fields.only("effect", "location", "delay_s")
         return cls(read_feet(fields), fields.number("delay_s", minimum=0.0, maximum=1.0))
 
-    def on_shoes(self, shoes: DrawnShoes) -> DrawnShoes:
+    def on_shoes(self, shoes: SampledShoes) -> SampledShoes:
         """The shoes with this effect."""
         late = np.array([name.split("/")[0] in self.feet for name in shoes.channels])
         return dataclasses.replace(shoes, latency=shoes.latency + late * self.delay)
@@ -65,7 +65,7 @@ class LowPass(SensorEffect):
         fields.only("effect", "location", "time_s")
         return cls(read_feet(fields), fields.number("time_s", above=0.0, maximum=10.0))
 
-    def stage(self, shoes: DrawnShoes) -> Lags:
+    def stage(self, shoes: SampledShoes) -> Lags:
         """Its law."""
         foot = [FEET.index(name) for name in self.feet]
         return Lags(np.flatnonzero(np.isin(shoes.shoe.foot, foot)), self.time / 2.0)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from shoecal_core.files import Fields
 from shoecal_core.shoe.wrench import ChannelParameters
-from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.effects.location import Channels, IntArray
 from shoecal_core.simulation.effects.sensor_effect import SensorEffect
+from shoecal_core.simulation.sampled_robot import SampledShoes
 from shoecal_core.simulation.stage import Instant, Memoryless, Place, Stage
 
 FloatArray = NDArray[np.float64]
@@ -39,7 +39,7 @@ class StuckCell(SensorEffect):
         share = fields.number("share", above=0.0, maximum=1.5)
         return cls(Channels.read(fields), share, fields.number("time_s", minimum=0.0))
 
-    def stage(self, shoes: DrawnShoes) -> Held:
+    def stage(self, shoes: SampledShoes) -> Held:
         """Its law."""
         return Held(self.channels.every(shoes.shoe), self.share, self.time)
 
@@ -80,14 +80,14 @@ class SwappedCells(SensorEffect):
         fields.only("effect", "location")
         return cls(Channels.read(fields, count=2))
 
-    def stage(self, shoes: DrawnShoes) -> Crossed:
+    def stage(self, shoes: SampledShoes) -> Crossed:
         """Its law."""
         chosen = self.channels.every(shoes.shoe)
         if len(set(shoes.shoe.torque[chosen].tolist())) > 1:
             raise self.channels.error("names a force and a torque; name two of one kind")
         return Crossed(chosen)
 
-    def on_shoes(self, shoes: DrawnShoes) -> DrawnShoes:
+    def on_shoes(self, shoes: SampledShoes) -> SampledShoes:
         """The shoes with this stage, and the affine laws that belong to the cells."""
         shoes = super().on_shoes(shoes)
         chosen = self.channels.every(shoes.shoe)
@@ -134,7 +134,7 @@ class Crosstalk(SensorEffect):
         fraction = fields.number("fraction", minimum=-1.0, maximum=1.0)
         return cls(Channels.read(fields, count=2), fraction)
 
-    def stage(self, shoes: DrawnShoes) -> Leak:
+    def stage(self, shoes: SampledShoes) -> Leak:
         """Its law."""
         receiver, donor = self.channels.forces(shoes.shoe).tolist()
         return Leak(receiver, donor, self.fraction)

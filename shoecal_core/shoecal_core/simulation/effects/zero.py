@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.files import Fields
-from shoecal_core.simulation.drawn import DrawnShoes
 from shoecal_core.simulation.effects.location import Channels, IntArray
 from shoecal_core.simulation.effects.sensor_effect import SensorEffect
+from shoecal_core.simulation.sampled_robot import SampledShoes
 from shoecal_core.simulation.stage import Instant, Memoryless, Place
 
 FloatArray = NDArray[np.float64]
@@ -42,7 +42,7 @@ class ZeroOffset(SensorEffect):
             fields.integer("run", minimum=1),
         )
 
-    def stage(self, shoes: DrawnShoes) -> ZeroStep:
+    def stage(self, shoes: SampledShoes) -> ZeroStep:
         """Its law."""
         return ZeroStep(self.channels.forces(shoes.shoe), self.offset, self.run)
 

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from core.simulation.worlds import PERFECT, ROOT, changed, load_world
 from shoecal_core.files import Fields
 from shoecal_core.shoe.shoe import Shoe, load_shoe
-from shoecal_core.simulation.drawn import DrawnShoes, draw_shoes
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.effects.registry import read_effect
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
+from shoecal_core.simulation.sampled_robot import SampledShoes, draw_shoes
 from shoecal_core.simulation.sensor_chain import NO_SIDEWAYS, SensorChain
 
 FloatArray = NDArray[np.float64]
@@ -34,19 +34,19 @@ def item(name: str, *location: str, **sizes: float) -> Effect:
     return read_effect(Fields(Path("mine.yaml"), "effects[0]", listed))
 
 
-def warm(rise: float, time: float = 100.0) -> Reality:
+def warm(rise: float, time: float = 100.0) -> PlantVariation:
     """A perfect world in which shoes warm up."""
     shoes = dataclasses.replace(PERFECT.shoes, warm_up_k=rise, warm_up_time_s=time)
     return dataclasses.replace(PERFECT, shoes=shoes)
 
 
-def shoes_with(*effects: Effect, shoe: Shoe = NAO, rules: Reality = PERFECT) -> DrawnShoes:
+def shoes_with(*effects: Effect, shoe: Shoe = NAO, rules: PlantVariation = PERFECT) -> SampledShoes:
     """Shoes with effects."""
     return draw_shoes(changed(rules, *effects), shoe, 1)
 
 
 def through(
-    shoes: DrawnShoes, forces: FloatArray, *, period: float = PERIOD,
+    shoes: SampledShoes, forces: FloatArray, *, period: float = PERIOD,
     sideways: FloatArray = NO_SIDEWAYS,
 ) -> FloatArray:  # fmt: skip
     """(T, n) what reaches the converter of forces (T, n) [N], an instant a period from 0 on."""

@@ -15,9 +15,9 @@ from core.simulation.worlds import DEFAULT, PERFECT, World, changed
 from shoecal_core.errors import FileError
 from shoecal_core.robot.robot import GRAVITY
 from shoecal_core.shoe import wrench
-from shoecal_core.simulation.drawn import draw_body
 from shoecal_core.simulation.effects.effect import Effect
 from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.sampled_robot import draw_body
 
 FloatArray = NDArray[np.float64]
 

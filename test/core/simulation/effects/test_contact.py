@@ -14,9 +14,9 @@ from core.simulation.worlds import DEFAULT, PERFECT, World, changed
 from shoecal_core.errors import FileError
 from shoecal_core.robot.joint_trajectory import JointTrajectory
 from shoecal_core.shoe import wrench
-from shoecal_core.simulation.drawn import draw_shoes
-from shoecal_core.simulation.reality import Reality
+from shoecal_core.simulation.reality import PlantVariation
 from shoecal_core.simulation.robot import SimulatedRobot
+from shoecal_core.simulation.sampled_robot import draw_shoes
 
 FloatArray = NDArray[np.float64]
 
@@ -48,7 +48,7 @@ def tilt_and_moment(sim: SimulatedRobot, foot: int) -> tuple[FloatArray, FloatAr
 @pytest.mark.parametrize("rules", [PERFECT, DEFAULT], ids=["perfect", "default"])
 @pytest.mark.parametrize("compliance", [0.001, 0.008])
 def test_a_shoe_tilts_in_soft_floor_by_moment_times_compliance(
-    world: World, rules: Reality, compliance: float
+    world: World, rules: PlantVariation, compliance: float
 ) -> None:
     sim = world.standing(
         changed(rules, item("soft_ground", "left", compliance_rad_per_nm=compliance))

@@ -10,8 +10,8 @@ from core.simulation.effects.chains import SIX_AXIS, item, shoes_with
 from core.simulation.worlds import REALITIES
 from shoecal_core.errors import FileError
 from shoecal_core.shoe.shoe import Shoe
-from shoecal_core.simulation.drawn import draw_shoes
 from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.simulation.sampled_robot import draw_shoes
 
 
 def shoes(tmp_path: Path, listed: str, shoe: Shoe) -> None:

@@ -5,9 +5,9 @@ from pathlib import Path
 import yaml
 
 from core.simulation.worlds import REALITIES, ROOT, World, load_world
-from shoecal_core.simulation.drawn import draw
 from shoecal_core.simulation.effects.registry import EFFECTS
 from shoecal_core.simulation.reality_file import load_reality
+from shoecal_core.simulation.sampled_robot import draw
 
 DEFAULT = REALITIES / "default.yaml"
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from core.simulation.effects.chains import NAO, PERIOD, item, on_first, shoes_with, through
 from core.simulation.worlds import DEFAULT
-from shoecal_core.simulation.drawn import draw_shoes
+from shoecal_core.simulation.sampled_robot import draw_shoes
 
 CELL = "left/front_left"
 RISE = on_first(NAO, np.linspace(0.0, 10.0, 101))

@@ -23,7 +23,7 @@ HEADING = 10.0
 
 
 @dataclass(frozen=True)
-class Cast:
+class BodyPoints:
     """The points of a motion, and which of them make which part of the body.
 
     Attributes:
@@ -45,12 +45,12 @@ class Cast:
     lifted: str
 
 
-def cast_of(
+def body_points(
     skeletons: Sequence[Skeleton],
     polygons: Sequence[tuple[FloatArray, FloatArray]],
     radii: Sequence[float],
     lifted: str,
-) -> Cast:
+) -> BodyPoints:
     """Gather points of all instants, each distinct one once.
 
     Args:
@@ -78,7 +78,7 @@ def cast_of(
     ends = np.array(take(2 * len(first.bones))).reshape(-1, 2)
     # Joints that meet in one point leave no bone between them.
     long = ends[:, 0] != ends[:, 1]
-    return Cast(
+    return BodyPoints(
         points=points,
         bones=tuple(
             tuple(ends[long & (first.side == side)].ravel().tolist())
@@ -103,16 +103,21 @@ def _distinct(frames: Sequence[FloatArray]) -> tuple[FloatArray, list[int]]:
 
 
 def shape(
-    kind: str, points: Sequence[int], cast: Cast, view: PlayerView, frame: int, style: str
+    kind: str,
+    points: Sequence[int],
+    motion_points: BodyPoints,
+    view: PlayerView,
+    frame: int,
+    style: str,
 ) -> str:
     """An element that the script can move, as it is at one frame."""
     through = f'data-kind="{kind}" data-through="{" ".join(map(str, points))}"'
-    seen = view.project(cast.points[frame, list(points)])
+    seen = view.project(motion_points.points[frame, list(points)])
     if kind == "dot":
         x, y = seen[0]
         return f'<circle {through} {style} cx="{x:.1f}" cy="{y:.1f}"/>'
     if kind == "trace":
-        drawn = line(view.project(cast.points[: frame + 1, points[0]]))
+        drawn = line(view.project(motion_points.points[: frame + 1, points[0]]))
     elif kind == "area":
         drawn = area(seen)
     else:
@@ -122,11 +127,13 @@ def shape(
     return f'<path {through} {style} d="{drawn}"/>'
 
 
-def sole(side: int, look: str, cast: Cast, view: PlayerView, frame: int, style: str = "") -> str:
+def sole(
+    side: int, look: str, motion_points: BodyPoints, view: PlayerView, frame: int, style: str = ""
+) -> str:
     """Outline of one foot, which the script marks while it is in the air."""
-    aloft = " lifted" if cast.lifted[frame] == FEET[side] else ""
+    aloft = " lifted" if motion_points.lifted[frame] == FEET[side] else ""
     told = f'data-foot="{FEET[side]}" class="{look}{aloft}"{style}'
-    return shape("area", cast.soles[side], cast, view, frame, told)
+    return shape("area", motion_points.soles[side], motion_points, view, frame, told)
 
 
 def line(points: FloatArray) -> str:

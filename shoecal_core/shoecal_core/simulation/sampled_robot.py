@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from shoecal_core.robot.robot import GRAVITY, Robot
 from shoecal_core.shoe.shoe import FEET, Channel, Shoe
 from shoecal_core.shoe.wrench import ChannelParameters
-from shoecal_core.simulation.reality import ALL, BASE, NamedNumbers, Reality
+from shoecal_core.simulation.reality import ALL, BASE, NamedNumbers, PlantVariation
 from shoecal_core.simulation.stage import AnyStage
 from shoecal_core.simulation.temperature import WarmUp
 
@@ -22,7 +22,7 @@ FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class DrawnBody:
+class SampledBody:
     """The robot itself, as it truly is.
 
     Attributes:
@@ -67,7 +67,7 @@ class DrawnBody:
 
 
 @dataclass(frozen=True)
-class DrawnShoes:
+class SampledShoes:
     """The shoes and the floor below them, as they truly are.
 
     Attributes:
@@ -106,7 +106,7 @@ class DrawnShoes:
 
 
 @dataclass(frozen=True)
-class DrawnReality:
+class SampledRobot:
     """A reality's rules with all that chance decides.
 
     Attributes:
@@ -115,10 +115,10 @@ class DrawnReality:
         body, shoes: the numbers.
     """
 
-    rules: Reality
+    rules: PlantVariation
     seed: int
-    body: DrawnBody
-    shoes: DrawnShoes
+    body: SampledBody
+    shoes: SampledShoes
 
     def record(self) -> dict[str, object]:
         """All numbers by name, for a YAML file beside the truth of a session."""
@@ -149,7 +149,7 @@ class DrawnReality:
         }
 
 
-def draw(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnReality:
+def draw(rules: PlantVariation, robot: Robot, shoe: Shoe, seed: int) -> SampledRobot:
     """Draw one robot in one pair of shoes; the shoes of a seed are the same whoever wears them.
 
     Args:
@@ -161,12 +161,12 @@ def draw(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnReality:
     Raises:
         FileError: when the reality names a link, joint, foot or channel that there is not.
     """
-    return DrawnReality(
+    return SampledRobot(
         rules, seed, draw_body(rules, robot, shoe, seed), draw_shoes(rules, shoe, seed)
     )
 
 
-def draw_body(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnBody:
+def draw_body(rules: PlantVariation, robot: Robot, shoe: Shoe, seed: int) -> SampledBody:
     """Draw what is particular of the robot, which wears the shoes."""
     rng = np.random.default_rng([seed, 1])
     links = link_names(robot)
@@ -185,7 +185,7 @@ def draw_body(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnBody:
     for motor in robot.shared:
         encoder[motor.joint] = motor.ratio * encoder[motor.leader]
         waves[motor.joint] = 0.0
-    body = DrawnBody(
+    body = SampledBody(
         robot=robot,
         mass=robot.mass - shoe.mass + rules.body.weight_error_n / GRAVITY,
         mass_factor=1.0 + mass_error,
@@ -204,7 +204,7 @@ def draw_body(rules: Reality, robot: Robot, shoe: Shoe, seed: int) -> DrawnBody:
     return body
 
 
-def draw_shoes(rules: Reality, shoe: Shoe, seed: int) -> DrawnShoes:
+def draw_shoes(rules: PlantVariation, shoe: Shoe, seed: int) -> SampledShoes:
     """Draw what is particular of a pair of shoes."""
     rng = np.random.default_rng([seed, 2])
     cells = rules.cells
@@ -221,7 +221,7 @@ def draw_shoes(rules: Reality, shoe: Shoe, seed: int) -> DrawnShoes:
     gain = sign * np.where(sheet > 0.0, sheet * (1.0 + error), unsaid)
     listed = cells.position_error_m.resolve(shoe.names, position - shoe.positions, "channel")
     ones = np.ones(len(FEET))
-    shoes = DrawnShoes(
+    shoes = SampledShoes(
         shoe=shoe,
         position=shoe.positions + listed,
         parameters=ChannelParameters(gain, full_scale * shift),
@@ -271,7 +271,7 @@ def _of_legs(table: NamedNumbers, robot: Robot) -> FloatArray:
     return _column(NamedNumbers(rows, table.path, table.key), robot.joint_names, default, "joint")
 
 
-def _friction(rules: Reality, robot: Robot) -> FloatArray:
+def _friction(rules: PlantVariation, robot: Robot) -> FloatArray:
     """(m, 2) static and kinetic friction of the legs' joints [N m]."""
     joints, limits = rules.joints, robot.effort_limit * rules.servo.torque_limit_factor
     shares = np.array([joints.static_friction_fraction, joints.kinetic_friction_fraction])
