@@ -75,8 +75,8 @@ def margins(findings: Sequence[ConstraintMargin]) -> str:
             top = TOP + height * (row + 0.78 - 0.24) / (len(rows) + 0.18)
             page.write(6.0, top, _name(finding), va="bottom", fontsize=SMALL)
             colour = MUTED if finding.kept else FAIL
-            page.write(WIDTH - 10.0, top, margin_text(finding), ha="right", va="bottom", fontsize=SMALL,
-                       color=colour.light)  # fmt: skip
+            page.write(WIDTH - 10.0, top, margin_text(finding), ha="right", va="bottom",
+                       fontsize=SMALL, color=colour.light)  # fmt: skip
         listed = "; ".join(f"{finding.constraint} {margin_text(finding)}" for finding in findings)
         return page.svg(f"Worst value of each constraint over the motion: {listed}.")
 
