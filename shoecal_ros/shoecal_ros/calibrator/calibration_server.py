@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from rcl_interfaces.msg import ParameterDescriptor, SetParametersResult
 from rclpy.parameter import Parameter
@@ -21,6 +21,7 @@ from shoecal_core.estimation.calibration import (
 from shoecal_core.screening.verdict import tell_reasons
 from shoecal_ros.calibrator.active_calibration import UNCALIBRATED, ActiveCalibration
 from shoecal_ros.calibrator.calibration_store import CalibrationStore, NotApplicableError
+from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.calibrator.force_samples import ForceSamples
 from shoecal_ros.calibrator.session_folder import NoSessionNameError, session_folder
 from shoecal_ros.calibrator.solving_work import CALIBRATION
@@ -36,9 +37,6 @@ from shoecal_ros.common.origin import Origin
 from shoecal_ros.common.refusal import RefusedError, faults_refused
 from shoecal_ros.common.waiting import aside, until
 
-if TYPE_CHECKING:
-    from shoecal_ros.nodes.calibrator import CalibratorNode
-
 APPLY = "shoe/apply"
 MIRROR = "in_force."
 """Prefix of the parameters that mirror the calibration in force."""
@@ -53,8 +51,11 @@ class CalibrationServer:
             without a result; None when all is well, and once a calibration comes in force.
     """
 
-    def __init__(self, node: CalibratorNode, store: CalibrationStore) -> None:
-        self.store = store
+    def __init__(self, node: CalibratorBase) -> None:
+        folder = Path(node.node_settings.state_dir).expanduser()
+        self.store = store = CalibrationStore(
+            folder, node.robot, node.shoe, simulated=node.simulated
+        )
         self.problem = store.load(node.now_ns, warned=node.job_settings.apply_warned)
         self._node = node
         self._mirroring = False
@@ -172,7 +173,6 @@ class CalibrationServer:
             node.frames.soles,
             node.node_settings.sum_frame,
         )
-        node.drift.begin()
         self._publisher.publish(calibration_to_ros(calibration, origin))
         self._mirror(calibration, origin)
 
@@ -236,7 +236,7 @@ class CalibrationServer:
         self, request: SetCalibration.Request, response: SetCalibration.Response
     ) -> SetCalibration.Response:
         try:
-            with faults_refused(self._node, SetCalibration.Response.FAILED, ShoecalError):
+            with faults_refused(self._node.log, SetCalibration.Response.FAILED, ShoecalError):
                 self._require_free()
                 calibration = calibration_from_ros(request.calibration)
                 origin = origin_from_ros(request.calibration)
@@ -250,7 +250,7 @@ class CalibrationServer:
     async def _apply_run(self, request: Apply.Request, response: Apply.Response) -> Apply.Response:
         node, run_id = self._node, request.run_id
         try:
-            with faults_refused(node, Apply.Response.FAILED, ShoecalError):
+            with faults_refused(node.log, Apply.Response.FAILED, ShoecalError):
                 if reported := node.job_under_way:
                     raise RefusedError(Apply.Response.BUSY, f"{reported} is under way; wait for it")
                 self._require_free()
@@ -269,7 +269,7 @@ class CalibrationServer:
     ) -> Trigger.Response:
         del request
         try:
-            with faults_refused(self._node, SetCalibration.Response.FAILED, ShoecalError):
+            with faults_refused(self._node.log, SetCalibration.Response.FAILED, ShoecalError):
                 self._require_free()
                 await self._change(*self.store.one_before())
         except ShoecalError as error:

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
 from shoecal_msgs.action import Diagnose
 
+from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.calibrator.diagnosis_job import DiagnosisRequest, RunningDiagnosis
 from shoecal_ros.calibrator.job import new_run_id
 from shoecal_ros.calibrator.session_folder import NoSessionNameError, session_folder
@@ -19,26 +19,21 @@ from shoecal_ros.common.refusal import RefusedError, faults_refused
 
 MOST_MOTIONS = 100
 
-if TYPE_CHECKING:
-    from shoecal_ros.nodes.calibrator import CalibratorNode
-
 
 class DiagnosisServer:
     """Takes goals, runs the job, and tells what it found."""
 
-    def __init__(self, node: CalibratorNode) -> None:
+    title = "a diagnosis"
+
+    def __init__(self, node: CalibratorBase) -> None:
         self._node = node
+        node.jobs.append(self)
         self._job: RunningDiagnosis | None = None
         self._last = Condition(Level.OK, "none yet")
         self._server = ActionServer(
             node, Diagnose, "shoe/diagnose", self._execute,
             cancel_callback=lambda _: CancelResponse.ACCEPT,
         )  # fmt: skip
-
-    @property
-    def busy(self) -> bool:
-        """Whether a diagnosis is under way."""
-        return self._job is not None
 
     @property
     def run_id(self) -> str:
@@ -67,7 +62,7 @@ class DiagnosisServer:
     async def _execute(self, goal: ServerGoalHandle) -> Diagnose.Result:
         result = Diagnose.Result()
         try:
-            with faults_refused(self._node, Diagnose.Result.FAILED):
+            with faults_refused(self._node.log, Diagnose.Result.FAILED):
                 await self._do(goal, result)
         except RefusedError as refusal:
             result.error_code, result.message = refusal.code, str(refusal)
@@ -91,7 +86,7 @@ class DiagnosisServer:
         if request.moves:
             node.listen_for_recording()
         try:
-            with faults_refused(node, Diagnose.Result.FAILED):
+            with faults_refused(node.log, Diagnose.Result.FAILED):
                 result.message = await job.run()
             result.success = True
             self._last = Condition(Level.OK, result.message)

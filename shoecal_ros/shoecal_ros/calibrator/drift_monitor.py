@@ -2,32 +2,32 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.estimation.drift import UnloadedError, check_drift
+from shoecal_ros.calibrator.calibration_store import CalibrationStore
+from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.calibrator.drift_watch import DriftWatch
+from shoecal_ros.calibrator.rezeroing import RezeroServer
 from shoecal_ros.common.health import Level
 from shoecal_ros.inputs.standstill import UNREST_N, Standstill
-
-if TYPE_CHECKING:
-    from shoecal_ros.nodes.calibrator import CalibratorNode
 
 
 class DriftMonitor:
     """Tells the node's `drift`; it looks at the rate of the watch, the live forces do not wait."""
 
-    def __init__(self, node: CalibratorNode) -> None:
-        self._node = node
+    def __init__(
+        self, node: CalibratorBase, store: CalibrationStore, rezeroing: RezeroServer
+    ) -> None:
+        self._node, self._store, self._rezeroing = node, store, rezeroing
+        self._compared: Calibration | None = None
         self._watch = DriftWatch(node.node_settings.drift_time)
-
-    def begin(self) -> None:
-        """Another calibration is in force."""
-        self._watch.begin()
 
     def watch(self) -> None:
         """Look, and tell."""
-        node, current = self._node, self._node.calibration_server.store.current
+        node, current = self._node, self._store.current
+        if current is not self._compared:
+            self._compared = current
+            self._watch.begin()
         if current is None:
             node.health.tell("drift", Level.OK, "no calibration to compare with weight and model")
             return
@@ -43,8 +43,8 @@ class DriftMonitor:
         if (
             joined is None
             or joints is None
-            or node.calibrating
-            or node.rezeroing.busy
+            or node.job_under_way
+            or self._rezeroing.busy
             or not node.stillness.still
             or node.input_problem()
         ):

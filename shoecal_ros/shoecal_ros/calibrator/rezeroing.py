@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from rclpy.callback_groups import ReentrantCallbackGroup
 from shoecal_msgs.srv import Rezero
@@ -12,14 +11,13 @@ from shoecal_core.errors import FileError, ShoecalError
 from shoecal_core.estimation.calibration import Calibration
 from shoecal_core.planning.supports.polygon_error import PolygonError, polygon_error
 from shoecal_core.workflows.rezero import Rezeroed, rezero
+from shoecal_ros.calibrator.calibration_server import CalibrationServer
+from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.common.refusal import RefusedError, faults_refused
 from shoecal_ros.common.waiting import aside, until
 from shoecal_ros.inputs.joining import Joined
 from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.inputs.standstill import UNREST_N, Standstill
-
-if TYPE_CHECKING:
-    from shoecal_ros.nodes.calibrator import CalibratorNode
 
 Codes = Rezero.Response
 STILL_PATIENCE = 15.0
@@ -30,8 +28,8 @@ CURE = "lift each foot once and call shoe/rezero again, or calibrate anew"
 class RezeroServer:
     """One correction at a time, applied by the server that holds the calibration in force."""
 
-    def __init__(self, node: CalibratorNode) -> None:
-        self._node = node
+    def __init__(self, node: CalibratorBase, calibrations: CalibrationServer) -> None:
+        self._node, self._calibrations = node, calibrations
         self._standstill: Standstill | None = None
         # It takes a while, in which everything else must go on.
         node.create_service(
@@ -56,7 +54,7 @@ class RezeroServer:
     async def _rezero(self, request: Rezero.Request, response: Rezero.Response) -> Rezero.Response:
         del request
         try:
-            with faults_refused(self._node, Codes.FAILED, ShoecalError):
+            with faults_refused(self._node.log, Codes.FAILED, ShoecalError):
                 await self._do(response)
         except ShoecalError as error:
             response.error_code, response.message = _code(error), str(error)
@@ -64,7 +62,8 @@ class RezeroServer:
 
     async def _do(self, response: Rezero.Response) -> None:
         """Observe, correct, apply, answer; ShoecalError where that cannot be done."""
-        node, current = self._node, self._node.calibration_server.store.current
+        node, calibrations = self._node, self._calibrations
+        current = calibrations.store.current
         if current is None:
             raise RefusedError(
                 Codes.UNCALIBRATED, "uncalibrated: there are no offsets; calibrate first"
@@ -75,12 +74,12 @@ class RezeroServer:
         if problem := node.input_problem():
             raise RefusedError(Codes.STALE_INPUT, problem.message)
         found = self._correct(current, await self._observe())
-        if node.calibration_server.changing or node.calibration_server.store.current is not current:
+        if calibrations.changing or calibrations.store.current is not current:
             raise RefusedError(
                 Codes.SUPERSEDED, "another calibration came in force meanwhile; call again"
             )
         if found.directions:
-            await node.calibration_server.apply_corrected(found.calibration)
+            await calibrations.apply_corrected(found.calibration)
         self._answer(found, await self._expected(found.calibration), response)
 
     async def _observe(self) -> Standstill:

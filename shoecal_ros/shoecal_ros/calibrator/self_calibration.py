@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.action.server import ServerGoalHandle
@@ -13,6 +13,8 @@ from shoecal_msgs.srv import SelfCalibrate
 
 from shoecal_core.screening.verdict import tell_reasons
 from shoecal_ros.calibrator.calibration_job import CalibrationJob, CalibrationRequest
+from shoecal_ros.calibrator.calibration_server import CalibrationServer
+from shoecal_ros.calibrator.calibrator_base import CalibratorBase
 from shoecal_ros.calibrator.job import new_run_id
 from shoecal_ros.calibrator.job_settings import MOST_SUPPORTS
 from shoecal_ros.common.actions import finish, logged
@@ -21,15 +23,15 @@ from shoecal_ros.common.conversions import calibration_to_ros
 from shoecal_ros.common.health import Condition, Level
 from shoecal_ros.common.refusal import RefusedError, faults_refused
 
-if TYPE_CHECKING:
-    from shoecal_ros.nodes.calibrator import CalibratorNode
-
 
 class SelfCalibrationServer:
     """Takes requests, runs the job, and has applied what it found where that may be applied."""
 
-    def __init__(self, node: CalibratorNode) -> None:
-        self._node = node
+    title = "a self-calibration"
+
+    def __init__(self, node: CalibratorBase, calibrations: CalibrationServer) -> None:
+        self._node, self._calibrations = node, calibrations
+        node.jobs.append(self)
         self._job: CalibrationJob | None = None
         node.serve(SelfCalibrate, "shoe/self_calibrate", self._self_calibrate)
         self._server = ActionServer(
@@ -78,7 +80,7 @@ class SelfCalibrationServer:
                 f"all of them, and no more than {MOST_SUPPORTS} in all",
             )
         seed = goal.seed if goal.seed >= 0 else defaults.seed
-        node.calibration_server.problem = None
+        self._calibrations.problem = None
         node.listen_for_recording()
         self._job = CalibrationJob(
             node,
@@ -92,12 +94,12 @@ class SelfCalibrationServer:
         """Run a job to its end, and apply what it found where that may be applied."""
         node = self._node
         try:
-            with faults_refused(node, Calibrate.Result.FAILED):
+            with faults_refused(node.log, Calibrate.Result.FAILED):
                 calibration = await job.run()
                 # Also one that is refused comes back whole, and stays in the session's folder.
                 result.calibration = calibration_to_ros(calibration, node.origin)
                 job.report_applying()
-                await node.calibration_server.apply_found(
+                await self._calibrations.apply_found(
                     calibration, job.request.run_id, warned=node.job_settings.apply_warned
                 )
             result.success = True
@@ -116,7 +118,7 @@ class SelfCalibrationServer:
     async def _execute(self, goal: ServerGoalHandle) -> Calibrate.Result:
         result = Calibrate.Result()
         try:
-            with faults_refused(self._node, Calibrate.Result.FAILED):
+            with faults_refused(self._node.log, Calibrate.Result.FAILED):
                 job = self._begin(
                     goal.request, goal.publish_feedback, lambda: goal.is_cancel_requested
                 )
@@ -133,7 +135,7 @@ class SelfCalibrationServer:
         self, request: SelfCalibrate.Request, response: SelfCalibrate.Response
     ) -> SelfCalibrate.Response:
         try:
-            with faults_refused(self._node, Calibrate.Result.FAILED):
+            with faults_refused(self._node.log, Calibrate.Result.FAILED):
                 job = self._begin(request, lambda _: None, None)
                 try:
                     await job.begin()
@@ -151,11 +153,10 @@ class SelfCalibrationServer:
         return response
 
     async def _do_alone(self, job: CalibrationJob) -> None:
-        calibration_server = self._node.calibration_server
         try:
-            with faults_refused(self._node, Calibrate.Result.FAILED):
+            with faults_refused(self._node.log, Calibrate.Result.FAILED):
                 await self._do(job, Calibrate.Result())
         except RefusedError as refusal:
             reported = f"self-calibration {job.request.run_id} ended: {refusal}"
             values = {"error_code": str(refusal.code)}
-            calibration_server.problem = Problem(Code.SELF_CALIBRATION_ENDED, reported, values)
+            self._calibrations.problem = Problem(Code.SELF_CALIBRATION_ENDED, reported, values)

@@ -3,15 +3,11 @@
 from __future__ import annotations
 
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
 
 from shoecal_core.errors import ShoecalError
 from shoecal_ros.common.health import Level
-
-if TYPE_CHECKING:
-    from shoecal_ros.common.node import ShoecalNode
 
 
 class RefusedError(ShoecalError):
@@ -28,12 +24,12 @@ class RefusedError(ShoecalError):
 
 @contextmanager
 def faults_refused(
-    node: ShoecalNode, code: int, foreseen: type[ShoecalError] = RefusedError
+    log: Callable[[Level, str], None], code: int, foreseen: type[ShoecalError] = RefusedError
 ) -> Iterator[None]:
     """Whatever else goes wrong ends as a refusal, too: who asked is answered, the node lives on.
 
     Args:
-        node: whose log gets the traceback.
+        log: of the node; gets the traceback.
         code: of the answer.
         foreseen: what is passed on as it is.
 
@@ -45,7 +41,7 @@ def faults_refused(
     except foreseen:
         raise
     except Exception as error:
-        node.log(Level.ERROR, traceback.format_exc())
+        log(Level.ERROR, traceback.format_exc())
         reported = f"ended by a fault: {worded(error)}; see the node's log, and report it"
         raise RefusedError(code, reported) from error
 

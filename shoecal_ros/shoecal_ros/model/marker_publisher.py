@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from geometry_msgs.msg import PointStamped, WrenchStamped
@@ -22,11 +22,9 @@ from shoecal_core.robot.robot import Robot
 from shoecal_core.shoe.shoe import FEET, Shoe
 from shoecal_ros.common import qos
 from shoecal_ros.common.conversions import point_from_ros
+from shoecal_ros.common.node import ShoecalNode
 from shoecal_ros.inputs.joints import JointBatch
 from shoecal_ros.model.scene_markers import FootSeen, MeasuredInstant, SceneMarkers
-
-if TYPE_CHECKING:
-    from shoecal_ros.common.node import ShoecalNode
 
 TOPIC = "shoe/markers"
 FRESH_S = 0.5

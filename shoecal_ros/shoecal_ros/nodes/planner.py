@@ -188,7 +188,7 @@ class PlannerNode(ShoecalNode):
             try:
                 with (
                     self.working(job.name, goal.request.run_id),
-                    faults_refused(self, result.FAILED),
+                    faults_refused(self.log, result.FAILED),
                 ):
                     await job.run()
             finally:

@@ -235,7 +235,7 @@ class SimulatorNode(ShoecalNode):
             try:
                 with (
                     self.working("placing the robot", goal.request.run_id),
-                    faults_refused(self, result.FAILED),
+                    faults_refused(self.log, result.FAILED),
                 ):
                     await self._reach(goal)
             finally:

@@ -8,10 +8,10 @@ from shoecal_core.error_sources.tolerances import Tolerances
 from shoecal_core.files import Fields, read_yaml
 from shoecal_core.screening.settings import CalibrationSettings
 from shoecal_core.settings import Settings, describe
+from shoecal_ros.calibrator.calibrator_base import CalibratorSettings
 from shoecal_ros.calibrator.job_settings import JobSettings
 from shoecal_ros.common.frames import FrameSettings
 from shoecal_ros.common.robot_files import RobotFiles
-from shoecal_ros.nodes.calibrator import CalibratorSettings
 
 PATH = ROOT / "config/nodes/calibrator.yaml"
 NODE = (RobotFiles, FrameSettings, CalibratorSettings, JobSettings)

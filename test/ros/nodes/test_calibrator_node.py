@@ -167,11 +167,15 @@ def test_the_example_controller_uses_what_it_may(live: World, robot: StandingRob
     error = live.receive(Vector3Stamped, "example/cop_error", qos.LIVE)
     live.start("example_controller", {"target_x": 0.01}, script=EXAMPLE)
     cop = live.receive(PointStamped, "shoe/cop", qos.LIVE)
-    live.until(lambda: len(error) > 3)
-    stamps = {time_from_ros(one.header.stamp): one for one in cop.messages}
-    newest = error.last
-    measured = stamps[time_from_ros(newest.header.stamp)].point
-    assert newest.vector.x == pytest.approx(measured.x - 0.01, abs=1e-6)
+
+    def pairs() -> list[tuple[Vector3Stamped, PointStamped]]:
+        stamps = {time_from_ros(one.header.stamp): one for one in cop.messages}
+        stamped = [(one, stamps.get(time_from_ros(one.header.stamp))) for one in error.messages]
+        return [(one, measured) for one, measured in stamped if measured is not None]
+
+    live.until(lambda: len(pairs()) > 3)
+    for computed, measured in pairs():
+        assert computed.vector.x == pytest.approx(measured.point.x - 0.01, abs=1e-6)
     robot.status = {nao_shoe().names[0]: ShoeVoltages.SATURATED}
     forces = live.receive(ShoeForces, "shoe/forces", qos.LIVE)
     live.until(lambda: len(forces) and not forces.last.both.valid)
