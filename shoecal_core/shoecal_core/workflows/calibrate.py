@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,45 +122,34 @@ def calibrate_session(
     data = replace(data, hanging=data.hanging.intersection(train))
     train, test = (tuple(run for run in runs if data.stances[run]) for runs in (train, test))
     _require_supports(session, data.of(train), found)
-    fitting = _fitting(settings, data.screening)
-    alone = None
-    try:
-        data, training, stages, joint = _fitted(data, train, fitting, tolerances, manual)
-        contradicted = contradicts(data.shoe, stages.parameters, settings.nominal_gain_std)
-    except ShoecalError as error:
-        # Data sheets that are far off can keep a fit from settling at all.
-        if sheets:
-            alone = _without_sheets(session, train, settings, tolerances, weight_kg)
-        conflict = check_conflict(data.shoe, alone, alone, settings.nominal_gain_std)
-        if not conflict:
-            raise
-        raise SessionError(session.folder, conflict[0].reason) from error
-    if contradicted:
-        alone = _without_sheets(session, train, settings, tolerances, weight_kg)
-    found += _lagging(data, stages, training, settings)
-    assessment = assess(data.robot, stages, joint, training, settings, tolerances)
+
+    def without_sheets() -> ChannelParameters | None:
+        return _without_sheets(session, train, settings, tolerances, weight_kg)
+
+    fit = _fit(
+        session, data, train, settings, tolerances, manual, without_sheets if sheets else None
+    )
+    data, stages = fit.data, fit.stages
+    assessment = assess(data.robot, stages, fit.joint, fit.training, settings, tolerances)
     if rezero:
         data = replace(data, stances=rezeroed(data, stages.parameters))
-    training, testing = data.of(train), data.of(test)
-    guessed = Sensing(data.shoe, stages.guess.parameters)
-    sets = {name: part for name, part in (("train", training), ("test", testing)) if part}
-    compared = {
-        stage: {name: _against_model(sensing, part) for name, part in sets.items()}
-        for stage, sensing in (("initial_guess", guessed), ("self_calibration", stages.sensing))
-    }
-    modelled = {
-        stage: {name: errors(pairs) for name, pairs in sets_of.items()}
-        for stage, sets_of in compared.items()
-    }
-    found += check_stances(training)
-    found += check_axes(data.shoe, training)
-    found += check_zeros(data.shoe, data.zeros, stages.parameters, data.robot.weight, own=rezero)
-    limits = {name: model_limit(pairs) for name, pairs in compared["self_calibration"].items()}
-    if joint is not None:
-        left = misfit(compared["self_calibration"]["train"])
-        found += check_promise(left, assessment.promised)
+    compared = _compare(data, stages, {"train": train, "test": test})
+    calibrated = compared["self_calibration"]
+    limits = {name: model_limit(pairs) for name, pairs in calibrated.items()}
+    promise: list[Finding] = []
+    if fit.joint is not None:
+        left = misfit(calibrated["train"])
+        promise = check_promise(left, assessment.promised)
         assessment = assessment.not_below(left)
-    found = _of_sheets(data, stages, settings, assessment, alone) + found
+    modelled = {
+        stage: {name: errors(pairs) for name, pairs in sets.items()}
+        for stage, sets in compared.items()
+    }
+    found += _check_fit(fit, settings)
+    found += check_stances(data.of(train))
+    found += check_axes(data.shoe, data.of(train))
+    found += check_zeros(data.shoe, data.zeros, stages.parameters, data.robot.weight, own=rezero)
+    found = _check_sheets(fit, settings, assessment) + found + promise
     verdict = _verdict(data, stages, modelled["self_calibration"], limits, found, assessment)
     return CalibrationOutcome(
         calibration=replace(
@@ -173,9 +162,58 @@ def calibrate_session(
         train=train,
         test=test,
         modelled=modelled,
-        joint=joint,
+        joint=fit.joint,
         limits={name: limit for name, limit in limits.items() if limit is not None},
     )
+
+
+@dataclass(frozen=True)
+class _Fit:
+    """Gains and offsets, and what they were found from.
+
+    Attributes:
+        data: of the session, with what the fit puts right.
+        training: stances that were fitted.
+        stages, joint: how they were found; of a walk by the least squares alone.
+        alone: gains and offsets without the data sheets, where these contradict the data.
+    """
+
+    data: SessionData
+    training: list[Stance]
+    stages: SelfCalibration
+    joint: JointFit | None
+    alone: ChannelParameters | None = None
+
+
+def _fit(
+    session: Session,
+    data: SessionData,
+    train: Sequence[int],
+    settings: CalibrationSettings,
+    tolerances: Tolerances,
+    manual: Calibration | None,
+    without_sheets: Callable[[], ChannelParameters | None] | None,
+) -> _Fit:
+    """Fit the training runs; where data sheets contradict them, also without these.
+
+    Args:
+        without_sheets: such a fit; None: this is one.
+
+    Raises:
+        ShoecalError: when there is no fit.
+    """
+    std = settings.nominal_gain_std
+    try:
+        fit = _fit_once(data, train, _fitting(settings, data.screening), tolerances, manual)
+    except ShoecalError as error:
+        # Data sheets that are far off can keep a fit from settling at all.
+        alone = None if without_sheets is None else without_sheets()
+        if conflict := check_conflict(data.shoe, alone, alone, std):
+            raise SessionError(session.folder, conflict[0].reason) from error
+        raise
+    if without_sheets is None or not contradicts(fit.data.shoe, fit.stages.parameters, std):
+        return fit
+    return replace(fit, alone=without_sheets())
 
 
 def _without_sheets(
@@ -193,24 +231,20 @@ def _without_sheets(
     return None
 
 
-def _fitted(
+def _fit_once(
     data: SessionData,
     train: Sequence[int],
     fitting: CalibrationSettings,
     tolerances: Tolerances,
     manual: Calibration | None,
-) -> tuple[SessionData, list[Stance], SelfCalibration, JointFit | None]:
-    """The data with what the fit puts right, the stances that were fitted, and the fit.
-
-    Of a walk by the least squares alone.
-    """
+) -> _Fit:
     training = data.of(train)
     if data.samples is None:
         common = None
         if walks(training):
             common = common_zeros(data.shoe, data.zeros, train)
             training = at_common_zeros(data.shoe, training, data.zeros, common)
-        return data, training, self_calibrate(data.shoe, training, fitting, common), None
+        return _Fit(data, training, self_calibrate(data.shoe, training, fitting, common), None)
     known = None
     if manual is not None:
         sensing = manual.sensing(data.shoe)
@@ -223,7 +257,7 @@ def _fitted(
     data = replace(data, shoe=joint.shoe, stances=corrected(data.stances, joint))
     training = data.of(train)
     stages = of_joint(joint, guess, guess_with_weight, training, fitting)
-    return data, training, stages, joint
+    return _Fit(data, training, stages, joint)
 
 
 def rezeroed(data: SessionData, parameters: ChannelParameters) -> dict[int, tuple[Stance, ...]]:
@@ -264,41 +298,42 @@ def _require_supports(
         )
 
 
-def _against_model(sensing: Sensing, stances: Sequence[Stance]) -> list[tuple[Series, Series]]:
-    return [(measured_series(sensing, stance), modelled_series(stance)) for stance in stances]
+def _compare(
+    data: SessionData, stages: SelfCalibration, sets: Mapping[str, Sequence[int]]
+) -> dict[str, dict[str, list[tuple[Series, Series]]]]:
+    """Measured and modelled series of each stance, by stage and set; an empty set is left out."""
+    guess = Sensing(data.shoe, stages.guess.parameters)
+    return {
+        stage: {
+            name: [
+                (measured_series(sensing, stance), modelled_series(stance))
+                for stance in data.of(runs)
+            ]
+            for name, runs in sets.items()
+            if runs
+        }
+        for stage, sensing in (("initial_guess", guess), ("self_calibration", stages.sensing))
+    }
 
 
-def _lagging(
-    data: SessionData,
-    stages: SelfCalibration,
-    stances: Sequence[Stance],
-    settings: CalibrationSettings,
+def _check_fit(fit: _Fit, settings: CalibrationSettings) -> list[Finding]:
+    """Channels that lag behind what the fit expects of them."""
+    fitting = _fitting(settings, fit.data.screening)
+    prior = prior_of(fit.data.shoe, fit.stages.guess, fitting)
+    weights = ResidualWeights.of(fitting)
+    return check_lags(fit.data.shoe, lags(fit.stages.fit.vector, prior, fit.training, weights))
+
+
+def _check_sheets(
+    fit: _Fit, settings: CalibrationSettings, assessment: Assessment
 ) -> list[Finding]:
-    fitting = _fitting(settings, data.screening)
-    prior = prior_of(data.shoe, stages.guess, fitting)
-    return check_lags(
-        data.shoe, lags(stages.fit.vector, prior, stances, ResidualWeights.of(fitting))
-    )
-
-
-def _of_sheets(
-    data: SessionData,
-    stages: SelfCalibration,
-    settings: CalibrationSettings,
-    assessment: Assessment,
-    alone: ChannelParameters | None,
-) -> list[Finding]:
-    """What data sheets and the weight say. It comes first: what they are wrong by is in all gains.
-
-    Args:
-        alone: gains and offsets without the data sheets, where these contradict the data.
-    """
-    shoe, gains = data.shoe, stages.parameters
-    if conflict := check_conflict(shoe, gains, alone, settings.nominal_gain_std):
+    """What data sheets and the weight say; it comes first, as their errors are in all gains."""
+    data, gains = fit.data, fit.stages.parameters
+    if conflict := check_conflict(data.shoe, gains, fit.alone, settings.nominal_gain_std):
         return conflict
-    gain_std = np.sqrt(np.diag(assessment.covariance)[: len(shoe.names)])
-    found = check_weight(shoe, gains, gain_std, data.weighed, data.robot)
-    return found + check_data_sheets(shoe, gains, gain_std)
+    gain_std = np.sqrt(np.diag(assessment.covariance)[: len(data.shoe.names)])
+    found = check_weight(data.shoe, gains, gain_std, data.weighed, data.robot)
+    return found + check_data_sheets(data.shoe, gains, gain_std)
 
 
 def _verdict(
