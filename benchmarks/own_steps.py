@@ -29,7 +29,6 @@ from shoecal_core.errors import ShoecalError
 from shoecal_core.files import atomic_write
 from shoecal_core.planning.motion import Motion
 from shoecal_core.planning.planner import Planner
-from shoecal_core.planning.posture import UnreachableError
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.steps import StepError, Stepper
 from shoecal_core.planning.supports.feasible import Feasible
@@ -141,11 +140,10 @@ def go(supports: int, who: tuple[str, int]) -> Walked:
     """Let one robot walk."""
     name, seed = who
     robot, simulated = robot_of(name)
-    settings = PlannerSettings()
+    settings = PlannerSettings(one_foot=True)
     planner = Planner(robot, settings)
     drawn = Feasible(robot, settings).draw(np.random.default_rng([seed, 2]))
-    start = next(support for support in drawn if on_one_foot(planner, support))
-    goals = list(itertools.islice(drawn, supports))
+    start, *goals = itertools.islice(drawn, 1 + supports)
     stepper, sim = Stepper(planner), simulated(seed)
     sim.place(planner.stance(start))
     walked = Walked(name, seed, len(goals))
@@ -174,15 +172,6 @@ def go(supports: int, who: tuple[str, int]) -> Walked:
     if walked.reason:
         print(f"{name} {seed}: {walked.reason}", flush=True)
     return walked
-
-
-def on_one_foot(planner: Planner, support: DoubleSupport) -> bool:
-    """Whether a robot that stands there can lift a foot."""
-    try:
-        planner.require_one_foot(support)
-    except UnreachableError:
-        return False
-    return True
 
 
 def _tell(walked: Walked, goal: DoubleSupport, seconds: float) -> None:

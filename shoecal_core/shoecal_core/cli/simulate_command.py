@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -60,6 +61,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace, console: Console) -> Mapping[str, object]:
     """Simulate and record."""
     settings = planner_settings(args)
+    if args.own_steps:
+        settings = dataclasses.replace(settings, one_foot=True)
     shoe = load_shoe(args.shoe)
     robot = load_robot(args.robot, shoe)
     reality = load_reality(config_dir() / "realities" / "default.yaml", args.reality)

@@ -23,7 +23,7 @@ from shoecal_core.planning.horizon.sqp import SqpSolver
 from shoecal_core.planning.legs import FootPose, Legs
 from shoecal_core.planning.motion import Motion, timed
 from shoecal_core.planning.motion_catalogue import PUT_DOWN, InitialStance, motion_kind
-from shoecal_core.planning.posture import StanceSolver, UnreachableError
+from shoecal_core.planning.posture import StanceSolver
 from shoecal_core.planning.segment import MotionSegment
 from shoecal_core.planning.settings import PlannerSettings
 from shoecal_core.planning.support_phase import SupportPhase
@@ -67,11 +67,7 @@ class Planner:
         Raises:
             UnreachableError: when it can on neither.
         """
-        pose, posture = FootPose.of(support), self.legs.robot.posture
-        try:
-            self._stance.solve_on_one(pose, SupportPhase.LEFT, posture)
-        except UnreachableError:
-            self._stance.solve_on_one(pose, SupportPhase.RIGHT, posture)
+        self._stance.require_one_foot(FootPose.of(support), self.legs.robot.posture)
 
     def with_sag(
         self, ends: Sequence[FootPose], support_phase: SupportPhase, others: FloatArray

@@ -220,6 +220,20 @@ class StanceSolver:
         aside = float(np.clip(room, 0.0, _ASIDE))
         return self._solved(_Task(foot_pose, support_phase, target, others, aside=aside))[0]
 
+    def require_one_foot(self, foot_pose: FootPose, others: FloatArray) -> None:
+        """Nothing, where the robot can have all its weight on one foot or the other.
+
+        Args:
+            foot_pose, others: as for solve_on_one.
+
+        Raises:
+            UnreachableError: when it can on neither.
+        """
+        try:
+            self.solve_on_one(foot_pose, SupportPhase.LEFT, others)
+        except UnreachableError:
+            self.solve_on_one(foot_pose, SupportPhase.RIGHT, others)
+
     def _solved(self, task: _Task) -> tuple[FloatArray, float]:
         """Leg angles, and the part of the way to the middle by which the place is moved in.
 

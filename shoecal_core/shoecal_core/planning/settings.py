@@ -41,6 +41,10 @@ class PlannerSettings(Settings):
         3, "", "landmarks (of four) above which the robot must be able to stand", minimum=0,
         maximum=4,
     )  # fmt: skip
+    one_foot: bool = setting(
+        False, "", "draw only double supports in which one foot can carry the whole weight, as own "
+        "steps need"
+    )  # fmt: skip
     training_supports: int = setting(
         3, "", "fewer double supports are not asked to fix every observable direction", minimum=1
     )

@@ -116,7 +116,8 @@ class Stepper:
             self.planner.stance(goal)
             self.planner.require_one_foot(goal)
         except UnreachableError as error:
-            raise StepError(f"no step leads to {goal}: {error}") from error
+            cure = "" if self.planner.settings.one_foot else "; or draw others: set one_foot"
+            raise StepError(f"no step leads to {goal}: {error}{cure}") from error
 
     def _ways(self, foot_pose: FootPose, goal: DoubleSupport) -> list[DoubleSupport]:
         """Where the next step may lead, best first: there at once, or by way of neutral."""

@@ -107,7 +107,8 @@ class Feasible:
     """The double supports of one robot that pass all checks which concern one alone.
 
     They are points of its discretised range where the feet do not collide and are far enough
-    apart (paper's distance d), and where the robot can stand, above most landmarks too.
+    apart (paper's distance d), and where the robot can stand, above most landmarks too; with
+    `one_foot` also on one foot.
 
     Attributes:
         robot, settings: whose they are.
@@ -145,6 +146,9 @@ class Feasible:
         if len(list(itertools.islice(failed, spare + 1))) > spare:
             self.tally.landmarks += 1
             return False
+        if self.settings.one_foot and not self._on_one_foot(support):
+            self.tally.unreachable += 1
+            return False
         self.tally.usable += 1
         return True
 
@@ -159,6 +163,13 @@ class Feasible:
                 yield support
             else:
                 self.tally.near += 1
+
+    def _on_one_foot(self, support: DoubleSupport) -> bool:
+        try:
+            self._stance.require_one_foot(FootPose.of(support), self.robot.posture)
+        except UnreachableError:
+            return False
+        return True
 
     def _reaches(self, support: DoubleSupport, landmark: FloatArray) -> bool:
         """Whether the CoP comes to a landmark (2,) [m], or to one moved in a little."""

@@ -56,3 +56,12 @@ def test_apart_is_all_that_may_be_drawn(body: Body) -> None:
     drawn = next(feasible.draw(np.random.default_rng(0)))
     assert drawn in apart
     assert feasible.can_stand(drawn)
+
+
+def test_own_steps_need_supports_on_one_foot(nao: Body) -> None:
+    """Wide ones can be stood on, but no foot lifted there."""
+    wide = DoubleSupport(-0.01, -0.16, 0.312)
+    assert Feasible(nao.robot, SETTINGS).can_stand(wide)
+    stepping = dataclasses.replace(SETTINGS, one_foot=True)
+    assert not Feasible(nao.robot, stepping).can_stand(wide)
+    assert Feasible(nao.robot, stepping).can_stand(DoubleSupport(0.0, -0.112, 0.0))
