@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from shoecal_core.estimation.initial_guess import InitialGuess
-from shoecal_core.planning.supports.identifiability import Identifiability, describe_support
+from shoecal_core.planning.supports.identifiability import Identifiability
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.samples.zeros import Zero
 from shoecal_core.screening.verdict import MOST_TOLD, Finding, tell_reasons
@@ -136,7 +136,7 @@ def check_directions(told: Identifiability, add: DoubleSupport | None) -> list[F
 
 def _addition(add: DoubleSupport | None, otherwise: str) -> str:
     """The double support to add in words, or what else to do where none is known."""
-    return otherwise if add is None else f"add a double support: {describe_support(add)}"
+    return otherwise if add is None else f"add a double support: right foot at {add} of the left"
 
 
 def check_expected(

@@ -85,9 +85,8 @@ class UnreachableError(ShoecalError):
             else f" on its {support_phase.value} foot alone"
         )
         super().__init__(
-            f"robot '{robot}' cannot stand{on} with the right foot at dx {support.dx:g} m, "
-            f"dy {support.dy:g} m, dtheta {support.dtheta:g} rad (misses by {miss:.2g} m or rad, "
-            f"torque too large by {max(0.0, overload):.2g} N m"
+            f"robot '{robot}' cannot stand{on} with the right foot at {support} (misses by "
+            f"{miss:.2g} m or rad, torque too large by {max(0.0, overload):.2g} N m"
             f"{', ' if unbalanced else ''}{unbalanced}); choose feet nearer to the neutral "
             "stance, or change joint_margin, stance_margin, knee_margin or torque_share"
         )
@@ -100,9 +99,8 @@ class FeetOverlapError(UnreachableError):
         self.support, self.miss, self.overload, self.unbalanced = support, 0.0, 0.0, ""
         ShoecalError.__init__(
             self,
-            f"robot '{robot}': the outlines of the feet overlap with the right foot at dx "
-            f"{support.dx:g} m, dy {support.dy:g} m, dtheta {support.dtheta:g} rad; choose a place "
-            "farther from the left foot",
+            f"robot '{robot}': the outlines of the feet overlap with the right foot at {support}; "
+            "choose a place farther from the left foot",
         )
 
 

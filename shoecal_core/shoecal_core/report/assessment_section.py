@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from shoecal_core.planning.supports.identifiability import describe_support
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.assessment_figures import (
     direction_picture,
@@ -73,7 +72,7 @@ def _expected(content: CalibrationReport, told: Told) -> Group:
 
 def _fixed(content: CalibrationReport, told: Told) -> Group:
     found, support = told.assessment.told, told.assessment.support_to_add
-    add = None if support is None else describe_support(support)
+    add = None if support is None else f"right foot at {support} of the left"
     if found.weak:
         text = (
             "Directions that are not observable keep their initial guess. They change GRF and CoP, "

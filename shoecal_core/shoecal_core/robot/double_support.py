@@ -41,6 +41,12 @@ class DoubleSupport:
         if abs(self.dtheta) > math.tau:
             raise ShoecalError(f"{told}: dtheta is in radians; tell it within one turn")
 
+    def __str__(self) -> str:
+        return (
+            f"dx {self.dx:g} m, dy {self.dy:g} m, dtheta {self.dtheta:g} rad "
+            f"({math.degrees(self.dtheta):.0f} deg)"
+        )
+
     @property
     def rotation(self) -> NDArray[np.float64]:
         """(2, 2) turns vectors of the right sole's frame into the left's."""

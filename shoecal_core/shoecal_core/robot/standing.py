@@ -35,9 +35,8 @@ def check_standing(robot: Robot, fields: Fields) -> None:
     if not feet_gap(robot, neutral) > 0.0:
         raise fields.mapping("support_range").error(
             "dy_m.neutral",
-            f"the outlines of the feet overlap at dx {neutral.dx:g} m, dy {neutral.dy:g} m, "
-            f"dtheta {neutral.dtheta:g} rad; move the right foot farther to the right (dy is "
-            "negative there), or correct feet.*.outline_m",
+            f"the outlines of the feet overlap at {neutral}; move the right foot farther to the "
+            "right (dy is negative there), or correct feet.*.outline_m",
         )
     (left, right), com = _in_posture(robot)
     for name, sole in zip(FEET, (left, right), strict=True):

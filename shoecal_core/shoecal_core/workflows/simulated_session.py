@@ -121,7 +121,7 @@ class _Beginning:
                 count = len(self._plan.runs)
                 self._progress(
                     f"run {index + 1} of {count} cannot be done there; trying another double "
-                    f"support: dx {other.dx:g} m, dy {other.dy:g} m, dtheta {other.dtheta:g} rad",
+                    f"support: {other}",
                     index / count,
                 )
                 planned = replace(planned, support=other)

@@ -75,7 +75,7 @@ class RunSeries:
             await self._move(run)
 
     async def _reach(self, support: DoubleSupport) -> None:
-        place = f"dx {support.dx:g} m, dy {support.dy:g} m, dtheta {support.dtheta:g} rad"
+        place = str(support)
         self._tell("reaching", 0.0, place)
         reached = await self._job.done(
             self._site.reach_client,

@@ -145,7 +145,7 @@ def test_missing_directions() -> None:
     assert f"identify {told.rank} of {told.possible} directions" in finding.reason
     assert "other yaws" in finding.reason
     (finding,) = check_directions(told, DoubleSupport(0.0, -0.12, 0.4))
-    assert "dy -0.12 m, yaw 0.4 rad" in finding.reason
+    assert "dy -0.12 m, dtheta 0.4 rad" in finding.reason
     assert check_directions(dataclasses.replace(told, weak=()), None) == []
     many = tuple(WeakDirection(f"direction {number}", np.inf) for number in range(9))
     (finding,) = check_directions(dataclasses.replace(told, weak=many), None)
@@ -161,7 +161,7 @@ def test_an_expected_cop_error_is_judged_by_the_width_of_the_polygon() -> None:
     added = DoubleSupport(0.0, -0.12, 0.4)
     (failed,) = check_expected(0.025, 0.03, {"left": 0.001}, added)
     assert failed.verdict == "FAIL"
-    assert "yaw 0.4 rad" in failed.reason
+    assert "dtheta 0.4 rad" in failed.reason
 
 
 def test_the_worst_finding_decides_and_all_are_told_worst_first() -> None:

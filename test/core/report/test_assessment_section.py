@@ -10,7 +10,6 @@ import pytest
 from core.report import samples
 from shoecal_core.estimation.assessment import NORMAL_95
 from shoecal_core.estimation.outcome import CalibrationOutcome
-from shoecal_core.planning.supports.identifiability import describe_support
 from shoecal_core.recording.session import Session
 from shoecal_core.report.assessment_content import Told
 from shoecal_core.report.assessment_figures import rms, source_pictures
@@ -101,7 +100,7 @@ def test_what_was_left_open_and_what_to_add(content: CalibrationReport) -> None:
     for weak in found.told.weak:
         assert weak.words in told_words
     assert found.support_to_add is not None
-    assert describe_support(found.support_to_add) in told_words
+    assert str(found.support_to_add) in told_words
     assert f"{found.told.rank} of {told.possible} directions" in told_words
 
 

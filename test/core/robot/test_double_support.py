@@ -86,3 +86,9 @@ def test_supports_that_nearly_coincide_are_one() -> None:
         count_distinct([*near, DoubleSupport(0.0, -0.1, 0.35), DoubleSupport(0.1, -0.1, 0.3)]) == 3
     )
     assert count_distinct([]) == 0
+
+
+def test_in_words_it_has_units() -> None:
+    assert (
+        str(DoubleSupport(0.01, -0.112, 0.26)) == "dx 0.01 m, dy -0.112 m, dtheta 0.26 rad (15 deg)"
+    )

@@ -138,14 +138,6 @@ def best_addition(
     return next((support for support in best if feasible.can_stand(support)), None)
 
 
-def describe_support(support: DoubleSupport) -> str:
-    """Where the right foot stands, in words."""
-    return (
-        f"right foot at dx {support.dx:g} m, dy {support.dy:g} m, yaw {support.dtheta:g} rad "
-        f"({np.degrees(support.dtheta):.0f} deg) of the left"
-    )
-
-
 def _deviations(values: FloatArray, size: float) -> FloatArray:
     """Standard deviations of eigenvalues, infinite where these are rounding at this size."""
     seen = values > size * len(values) * np.finfo(float).eps
