@@ -332,7 +332,7 @@ class Fields:
         return value
 
     def array(self, key: str, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
-        """Finite numbers of a given shape; None in the shape stands for any length."""
+        """Finite numbers of a given shape, None for any length: (None, 3) for (n, 3)."""
         value = self.value(key)
         flat = [self._finite(key, item) for item in _flatten(value)]
         try:

@@ -148,7 +148,7 @@ class Responses(Loads):
     # What of it counts
 
     def settled(self, values: FloatArray) -> FloatArray:
-        """Signals as they count: where a foot stands is only known not to change.
+        """(T, s) signals as they count: where a foot stands is only known not to change.
 
         That soles stand flat is known as well, but for a robot that walks.
         """

@@ -43,7 +43,7 @@ class ResidualWeights:
 
     @classmethod
     def of(cls, settings: CalibrationSettings) -> ResidualWeights:
-        """As a calibration is told to weigh."""
+        """By a calibration's settings."""
         return cls(settings.force_std_n, settings.cop_std_m, settings.correlation_s)
 
     def of_sample(self, stance: Stance) -> float:
@@ -59,7 +59,7 @@ def pack(parameters: ChannelParameters, time_offset: float) -> FloatArray:
 
 
 def unpack(vector: FloatArray) -> tuple[ChannelParameters, float]:
-    """Channel parameters and time offset of a parameter vector."""
+    """Channel parameters and time offset [s] of a parameter vector (2n + 1,)."""
     channels = len(vector) // 2
     return (
         ChannelParameters(vector[:channels], vector[channels : 2 * channels]),
@@ -151,7 +151,7 @@ def rows_of(
     weights: ResidualWeights,
     shares: Sequence[float] | None = None,
 ) -> Callable[[FloatArray], tuple[FloatArray, FloatArray]]:
-    """All residuals of some stances, and their Jacobian, as a function of the vector.
+    """Residuals (r,) of some stances and their Jacobian (r, 2n + 1) as a function of the vector.
 
     Args:
         stances, shoe, weights: to be fitted.

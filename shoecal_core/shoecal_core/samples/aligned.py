@@ -44,7 +44,7 @@ class Aligned:
     states: BodyStates
 
     def part(self, part: NDArray[np.bool_]) -> Aligned:
-        """Some of the samples."""
+        """The samples marked in `part` (T,)."""
         states = BodyStates(
             **{field.name: getattr(self.states, field.name)[part] for field in fields(BodyStates)}
         )

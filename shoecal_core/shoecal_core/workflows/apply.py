@@ -39,7 +39,7 @@ class Applied:
     cop: FloatArray
 
     def columns(self) -> dict[str, FloatArray]:
-        """Each quantity by its name and unit."""
+        """Each quantity (T,) by its name and unit."""
         found = {"time_s": self.time, "grf_n": self.measured.total_grf}
         found |= {"cop_x_m": self.cop[:, 0], "cop_y_m": self.cop[:, 1]}
         for index, foot in enumerate(FEET):
@@ -82,6 +82,6 @@ def _both(measured: Measured, support: FloatArray) -> FloatArray:
     right = np.column_stack((cosine * x - sine * y, sine * x + cosine * y)) + support[:, :2]
     in_left = np.stack((measured.cop[:, 0], right), axis=1)
     both = replace(measured, cop=in_left).combined_cop(DoubleSupport(0.0, 0.0, 0.0))
-    # A right foot that carries something, nobody knows where.
+    # A right foot that carries load, where is not known.
     both[np.isfinite(x) & ~np.isfinite(right[:, 0])] = np.nan
     return both
