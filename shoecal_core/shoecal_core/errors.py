@@ -14,7 +14,7 @@ LONGEST = 2000
 def one_line(text: str) -> str:
     """A text without line breaks and control characters, its middle left out where too long.
 
-    The end stays: it tells the cure.
+    The end stays: it names the cure.
     """
     if len(text) > LONGEST:
         half = LONGEST // 2 - 2
@@ -42,7 +42,7 @@ class ShoecalError(Exception):
 class FileError(ShoecalError):
     """A file that cannot be used: names the file, the field and the cure.
 
-    What is wrong with it is told by the kinds of this error, each with a code of its own.
+    Subclasses say what is wrong with it, each with a code of its own.
 
     Attributes:
         path: the file.

@@ -42,7 +42,7 @@ def meant(given: str, known: Sequence[str]) -> str:
 
 
 def not_yaml(content: bytes) -> str:
-    """What a file is that is no YAML mapping; empty where that cannot be told."""
+    """What a file is that is no YAML mapping; empty where that is not known."""
     text = content[:4096].decode("utf-8", errors="replace").lstrip("\ufeff")
     if not text.strip():
         return "is empty"

@@ -107,7 +107,7 @@ def _missing_channels(workspace: Workspace) -> list[str]:
     tracks = workspace.signal_model.samples.tracks
     lines = []
     if all(track.temperature is None for track in tracks):
-        lines.append("drifts with temperature: none was recorded, so drifts are over time alone")
+        lines.append("drifts with temperature: none was recorded, only drifts over time are found")
     if any(track.efforts is None for track in tracks):
         lines.append("off_axis_load: joint efforts were not recorded")
     if any(track.up is None for track in tracks):

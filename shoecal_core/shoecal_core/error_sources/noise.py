@@ -18,7 +18,7 @@ WHITE = (1.0, -4.0, 6.0, -4.0, 1.0)
 HALF_WITHIN = 0.6745
 """Standard deviations within which half of all normal numbers lie."""
 WALKING = 30.0
-"""Times the errors of a model of a robot that stands: dynamics are foretold far worse."""
+"""Times the errors of a model of a robot that stands: dynamics are predicted far worse."""
 JOLT_S, JOLT_STDS = 1.0, 10.0
 """A jolt is over within half of this, and is so many times what usually is that short."""
 
@@ -59,7 +59,7 @@ def model_error(signal_model: SignalModel, settings: SignalSettings) -> FloatArr
 
 
 def form_error(signal_model: SignalModel, settings: SignalSettings) -> FloatArray:
-    """(s,) what no model tells of each signal: more where the robot walks."""
+    """(s,) what is not modelled of each signal: more where the robot walks."""
     error = model_error(signal_model, settings)
     return np.maximum(error, WALKING * error) if signal_model.samples.walks.any() else error
 

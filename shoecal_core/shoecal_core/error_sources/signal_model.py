@@ -99,7 +99,7 @@ class SignalModel(Responses):
         change = np.zeros_like(self.outputs)
         change[:, channel] = values
         column = self.by_outputs(change, settled=False)
-        # Which way a plane leans is found from the outputs; gains do not tell it.
+        # Which way a plane leans is found from the outputs, whatever the gains.
         column[:, PARITY] = 0.0
         return column
 
@@ -123,7 +123,7 @@ class SignalModel(Responses):
                 others = np.linalg.svd(self.planes[foot, own][None])[2][1:]
                 for values in (*(self.outputs[:, own] @ others.T).T, np.ones(count)):
                     add(PARITY.start + foot, values, FREE)
-        # Accelerations move the zero-moment point; how much, a rigid body tells roughly.
+        # Accelerations move the zero-moment point; how much is roughly as of a rigid body.
         if not self.fast:
             found.append(Nuisance(self.dynamic, FREE))
         for axis in range(TILT.start, TILT.stop):

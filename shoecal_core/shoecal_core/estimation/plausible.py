@@ -119,4 +119,4 @@ def _check_covariance(calibration: Calibration) -> None:
 
 def _refused(calibration: Calibration, why: str) -> ImplausibleError:
     name = calibration.id[:40] if calibration.id.isprintable() else ""
-    return ImplausibleError(f"calibration '{name}' {why}; correct its sender, or calibrate anew")
+    return ImplausibleError(f"calibration '{name}' {why}; correct its sender, or calibrate again")

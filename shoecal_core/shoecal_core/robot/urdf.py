@@ -243,7 +243,7 @@ def read_outline(path: Path) -> Outline:
 def _parse(
     path: Path, text: str, start: Callable[[str, dict[str, str]], None], end: Callable[[str], None]
 ) -> None:
-    """Tell of every element of an XML file."""
+    """Call back for every element of an XML file."""
 
     def refuse(*_: object) -> None:
         raise UrdfError(path, "declares a document type; leave <!DOCTYPE> out")
@@ -308,7 +308,7 @@ def _check_joints(path: Path, model: pin.Model) -> None:
 
 
 class _Reader:
-    """What stands in a URDF and the parser does not tell, or does not tell where.
+    """What is in a URDF and the parser does not report, or does not report where.
 
     Attributes:
         masses: of each link as it is written down [kg].

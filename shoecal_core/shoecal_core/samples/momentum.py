@@ -35,7 +35,7 @@ def base_in_stance(states: BodyStates, frame: NDArray[np.int64]) -> tuple[FloatA
 
 
 def angular_momentum(poses: FloatArray, time: FloatArray, robot: Robot) -> FloatArray:
-    """(F, 3) of the whole body about its CoM, along the axes that the base is told in [N m s].
+    """(F, 3) of the whole body about its CoM, along the axes of the base's poses [N m s].
 
     Args:
         poses: (F, 7 + m) origin and orientation of the base, joint angles.
@@ -60,7 +60,7 @@ def standing_spin(
     Args:
         angles: (F, m) of the joints, smooth enough to be differentiated twice [rad].
         time: (F,) [s].
-        frame: (F,) foot that stands, in whose sole frame it is told.
+        frame: (F,) foot that stands, in whose sole frame the result is.
     """
     states = Kinematics(robot).states(angles)
     found = np.zeros((len(time), 2))

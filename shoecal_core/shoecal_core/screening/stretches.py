@@ -13,7 +13,7 @@ Stretch = tuple[float, float]
 
 JOIN_S = 1.0
 """Stretches no farther apart are reported as one [s]."""
-MOST_LISTED = 3
+MOST_TIMES = 3
 """So many stretches are named by their times; the others are counted."""
 
 
@@ -52,11 +52,11 @@ def lasting(mask: BoolArray, time: FloatArray, least_s: float) -> BoolArray:
 
 def list_stretches(found: Sequence[Stretch]) -> str:
     """When it was, the longest stretches: `at 3.2 s, 7.0 to 8.5 s`; empty without any."""
-    longest = sorted(found, key=lambda one: one[0] - one[1])[:MOST_LISTED]
+    longest = sorted(found, key=lambda one: one[0] - one[1])[:MOST_TIMES]
     parts = [
         f"{start:.1f} s" if end - start < 0.05 else f"{start:.1f} to {end:.1f} s"
         for start, end in sorted(longest)
     ]
-    if len(found) > MOST_LISTED:
-        parts.append(f"{len(found) - MOST_LISTED} more times")
+    if len(found) > MOST_TIMES:
+        parts.append(f"{len(found) - MOST_TIMES} more times")
     return f"at {', '.join(parts)}" if parts else ""

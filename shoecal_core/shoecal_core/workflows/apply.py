@@ -12,7 +12,7 @@ from shoecal_core.recording.run import Run
 from shoecal_core.recording.schemas import GOOD
 from shoecal_core.robot.double_support import DoubleSupport
 from shoecal_core.robot.kinematics import Kinematics
-from shoecal_core.samples.aligned import MAX_JOINT_GAP_S, align, told_joints
+from shoecal_core.samples.aligned import MAX_JOINT_GAP_S, align, recorded_joints
 from shoecal_core.samples.zeros import with_own_zeros
 from shoecal_core.screening.extract import zeros_of
 from shoecal_core.shoe.sensing import Measured, Sensing
@@ -59,7 +59,7 @@ def apply(run: Run, sensing: Sensing, kinematics: Kinematics) -> Applied:
     readings, robot = run.readings, kinematics.robot
     good = np.isfinite(readings.value) & (readings.status == GOOD)
     measured = sensing.measure(np.where(good, readings.value, np.nan))
-    names = told_joints(run, robot)
+    names = recorded_joints(run, robot)
     angles, covered = interpolate_joints(run.joints, readings.time, MAX_JOINT_GAP_S, names=names)
     states = kinematics.states(robot.from_measured(names, angles[covered]))
     support = np.full((len(readings.time), 3), np.nan)
