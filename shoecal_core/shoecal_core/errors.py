@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from pathlib import Path
 
 LONGEST = 2000
-"""Letters of a message; what is put into it may be anybody's."""
+"""Letters of a message; what is put into it may be of any length."""
 
 
 def one_line(text: str) -> str:

@@ -1,4 +1,4 @@
-"""What somebody has given instead of what was asked for: files of another kind, mistyped keys."""
+"""What was given instead of what was asked for: files of another kind, mistyped keys."""
 
 from __future__ import annotations
 

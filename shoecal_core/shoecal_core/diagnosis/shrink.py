@@ -19,7 +19,7 @@ DRAWS = 400
 
 
 def gap(workspace: Workspace, rest: FloatArray) -> Gap:
-    """Errors against the model on the test runs, of residuals (T, s), and their floor."""
+    """Errors against the model on the test runs [mm, N], of residuals (T, s), and their floor."""
     cop, grf = maes(workspace, rest, judged(workspace))
     noise = workspace.floor
     return Gap(

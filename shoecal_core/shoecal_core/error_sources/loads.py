@@ -109,7 +109,7 @@ class Loads:
 
     @property
     def usual_range(self) -> FloatArray:
-        """(n,) of the outputs in the median run, while both feet stand."""
+        """(n,) of the outputs in the median run, while both feet stand [N or N m]."""
         samples = self.samples
         ranges = [
             np.ptp(self.outputs[here], axis=0)

@@ -74,7 +74,7 @@ class SignalModel(Responses):
 
     @cached_property
     def residuals(self) -> FloatArray:
-        """(T, s) measured minus modelled; zero where a signal is not there."""
+        """(T, s) measured minus modelled, in the signals' units; zero where a signal is missing."""
         samples = self.samples
         found = np.zeros((len(samples.run), len(SIGNALS)))
         found[:, GRF] = (self.wrench[:, 0] - samples.force)[:, None]
@@ -152,7 +152,7 @@ class SignalModel(Responses):
 
     @cached_property
     def zero_errors(self) -> FloatArray:
-        """(3,) of height, roll and pitch between the soles, by what joints' zeros are off."""
+        """(3,) of height [m], roll and pitch [rad] between the soles, by errors of joint zeros."""
         answer = self.jacobians.closure[:, FLAT_OF_CLOSURE]
         spread: FloatArray = np.sqrt(np.mean(np.sum(answer**2, axis=2), axis=0))
         return self.zero_std * spread
@@ -165,7 +165,7 @@ class SignalModel(Responses):
 
     @cached_property
     def standing_errors(self) -> FloatArray:
-        """(s,) standard deviation of what a stance adds to each signal by itself.
+        """(s,) standard deviation of what a stance adds to each signal by itself, in its unit.
 
         From the encoders' steps, each joint by itself; the vertical force has the scatter of a
         robot that braces its legs against each other.

@@ -72,7 +72,7 @@ class BandTransform:
 
 
 def signals_of(groups: NDArray[np.int64]) -> NDArray[np.int64]:
-    """(G,) signal of each group."""
+    """(G,) index of the signal of each group."""
     return groups // BANDS
 
 

@@ -32,7 +32,7 @@ LARGEST_UNIT = 2000.0
 
 
 def sheet_ratios(shoe: Shoe, parameters: ChannelParameters) -> FloatArray:
-    """(n,) size of each gain over its data sheet's; NaN where there is none."""
+    """(n,) ratio of each gain to its data sheet's; NaN where there is none."""
     sheet = np.array([abs(one.nominal_gain or np.nan) for one in shoe.channels])
     ratio: FloatArray = np.abs(parameters.gain) / sheet
     return ratio

@@ -138,7 +138,7 @@ def drift_of(
     *,
     false_alarm: float = FALSE_ALARM,
 ) -> Drift:
-    """Drift by the comparison of a loaded robot, for readings (n,); arguments as `check_drift`."""
+    """Drift by the comparison of a loaded robot, for raw readings (n,); see `check_drift`."""
     own = np.diag(found.variance(readings, calibration.covariance))
     variance = _expected(own[:3], found.tolerance[:3], shared=shares_model(calibration))
     normal = NormalDist().inv_cdf(1.0 - false_alarm / 2.0)

@@ -1,4 +1,4 @@
-"""Is a calibration one that any robot could have? Asked of what comes from somebody else."""
+"""Is a calibration one that any robot could have? Checked of calibrations from other programs."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class ResidualWeights:
 
 
 def pack(parameters: ChannelParameters, time_offset: float) -> FloatArray:
-    """(2n + 1,) parameter vector."""
+    """(2n + 1,) parameter vector: gains, offsets [N or N m], time offset [s]."""
     return np.concatenate((parameters.gain, parameters.offset, [time_offset]))
 
 
@@ -68,7 +68,7 @@ def unpack(vector: FloatArray) -> tuple[ChannelParameters, float]:
 
 
 def errors(vector: FloatArray, stance: Stance, weights: ResidualWeights) -> FloatArray:
-    """Residuals (3T,): all r_F, then all r_Cx, then all r_Cy."""
+    """Residuals (3T,) in standard deviations: all r_F, then all r_Cx, then all r_Cy."""
     force, place = _measured(vector, stance)
     off = place - stance.cop - vector[-1] * stance.cop_rate
     return np.concatenate(((force - stance.force) / weights.force, *(off / weights.cop).T))

@@ -45,7 +45,7 @@ def weigh(shoe: Shoe, readings: Mapping[int, FloatArray], zeros: Sequence[Zero])
 
     Args:
         shoe: of the readings.
-        readings: (T, n) of each whole run.
+        readings: (T, n) raw, of each whole run.
         zeros: of the runs.
     """
     laws = [data_sheet(shoe, foot) for foot in range(len(FEET))]

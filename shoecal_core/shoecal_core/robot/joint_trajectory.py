@@ -89,14 +89,14 @@ class JointTrajectory:
         return JointTrajectory(robot.joint_names, times, positions)
 
     def at(self, times: FloatArray) -> FloatArray:
-        """(..., k) positions at times (...); the first point before the start, the last after."""
+        """(..., k) positions [rad] at times (...) [s]; held before the start and after the end."""
         if len(self.times) == 1:
             return np.broadcast_to(self.positions[0], (*np.shape(times), len(self.names)))
         positions: FloatArray = self._curve(np.clip(times, self.times[0], self.times[-1]))
         return positions
 
     def rates(self, times: FloatArray) -> FloatArray:
-        """(..., k) velocities at times (...) [rad/s]; none before the start and after the end."""
+        """(..., k) velocities [rad/s] at times (...) [s]; zero before the start, after the end."""
         if len(self.times) == 1:
             return np.zeros((*np.shape(times), len(self.names)))
         # At both ends they are zero, as they are beyond.

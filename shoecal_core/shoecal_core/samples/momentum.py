@@ -18,7 +18,7 @@ FloatArray = NDArray[np.float64]
 
 
 def base_in_stance(states: BodyStates, frame: NDArray[np.int64]) -> tuple[FloatArray, FloatArray]:
-    """Orientation (T, 4) x, y, z, w and origin (T, 3) of the base in a foot's sole frame.
+    """Orientation (T, 4) x, y, z, w and origin (T, 3) [m] of the base in a foot's sole frame.
 
     Args:
         frame: (T,) the foot, 0 left, 1 right.

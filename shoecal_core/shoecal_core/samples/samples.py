@@ -108,7 +108,7 @@ class Samples:
 
     @property
     def frame(self) -> IntArray:
-        """(T,) foot whose sole frame a sample is in: the right one while the left hangs."""
+        """(T,) foot (0 or 1) whose sole frame a sample is in: the right while the left hangs."""
         return np.where(self.loaded[:, 0], 0, 1)
 
     @cached_property

@@ -93,7 +93,7 @@ class Stance:
 
     @property
     def reference(self) -> FloatArray:
-        """(T, 3) wrench that the model expects."""
+        """(T, 3) wrench F, Mx, My that the model expects [N, N m]."""
         return at_cop(self.force, self.cop)
 
     def part(self, part: slice | NDArray[np.bool_]) -> Stance:

@@ -49,7 +49,7 @@ class Zero:
 
     @property
     def reading(self) -> FloatArray:
-        """(n,) means."""
+        """(n,) means of the raw readings."""
         return np.asarray(self.readings.mean(axis=0))
 
     @property

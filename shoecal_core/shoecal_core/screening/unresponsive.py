@@ -84,7 +84,7 @@ def stuck(runs: Mapping[int, ReadingBlocks], found: Sequence[StuckBlocks]) -> li
 
 
 def joined(runs: Mapping[int, ReadingBlocks]) -> FloatArray:
-    """(B, n) readings of all runs, one after the other."""
+    """(B, n) raw readings of the blocks of all runs, one after the other."""
     return np.concatenate([blocks.readings for blocks in runs.values()])
 
 

@@ -1,4 +1,4 @@
-"""Was a run recorded under another weight: with a load in the hands, or held by somebody?
+"""Was a run recorded under another weight: with a load in the hands, or while it was held?
 
 Each run's forces are computed with gains and offsets fitted to the other runs alone. An error that
 all runs have in common looks like wrong gains.

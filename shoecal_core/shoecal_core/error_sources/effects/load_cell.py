@@ -27,7 +27,7 @@ WARM_UP = 0.3
 
 
 def shown(signal_model: SignalModel, channels: NDArray[np.int64], values: FloatArray) -> FloatArray:
-    """(T, s) when these channels show `values` (T, k) more than they feel."""
+    """(T, s) when these channels show `values` (T, k) [N or N m] more than they feel."""
     change = np.zeros_like(signal_model.outputs)
     change[:, channels] = values
     return signal_model.by_outputs(change)
