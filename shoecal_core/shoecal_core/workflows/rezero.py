@@ -219,7 +219,7 @@ def _require_drift(shoe: Shoe, change: FloatArray, largest: float) -> None:
     if abs(change[worst]) > largest:
         raise RezeroError(
             f"'{shoe.names[worst]}' is off by {change[worst]:.2f} N, more than a drift "
-            f"({largest:g} N): see that nothing touches the robot, else calibrate anew"
+            f"({largest:g} N): see that nothing touches the robot, else calibrate again"
         )
 
 
