@@ -14,7 +14,7 @@ import shoecal_core
 ROOT = Path(shoecal_core.__file__).parent
 
 ARRAY = re.compile(r"\b(FloatArray|BoolArray|IntArray|NDArray)\b")
-AXIS = r"(?:[0-9]*[a-wA-Z]\'?|[0-9]+|[A-Z][A-Z_]+|T_run|count|feet|njoints|nq|segments|size|width)"
+AXIS = r"(?:[0-9]*[a-wA-Z]'?|[0-9]+|[A-Z][A-Z_]+|T_run|count|feet|njoints|nq|segments|size|width)"
 SIZE = rf"(?:\.\.\.|{AXIS}(?: [-+] {AXIS})?)"
 SHAPE = re.compile(rf"\({SIZE},(?: {SIZE}(?:, {SIZE})*)?\)")
 """(3,), (T, n), (..., 3), (2n + 1, BANDS); values such as (x, y) are none."""
